@@ -35,16 +35,16 @@ NEVER = 2.0
 @entry_point("ties")
 def breaks(table: int, h: float, n: int) -> bool:
     """Release what reached its limit first in this step of n bounded rows; whether any did."""
-    ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
+    ties = at.ties(table)
     first, made, broken = NEVER, at.made(table), at.broken(table)
     for i in range(len(ties)):
-        if states[i]["held"] == 1 and ties[i]["breaks_at"] < math.inf:
-            results[i]["load"] = _load(table, h, n, i)
-            first = min(first, _when(results[i]["load"], ties[i]["breaks_at"], states[i]["load"]))
+        if ties[i]["held"] == 1 and ties[i]["breaks_at"] < math.inf:
+            ties[i]["load"] = _load(table, h, n, i)
+            first = min(first, _when(ties[i]["load"], ties[i]["breaks_at"], ties[i]["last_load"]))
     for i in range(len(ties)):
-        if states[i]["held"] == 0:
+        if ties[i]["held"] == 0:
             continue
-        load, most, last = results[i]["load"], ties[i]["breaks_at"], states[i]["load"]
+        load, most, last = ties[i]["load"], ties[i]["breaks_at"], ties[i]["last_load"]
         when = _when(load, most, last)
         if when > first + TOGETHER or when > 1.0:
             continue
@@ -52,7 +52,7 @@ def breaks(table: int, h: float, n: int) -> bool:
         share = 0.0
         if last == last:
             share = max((when - 0.5) * most, -0.5 * last) / load
-        states[i]["held"], results[i]["broke"] = 0, 1
+        ties[i]["held"], ties[i]["broke"] = 0, 1
         if made[2] < len(broken):  # there is room to write it down
             one = broken[made[2]]
             one["tie"], one["row"], one["when"] = i, made[1], when
@@ -81,21 +81,20 @@ def _when(load: float, most: float, last: float) -> float:
 
 @kernel
 def _load(table: int, h: float, n: int, tie: int) -> float:
-    what, i, unknown = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"], (
-        at.unknowns(table)[3])
+    what, i = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"]
+    rows, unknown = at.rows(table), at.unknowns(table)[3]
     if what == JOINED:
-        out = at.joint_results(table)[i]
-        joint_force(h, at.joints(table)[i], out, unknown)
-        rows = at.rows(table)
+        joint = at.joints(table)[i]
+        joint_force(h, joint, unknown)
         for k in range(n):
             if rows[k]["source"] == LIMITED and (
                     at.limits(table)[rows[k]["index"]]["joint"] == i):
                 add_limit(table, h, k)
-        return math.hypot(out["fx"], out["fy"])
+        return math.hypot(joint["fx"], joint["fy"])
     if what == SPRINGY:
         row = at.springs(table)[i]["row"]
         return float(abs(
-            unknown[row] / h if row >= 0 else at.spring_results(table)[i]["effort"]))
+            unknown[row] / h if row >= 0 else at.springs(table)[i]["effort"]))
     cord = at.cords(table)[i]
     if cord["kind"] != GRIPPED:
         return _tension(table, h, i)
@@ -109,8 +108,8 @@ def _load(table: int, h: float, n: int, tie: int) -> float:
 def _tension(table: int, h: float, i: int) -> float:
     row = at.cords(table)[i]["row"]
     if row < 0:
-        return float(at.cord_results(table)[i]["tension"])
-    return max(at.unknowns(table)[3][row] / h, 0.0) if at.cord_states(table)[i]["active"] else 0.0
+        return float(at.cords(table)[i]["tension"])
+    return max(at.unknowns(table)[3][row] / h, 0.0) if at.cords(table)[i]["active"] else 0.0
 
 
 @kernel
@@ -143,37 +142,36 @@ def _kick(table: int, b: int, x: float, y: float, t: float) -> None:
 
 @kernel
 def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
-    joint, out = at.joints(table)[j], at.joint_results(table)[j]
-    out["fx"] *= share
-    out["fy"] *= share
-    out["couple"] *= share
+    joint = at.joints(table)[j]
+    joint["fx"] *= share
+    joint["fy"] *= share
+    joint["couple"] *= share
     _cut_rows(table, joint["entry"], joint["entries"], share)
     _cut_bounded(table, n, j, share)
-    springs, actions, given = at.springs(table), at.actions(table), at.action_results(table)
+    springs, actions = at.springs(table), at.actions(table)
     for k in range(len(springs)):
         if springs[k]["hinge_tie"] == joint["tie"] and holds(table, springs[k]["tie"]):
             _cut_spring(table, h, k, share)
     for k in range(len(actions)):  # the torque or push that a drive gives is taken back
         if actions[k]["tie"] == joint["tie"] and actions[k]["motor"] < 0:
-            _kick_along(table, actions[k], at.joint_results(table)[actions[k]["joint"]],
-                        -h * given[k]["torque"])
-            given[k]["torque"] = 0.0
+            _kick_along(table, at.joints(table)[actions[k]["joint"]], -h * actions[k]["torque"])
+            actions[k]["torque"] = 0.0
 
 
 @kernel
 def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
     """The same of its limits and dry friction, and of motors and servos about it."""
-    rows, limits, ends = at.rows(table), at.limits(table), at.limit_states(table)
-    motors, tie = at.motor_states(table), at.joints(table)[j]["tie"]
+    rows, limits = at.rows(table), at.limits(table)
+    motors, tie = at.motors(table), at.joints(table)[j]["tie"]
     for k in range(len(limits)):
         if limits[k]["joint"] == j:
-            ends[k]["impulse"] = 0.0
+            limits[k]["impulse"] = 0.0
     for k in range(n):
         source, i, p = rows[k]["source"], rows[k]["index"], share * rows[k]["p"]
         if source == LIMITED and limits[i]["joint"] == j:
-            ends[i]["impulse"] = p
+            limits[i]["impulse"] = p
         elif source == JOINT_FRICTION and at.dry_friction(table)[i]["joint"] == j:
-            at.dry_friction_states(table)[i]["impulse"] = p
+            at.dry_friction(table)[i]["impulse"] = p
         elif source == DRIVEN and at.motors(table)[i]["tie"] == tie:
             motors[i]["impulse"] = p
         else:
@@ -182,36 +180,36 @@ def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
 
 
 @kernel
-def _kick_along(table: int, element: Any, out: Any, p: float) -> None:
-    _kick(table, element["b"], p * out["dx"], p * out["dy"], p * out["tb"])
-    _kick(table, element["a"], -p * out["dx"], -p * out["dy"], p * out["ta"])
+def _kick_along(table: int, element: Any, p: float) -> None:
+    _kick(table, element["b"], p * element["dx"], p * element["dy"], p * element["tb"])
+    _kick(table, element["a"], -p * element["dx"], -p * element["dy"], p * element["ta"])
 
 
 @kernel
 def _cut_spring(table: int, h: float, k: int, share: float) -> None:
-    s, out = at.springs(table)[k], at.spring_results(table)[k]
+    s = at.springs(table)[k]
     if s["row"] >= 0:
-        out["effort"] = share * at.unknowns(table)[3][s["row"]] / h
+        s["effort"] = share * at.unknowns(table)[3][s["row"]] / h
         _cut_rows(table, s["entry"], 2, share)
     else:
-        _kick_along(table, s, out, (share - 1.0) * h * out["effort"])
-        out["effort"] *= share
+        _kick_along(table, s, (share - 1.0) * h * s["effort"])
+        s["effort"] *= share
 
 
 @kernel
 def _cut_cord(table: int, h: float, i: int, share: float) -> None:
-    cord, out = at.cords(table)[i], at.cord_results(table)[i]
+    cord = at.cords(table)[i]
     if cord["kind"] == GRIPPED:
-        at.cord_states(table)[i]["active"] = 0
+        cord["active"] = 0
         return
     tension = _tension(table, h, i)
     if cord["row"] >= 0:
-        if at.cord_states(table)[i]["active"]:
+        if cord["active"]:
             _give(table, cord["entry"], cord["entries"], share * h * tension)
-        at.cord_states(table)[i]["active"] = 0
+        cord["active"] = 0
     else:
-        guides, pulls, p = at.guides(table), at.guide_results(table), (share - 1.0) * h * tension
+        guides, p = at.guides(table), (share - 1.0) * h * tension
         for g in range(cord["first"], cord["last"]):
-            _kick(table, guides[g]["body"], -p * pulls[g]["jx"], -p * pulls[g]["jy"],
-                  -p * pulls[g]["jt"])
-    out["tension"] = share * tension
+            _kick(table, guides[g]["body"], -p * guides[g]["jx"], -p * guides[g]["jy"],
+                  -p * guides[g]["jt"])
+    cord["tension"] = share * tension

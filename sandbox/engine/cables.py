@@ -36,55 +36,55 @@ def _near(angle: float, last: float) -> float:
 
 @kernel
 def measure(
-    cord: Any, guides: Records, memory: Records, results: Records, pose: Array, start: bool,
+    cord: Any, guides: Records, pose: Array, start: bool,
 ) -> float:
     """Length of a tendon [m] at ``pose`` [nb, 3]; fills its J. ``start``: count turns anew."""
-    length = _along(cord, guides, memory, results, pose, start)
+    length = _along(cord, guides, pose, start)
     if cord["lifts"] and not start:
         for _ in range(2 * (cord["last"] - cord["first"])):
-            if not _lay(cord, guides, memory, pose):
+            if not _lay(cord, guides, pose):
                 break
-            length = _along(cord, guides, memory, results, pose, start)
+            length = _along(cord, guides, pose, start)
     return length
 
 
 @kernel
 def _along(
-    cord: Any, guides: Records, memory: Records, results: Records, pose: Array, start: bool,
+    cord: Any, guides: Records, pose: Array, start: bool,
 ) -> float:
     """The length over the guides that the cord lies on, as :func:`measure` has it."""
     length = 0.0
     first, last = cord["first"], cord["last"]
     for i in range(first, last):
-        results[i]["jx"] = results[i]["jy"] = results[i]["jt"] = 0.0
+        guides[i]["jx"] = guides[i]["jy"] = guides[i]["jt"] = 0.0
     angle_in = angle_out = 0.0
     i = first
     while i < last - 1:
         j = i + 1
-        while memory[j]["lifted"]:  # the last one never is
+        while guides[j]["lifted"]:  # the last one never is
             j += 1
-        a, b, on_a, on_b = guides[i], guides[j], results[i], results[j]
+        a, b = guides[i], guides[j]
         ra, rb = a["radius"], b["radius"]
         straight, ux, uy, ax, ay, bx, by = _stretch(a, b, pose)
         nx, ny = -uy, ux
         length += straight
-        on_a["jx"] -= ux
-        on_a["jy"] -= uy
-        on_a["jt"] -= (ax + ra * nx) * uy - (ay + ra * ny) * ux
-        on_b["jx"] += ux
-        on_b["jy"] += uy
-        on_b["jt"] += (bx + rb * nx) * uy - (by + rb * ny) * ux
+        a["jx"] -= ux
+        a["jy"] -= uy
+        a["jt"] -= (ax + ra * nx) * uy - (ay + ra * ny) * ux
+        b["jx"] += ux
+        b["jy"] += uy
+        b["jt"] += (bx + rb * nx) * uy - (by + rb * ny) * ux
         angle = math.atan2(ny, nx)
         if i == first:
             angle_out = angle
             if ra != 0.0 and not cord["closed"]:
-                length -= ra * _unwound(angle - pose[a["body"], 2], memory[i], start)
+                length -= ra * _unwound(angle - pose[a["body"], 2], a, start)
         elif ra != 0.0:
-            length += abs(ra) * _wrapped(a, angle_in - angle, memory[i], start)
+            length += abs(ra) * _wrapped(a, angle_in - angle, start)
         if rb != 0.0 and j == last - 1:
-            length += (abs(rb) * _wrapped(b, angle - angle_out, memory[j], start)
+            length += (abs(rb) * _wrapped(b, angle - angle_out, start)
                        if cord["closed"]
-                       else rb * _unwound(angle - pose[b["body"], 2], memory[j], start))
+                       else rb * _unwound(angle - pose[b["body"], 2], b, start))
         angle_in = angle
         i = j
     return length
@@ -109,7 +109,7 @@ def _stretch(
 
 
 @kernel
-def _lay(cord: Any, guides: Records, memory: Records, pose: Array) -> bool:
+def _lay(cord: Any, guides: Records, pose: Array) -> bool:
     """Take the cord off the wheel that it would have to push from, or lay it on one; whether so.
 
     The angle by which it lies on a wheel goes on below 0 where it is off, as if it were on: it is
@@ -121,51 +121,51 @@ def _lay(cord: Any, guides: Records, memory: Records, pose: Array) -> bool:
         if not guides[i]["lifts"]:
             before = i
             continue
-        if not memory[i]["lifted"]:
+        if not guides[i]["lifted"]:
             before = i
-            wrong = -memory[i]["wrap"] - GRAZE
+            wrong = -guides[i]["wrap"] - GRAZE
         else:
             after = i + 1
-            while memory[after]["lifted"]:
+            while guides[after]["lifted"]:
                 after += 1
             on, off = _stretch(guides[before], guides[i], pose), _stretch(
                 guides[i], guides[after], pose)
             turn = math.atan2(on[1], -on[2]) - math.atan2(off[1], -off[2])
-            wrong = _wrapped(guides[i], turn, memory[i], False)
+            wrong = _wrapped(guides[i], turn, False)
         if wrong > worst:
             worst, which = wrong, i
     if which >= 0:
-        memory[which]["lifted"] = 1 - memory[which]["lifted"]
+        guides[which]["lifted"] = 1 - guides[which]["lifted"]
     return which >= 0
 
 
 @kernel
-def _wrapped(guide: Any, turn: float, memory: Any, start: bool) -> float:
+def _wrapped(guide: Any, turn: float, start: bool) -> float:
     """The angle by which a cord lies on a wheel [rad] over which its direction turns by so much."""
     wrap = turn if guide["radius"] > 0 else -turn
     # a cord that just touches its wheel must not go once round it by rounding
     wrap = ((wrap + GRAZE) % (2 * math.pi) - GRAZE + 2 * math.pi * guide["turns"] if start
-            else _near(wrap, memory["wrap"]))
-    memory["wrap"] = wrap
+            else _near(wrap, guide["wrap"]))
+    guide["wrap"] = wrap
     return wrap
 
 
 @kernel
-def _unwound(angle: float, memory: Any, start: bool) -> float:
+def _unwound(angle: float, guide: Any, start: bool) -> float:
     """How far the point where a wound cord leaves its wheel has gone since t = 0 [rad]."""
-    psi = angle if start else _near(angle, memory["wrap"])
-    memory["wrap"] = psi
+    psi = angle if start else _near(angle, guide["wrap"])
+    guide["wrap"] = psi
     if start:
-        memory["wrap0"] = psi
-    return float(psi - memory["wrap0"])
+        guide["wrap0"] = psi
+    return float(psi - guide["wrap0"])
 
 
 @kernel
-def wound_up(cord: Any, guides: Records, memory: Records) -> float:
+def wound_up(cord: Any, guides: Records) -> float:
     """How much of a cord the wheels at its ends have wound up since t = 0 [m], as last measured."""
     first, last = cord["first"], cord["last"] - 1
-    return float(guides[last]["radius"] * (memory[last]["wrap"] - memory[last]["wrap0"])
-                 - guides[first]["radius"] * (memory[first]["wrap"] - memory[first]["wrap0"]))
+    return float(guides[last]["radius"] * (guides[last]["wrap"] - guides[last]["wrap0"])
+                 - guides[first]["radius"] * (guides[first]["wrap"] - guides[first]["wrap0"]))
 
 
 LEAST = 1e-3
@@ -178,12 +178,8 @@ DRAG = 1e-7
 class CordTables(NamedTuple):
     """CORD, GUIDE and what belongs to them, spans behind whole cords; SLIP."""
 
-    constants: Records
-    state: Records
-    result: Records
+    cords: Records
     guides: Records
-    guide_state: Records
-    guide_result: Records
     slips: Records
     drag: Array  # Of the slips of loops [N s^2/m], 0 of others
     sums: list[tuple[int, int]]
@@ -205,28 +201,26 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
     guides["x"], guides["y"] = (tendons.guide_at[path] - places.model.bodies.centre[body]).T
     cords = whole + len(spans)
     found = CordTables(
-        np.zeros(cords, records.CORD), np.zeros(cords, records.CORD_STATE),
-        np.zeros(cords, records.CORD_RESULT), guides, np.zeros(len(path), records.GUIDE_STATE),
-        np.zeros(len(path), records.GUIDE_RESULT), np.zeros(len(tendons.grips), records.SLIP),
+        np.zeros(cords, records.CORD), guides, np.zeros(len(tendons.grips), records.SLIP),
         np.zeros(len(tendons.grips)), [])
-    found.state["active"] = 1
+    found.cords["active"] = 1
     off = lifted_at_start(places.model)[path]
-    found.guide_state["lifted"], found.guide_state["wrap"] = off, np.where(off, ASIDE, 0.0)
+    guides["lifted"], guides["wrap"] = off, np.where(off, ASIDE, 0.0)
     for name in ("row", "drive", "stiffener", "whole", "into", "out_of"):
-        found.constants[name] = -1
+        found.cords[name] = -1
     responses, stiff = cord_responses(places.model), stiff_cords(places.model, h)
-    found.constants["response"][:whole] = responses
-    for e, cord in enumerate(found.constants[:whole]):
+    found.cords["response"][:whole] = responses
+    for e, cord in enumerate(found.cords[:whole]):
         cord["first"], cord["last"] = tendons.first[e], tendons.first[e + 1]
         cord["closed"], cord["drive"] = tendons.closed[e], tendons.drive[e]
         cord["lifts"] = guides["lifts"][cord["first"]:cord["last"]].any()
         cord["stiffener"] = tendons.stiffener[e]
-        found.state[e]["k"], cord["c"] = tendons.stiffness[e], tendons.damping[e]
+        found.cords[e]["k"], cord["c"] = tendons.stiffness[e], tendons.damping[e]
         length = _measured(places, found, e)
         rest = length if np.isnan(tendons.rest[e]) else tendons.rest[e]
         if not np.isnan(tendons.pretension[e]):
             rest = length - tendons.pretension[e] / tendons.stiffness[e]
-        found.state[e]["rest"] = rest + tendons.slack[e]
+        found.cords[e]["rest"] = rest + tendons.slack[e]
         if len(tendons.gripped(e)):
             cord["kind"] = records.GRIPPED
             continue
@@ -239,15 +233,14 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
 
 
 def _measured(places: PlacedBodies, found: CordTables, e: int) -> float:
-    length = measure(found.constants[e], found.guides, found.guide_state,
-                             found.guide_result, places.pose, True)
-    found.result[e]["length"] = length
+    length = measure(found.cords[e], found.guides, places.pose, True)
+    found.cords[e]["length"] = length
     return float(length)
 
 
 def _add_row(found: CordTables, rows: Rows, e: int, slides: list[int]) -> None:
     """The row of a cord: entries of its bodies, then of what slips into it and out of it."""
-    cord = found.constants[e]
+    cord = found.cords[e]
     bodies = sorted(set(found.guides["body"][cord["first"]:cord["last"]].tolist()))
     cord["row"], cord["entry"] = rows.add(*bodies, *slides)
     cord["entries"] = len(bodies)
@@ -262,7 +255,7 @@ def _add_spans(
     tendons, bodies = places.model.tendons, len(places.inverse_mass)
     whole, guide = len(tendons.name), len(tendons.guide_body)
     for e, span in enumerate(spans, start=whole):
-        cord, own = found.constants[e], found.constants[span.tendon]
+        cord, own = found.cords[e], found.cords[span.tendon]
         cord["first"], cord["last"] = guide, guide + len(span.guides)
         guide += len(span.guides)
         cord["lifts"] = found.guides["lifts"][cord["first"]:cord["last"]].any()
@@ -271,8 +264,8 @@ def _add_spans(
             own["spans"] = e
         own["spans_end"] = e + 1
         _measured(places, found, e)
-        rest = found.state[span.tendon]["rest"]
-        found.state[e]["k"] = found.state[span.tendon]["k"] * rest
+        rest = found.cords[span.tendon]["rest"]
+        found.cords[e]["k"] = found.cords[span.tendon]["k"] * rest
         cord["c"] = own["c"] * rest
         if span.out_of < 0 and own["drive"] >= 0:
             cord["kind"], cord["drive"] = records.PULL, own["drive"]
@@ -285,22 +278,22 @@ def _add_spans(
         if span.out_of >= 0:
             cord["out_of"] = entry
     stiff = stiff_cords(places.model, h)
-    for e in np.flatnonzero(found.constants["kind"] == records.GRIPPED).tolist():
-        own, length = found.constants[e], float(found.result[e]["length"])
+    for e in np.flatnonzero(found.cords["kind"] == records.GRIPPED).tolist():
+        own, length = found.cords[e], float(found.cords[e]["length"])
         part = slice(int(own["spans"]), int(own["spans_end"]))
         # what is in a span at t = 0 is stretched like the whole, or its share of the slack; what
         # lies on wheels that hold the cord is stretched, too, but does not hang
-        lengths, rest = found.result["length"][part], float(found.state[e]["rest"])
+        lengths, rest = found.cords["length"][part], float(found.cords[e]["rest"])
         inside = lengths * (
             rest / length if rest <= length else 1 + (rest - length) / lengths.sum())
-        found.state["rest"][part] = found.state["inside"][part] = inside
-        found.constants["least"][part] = LEAST * inside
+        found.cords["rest"][part] = found.cords["inside"][part] = inside
+        found.cords["least"][part] = LEAST * inside
         # all spans are solved alike: at the step's end if one of them is too stiff
-        largest = (found.state["k"][part] / inside).max()
+        largest = (found.cords["k"][part] / inside).max()
         quick = h * h * largest * own["response"] > records.SOFT
-        of_row = found.constants["row"][part] >= 0
+        of_row = found.cords["row"][part] >= 0
         kind = records.STIFF if stiff[e] or quick else records.EVEN
-        found.constants["kind"][part][of_row] = kind
+        found.cords["kind"][part][of_row] = kind
         if own["closed"]:
             found.drag[places.model.tendons.gripped(e)] = DRAG * h * h * largest
     count = len(tendons.grips)
@@ -308,11 +301,11 @@ def _add_spans(
     after = {span.into: e for e, span in enumerate(spans, start=whole)}
     for k, slip in enumerate(found.slips):
         slip["before"], slip["after"] = before[k], after[k]
-        slip["cord"] = found.constants[before[k]]["whole"]
+        slip["cord"] = found.cords[before[k]]["whole"]
         slip["guide"], slip["friction"] = tendons.grips[k], tendons.friction[k]
         path = tendons.guides(int(slip["cord"]))
         first = tendons.closed[slip["cord"]] and slip["guide"] == path.start
         slip["twin"] = path.stop - 1 if first else -1
         slip["slide"], slip["sum"] = bodies + k, bodies + count + k
-        one, two = (int(found.constants[e]["row"]) for e in (before[k], after[k]))
+        one, two = (int(found.cords[e]["row"]) for e in (before[k], after[k]))
         found.sums.append((one, two if two >= 0 else one))

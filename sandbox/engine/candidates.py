@@ -82,9 +82,8 @@ def tangent_row(h: float, body: Array, touches: Records, i: int, normal: int, ou
 @kernel
 def _limit_row(table: int, h: float, i: int, out: Any) -> None:
     limit = at.limits(table)[i]
-    joint, way = at.joints(table)[limit["joint"]], at.joint_results(table)[limit["joint"]]
-    side = limit["side"]
-    begin_row(out, LIMITED, i, joint["a"], joint["b"], at.limit_states(table)[i]["impulse"], 0)
+    joint, side = at.joints(table)[limit["joint"]], limit["side"]
+    begin_row(out, LIMITED, i, joint["a"], joint["b"], limit["impulse"], 0)
     out["gentle"], out["high"] = 1, UNBOUNDED
     if limit["what"] == FLANK:
         gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), at.before(table))
@@ -92,15 +91,15 @@ def _limit_row(table: int, h: float, i: int, out: Any) -> None:
         out["bx"], out["by"], out["bt"] = ux, uy, on_b
         out["want"] = closing_rate(h, gap - limit["bound"], RETURN)
         return
-    put_coordinate(out, way, side)
+    put_coordinate(out, joint, side)
     fastest = RETURN_TURNING if limit["what"] == STOP else RETURN
-    out["want"] = closing_rate(h, side * (way["way"] - limit["bound"]), fastest)
+    out["want"] = closing_rate(h, side * (joint["way"] - limit["bound"]), fastest)
 
 
 @entry_point()
 def kept_rows(table: int, h: float, drive: Array) -> int:
     """Begin with the motors and with what carried something in the last step; how many rows."""
-    rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
+    rows, touches, limits = at.rows(table), at.touches(table), at.limits(table)
     n = 0
     motors = at.motors(table)
     for i in range(len(motors)):
@@ -113,7 +112,7 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
     for i in range(len(at.slips(table))):
         n = slip_rows(table, h, i, n)
     for i in range(len(limits)):
-        if limits[i]["impulse"] > 0.0 and joint_holds(table, at.limits(table)[i]["joint"]):
+        if limits[i]["impulse"] > 0.0 and joint_holds(table, limits[i]["joint"]):
             _limit_row(table, h, i, rows[n])
             n += 1
     for i in range(at.touching(table)[0]):

@@ -66,30 +66,30 @@ def gaps(joint: Any, x: float, y: float, ca: float, sa: float) -> tuple[float, f
 
 
 @kernel
-def measure_distance(element: Any, out: Any, body: Array, turn: Array) -> None:
+def measure_distance(element: Any, body: Array, turn: Array) -> None:
     """Measure the distance of two points; points that coincide have no direction."""
     ax, ay, bx, by, x, y = ends(element, body, turn)
     length = math.hypot(x, y)
     dx, dy = (x / length, y / length) if length > 0.0 else (0.0, 0.0)
-    out["way"], out["dx"], out["dy"] = length, dx, dy
-    out["ta"], out["tb"] = ay * dx - ax * dy, bx * dy - by * dx
+    element["way"], element["dx"], element["dy"] = length, dx, dy
+    element["ta"], element["tb"] = ay * dx - ax * dy, bx * dy - by * dx
 
 
 @kernel
-def measure_angle(element: Any, out: Any, body: Array) -> None:
+def measure_angle(element: Any, body: Array) -> None:
     """The same of the angle of ``b`` against ``a``."""
-    out["way"] = body[element["b"], 2] - body[element["a"], 2]
-    out["dx"] = out["dy"] = 0.0
-    out["ta"], out["tb"] = -1.0, 1.0
+    element["way"] = body[element["b"], 2] - body[element["a"], 2]
+    element["dx"] = element["dy"] = 0.0
+    element["ta"], element["tb"] = -1.0, 1.0
 
 
 @kernel
-def rate(element: Any, out: Any, velocity: Array) -> float:
+def rate(element: Any, velocity: Array) -> float:
     """Rate of a coordinate as its bodies move with ``velocity`` [nb, 3]."""
     a, b = element["a"], element["b"]
-    return float(out["dx"] * (velocity[b, 0] - velocity[a, 0])
-                 + out["dy"] * (velocity[b, 1] - velocity[a, 1])
-                 + out["ta"] * velocity[a, 2] + out["tb"] * velocity[b, 2])
+    return float(element["dx"] * (velocity[b, 0] - velocity[a, 0])
+                 + element["dy"] * (velocity[b, 1] - velocity[a, 1])
+                 + element["ta"] * velocity[a, 2] + element["tb"] * velocity[b, 2])
 
 
 @kernel
@@ -100,21 +100,21 @@ def set_row(J: Array, entry: int, dx: float, dy: float, ta: float, tb: float) ->
 
 
 @kernel
-def put_row(J: Array, entry: int, out: Any) -> None:
+def put_row(J: Array, entry: int, element: Any) -> None:
     """The same of a measured coordinate."""
-    set_row(J, entry, out["dx"], out["dy"], out["ta"], out["tb"])
+    set_row(J, entry, element["dx"], element["dy"], element["ta"], element["tb"])
 
 
 @kernel
-def add_effort(element: Any, out: Any, effort: float, force: Array) -> None:
+def add_effort(element: Any, effort: float, force: Array) -> None:
     """Add an effort along a coordinate to forces and torques on the bodies, [nb, 3]."""
     a, b = element["a"], element["b"]
-    force[a, 0] -= out["dx"] * effort
-    force[a, 1] -= out["dy"] * effort
-    force[a, 2] += out["ta"] * effort
-    force[b, 0] += out["dx"] * effort
-    force[b, 1] += out["dy"] * effort
-    force[b, 2] += out["tb"] * effort
+    force[a, 0] -= element["dx"] * effort
+    force[a, 1] -= element["dy"] * effort
+    force[a, 2] += element["ta"] * effort
+    force[b, 0] += element["dx"] * effort
+    force[b, 1] += element["dy"] * effort
+    force[b, 2] += element["tb"] * effort
 
 
 @kernel
@@ -212,5 +212,5 @@ def path_gap(table: int, h: float, k: int) -> float:
     xb, yb, _, cb, sb = ahead(h, body, velocity, joint["b"])
     qx = xb + cb * joint["bx"] - sb * joint["by"] - xa
     qy = yb + sb * joint["bx"] + cb * joint["by"] - ya
-    return float(on_path(at.spans(table), at.joint_states(table)[k]["span"],
+    return float(on_path(at.spans(table), joint["on"],
                          ca * qx + sa * qy, ca * qy - sa * qx)[4])

@@ -22,16 +22,16 @@ def diverged(now: float, world: World, tables: Tables, steering: Steering) -> Si
     model = world.model
     if tables.state.standing[3]:
         return _jammed(now, world, tables)
-    pressure, content = tables.result.fluids["pressure"], tables.state.fluids["content"]
+    pressure, content = (tables.elements.fluids[name] for name in ("pressure", "content"))
     burst = np.flatnonzero(~(np.abs(pressure) < FULL) | ~(np.abs(content) < FULL))
     if len(burst):
         return SimulationDiverged(
             now, model.lines.name[burst[0]],
             "its pressure has run away; a relief, or a smaller flow, may help")
     loads = model.loads
-    number = tables.constants.loads["number"]
-    for row, out in zip(number.tolist(), tables.result.loads, strict=True):
+    for out in tables.elements.loads:
         if not np.isfinite([out["fx"], out["fy"], out["torque"]]).all():
+            row = out["number"]
             return SimulationDiverged(
                 now, model.bodies.name[loads.body[row]],
                 f"the load {model.mechanism.loads[loads.load[row]].name!r} has no finite "

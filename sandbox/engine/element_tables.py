@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.elements.joint import Keeps
 from sandbox.engine import records
 from sandbox.engine.stiffness import line_responses, responses, stiff_servos, too_stiff
@@ -154,7 +155,7 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
             "keeps": KEEPS[kind.keeps], "row": -1, "row_y": -1, "row_turn": -1,
             "turn": poses[bodies[1], 2] - poses[bodies[0], 2], "hinge": joints.angle[i],
             "stopped": np.isfinite(joints.stops[i]).all(), "sense": joints.sense[i],
-            "zero": joints.zero[i], "tie": model.ties.joint[i], "span": -1,
+            "zero": joints.zero[i], "tie": model.ties.joint[i], "span": -1, "flank": 1.0,
             "line": kind.line or path is not None}
         if path is not None:
             row["reach"] = 1.0 / max(float(np.abs(path.nodes[:, 3]).max()), 1.0 / path.length)
@@ -227,14 +228,13 @@ def limit_table(places: PlacedBodies) -> Records:
 
 def dry_friction_table(
     joints: Records, model: Model, first: int,
-) -> tuple[Records, Records, list[tuple[int, int]]]:
-    """Dry friction of joints, its state at t = 0, and pairs of rows whose load bounds it."""
+) -> tuple[Records, list[tuple[int, int]]]:
+    """Dry friction of joints, and pairs of rows whose load bounds it."""
     held = [j for j in model.joints.rubbed.tolist() if joints[j]["row"] >= 0]
     table = np.zeros(len(held), records.DRY_FRICTION)
-    state = np.zeros(len(held), records.DRY_FRICTION_STATE)
-    state["ux"], state["bound"] = 1.0, np.nan
+    table["ux"], table["bound"] = 1.0, np.nan
     sums: list[tuple[int, int]] = []
-    for rub, own, j in zip(table, state, held, strict=True):
+    for rub, j in zip(table, held, strict=True):
         rub["joint"], rub["sum"] = j, -1
         rub["most"], rub["share"] = model.joints.friction[j], model.joints.rubbing[j]
         rub["static"] = model.joints.static[j]
@@ -243,19 +243,18 @@ def dry_friction_table(
             one, two = int(joints[j]["row"]), int(joints[j]["row_y"])
             sums.append((one, two if two >= 0 else one))
         slides = model.joints.kind[j].keeps == "groove"
-        own["mode"] = -np.sign(sliding(model, j) if slides else turning(model, j))
-    return table, state, sums
+        rub["mode"] = -np.sign(sliding(model, j) if slides else turning(model, j))
+    return table, sums
 
 
 def spring_table(
     places: PlacedBodies, h: float, laws: dict[int, Code], rows: Rows,
-) -> tuple[Records, list[float]]:
-    """Rotary springs, straight springs, damping of hinges; their coordinates at rest."""
+) -> Records:
+    """Rotary springs, straight springs, damping of hinges."""
     model = places.model
     springs, joints, ties = model.springs, model.joints, model.ties
     stiff, response = too_stiff(model, h), responses(model)
     table: list[Row] = []
-    rests: list[float] = []
     for i in np.argsort(springs.straight, kind="stable").tolist():
         law = springs.law[i]
         row: Row = {
@@ -265,19 +264,19 @@ def spring_table(
         row["code"], row["code_end"] = laws[id(law.program)] if law else (-1, -1)
         if springs.straight[i]:
             row |= places.ends(springs.bodies[i], *springs.anchor[i])
-            row["c"], rest = springs.damping[i], springs.rest[i]
+            row["c"], row["rest"] = springs.damping[i], springs.rest[i]
+            row["way"] = springs.start[i]  # it is read before the first step
         else:  # its damper is that of the hinge
             joint = int(springs.joint[i])
             row |= places.ends(joints.bodies[joint]) | {
                 "joint": joint, "turning": 1, "sense": joints.sense[joint], "c": 0.0,
                 "hinge_tie": ties.joint[joint]}
-            rest = joints.sense[joint] * (springs.rest[i] + joints.zero[joint])
+            row["rest"] = joints.sense[joint] * (springs.rest[i] + joints.zero[joint])
         row["kind"] = (records.STIFF if stiff[i] else records.DAMPED if row["c"] > 0
                        else records.ELASTIC)
         if (row["kind"] != records.ELASTIC or law) and places.moves(row):
             row["row"], row["entry"] = rows.add(row["a"], row["b"])
         table.append(row)
-        rests.append(rest)
     for joint in joints.hinges.tolist():
         row = places.ends(joints.bodies[joint]) | {
             "number": -1, "joint": joint, "turning": 1, "kind": records.DAMPED, "drive": -1,
@@ -286,8 +285,7 @@ def spring_table(
         if row["c"] > 0 and places.moves(row):
             row["row"], row["entry"] = rows.add(row["a"], row["b"])
             table.append(row)
-            rests.append(0.0)
-    return records_of(table, records.SPRING), rests
+    return records_of(table, records.SPRING)
 
 
 def law_tables(model: Model) -> tuple[dict[str, Any], Array, dict[int, Code]]:
@@ -363,15 +361,19 @@ def fluid_tables(
     fluids = np.zeros(len(lines.name), records.FLUID)
     fluids["first"], fluids["last"] = lines.first[:-1], lines.first[1:]
     fluids["drive"], fluids["volume"], fluids["c"] = lines.drive, lines.volume, lines.compliance
-    fluids["gas"], fluids["start"] = np.nan_to_num(lines.gas), lines.pressure
+    fluids["gas"] = np.nan_to_num(lines.gas)
+    fluids["start"] = fluids["pressure"] = lines.pressure
     fluids["least"], fluids["most"] = lines.least, lines.most
     fluids["response"] = line_responses(model)
+    with np.errstate(divide="ignore"):
+        of_gas = fluids["volume"] * (fluids["start"] / ATMOSPHERE + 1.0) ** (1.0 / fluids["gas"])
+    fluids["content"] = np.where(fluids["gas"] > 0, of_gas, fluids["c"] * fluids["start"])
     stiff = h * h * fluids["response"] > records.SOFT * lines.compliance
     meet = [(a, b) for a, b in model.valves.lines.tolist() if a >= 0 and b >= 0]
     beside = stiff.copy()  # lines that are stiff, and those that valves join to them
     for a, b in len(meet) * meet:
         beside[a] = beside[b] = beside[a] or beside[b]
-    fluids["ahead"], fluids["ratio"] = stiff, np.where(beside, 1.5, 2.0)
+    fluids["least_ahead"], fluids["ratio"] = stiff, np.where(beside, 1.5, 2.0)
     for fluid in fluids:
         own = chambers[fluid["first"]:fluid["last"]]
         bodies = sorted({chamber[end] for chamber in own for end in "ab"})
@@ -400,6 +402,8 @@ def tie_table(model: Model, springs: Records, cords: Records) -> Records:
     table = np.zeros(len(ties.name), records.TIE)
     table["breaks_at"], table["over"] = ties.breaks_at, ties.over
     table["as_is"], table["drive"] = ties.as_is, ties.drive
+    table["held"] = table["driven"] = ties.held
+    table["last_load"], table["age"], table["wish"] = np.nan, records.SETTLED, records.NONE
     for row in np.flatnonzero(springs["tie"] >= 0):
         own = table[springs["tie"][row]]
         own["what"], own["index"] = records.SPRINGY, row
@@ -412,9 +416,9 @@ def tie_table(model: Model, springs: Records, cords: Records) -> Records:
     return table
 
 
-def add_paths(joints: Records, model: Model, spans: Records) -> tuple[Records, Records]:
-    """Put the paths of slots into JOINT; the SPANs with theirs added, JOINT_STATE at t = 0."""
-    tables, states = [spans], np.zeros(len(joints), records.JOINT_STATE)
+def add_paths(joints: Records, model: Model, spans: Records) -> Records:
+    """Put the paths of slots into JOINT; the SPANs with theirs added."""
+    tables = [spans]
     for j, path in enumerate(model.joints.path):
         if path is None:
             continue
@@ -426,6 +430,6 @@ def add_paths(joints: Records, model: Model, spans: Records) -> tuple[Records, R
         place = float(place_in_slot(model, j, model.bodies.pose).along)
         joints[j]["span"], joints[j]["span_end"] = first, first + len(table)
         joints[j]["around"] = path.length if path.closed else 0.0
-        states[j]["place"] = place
-        states[j]["span"] = first + np.searchsorted(path.starts[1:-1], place, side="right")
-    return np.concatenate(tables), states
+        joints[j]["place"] = place
+        joints[j]["on"] = first + np.searchsorted(path.starts[1:-1], place, side="right")
+    return np.concatenate(tables)

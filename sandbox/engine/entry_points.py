@@ -33,7 +33,7 @@ from sandbox.engine.kernel import entry_point_compiler, fast_compilation, kernel
 from sandbox.engine.memory import TABLE_WORDS
 from sandbox.engine.records import GEAR, RACK, ROLL
 from sandbox.engine.source_hash import cacheable
-from sandbox.engine.state import Constants
+from sandbox.engine.state import Constants, Elements
 from sandbox.numeric import Integers
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -177,10 +177,10 @@ def all_entry_points() -> Iterator[None]:
         _everything = False
 
 
-def prepare(constants: Constants, main: CalledFromPython) -> Integers:
+def prepare(constants: Constants, elements: Elements, main: CalledFromPython) -> Integers:
     """Compile or load the entry points of a run and ``main``; addresses for its table."""
     wanted = [one for one in _entry_points.values()
-              if _everything or not one.feature or FEATURES[one.feature](constants)]
+              if _everything or not one.feature or FEATURES[one.feature](constants, elements)]
     addresses = np.zeros(len(_entry_points), dtype=np.int64)
     began = time.perf_counter()
     with fast_compilation():
@@ -219,25 +219,25 @@ def _remove_obsolete(made: Any, name: str) -> None:
                 path.unlink()
 
 
-FEATURES: dict[str, Callable[[Constants], bool]] = {
-    "actions": lambda c: len(c.actions) > 0,
-    "bounces": lambda c: bool((c.restitution > 0.0).any()),
-    "bounded": lambda c: any(map(
-        len, (c.limits, c.motors, c.slips, c.dry_friction, c.shapes))),
-    "cords": lambda c: len(c.cords) > 0,
-    "curves": lambda c: bool((c.shapes["span"] >= 0).any()),
-    "fluids": lambda c: bool(len(c.fluids) or len(c.valves) or len(c.pumps)),
-    "piles": lambda c: bool((c.loose >= 0).any()),
-    "laws": lambda c: len(c.steps) > 0,
-    "loads": lambda c: bool(len(c.loads) or len(c.loaded)),
-    "motors": lambda c: len(c.motors) > 0,
-    "joint_friction": lambda c: len(c.dry_friction) > 0,
-    "paths": lambda c: bool((c.joints["span"] >= 0).any()),
-    "shapes": lambda c: len(c.shapes) > 0,
-    "skin": lambda c: bool((c.skin > 0.0).any()),
-    "slips": lambda c: bool(len(c.slips) or (c.cords["spans"] < c.cords["spans_end"]).any()),
-    "springs": lambda c: len(c.springs) > 0,
-    "static": lambda c: bool((c.static > 1.0).any() or (c.dry_friction["static"] > 1.0).any()),
-    "teeth": lambda c: bool(np.isin(c.joints["keeps"], (GEAR, RACK, ROLL)).any()),
-    "ties": lambda c: len(c.ties) > 0,
+FEATURES: dict[str, Callable[[Constants, Elements], bool]] = {
+    "actions": lambda c, e: len(e.actions) > 0,
+    "bounces": lambda c, e: bool((c.restitution > 0.0).any()),
+    "bounded": lambda c, e: any(map(
+        len, (e.limits, e.motors, e.slips, e.dry_friction, c.shapes))),
+    "cords": lambda c, e: len(e.cords) > 0,
+    "curves": lambda c, e: bool((c.shapes["span"] >= 0).any()),
+    "fluids": lambda c, e: bool(len(e.fluids) or len(e.valves) or len(e.pumps)),
+    "piles": lambda c, e: bool((c.loose >= 0).any()),
+    "laws": lambda c, e: len(c.steps) > 0,
+    "loads": lambda c, e: bool(len(e.loads) or len(e.loaded)),
+    "motors": lambda c, e: len(e.motors) > 0,
+    "joint_friction": lambda c, e: len(e.dry_friction) > 0,
+    "paths": lambda c, e: bool((e.joints["span"] >= 0).any()),
+    "shapes": lambda c, e: len(c.shapes) > 0,
+    "skin": lambda c, e: bool((c.skin > 0.0).any()),
+    "slips": lambda c, e: bool(len(e.slips) or (e.cords["spans"] < e.cords["spans_end"]).any()),
+    "springs": lambda c, e: len(e.springs) > 0,
+    "static": lambda c, e: bool((c.static > 1.0).any() or (e.dry_friction["static"] > 1.0).any()),
+    "teeth": lambda c, e: bool(np.isin(e.joints["keeps"], (GEAR, RACK, ROLL)).any()),
+    "ties": lambda c, e: len(e.ties) > 0,
 }

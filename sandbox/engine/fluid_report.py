@@ -21,74 +21,74 @@ STILL = 1e-11
 @entry_point("fluids")
 def report_lines(table: int, h: float, drive: Array) -> None:
     """Pressures and flows of the step, and what is in the lines after it."""
-    fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
+    fluids = at.fluids(table)
     if len(fluids) == 0:
         return
     pressures(table, h, drive)
     _gather(table, drive)
     for i in range(len(fluids)):
-        state, new = states[i], states[i]["content"] + h * results[i]["flow"]
-        if fluids[i]["drive"] >= 0 or state["mode"] > 0:
-            results[i]["ahead"] = 0.5  # its content is that of the step's end
-            holds = _holds(fluids[i], results[i], growing(table, h, i))
-            if fluids[i]["drive"] < 0:
-                state["spilled"] += new - holds
+        fluid = fluids[i]
+        new = fluid["content"] + h * fluid["flow"]
+        if fluid["drive"] >= 0 or fluid["mode"] > 0:
+            fluid["ahead"] = 0.5  # its content is that of the step's end
+            holds = _holds(fluid, growing(table, h, i))
+            if fluid["drive"] < 0:
+                fluid["spilled"] += new - holds
             else:  # what is lacking comes from the source
                 _give(table, i, (holds - new) / h)
             new = holds
-        if fluids[i]["gas"] > 0.0:
-            new = max(new, SMALLEST * fluids[i]["volume"])
-        state["content"] = new
+        if fluid["gas"] > 0.0:
+            new = max(new, SMALLEST * fluid["volume"])
+        fluid["content"] = new
 
 
 @kernel
 def _gather(table: int, drive: Array) -> None:
     """Flows of valves and pumps, and their sums in the lines."""
-    fluids, results = at.fluids(table), at.fluid_results(table)
-    valves, flows = at.valves(table), at.valve_states(table)
+    fluids, valves = at.fluids(table), at.valves(table)
     for i in range(len(fluids)):
-        results[i]["flow"] = 0.0
+        fluids[i]["flow"] = 0.0
     for i in range(len(valves)):
-        flow = flows[i]["flow"] = through(table, i)
+        flow = valves[i]["flow"] = through(table, i)
         if valves[i]["a"] >= 0:
-            results[valves[i]["a"]]["flow"] -= flow
+            fluids[valves[i]["a"]]["flow"] -= flow
         if valves[i]["b"] >= 0:
-            results[valves[i]["b"]]["flow"] += flow
-    pumps, given = at.pumps(table), at.pump_results(table)
+            fluids[valves[i]["b"]]["flow"] += flow
+    pumps = at.pumps(table)
     for i in range(len(pumps)):
         pump, value = pumps[i], drive[pumps[i]["drive"]]
-        line = results[pump["line"]]
-        given[i]["flow"] = 0.0 if pump["source"] else value
+        line = fluids[pump["line"]]
+        pump["flow"] = 0.0 if pump["source"] else value
         if pump["r"] > 0.0:
-            given[i]["flow"] = (value - line["pressure"]) / pump["r"]
-        line["flow"] += given[i]["flow"]
+            pump["flow"] = (value - line["pressure"]) / pump["r"]
+        line["flow"] += pump["flow"]
 
 
 @kernel
 def _give(table: int, line: int, flow: float) -> None:
     """Let a line's source without resistance give so much more."""
-    pumps, given = at.pumps(table), at.pump_results(table)
+    pumps = at.pumps(table)
     for i in range(len(pumps)):
         if pumps[i]["line"] == line and pumps[i]["source"]:
-            given[i]["flow"] += flow
-            at.fluid_results(table)[line]["flow"] += flow
+            pumps[i]["flow"] += flow
+            at.fluids(table)[line]["flow"] += flow
 
 
 @kernel
-def _holds(fluid: Any, result: Any, growing: float) -> float:
+def _holds(fluid: Any, growing: float) -> float:
     """What is in a line at its pressure [m^3]."""
     if fluid["gas"] == 0.0:
-        return float(result["grown"] + growing + fluid["c"] * result["pressure"])
-    volume = max(fluid["volume"] + result["grown"] + growing, SMALLEST * fluid["volume"])
-    return float(volume * (result["pressure"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"]))
+        return float(fluid["grown"] + growing + fluid["c"] * fluid["pressure"])
+    volume = max(fluid["volume"] + fluid["grown"] + growing, SMALLEST * fluid["volume"])
+    return float(volume * (fluid["pressure"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"]))
 
 
 @entry_point("fluids", default=1)
 def contained(table: int) -> bool:
     """Whether all pressures and contents are finite and below :data:`FULL`."""
-    results, states = at.fluid_results(table), at.fluid_states(table)
-    for i in range(len(results)):  # written so that NaN is not sound
-        if not (abs(results[i]["pressure"]) < FULL and abs(states[i]["content"]) < FULL):
+    fluids = at.fluids(table)
+    for i in range(len(fluids)):  # written so that NaN is not sound
+        if not (abs(fluids[i]["pressure"]) < FULL and abs(fluids[i]["content"]) < FULL):
             return False
     return True
 
@@ -96,18 +96,17 @@ def contained(table: int) -> bool:
 @entry_point("fluids")
 def flowing(table: int) -> bool:
     """Whether anything flows: what stands still for that is not at rest."""
-    results, fluids, pumps = at.fluid_results(table), at.fluids(table), at.pumps(table)
+    fluids, pumps = at.fluids(table), at.pumps(table)
     for i in range(len(fluids)):
-        if abs(results[i]["flow"]) > STILL * fluids[i]["volume"]:
+        if abs(fluids[i]["flow"]) > STILL * fluids[i]["volume"]:
             return True
-    valves, flows = at.valves(table), at.valve_states(table)
+    valves = at.valves(table)
     for i in range(len(valves)):
         line = valves[i]["a"] if valves[i]["a"] >= 0 else valves[i]["b"]
-        if abs(flows[i]["flow"]) > STILL * fluids[line]["volume"]:
+        if abs(valves[i]["flow"]) > STILL * fluids[line]["volume"]:
             return True
-    given = at.pump_results(table)
     for i in range(len(pumps)):
-        if abs(given[i]["flow"]) > STILL * fluids[pumps[i]["line"]]["volume"]:
+        if abs(pumps[i]["flow"]) > STILL * fluids[pumps[i]["line"]]["volume"]:
             return True
     return False
 
@@ -134,22 +133,22 @@ def add_fluid_work(table: int, h: float, v: Matrix) -> None:
 
     ``v`` [nb, 3] are the means of the velocities before and after it.
     """
-    fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
+    fluids = at.fluids(table)
     for i in range(len(fluids)):
-        results[i]["step_work"] = h * results[i]["pressure"] * growth(table, i, v)
-        states[i]["work"] += results[i]["step_work"]
-    valves, flows, ahead = at.valves(table), at.valve_states(table), at.valve_results(table)
+        fluids[i]["step_work"] = h * fluids[i]["pressure"] * growth(table, i, v)
+        fluids[i]["work"] += fluids[i]["step_work"]
+    valves = at.valves(table)
     for i in range(len(valves)):
         head = 0.0
         for end in range(2):
             line, sign = (valves[i]["a"], 1.0) if end == 0 else (valves[i]["b"], -1.0)
             if line >= 0:
-                head += sign * _head(fluids[line], results[line]["pressure"])
-        ahead[i]["step_loss"] = h * flows[i]["flow"] * head
-        flows[i]["loss"] += ahead[i]["step_loss"]
-    pumps, given, works = at.pumps(table), at.pump_results(table), at.pump_states(table)
+                head += sign * _head(fluids[line], fluids[line]["pressure"])
+        valves[i]["step_loss"] = h * valves[i]["flow"] * head
+        valves[i]["loss"] += valves[i]["step_loss"]
+    pumps = at.pumps(table)
     for i in range(len(pumps)):
         line = pumps[i]["line"]
-        head = _head(fluids[line], results[line]["pressure"])
-        given[i]["step_work"] = h * given[i]["flow"] * head
-        works[i]["work"] += given[i]["step_work"]
+        head = _head(fluids[line], fluids[line]["pressure"])
+        pumps[i]["step_work"] = h * pumps[i]["flow"] * head
+        pumps[i]["work"] += pumps[i]["step_work"]

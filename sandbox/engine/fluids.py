@@ -52,96 +52,94 @@ ALL = 3
 @entry_point("fluids")
 def swell(table: int, drive: Array) -> None:
     """How lines stand at the poses of the step: volumes, forces of 1 Pa, pressures if all stays."""
-    fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
-    chambers, pushes, body, turn = (
-        at.chambers(table), at.chamber_results(table), at.body(table), at.turn(table))
+    fluids = at.fluids(table)
+    chambers, body, turn = at.chambers(table), at.body(table), at.turn(table)
     for i in range(len(fluids)):
         grown = 0.0
         for n in range(fluids[i]["first"], fluids[i]["last"]):
-            chamber, push, gain = chambers[n], pushes[n], chambers[n]["gain"]
+            chamber, gain = chambers[n], chambers[n]["gain"]
             if chamber["turns"]:
-                push["x"] = push["y"] = 0.0
-                push["ta"], push["tb"] = -gain, gain
+                chamber["x"] = chamber["y"] = 0.0
+                chamber["ta"], chamber["tb"] = -gain, gain
                 way = body[chamber["b"], 2] - body[chamber["a"], 2]
             else:
                 ax, ay, bx, by, dx, dy = ends(chamber, body, turn)
                 way = math.hypot(dx, dy)
                 x, y = (gain * dx / way, gain * dy / way) if way > 0.0 else (0.0, 0.0)
-                push["x"], push["y"] = x, y
-                push["ta"], push["tb"] = ay * x - ax * y, bx * y - by * x
+                chamber["x"], chamber["y"] = x, y
+                chamber["ta"], chamber["tb"] = ay * x - ax * y, bx * y - by * x
             grown += gain * (way - chamber["start"])
-        results[i]["grown"] = grown
-        _fill(fluids[i], states[i], results[i])
-    valves, flows, ahead = at.valves(table), at.valve_states(table), at.valve_results(table)
+        fluids[i]["grown"] = grown
+        _fill(fluids[i])
+    valves = at.valves(table)
     for i in range(len(valves)):
-        ahead[i]["about"] = flows[i]["flow"]
-        if valves[i]["r"] == 0.0 and abs(flows[i]["flow"]) ** 2 * valves[i]["k"] < LAMINAR:
-            across = (_rigid(fluids, results, drive, valves[i]["a"])
-                      - _rigid(fluids, results, drive, valves[i]["b"]))
-            ahead[i]["about"] = math.copysign(math.sqrt(abs(across) / valves[i]["k"]), across)
+        valves[i]["about"] = valves[i]["flow"]
+        if valves[i]["r"] == 0.0 and abs(valves[i]["flow"]) ** 2 * valves[i]["k"] < LAMINAR:
+            across = (_rigid(fluids, drive, valves[i]["a"])
+                      - _rigid(fluids, drive, valves[i]["b"]))
+            valves[i]["about"] = math.copysign(math.sqrt(abs(across) / valves[i]["k"]), across)
 
 
 @kernel
-def _fill(fluid: Any, state: Any, result: Any) -> None:
+def _fill(fluid: Any) -> None:
     """The pressure of what is in a line at its volume, and how it yields there."""
-    result["ahead"] = fluid["ahead"]
+    fluid["ahead"] = fluid["least_ahead"]
     if fluid["gas"] == 0.0:
-        result["rigid"] = (state["content"] - result["grown"]) / fluid["c"]
-        result["yields"], result["swells"] = fluid["c"], 1.0
+        fluid["rigid"] = (fluid["content"] - fluid["grown"]) / fluid["c"]
+        fluid["yields"], fluid["swells"] = fluid["c"], 1.0
         return
-    volume = max(fluid["volume"] + result["grown"], SMALLEST * fluid["volume"])
-    pressure = ATMOSPHERE * (state["content"] / volume) ** fluid["gas"]
-    result["rigid"] = pressure - ATMOSPHERE
-    result["yields"] = volume / (fluid["gas"] * pressure)
-    result["swells"] = volume / state["content"]
+    volume = max(fluid["volume"] + fluid["grown"], SMALLEST * fluid["volume"])
+    pressure = ATMOSPHERE * (fluid["content"] / volume) ** fluid["gas"]
+    fluid["rigid"] = pressure - ATMOSPHERE
+    fluid["yields"] = volume / (fluid["gas"] * pressure)
+    fluid["swells"] = volume / fluid["content"]
 
 
 @kernel
-def _rigid(fluids: Records, results: Records, drive: Array, line: int) -> float:
+def _rigid(fluids: Records, drive: Array, line: int) -> float:
     """The pressure that a line begins the step with; of the tank 0."""
     if line < 0:
         return 0.0
     if fluids[line]["drive"] >= 0:
         return float(drive[fluids[line]["drive"]])
-    return float(min(max(results[line]["rigid"], fluids[line]["least"]), fluids[line]["most"]))
+    return float(min(max(fluids[line]["rigid"], fluids[line]["least"]), fluids[line]["most"]))
 
 
 @kernel
-def _weights(fluid: Any, result: Any) -> tuple[float, float, float]:
+def _weights(fluid: Any) -> tuple[float, float, float]:
     """The weights a, b and s of a line's law."""
-    inflow = 0.5 + result["ahead"]
+    inflow = 0.5 + fluid["ahead"]
     after = inflow / fluid["ratio"]
-    return after, after - result["ahead"], inflow
+    return after, after - fluid["ahead"], inflow
 
 
 @kernel
 def _straighten(table: int, drive: Array) -> None:
     """What valves and pumps add to the flows of lines, straight in the pressures."""
-    results, fluids = at.fluid_results(table), at.fluids(table)
-    valves, states, ahead = at.valves(table), at.valve_states(table), at.valve_results(table)
-    for i in range(len(results)):
-        results[i]["lets"] = results[i]["gets"] = 0.0
+    fluids, valves = at.fluids(table), at.valves(table)
+    for i in range(len(fluids)):
+        fluids[i]["lets"] = fluids[i]["gets"] = 0.0
     for i in range(len(valves)):
-        v, out = valves[i], ahead[i]
+        v = valves[i]
         opening = min(drive[v["drive"]], 1.0) if v["drive"] >= 0 else 1.0
-        out["lets"] = out["gets"] = 0.0
-        if opening <= SHUT or states[i]["shut"]:
-            out["about"] = 0.0
+        v["lets"] = v["gets"] = 0.0
+        if opening <= SHUT or v["shut"]:
+            v["about"] = 0.0
             continue
         r, k = v["r"] / opening, v["k"] / (opening * opening)
         least = math.sqrt(LAMINAR / k) if v["r"] == 0.0 else 0.0
-        slope = r + 2.0 * k * max(abs(out["about"]), least)
-        out["lets"], out["gets"] = 1.0 / slope, k * abs(out["about"]) * out["about"] / slope
-        both = _swells(results, v)
+        slope = r + 2.0 * k * max(abs(v["about"]), least)
+        v["lets"], v["gets"] = 1.0 / slope, k * abs(v["about"]) * v["about"] / slope
+        both = _swells(fluids, v)
         for end in range(2):
             joined, sign = (v["a"], -1.0) if end == 0 else (v["b"], 1.0)
             if joined >= 0:
-                rest = results[joined]["swells"] - both
-                results[joined]["lets"] += both * out["lets"]
-                results[joined]["gets"] += sign * (both * out["gets"] + rest * out["about"])
+                rest = fluids[joined]["swells"] - both
+                fluids[joined]["lets"] += both * v["lets"]
+                fluids[joined]["gets"] += sign * (both * v["gets"] + rest * v["about"])
     pumps = at.pumps(table)
     for i in range(len(pumps)):
-        pump, line = pumps[i], results[pumps[i]["line"]]
+        pump, line = pumps[i], fluids[pumps[i]["line"]]
         value = drive[pump["drive"]]
         if not pump["source"]:
             line["gets"] += line["swells"] * value
@@ -151,29 +149,29 @@ def _straighten(table: int, drive: Array) -> None:
 
 
 @kernel
-def _swells(results: Records, valve: Any) -> float:
+def _swells(fluids: Records, valve: Any) -> float:
     """How much volume a valve's flow is in the lines that it joins: between those of both."""
     a, b = valve["a"], valve["b"]
     if a < 0:
-        return float(results[b]["swells"])
+        return float(fluids[b]["swells"])
     if b < 0:
-        return float(results[a]["swells"])
-    return math.sqrt(results[a]["swells"] * results[b]["swells"])
+        return float(fluids[a]["swells"])
+    return math.sqrt(fluids[a]["swells"] * fluids[b]["swells"])
 
 
 @entry_point("fluids")
 def fluid_rows(table: int, h: float, drive: Array) -> None:
     """The rows of all lines."""
-    fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
+    fluids = at.fluids(table)
     if len(fluids) == 0:
         return
     _straighten(table, drive)
-    chambers, pushes, J = at.chambers(table), at.chamber_results(table), at.entries(table)[0]
+    chambers, J = at.chambers(table), at.entries(table)[0]
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
     for n in range(len(chambers)):
         J[chambers[n]["entry_a"]] = J[chambers[n]["entry_b"]] = 0.0
     for n in range(len(chambers)):
-        p, i, j = pushes[n], chambers[n]["entry_a"], chambers[n]["entry_b"]
+        p, i, j = chambers[n], chambers[n]["entry_a"], chambers[n]["entry_b"]
         J[i, 0] -= p["x"]
         J[i, 1] -= p["y"]
         J[i, 2] += p["ta"]
@@ -181,44 +179,43 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
         J[j, 1] += p["y"]
         J[j, 2] += p["tb"]
     for i in range(len(fluids)):
-        fluid, out, r = fluids[i], results[i], fluids[i]["row"]
-        if out["lets"] > 0.0:  # only ahead within a step, so that attempts end
-            out["ahead"] = max(out["ahead"], 0.5 - out["yields"] / (2.0 * h * out["lets"]))
-        after, before, inflow = _weights(fluid, out)
-        compliance[r] = (out["yields"] / h + inflow * out["lets"]) / (after * h)
-        rhs[r] = (out["yields"] * out["rigid"] / h + inflow * out["gets"]
+        fluid, r = fluids[i], fluids[i]["row"]
+        if fluid["lets"] > 0.0:  # only ahead within a step, so that attempts end
+            fluid["ahead"] = max(fluid["ahead"], 0.5 - fluid["yields"] / (2.0 * h * fluid["lets"]))
+        after, before, inflow = _weights(fluid)
+        compliance[r] = (fluid["yields"] / h + inflow * fluid["lets"]) / (after * h)
+        rhs[r] = (fluid["yields"] * fluid["rigid"] / h + inflow * fluid["gets"]
                   + before * growth(table, i, at.before(table))) / after
-        if fluid["drive"] >= 0 or states[i]["mode"] != 0:
+        if fluid["drive"] >= 0 or fluid["mode"] != 0:
             compliance[r] = GIVEN * (compliance[r] + fluid["response"])
-            rhs[r] = compliance[r] * h * _given(fluid, states[i], drive)
+            rhs[r] = compliance[r] * h * _given(fluid, drive)
 
 
 @kernel
-def _given(fluid: Any, state: Any, drive: Array) -> float:
+def _given(fluid: Any, drive: Array) -> float:
     """The pressure of a line that has a given one [Pa]."""
     if fluid["drive"] >= 0:
         return float(min(max(drive[fluid["drive"]], fluid["least"]), fluid["most"]))
-    return float(fluid["least"] if state["mode"] < 0 else fluid["most"])
+    return float(fluid["least"] if fluid["mode"] < 0 else fluid["most"])
 
 
 @entry_point("fluids")
 def join_lines(table: int, h: float) -> None:
     """Put into the matrix where two lines meet at a valve."""
-    valves, ahead, values = at.valves(table), at.valve_results(table), at.values(table)
-    fluids, results = at.fluids(table), at.fluid_results(table)
+    valves, values, fluids = at.valves(table), at.values(table), at.fluids(table)
     for i in range(len(valves)):
         if valves[i]["slot"] >= 0:
             values[valves[i]["slot"]] -= (fluids[valves[i]["a"]]["ratio"]
-                                          * _swells(results, valves[i]) * ahead[i]["lets"] / h)
+                                          * _swells(fluids, valves[i]) * valves[i]["lets"] / h)
 
 
 @kernel
 def growth(table: int, line: int, velocity: Array) -> float:
     """The rate at which a line grows as bodies move with ``velocity`` [nb, 3] [m^3/s]."""
-    fluid, chambers, pushes = at.fluids(table)[line], at.chambers(table), at.chamber_results(table)
+    fluid, chambers = at.fluids(table)[line], at.chambers(table)
     rate = 0.0
     for n in range(fluid["first"], fluid["last"]):
-        a, b, p = chambers[n]["a"], chambers[n]["b"], pushes[n]
+        a, b, p = chambers[n]["a"], chambers[n]["b"], chambers[n]
         rate += (p["x"] * (velocity[b, 0] - velocity[a, 0])
                  + p["y"] * (velocity[b, 1] - velocity[a, 1])
                  + p["ta"] * velocity[a, 2] + p["tb"] * velocity[b, 2])
@@ -228,7 +225,7 @@ def growth(table: int, line: int, velocity: Array) -> float:
 @kernel
 def growing(table: int, h: float, line: int) -> float:
     """The volume beyond that of the pose that a line's law takes [m^3]."""
-    after, before, _ = _weights(at.fluids(table)[line], at.fluid_results(table)[line])
+    after, before, _ = _weights(at.fluids(table)[line])
     return h * (after * growth(table, line, at.velocity(table))
                 - before * growth(table, line, at.before(table)))
 
@@ -236,34 +233,33 @@ def growing(table: int, h: float, line: int) -> float:
 @kernel
 def pressures(table: int, h: float, drive: Array) -> None:
     """Pressures of lines and flows of valves as the solution has them."""
-    fluids, results, unknown = at.fluids(table), at.fluid_results(table), at.unknowns(table)[3]
-    states = at.fluid_states(table)
+    fluids, unknown = at.fluids(table), at.unknowns(table)[3]
     for i in range(len(fluids)):
-        results[i]["pressure"] = unknown[fluids[i]["row"]] / h
-        if fluids[i]["drive"] >= 0 or states[i]["mode"] != 0:
-            results[i]["pressure"] = _given(fluids[i], states[i], drive)
+        fluids[i]["pressure"] = unknown[fluids[i]["row"]] / h
+        if fluids[i]["drive"] >= 0 or fluids[i]["mode"] != 0:
+            fluids[i]["pressure"] = _given(fluids[i], drive)
 
 
 @kernel
 def _across(table: int, valve: int) -> float:
     """Pressure at a valve's ``a`` above that at its ``b`` [Pa]."""
-    v, results = at.valves(table)[valve], at.fluid_results(table)
-    high = results[v["a"]]["pressure"] if v["a"] >= 0 else 0.0
-    low = results[v["b"]]["pressure"] if v["b"] >= 0 else 0.0
+    v, fluids = at.valves(table)[valve], at.fluids(table)
+    high = fluids[v["a"]]["pressure"] if v["a"] >= 0 else 0.0
+    low = fluids[v["b"]]["pressure"] if v["b"] >= 0 else 0.0
     return float(high - low)
 
 
 @kernel
 def through(table: int, valve: int) -> float:
     """A valve's flow [m^3/s]."""
-    ahead = at.valve_results(table)[valve]
-    return float(ahead["gets"] + ahead["lets"] * _across(table, valve))
+    v = at.valves(table)[valve]
+    return float(v["gets"] + v["lets"] * _across(table, valve))
 
 
 @entry_point("fluids")
 def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     """Change lines and valves outside their bounds, all at first, later the worst; whether any."""
-    fluids, states = at.fluids(table), at.fluid_states(table)
+    fluids = at.fluids(table)
     if len(fluids) == 0:
         return False
     pressures(table, h, drive)
@@ -271,7 +267,7 @@ def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     for i in range(len(fluids)):
         off, mode = _wrong(table, h, i)
         if off > 0.0 and attempt < ALL:
-            states[i]["mode"], changed = mode, True
+            fluids[i]["mode"], changed = mode, True
         elif off > worst:
             worst, which = off, i
     valves = at.valves(table)
@@ -286,7 +282,7 @@ def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     if worst > 0.0:
         changed = True
         if which < len(fluids):
-            states[which]["mode"] = _wrong(table, h, which)[1]
+            fluids[which]["mode"] = _wrong(table, h, which)[1]
         else:
             _turn(table, which - len(fluids))
     return changed
@@ -295,26 +291,26 @@ def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
 @kernel
 def _turn(table: int, valve: int) -> None:
     """Open or shut a check valve; an orifice opens to the flow that the pressure now has."""
-    v, state = at.valves(table)[valve], at.valve_states(table)[valve]
-    state["shut"] = 1 - state["shut"]
-    if not state["shut"] and v["k"] > 0.0:
-        at.valve_results(table)[valve]["about"] = math.sqrt(
+    v = at.valves(table)[valve]
+    v["shut"] = 1 - v["shut"]
+    if not v["shut"] and v["k"] > 0.0:
+        v["about"] = math.sqrt(
             max(_across(table, valve), 0.0) / v["k"])
 
 
 @kernel
 def _flows(table: int) -> bool:
     """Take the laws of valves straight about the flows that were found; whether these are new."""
-    valves, ahead, results = at.valves(table), at.valve_results(table), at.fluid_results(table)
+    valves, fluids = at.valves(table), at.fluids(table)
     changed = False
     for i in range(len(valves)):
-        v, last = valves[i], ahead[i]["about"]
-        if ahead[i]["lets"] == 0.0:
+        v, last = valves[i], valves[i]["about"]
+        if v["lets"] == 0.0:
             continue
         flow = through(table, i)
-        ahead[i]["about"] = flow
+        v["about"] = flow
         uneven = v["a"] >= 0 and v["b"] >= 0 and (
-            results[v["a"]]["swells"] != results[v["b"]]["swells"])
+            fluids[v["a"]]["swells"] != fluids[v["b"]]["swells"])
         if v["k"] > 0.0 or uneven:
             least = math.sqrt(LAMINAR * EVEN / v["k"]) if v["k"] > 0.0 else 0.0
             changed |= abs(flow - last) > EVEN * max(abs(flow), abs(last)) + least
@@ -324,27 +320,26 @@ def _flows(table: int) -> bool:
 @kernel
 def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
     """By what pressure a line breaks its mode, and the mode that it should have."""
-    fluid, out, mode = at.fluids(table)[line], at.fluid_results(table)[line], (
-        at.fluid_states(table)[line]["mode"])
+    fluids, valves = at.fluids(table), at.valves(table)
+    fluid, mode = fluids[line], fluids[line]["mode"]
     if fluid["drive"] >= 0:
         return 0.0, 0
-    p, least, most = out["pressure"], fluid["least"], fluid["most"]
+    p, least, most = fluid["pressure"], fluid["least"], fluid["most"]
     if mode == 0:
         if p < least - EVEN * (abs(least) + 1.0):
             return float(least - p), -1
         if p > most + EVEN * (abs(most) + 1.0):
             return float(p - most), 1
         return 0.0, 0
-    after, _, inflow = _weights(fluid, out)
-    valves, results = at.valves(table), at.fluid_results(table)
-    flow = out["gets"] - out["lets"] * p  # into the line, as volume in it, as the rows had it
+    after, _, inflow = _weights(fluid)
+    flow = fluid["gets"] - fluid["lets"] * p  # into the line, as volume in it, as the rows had it
     for i in range(len(valves)):
         a, b = valves[i]["a"], valves[i]["b"]
         if (a == line and b >= 0) or (b == line and a >= 0):
-            flow += (_swells(results, valves[i]) * at.valve_results(table)[i]["lets"]
-                     * results[b if a == line else a]["pressure"])
-    spare = (out["yields"] * (out["rigid"] - p) + h * inflow * flow
-             - growing(table, h, line)) / (out["yields"] + h * h * after * fluid["response"])
+            flow += (_swells(fluids, valves[i]) * valves[i]["lets"]
+                     * fluids[b if a == line else a]["pressure"])
+    spare = (fluid["yields"] * (fluid["rigid"] - p) + h * inflow * flow
+             - growing(table, h, line)) / (fluid["yields"] + h * h * after * fluid["response"])
     off = spare if mode < 0 else -spare
     return float(off if off > EVEN * (abs(p) + 1.0) else 0.0), 0
 
@@ -352,10 +347,9 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
 @kernel
 def _turned(table: int, valve: int) -> float:
     """By what pressure a check valve is open or shut where it should not be."""
-    across, shut = _across(table, valve), at.valve_states(table)[valve]["shut"]
-    v, results = at.valves(table)[valve], at.fluid_results(table)
-    size = EVEN * (1.0 + (abs(results[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
-                   + (abs(results[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
+    v, fluids, across = at.valves(table)[valve], at.fluids(table), _across(table, valve)
+    size = EVEN * (1.0 + (abs(fluids[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
+                   + (abs(fluids[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
     # the linearised flow has the right sign before it is found, the pressure may not have it
-    off = across if shut else -across if through(table, valve) < 0.0 else 0.0
+    off = across if v["shut"] else -across if through(table, valve) < 0.0 else 0.0
     return float(off if off > size else 0.0)

@@ -60,18 +60,18 @@ NOTHING = 1e-13
 
 
 @kernel
-def _along(table: int, h: float, joint: Any, k: int, state: Any, out: Any) -> None:
+def _along(table: int, h: float, rub: Any, out: Any) -> None:
     """The coefficients of a joint's free rate: of turning, or along its groove.
 
     Where a groove turns, or bodies turn against it, the way bends: the step asks for that in
     advance, and for what is left of it in the next one, so that what holds stays where it is.
     """
-    way, body, before, turn = (
-        at.joint_results(table)[k], at.body(table), at.before(table), at.turn(table))
-    put_coordinate(out, way, 1.0)
+    joint, body, before, turn = (
+        at.joints(table)[rub["joint"]], at.body(table), at.before(table), at.turn(table))
+    put_coordinate(out, joint, 1.0)
     if joint["keeps"] != GROOVE:
         return
-    dx, dy, a, b = way["dx"], way["dy"], joint["a"], joint["b"]
+    dx, dy, a, b = joint["dx"], joint["dy"], joint["a"], joint["b"]
     bx = turn[b, 0] * joint["bx"] - turn[b, 1] * joint["by"]
     by = turn[b, 1] * joint["bx"] + turn[b, 0] * joint["by"]
     qx, qy = body[b, 0] + bx - body[a, 0], body[b, 1] + by - body[a, 1]
@@ -82,44 +82,43 @@ def _along(table: int, h: float, joint: Any, k: int, state: Any, out: Any) -> No
     bend = (wa * wa * (dx * qx + dy * qy) - wb * wb * (dx * bx + dy * by)
             + 2.0 * wa * (dx * vy - dy * vx))
     out["want"] = 0.5 * h * bend
-    if state["mode"] != 0:
-        state["kept"] = 0
-    elif state["kept"] == 0:
-        state["kept"], state["place"] = 1, way["way"]
+    if rub["mode"] != 0:
+        rub["kept"] = 0
+    elif rub["kept"] == 0:
+        rub["kept"], rub["place"] = 1, joint["way"]
     else:
-        out["want"] += beyond(way["way"] - state["place"]) / h
+        out["want"] += beyond(joint["way"] - rub["place"]) / h
 
 
 @entry_point("joint_friction")
 def friction_rows(table: int, h: float, i: int, n: int) -> int:
     """Add the rows of a joint's load and of its dry friction; the number of rows then."""
-    rub, state, rows = at.dry_friction(table)[i], at.dry_friction_states(table)[i], at.rows(table)
-    k = rub["joint"]
-    joint, holds = at.joints(table)[k], state["mode"] == 0
+    rub, rows = at.dry_friction(table)[i], at.rows(table)
+    joint, holds = at.joints(table)[rub["joint"]], rub["mode"] == 0
     more = rub["static"] if holds else 1.0
     hangs = rub["share"] > 0.0
     if hangs:
         out = rows[n]
-        begin_row(out, JOINT_LOAD, i, rub["sum"], rub["sum"], state["pressed"], 0)
+        begin_row(out, JOINT_LOAD, i, rub["sum"], rub["sum"], rub["pressed"], 0)
         out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
-        out["ax"], out["ay"] = -state["ux"], -state["uy"]
+        out["ax"], out["ay"] = -rub["ux"], -rub["uy"]
     m = n + 1 if hangs else n
     out = rows[m]
-    begin_row(out, JOINT_FRICTION, i, joint["a"], joint["b"], state["impulse"], state["mode"])
+    begin_row(out, JOINT_FRICTION, i, joint["a"], joint["b"], rub["impulse"], rub["mode"])
     out["passive"] = 1
-    _along(table, h, joint, k, state, out)
+    _along(table, h, rub, out)
     most = 0.0 if hangs else h * more * rub["most"]
     out["low"], out["high"] = -most, most
     out["normal"], out["friction"] = n if hangs else -1, more * rub["share"]
     out["static"], out["phase"] = rub["static"], HOLDS if holds and more > 1.0 else SLIDES
-    out["spare"], out["gave"], out["slip"] = state["bound"], state["impulse"], state["mode"]
+    out["spare"], out["gave"], out["slip"] = rub["bound"], rub["impulse"], rub["mode"]
     return m + 1
 
 
 @entry_point("joint_friction")
 def change_friction(table: int, n: int) -> bool:
     """Measure along what joints carry now; whether any friction was measured along another way."""
-    rows, rubs, states = at.rows(table), at.dry_friction(table), at.dry_friction_states(table)
+    rows, rubs = at.rows(table), at.dry_friction(table)
     unknown, changed = at.unknowns(table)[3], False
     for k in range(n - 1):
         if rows[k]["source"] != JOINT_LOAD:
@@ -133,7 +132,7 @@ def change_friction(table: int, n: int) -> bool:
         off = size + row["ax"] * x + row["ay"] * y
         felt = off * friction["friction"] * friction["base"]
         if off > SAME * size and felt > NOTHING:
-            states[i]["ux"], states[i]["uy"] = x / size, y / size
+            rubs[i]["ux"], rubs[i]["uy"] = x / size, y / size
             row["ax"], row["ay"] = -x / size, -y / size
             changed = True
     return changed
@@ -142,36 +141,35 @@ def change_friction(table: int, n: int) -> bool:
 @entry_point("joint_friction")
 def report_friction(table: int, h: float, i: int, p: float, mode: int, bound: float) -> None:
     """Note what friction was in the step: its impulse on ``b``, the row's mode and static bound."""
-    state, out = at.dry_friction_states(table)[i], at.dry_friction_results(table)[i]
-    k = at.dry_friction(table)[i]["joint"]
+    rub = at.dry_friction(table)[i]
+    k = rub["joint"]
     joint = at.joints(table)[k]
-    state["impulse"], state["mode"], state["bound"] = p, mode, bound
-    out["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
+    rub["impulse"], rub["mode"], rub["bound"] = p, mode, bound
+    rub["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
     # a rigid drive may hold what friction has left at its bound: nothing moves all the same
     rate = abs(joint_rate(table, k, at.velocity(table)))
     still = STILL if joint["keeps"] == GROOVE else STILL_TURNING
-    out["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
+    rub["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
 
 
 @entry_point("joint_friction")
 def release_friction(table: int, h: float, i: int, p: float) -> None:
     """Let friction of a released joint be none but ``p``; where it held it is not drawn back to."""
-    state = at.dry_friction_states(table)[i]
-    state["pressed"] = state["place"] = 0.0
-    rate = joint_rate(table, at.dry_friction(table)[i]["joint"], at.velocity(table))
+    rub = at.dry_friction(table)[i]
+    rub["pressed"] = rub["place"] = 0.0
+    rate = joint_rate(table, rub["joint"], at.velocity(table))
     report_friction(table, h, i, p, -1 if rate > 0.0 else 1 if rate < 0.0 else 0, math.nan)
-    state["kept"] = 0
-    at.dry_friction_results(table)[i]["sticks"] = 0.0
+    rub["kept"] = 0
+    rub["sticks"] = 0.0
 
 
 @entry_point("joint_friction")
 def add_friction_work(table: int, h: float, v: Matrix) -> None:
     """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
-    friction, states = at.dry_friction(table), at.dry_friction_states(table)
-    results = at.dry_friction_results(table)
-    for i in range(len(friction)):
-        results[i]["step_work"] = states[i]["impulse"] * joint_rate(table, friction[i]["joint"], v)
-        states[i]["work"] += results[i]["step_work"]
+    rubs = at.dry_friction(table)
+    for i in range(len(rubs)):
+        rubs[i]["step_work"] = rubs[i]["impulse"] * joint_rate(table, rubs[i]["joint"], v)
+        rubs[i]["work"] += rubs[i]["step_work"]
 
 
 @entry_point("static")

@@ -100,17 +100,16 @@ def add_joints(table: int, velocity: Array, times: float) -> None:
 @kernel
 def note_joints(table: int, times: float) -> None:
     """Add these impulses to what joints carry besides the impulses of their rows."""
-    joints, results, impulses = (
-        at.joints(table), at.joint_results(table), at.unknowns(table)[5])
+    joints, impulses = at.joints(table), at.unknowns(table)[5]
     J, entry_row = at.entries(table)[0], at.entry_row(table)
     for k in range(len(joints)):
-        out, first = results[k], joints[k]["entry"]
-        for e in range(first, first + joints[k]["entries"], 2):
+        joint, first = joints[k], joints[k]["entry"]
+        for e in range(first, first + joint["entries"], 2):
             p = times * impulses[entry_row[e]]
-            out["kick_x"] += p * J[e + 1, 0]
-            out["kick_y"] += p * J[e + 1, 1]
-            out["twist_a"] += p * J[e, 2]
-            out["twist_b"] += p * J[e + 1, 2]
+            joint["kick_x"] += p * J[e + 1, 0]
+            joint["kick_y"] += p * J[e + 1, 1]
+            joint["twist_a"] += p * J[e, 2]
+            joint["twist_b"] += p * J[e + 1, 2]
 
 
 @entry_point("bounces")
@@ -127,7 +126,7 @@ def take_impacts(table: int, h: float, struck: bool) -> None:
         note_joints(table, -1.0)
         body, turn = at.body(table), at.turn(table)
         for k in range(len(at.joints(table))):  # twists keep what forces at the points do not do
-            joint, out = at.joints(table)[k], at.joint_results(table)[k]
+            joint = at.joints(table)[k]
             ax, ay, bx, by, px, py = ends(joint, body, turn)
             share = 0.0  # of the way to the point of b, to where a slot or wheels act on a
             if joint["keeps"] == GROOVE:
@@ -136,8 +135,8 @@ def take_impacts(table: int, h: float, struck: bool) -> None:
                 share = joint["ra"] / (joint["ra"] + joint["rb"])
                 bx, by = bx - (1.0 - share) * px, by - (1.0 - share) * py
             ax, ay = ax + share * px, ay + share * py
-            out["twist_a"] -= ay * out["kick_x"] - ax * out["kick_y"]
-            out["twist_b"] -= bx * out["kick_y"] - by * out["kick_x"]
+            joint["twist_a"] -= ay * joint["kick_x"] - ax * joint["kick_y"]
+            joint["twist_b"] -= bx * joint["kick_y"] - by * joint["kick_x"]
         clear(unknowns[4])
         clear(unknowns[5])
         for b in range(len(shift)):
@@ -155,8 +154,7 @@ def lead_back(table: int, h: float, n: int) -> None:
     """Displace the pose by what impacts after it change, times their instants; joints answer."""
     rows, unknowns, shift, delayed = (
         at.rows(table), at.unknowns(table), at.shift(table), at.delayed(table))
-    Y, reached, A, chosen = (
-        at.columns(table), at.reached(table), at.system(table), at.chosen(table))
+    Y, reached, A, chosen = at.columns(table), at.reached(table), at.system(table), at.chosen(table)
     for b in range(len(shift)):
         for j in range(3):
             shift[b, j] = -delayed[b, j]

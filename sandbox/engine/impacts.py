@@ -195,7 +195,7 @@ def foresee_impacts(table: int, h: float, kept: int) -> bool:
         clear(shift[b])
     clear(unknowns[5])
     for k in range(len(at.joints(table))):
-        out = at.joint_results(table)[k]
+        out = at.joints(table)[k]
         out["kick_x"] = out["kick_y"] = out["twist_a"] = out["twist_b"] = 0.0
     if not _hit(table, h):
         return False
@@ -263,7 +263,7 @@ def impacts(table: int, h: float, kept: int) -> bool:
 @entry_point("bounded")
 def leave(table: int, h: float, n: int) -> None:
     """In their third step, give limits that are driven back the speed gained since the hit."""
-    rows, before, limits = at.rows(table), at.before(table), at.limit_states(table)
+    rows, before, limits = at.rows(table), at.before(table), at.limits(table)
     for k in range(n):
         row = rows[k]
         if row["source"] == LIMITED and limits[row["index"]]["since"] >= h:
@@ -274,7 +274,7 @@ def leave(table: int, h: float, n: int) -> None:
 @entry_point("bounded")
 def land(table: int, h: float, n: int) -> None:
     """Note how long ago, at the end of the step, limits were hit."""
-    rows, limits = at.rows(table), at.limit_states(table)
+    rows, limits = at.rows(table), at.limits(table)
     for k in range(n):
         if rows[k]["source"] == LIMITED:
             state = limits[rows[k]["index"]]

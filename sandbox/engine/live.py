@@ -185,7 +185,7 @@ class Live(Simulation):
         """Let the drives of the hand push."""
         if (body, at) != self._grasped:
             index = self._model.names.body[body]
-            actions = self._tables.constants.actions
+            actions = self._tables.elements.actions
             rows = np.flatnonzero(np.isin(actions["drive"], self._hand))
             arm: Array = np.array(at) - self._model.bodies.centre[index]
             actions["a"][rows] = self._world.number[index]

@@ -125,7 +125,7 @@ def _part(table: int, into: Array, k: int, code: int, code_end: int, scale: floa
 @kernel
 def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> None:
     """The sum of a body's loads and its slopes; each load's own is kept."""
-    loaded, numbers, results = at.loaded(table)[k], at.pressing(table)[k], at.load_results(table)
+    loaded, numbers, results = at.loaded(table)[k], at.pressing(table)[k], at.loads(table)
     into, body, turn, ahead = at.felt(table), at.body(table), at.turn(table), h if end else 0.0
     for m in range(3):
         numbers[SUM, m] = 0.0
@@ -203,15 +203,15 @@ def _rotate(A: Array, Q: Array, i: int, j: int) -> None:
 @kernel
 def _weigh(table: int, k: int, h: float, after: Array) -> None:
     """Find the sum of a body's loads for the velocities after a step, and how it is to be taken."""
-    loaded, out, numbers = at.loaded(table)[k], at.loaded_results(table)[k], at.pressing(table)[k]
+    loaded, numbers = at.loaded(table)[k], at.pressing(table)[k]
     w = at.inverse_mass(table)[loaded["body"]]
     if loaded["row"] >= 0:
-        if out["stiff"] == 0:
+        if loaded["stiff"] == 0:
             _sum(table, k, h, after, True, 0.0)
             _rates(numbers, w[0], w[1])
             if h * max(numbers[YIELDS, 0], numbers[YIELDS, 1], numbers[YIELDS, 2]) > SOFT:
-                out["stiff"] = 1
-        _sum(table, k, h, after, out["stiff"] == 1, 1.0 / h)
+                loaded["stiff"] = 1
+        _sum(table, k, h, after, loaded["stiff"] == 1, 1.0 / h)
         _rates(numbers, w[0], w[1])
     else:
         _sum(table, k, h, after, False, 0.0)
@@ -220,10 +220,10 @@ def _weigh(table: int, k: int, h: float, after: Array) -> None:
 @entry_point("loads")
 def press(table: int, h: float) -> None:
     """Forces of all loads for the velocities before the step."""
-    loaded, out, force = at.loaded(table), at.loaded_results(table), at.force(table)
+    loaded, force = at.loaded(table), at.force(table)
     before, numbers = at.before(table), at.pressing(table)
     for k in range(len(loaded)):
-        out[k]["stiff"] = 0
+        loaded[k]["stiff"] = 0
         _weigh(table, k, h, before)
         for j in range(3):
             numbers[k, GIVEN, j] = numbers[k, SUM, j]
@@ -310,12 +310,12 @@ def timed(table: int) -> bool:
 @entry_point("loads")
 def add_load_work(table: int, h: float, v: Matrix) -> None:
     """Work of the step just made; ``v`` [nb, 3] are the mean velocities of before and after it."""
-    loads, states, results = at.loads(table), at.load_states(table), at.load_results(table)
+    loads = at.loads(table)
     for i in range(len(loads)):
-        b, out = loads[i]["body"], results[i]
-        out["step_work"] = h * (out["fx"] * v[b, 0] + out["fy"] * v[b, 1]
-                                + out["torque"] * v[b, 2])
-        states[i]["work"] += out["step_work"]
+        load, b = loads[i], loads[i]["body"]
+        load["step_work"] = h * (load["fx"] * v[b, 0] + load["fy"] * v[b, 1]
+                                 + load["torque"] * v[b, 2])
+        load["work"] += load["step_work"]
 
 
 @kernel

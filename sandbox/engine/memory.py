@@ -20,14 +20,14 @@ from numba.np import arrayobj
 
 from sandbox.engine.native import Native
 from sandbox.engine.plan import Pattern
-from sandbox.engine.state import Constants, Result, Snapshot, State, declared
+from sandbox.engine.state import Constants, Elements, Result, Snapshot, State, declared
 from sandbox.numeric import Integers
 
 _arrays: Any = arrayobj
 _WORD = ir.IntType(64)
 WIDTH = 4
 """Numbers of the table for each array: its address and three lengths."""
-_PARTS: tuple[Any, ...] = (Native, Constants, State, Result, Pattern, Snapshot)
+_PARTS: tuple[Any, ...] = (Native, Constants, Elements, State, Result, Pattern, Snapshot)
 TABLE_WORDS = WIDTH * sum(len(part._fields) for part in _PARTS)
 """Length of the table without the addresses of entry points, which follow."""
 
@@ -41,11 +41,12 @@ class Memory(NamedTuple):
 
 
 def make_memory(
-    native: Native, constants: Constants, state: State, result: Result, pattern: Pattern,
-    snapshot: Snapshot, entry_points: Integers,
+    native: Native, constants: Constants, elements: Elements, state: State, result: Result,
+    pattern: Pattern, snapshot: Snapshot, entry_points: Integers,
 ) -> Memory:
     """The table of a run."""
-    values: tuple[Any, ...] = (*native, *constants, *state, *result, *pattern, *snapshot)
+    values: tuple[Any, ...] = (
+        *native, *constants, *elements, *state, *result, *pattern, *snapshot)
     table = np.zeros((len(values), WIDTH), dtype=np.int64)
     for row, value in zip(table, values, strict=True):
         if isinstance(value, np.ndarray):
@@ -91,22 +92,13 @@ def _view(name: str, place: int, dtype: Any, axes: int) -> Any:
     return result
 
 
-def view_name(part: Any, field: str) -> str:
-    """``actions``, ``action_states``, ``action_results``; ``kept_pose`` of a snapshot."""
-    if part is Snapshot:
-        return f"kept_{field}"
-    if part in (State, Result) and field in Constants._fields:
-        return field.removesuffix("s") + ("_states" if part is State else "_results")
-    return field
-
-
 def _views() -> Iterator[tuple[str, Any]]:
     place = 0
     for part in _PARTS:
         for field in part._fields:
             if field in declared(part):
                 item, shape = declared(part)[field]
-                view = view_name(part, field)
+                view = f"kept_{field}" if part is Snapshot else field
                 yield view, _view(view, place, item, len(shape))
             place += WIDTH
 

@@ -45,7 +45,7 @@ def brake_in_time(table: int, h: float, n: int) -> None:
     other such drives held, and f what loads push it on with, (limit - f) / I. On loads that help to
     brake it does not count: they may have gone by then.
     """
-    rows, motors, states = at.rows(table), at.motors(table), at.motor_states(table)
+    rows, motors = at.rows(table), at.motors(table)
     chosen, m = at.chosen(table), 0
     for k in range(n):
         driven = rows[k]["source"] == DRIVEN and not rows[k]["out"]
@@ -54,7 +54,7 @@ def brake_in_time(table: int, h: float, n: int) -> None:
             m += 1
     for q in range(m):
         row = rows[chosen[q]]
-        motor, state = motors[row["index"]], states[row["index"]]
+        motor, state = motors[row["index"]], motors[row["index"]]
         inertia = _held(table, h, m, q, False)
         loads = _held(table, h, m, q, True)
         way = 1.0 if state["short"] > 0.0 else -1.0
@@ -66,7 +66,7 @@ def brake_in_time(table: int, h: float, n: int) -> None:
         state["asked"] = speed
     for q in range(m):
         row = rows[chosen[q]]
-        state = states[row["index"]]
+        state = motors[row["index"]]
         want = state["bend"] - state["asked"]
         row["free"] += want - row["want"]
         row["want"] = want
@@ -76,7 +76,7 @@ def brake_in_time(table: int, h: float, n: int) -> None:
 def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
     """Of the q-th of m chosen rows the inertia with the others held, or what loads push it with."""
     rows, G, A = at.rows(table), at.delassus(table), at.system(table)
-    chosen, states = at.chosen(table), at.motor_states(table)
+    chosen, states = at.chosen(table), at.motors(table)
     for r in range(m):
         row = rows[chosen[r]]
         for c in range(m):
@@ -93,12 +93,12 @@ def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
 def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
     """Row ``n``, that of a motor, servo or brake."""
     out = at.rows(table)[n]
-    motor, state, before = at.motors(table)[i], at.motor_states(table)[i], at.before(table)
+    motor, before = at.motors(table)[i], at.before(table)
     value = drive[motor["drive"]]
     brake = motor["most"] != motor["most"]
     most = h * min(value if brake else motor["most"], UNBOUNDED)
-    begin_row(out, DRIVEN, i, motor["a"], motor["b"], state["impulse"], state["mode"])
-    put_coordinate(out, at.joint_results(table)[motor["joint"]], 1.0)
+    begin_row(out, DRIVEN, i, motor["a"], motor["b"], motor["impulse"], motor["mode"])
+    put_coordinate(out, at.joints(table)[motor["joint"]], 1.0)
     out["low"], out["high"] = -most, most
     out["want"] = 0.0 if brake else -motor["sense"] * value
     if motor["slope"] > 0.0:  # at mid-step, as dampers are
@@ -107,16 +107,16 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
         out["soft"] = 2.0 / (h * motor["slope"])
     if motor["law"] == PACED and not motor["line"]:
         return
-    place, seen = at.joint_results(table)[motor["joint"]]["way"], rate(out, before)
-    state["bend"] = 0.0
+    place, seen = at.joints(table)[motor["joint"]]["way"], rate(out, before)
+    motor["bend"] = 0.0
     if motor["line"]:
         line, body = at.joints(table)[motor["joint"]], at.body(table)
         _, _, _, ca, sa = ahead(h, body, before, line["a"])
         _, _, _, cb, sb = ahead(h, body, before, line["b"])
         x, y = vector_ahead(line, h, body, before, ca, sa, cb, sb)
-        state["bend"] = (math.hypot(x, y) - place) / h - seen
+        motor["bend"] = (math.hypot(x, y) - place) / h - seen
     if motor["law"] == PACED:
-        out["want"] = state["bend"] - value
+        out["want"] = motor["bend"] - value
         return
     target = motor["sense"] * (value + motor["zero"])
     if motor["law"] == SPRUNG:
@@ -127,30 +127,29 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
         if not motor["stiff"]:
             out["want"] += (c - lead) / lead * seen
         return
-    state["seen"] = state["along"] = seen
-    if state["target"] == state["target"]:  # not in the first step, nor as it is taken up
-        state["along"] = (target - state["target"]) / h
-    state["aim"] = target  # a step may be solved again: only its report makes it the last one
-    state["short"] = target - place - h * state["along"]
-    out["want"] = state["bend"] - state["along"] - state["short"] / h
+    motor["seen"] = motor["along"] = seen
+    if motor["target"] == motor["target"]:  # not in the first step, nor as it is taken up
+        motor["along"] = (target - motor["target"]) / h
+    motor["aim"] = target  # a step may be solved again: only its report makes it the last one
+    motor["short"] = target - place - h * motor["along"]
+    out["want"] = motor["bend"] - motor["along"] - motor["short"] / h
 
 
 @entry_point("actions")
 def drive_forces(table: int, drive: Array) -> None:
     """Apply the forces and torques of drives; their values are ``drive`` [nd]."""
-    actions, results = at.actions(table), at.action_results(table)
-    body, out = at.body(table), at.force(table)
+    actions, body, out = at.actions(table), at.body(table), at.force(table)
     for i in range(len(actions)):
-        action, result = actions[i], results[i]
+        action = actions[i]
         a = action["a"]
         if action["motor"] >= 0 or action["runs"]:
             continue
         if not holds(table, action["tie"]):
-            result["torque"] = 0.0
+            action["torque"] = 0.0
             continue
         value = drive[action["drive"]]
         if action["line"]:
-            result["torque"] = value
+            action["torque"] = value
             joint, b = at.joints(table)[action["joint"]], action["b"]
             ax, ay, bx, by, dx, dy = ends(joint, body, at.turn(table))
             length = math.hypot(dx, dy)
@@ -164,17 +163,17 @@ def drive_forces(table: int, drive: Array) -> None:
                 out[b, 2] += bx * fy - by * fx
             continue
         if action["b"] >= 0:
-            result["torque"] = action["sense"] * value
-            out[action["b"], 2] += result["torque"]
-            out[a, 2] -= result["torque"]
+            action["torque"] = action["sense"] * value
+            out[action["b"], 2] += action["torque"]
+            out[a, 2] -= action["torque"]
             continue
         c, s = math.cos(body[a, 2]), math.sin(body[a, 2])
         fx, fy = value * action["dx"], value * action["dy"]
         if action["turning"]:
             fx, fy = c * fx - s * fy, s * fx + c * fy
         rx, ry = c * action["x"] - s * action["y"], s * action["x"] + c * action["y"]
-        result["fx"], result["fy"] = fx, fy
-        result["torque"] = rx * fy - ry * fx
+        action["fx"], action["fy"] = fx, fy
+        action["torque"] = rx * fy - ry * fx
         out[a, 0] += fx
         out[a, 1] += fy
-        out[a, 2] += result["torque"]
+        out[a, 2] += action["torque"]

@@ -71,7 +71,7 @@ class Readings:
             raise KeyError(name)
         if source.quantity in TIED:
             number = self.model.ties.of(source.kind)[source.index]
-            return _item(self.tables.state.ties["held"], int(number))
+            return _item(self.tables.elements.ties["held"], int(number))
         if place := RESULTS.get((source.kind, source.quantity)):
             return self._result(*place, source.index)
         kinds: dict[str, Callable[[Source], Read]] = {
@@ -83,9 +83,9 @@ class Readings:
     def _result(self, table: str, column: str, index: int) -> Read:
         """A result of an element."""
         if key := NUMBERS.get(table):
-            numbers = getattr(self.tables.constants, table)[key]
+            numbers = getattr(self.tables.elements, table)[key]
             index = int(np.flatnonzero(numbers == index)[0])
-        return _item(getattr(self.tables.result, table)[column], index)
+        return _item(getattr(self.tables.elements, table)[column], index)
 
     def _meter(self, source: Source) -> Read:
         mechanism = self.model.mechanism
@@ -99,7 +99,7 @@ class Readings:
     def _drive(self, source: Source) -> Read:
         if source.quantity == "value":
             return lambda: self.drive.item(source.index)
-        actions = self.tables.constants.actions
+        actions = self.tables.elements.actions
         row = int(np.flatnonzero((actions["drive"] == source.index) & (actions["motor"] >= 0))[0])
         sense, given = float(actions["sense"][row]), self._result("actions", "torque", row)
         return lambda: sense * given()
@@ -129,7 +129,7 @@ class Readings:
         joints, index = self.model.joints, source.index
         a, b = self.world.number[joints.bodies[index]].tolist()
         item, mean = self.tables.state.body.item, self.tables.result.before.item
-        fx, fy, dx, dy, ta, tb = (_item(self.tables.result.joints[name], index)
+        fx, fy, dx, dy, ta, tb = (_item(self.tables.elements.joints[name], index)
                                   for name in ("fx", "fy", "dx", "dy", "ta", "tb"))
         sense, zero = joints.sense[index].item(), joints.zero[index].item()
 
@@ -169,16 +169,17 @@ class Readings:
 
     def _at_guide(self, tendon: int, what: str, number: int) -> Read:
         """What a tendon has at one of its guides, or in one of its straight pieces."""
-        tendons, tables = self.model.tendons, self.tables
+        tendons, elements = self.model.tendons, self.tables.elements
         guide = int(tendons.first[tendon]) + number
         if what == "lifted":
-            lifted = _item(tables.state.guides["lifted"], guide)
+            lifted = _item(elements.guides["lifted"], guide)
             return lambda: float(lifted())
         if what == "slip":
-            return _item(tables.state.slips["way"], int(np.flatnonzero(tendons.grips == guide)[0]))
+            slip = int(np.flatnonzero(tendons.grips == guide)[0])
+            return _item(elements.slips["way"], slip)
         piece = np.flatnonzero(tendons.stretch_tendon == tendon)[number]
-        last = _item(tables.result.cords["tension"], tendon)
-        behind = [_item(tables.result.slips["force"], k) for k in tendons.gripped(tendon).tolist()
+        last = _item(elements.cords["tension"], tendon)
+        behind = [_item(elements.slips["force"], k) for k in tendons.gripped(tendon).tolist()
                   if tendons.grips[k] > tendons.stretch_first[piece]]
         return lambda: last() - sum(force() for force in behind)
 
@@ -188,13 +189,13 @@ class Readings:
         return lambda: volume + grown()
 
     def _valve(self, source: Source) -> Read:
-        return _item(self.tables.state.valves["flow"], source.index)
+        return _item(self.tables.elements.valves["flow"], source.index)
 
     def _wound_up(self, tendon: int) -> Read | None:
         """What wheels at a tendon's ends have wound up since t = 0 [m]; None without such."""
         if self.model.tendons.closed[tendon]:
             return None
-        guides, states = self.model.tendons.guides(tendon), self.tables.state.guides
+        guides, states = self.model.tendons.guides(tendon), self.tables.elements.guides
         radius = self.model.tendons.guide_radius
         ends = [(_item(states["wrap"], end), float(states["wrap0"][end]), float(sign * radius[end]))
                 for end, sign in ((guides.start, -1.0), (guides.stop - 1, 1.0)) if radius[end]]

@@ -1,8 +1,8 @@
 """Records of the elements in the tables of the compiled step: one row for each element.
 
-A record with the name alone never changes in a run, ``*_STATE`` is needed by the next step, and
-``*_RESULT`` is computed anew in each step. Bodies are numbered as pymunk lists them
-(``World.order``); points of bodies are relative to their centres of mass, along the body's axes.
+Samples copy each record from the field on that :data:`SAMPLED` names. Bodies are numbered as pymunk
+lists them (``World.order``); points of bodies are relative to their centres of mass, along the
+body's axes.
 """
 
 from __future__ import annotations
@@ -30,12 +30,8 @@ ACTION = np.dtype([
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
     ("tie", np.int64),      # TIE of the hinge, or -1
     ("runs", np.int64),     # whether it is the surface of a that runs
-])
-ACTION_STATE = np.dtype([
-    ("work", float),        # done on the bodies since t = 0 [J]
-])
-ACTION_RESULT = np.dtype([
     ("fx", float), ("fy", float),   # of a force, in the world [N]
+    ("work", float),        # done on the bodies since t = 0 [J]
     ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]; of a surface
                             # that runs its power [W]
     ("step_work", float),   # of the last step [J]
@@ -58,17 +54,12 @@ SPRING = np.dtype([
     ("of_rate", np.int64),  # whether its law depends on the rate
     ("response", float),    # bound of the response of its ends to a unit effort [1/kg, 1/(kg m^2)]
     ("tie", np.int64), ("hinge_tie", np.int64),     # TIE of the spring and of its hinge, or -1
-])
-SPRING_STATE = np.dtype([
     ("rest", float),        # its coordinate at rest [m, rad]
-    ("work", float),        # [J]
-])
-SPRING_RESULT = np.dtype([
-    ("way", float),         # its coordinate [m, rad]
-    ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # and what it depends on
-    ("effort", float),      # positive where it lets the coordinate grow [N, N m]
+    ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # what its coordinate depends on
     ("stiff", np.int64),    # whether a law is taken at the step's end
-    ("step_work", float),   # [J]
+    ("way", float),         # its coordinate [m, rad]
+    ("effort", float),      # positive where it lets the coordinate grow [N, N m]
+    ("work", float), ("step_work", float),  # since t = 0, and of the last step [J]
 ])
 
 POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6
@@ -103,20 +94,17 @@ JOINT = np.dtype([
     ("line", np.int64),     # whether its length is recorded: of an actuator, a slot with a path
     ("span", np.int64), ("span_end", np.int64),     # SPANs of the path of a slot; -1 without
     ("around", float),      # length of a closed path, else 0 [m]
-])
-JOINT_STATE = np.dtype([
     ("flank", float),       # which side of the teeth pushes, +1 or -1
-    ("span", np.int64), ("place", float),   # of a path: the span where the point is, arc length [m]
-])
-JOINT_RESULT = np.dtype([
+    ("on", np.int64), ("place", float),     # of a path: the span where the point is, arc length [m]
+    ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # what its free coordinate
+                            # depends on; of teeth the direction of the push on b
+    ("kick_x", float), ("kick_y", float),   # impulse on b besides that of its rows [N s]: impacts
+                                            # act in another pose
+    ("twist_a", float), ("twist_b", float),     # for the same reason moments on a and b [N m s]
     ("way", float),         # its free coordinate: along a groove, distance, angle of a pin [m, rad]
-    ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # what this depends on; of teeth
-                            # the direction of the push on b
     ("rate", float),        # of what is recorded of this, in samples only [m/s, rad/s]
     ("fx", float), ("fy", float),   # its force on b [N]
     ("couple", float),      # on b [N m]
-    ("kick_x", float), ("kick_y", float),   # impulse on b besides that of its rows: impacts act in
-    ("twist_a", float), ("twist_b", float),     # another pose; and moments on a and b [N s, N m s]
 ])
 
 LIMIT = np.dtype([
@@ -124,11 +112,9 @@ LIMIT = np.dtype([
     ("what", np.int64),     # STOP, LINE or FLANK
     ("side", float),        # +1 for the least value, -1 for the largest; which flank
     ("bound", float),       # [rad, m]
-])
-LIMIT_STATE = np.dtype([
-    ("impulse", float),     # of the last step [N s, N m s]
     ("since", float),       # time since it was hit, at the end of the last step, or 0 [s]
     ("next", float),        # scratch: the same of this step [s]
+    ("impulse", float),     # of the last step [N s, N m s]
 ])
 
 MOTOR = np.dtype([
@@ -144,8 +130,6 @@ MOTOR = np.dtype([
     ("stiff", np.int64),    # whether these are taken at the step's end
     ("fastest", float),     # that it goes there [rad/s]
     ("zero", float),        # what the hinge's angle is less by [rad]
-])
-MOTOR_STATE = np.dtype([
     ("target", float),      # the place that it was to be at after the last step, nan before [rad]
     ("aim", float),         # the same after this one [rad]
     ("short", float),       # by how much it is not where it was to be [rad]
@@ -163,8 +147,6 @@ DRY_FRICTION = np.dtype([
     ("most", float),        # friction that does not depend on the load [N m, N]
     ("share", float),       # friction for 1 N that the joint carries [m, 1], or 0
     ("static", float),      # how many times as much it holds with
-])
-DRY_FRICTION_STATE = np.dtype([
     ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
     ("pressed", float),     # of the joint, on which the friction depends [N s]
     ("mode", np.int64),     # -1 and 1 where it slipped, 0 where it held
@@ -173,8 +155,6 @@ DRY_FRICTION_STATE = np.dtype([
     ("kept", np.int64),     # whether it has held since a place along its groove was noted
     ("place", float),       # that place [m]
     ("work", float),        # [J]
-])
-DRY_FRICTION_RESULT = np.dtype([
     ("force", float),       # on b, in the joint's sense [N m, N]
     ("sticks", float),      # 1 where it held, else 0
     ("step_work", float),   # [J]
@@ -196,15 +176,11 @@ CORD = np.dtype([
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
     ("into", np.int64), ("out_of", np.int64),   # entries of what slips into a span and out of it
     ("tie", np.int64),      # TIE of the cord, or -1
-])
-CORD_STATE = np.dtype([
     ("active", np.int64),   # whether it pulled in the last solve
     ("k", float),           # in force [N/m]; of a span it is this over what is in it [N]
     ("rest", float),        # length up to which it is slack; of a span with what it wound up [m]
     ("inside", float),      # what is in a span between its wheels [m]
     ("work", float),        # [J]
-])
-CORD_RESULT = np.dtype([
     ("length", float),      # [m]
     ("wound", float),       # share of that which a span's wheels have wound up since t = 0 [m]
     ("tension", float),     # [N]
@@ -217,15 +193,11 @@ GUIDE = np.dtype([
     ("turns", float),       # whole ones round it at t = 0, besides
     ("lifts", np.int64),    # whether the cord can lift off its wheel
     ("entry", np.int64),    # where its share of the cord's row is added, if that has one
-])
-GUIDE_STATE = np.dtype([
+    ("jx", float), ("jy", float),   # dL/dx, dL/dy of the body
+    ("jt", float),          # dL/dangle [m]
     ("wrap", float),        # angle round the wheel, or where a wound cord leaves it [rad]
     ("wrap0", float),       # the same at t = 0, of a wound cord
     ("lifted", np.int64),   # whether the cord is off its wheel
-])
-GUIDE_RESULT = np.dtype([
-    ("jx", float), ("jy", float),   # dL/dx, dL/dy of the body
-    ("jt", float),          # dL/dangle [m]
 ])
 
 SLIP = np.dtype([
@@ -236,21 +208,17 @@ SLIP = np.dtype([
     ("friction", float),    # coefficient
     ("row", np.int64),      # unknown of its rate
     ("slide", np.int64), ("sum", np.int64),     # where bounded rows find it, and the tensions' sum
-])
-SLIP_STATE = np.dtype([
-    ("way", float),         # of cord from the span before into that after since t = 0 [m]
     ("impulse", float),     # of friction in the last step [N s]
-    ("sum", float),         # of both tensions' impulses in the last step [N s]
+    ("pressed", float),     # sum of both tensions' impulses in the last step [N s]
     ("mode", np.int64),     # as of BOUND
-])
-SLIP_RESULT = np.dtype([
     ("rate", float),        # [m/s]
+    ("way", float),         # of cord from the span before into that after since t = 0 [m]
     ("force", float),       # by how much the tension behind is larger than that before [N]
 ])
 
 FLUID = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its chambers
-    ("ahead", float),       # the least k of its law (fluids.py)
+    ("least_ahead", float),     # the least k of its law (fluids.py)
     ("ratio", float),       # its r
     ("drive", np.int64),    # that sets its pressure, or -1
     ("volume", float),      # at t = 0 [m^3]
@@ -259,15 +227,10 @@ FLUID = np.dtype([
     ("start", float), ("least", float), ("most", float),    # pressure at t = 0, its bounds [Pa]
     ("response", float),    # largest A M^-1 A^T in any pose [m^4/kg]
     ("row", np.int64),      # its unknown
-])
-"""A line."""
-FLUID_STATE = np.dtype([
     ("content", float),     # at 0 Pa, of a liquid beside what filled it at t = 0 [m^3]
     ("mode", np.int64),     # -1 not full, 0 full, 1 let out by its relief
     ("spilled", float),     # by the relief [m^3]
     ("work", float),        # done on the bodies [J]
-])
-FLUID_RESULT = np.dtype([
     ("grown", float),       # volume, beside that at t = 0 [m^3]
     ("pressure", float),    # [Pa]
     ("ahead", float),       # the k of its law: steps from the pose to its instant
@@ -287,8 +250,6 @@ CHAMBER = np.dtype([
     ("gain", float),        # volume per distance of the points, or per angle of b against a
     ("start", float),       # distance or angle at t = 0
     ("entry_a", np.int64), ("entry_b", np.int64),   # where its share of the row is added
-])
-CHAMBER_RESULT = np.dtype([
     ("x", float), ("y", float),     # force on b for 1 Pa
     ("ta", float), ("tb", float),   # moments for 1 Pa
 ])
@@ -299,13 +260,9 @@ VALVE = np.dtype([
     ("one_way", np.int64),
     ("drive", np.int64),    # that opens it, or -1
     ("slot", np.int64),     # of the matrix where its lines meet, -1 with the tank
-])
-VALVE_STATE = np.dtype([
     ("flow", float),        # from a to b [m^3/s]
     ("shut", np.int64),     # whether a check valve is
     ("loss", float),        # [J]
-])
-VALVE_RESULT = np.dtype([
     ("about", float),       # the flow that its law is taken straight about [m^3/s]
     ("lets", float),        # flow per pressure there [m^3/(s Pa)]
     ("gets", float),        # flow without pressure there [m^3/s]
@@ -316,11 +273,7 @@ PUMP = np.dtype([
     ("drive", np.int64), ("line", np.int64),
     ("source", np.int64),   # whether its value is a pressure; a flow otherwise
     ("r", float),           # between source and line
-])
-PUMP_STATE = np.dtype([
     ("work", float),        # on the fluid [J]
-])
-PUMP_RESULT = np.dtype([
     ("flow", float),        # into the line [m^3/s]
     ("step_work", float),   # [J]
 ])
@@ -339,11 +292,7 @@ LOAD = np.dtype([
     ("first", np.int64), ("last", np.int64),    # sides of what a liquid lifts
     ("level", float),       # of the liquid [m]
     ("lift", float),        # its force per area below that [N/m^2]
-])
-LOAD_STATE = np.dtype([
     ("work", float),        # done on the body [J]
-])
-LOAD_RESULT = np.dtype([
     ("fx", float), ("fy", float),   # in the world [N]
     ("torque", float),      # about the centre of mass [N m]
     ("step_work", float),   # of the last step [J]
@@ -354,8 +303,6 @@ LOADED = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its loads
     ("row", np.int64), ("row_y", np.int64), ("row_turn", np.int64),     # unknowns, or -1
     ("entry", np.int64),    # the first of the three entries of these
-])
-LOADED_RESULT = np.dtype([
     ("stiff", np.int64),    # whether its loads are taken at the step's end
 ])
 SUM, SLOPES, GIVEN, YIELDS, AXES, SCRATCH = 0, 1, 4, 5, 6, 9
@@ -379,23 +326,26 @@ TIE = np.dtype([
     ("over", float),        # time in which a joint's gap closes [s]
     ("as_is", np.int64),    # whether it is taken up with the length that it has then
     ("drive", np.int64),    # that holds it, or -1
-])
-TIE_STATE = np.dtype([
-    ("held", np.int64),
     ("wish", np.int64),     # of an event: to let go, 0, or take up, 1, with the next step; NONE
     ("driven", np.int64),   # as a drive had it last; at first whether it holds
-    ("load", float),        # of the last step, nan where it did not hold then [N, N m]
+    ("load", float),        # in this step [N, N m]
+    ("last_load", float),   # of the last step, nan where it did not hold then [N, N m]
     ("age", float),         # since a joint was taken up [s], SETTLED or TAKEN
     ("x", float), ("y", float), ("t", float),       # its gaps then [m, m, rad]
     ("vx", float), ("vy", float), ("vt", float),    # and their rates
     ("turns", float),       # whole turns that a couple leaves alone [rad]
+    ("broke", np.int64),    # whether it broke in this step
+    ("held", np.int64),
 ])
 BROKEN = np.dtype([
     ("tie", np.int64),      # what came to its load
     ("row", np.int64),      # the step in which it did, counted from 0 among those made in one go
     ("when", float),        # since the middle of the step before it, as a share of the step
 ])
-TIE_RESULT = np.dtype([
-    ("load", float),        # in this step [N, N m]
-    ("broke", np.int64),    # whether it broke in this step
-])
+
+SAMPLED = {
+    "actions": "work", "springs": "way", "cords": "work", "guides": "lifted", "slips": "way",
+    "joints": "twist_a", "limits": "impulse", "dry_friction": "work", "fluids": "content",
+    "valves": "flow", "pumps": "work", "loads": "work", "ties": "held",
+}
+"""The tables that samples copy, and from which field on; recorded values are computed later."""

@@ -43,12 +43,11 @@ def report(table: int, h: float, drive: Array, n: int) -> None:
     report_springs(table, h)
     report_cords(table, h)
     slipped(table, h)
-    joints, joint_results, joint_states = (
-        at.joints(table), at.joint_results(table), at.joint_states(table))
+    joints = at.joints(table)
     for i in range(len(joints)):
         if acts(table, joints[i]["tie"]):
-            joint_force(h, joints[i], joint_results[i], unknown)
-        _change_flank(joints[i], joint_states[i], unknown)
+            joint_force(h, joints[i], unknown)
+        _change_flank(joints[i], unknown)
     _report_bounded(table, h, n)
     tied(table, h)
     report_lines(table, h, drive)
@@ -56,16 +55,16 @@ def report(table: int, h: float, drive: Array, n: int) -> None:
 
 @kernel
 def _report_bounded(table: int, h: float, n: int) -> None:
-    rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
-    states, rubs = at.limit_states(table), at.dry_friction_states(table)
-    slips, motor_table, joints = at.slip_states(table), at.motors(table), at.joints(table)
+    rows, touches, motors = at.rows(table), at.touches(table), at.motors(table)
+    limits, rubs = at.limits(table), at.dry_friction(table)
+    slips, joints = at.slips(table), at.joints(table)
     for i in range(len(slips)):
-        slips[i]["impulse"] = slips[i]["sum"] = slips[i]["mode"] = 0
-    for i in range(len(states)):
-        if acts(table, joints[at.limits(table)[i]["joint"]]["tie"]):
-            states[i]["impulse"] = 0.0
+        slips[i]["impulse"] = slips[i]["pressed"] = slips[i]["mode"] = 0
+    for i in range(len(limits)):
+        if acts(table, joints[limits[i]["joint"]]["tie"]):
+            limits[i]["impulse"] = 0.0
     for i in range(len(motors)):
-        tie = motor_table[i]["tie"]
+        tie = motors[i]["tie"]
         if not holds(table, tie):
             motors[i]["target"] = math.nan
             if acts(table, tie):
@@ -90,10 +89,10 @@ def _report_bounded(table: int, h: float, n: int) -> None:
             mode = 0 if row["phase"] == HOLDS else row["mode"]
             touches[i]["tangent"], touches[i]["mode"] = p, mode
         elif row["source"] == LIMITED:
-            states[i]["impulse"] = max(p, 0.0)
+            limits[i]["impulse"] = max(p, 0.0)
             add_limit(table, h, k)
         elif row["source"] == CABLE_LOAD:
-            slips[i]["sum"] = p
+            slips[i]["pressed"] = p
         elif row["source"] == CABLE_FRICTION:
             slips[i]["impulse"], slips[i]["mode"] = p, row["mode"]
         elif row["source"] == JOINT_LOAD:
@@ -115,7 +114,7 @@ def add_limit(table: int, h: float, k: int) -> None:
     """Add what bounded row ``k``, a limit's, carries to its joint's force."""
     row = at.rows(table)[k]
     limit, p = at.limits(table)[row["index"]], max(row["p"], 0.0)
-    out = at.joint_results(table)[limit["joint"]]
+    out = at.joints(table)[limit["joint"]]
     if limit["what"] == LINE:
         out["fx"] += limit["side"] * out["dx"] * p / h
         out["fy"] += limit["side"] * out["dy"] * p / h
@@ -125,35 +124,35 @@ def add_limit(table: int, h: float, k: int) -> None:
 
 
 @kernel
-def _change_flank(joint: Any, state: Any, unknown: Array) -> None:
+def _change_flank(joint: Any, unknown: Array) -> None:
     """Teeth push: where they would have to pull, the other side of them pushes in the next step."""
     if toothed(joint) and joint["row"] >= 0 and unknown[joint["row"]] < 0.0:
-        state["flank"] = -state["flank"]
+        joint["flank"] = -joint["flank"]
 
 
 @kernel
-def joint_force(h: float, joint: Any, out: Any, unknown: Array) -> None:
+def joint_force(h: float, joint: Any, unknown: Array) -> None:
     """What the rows of a joint carry, without its limits."""
-    out["fx"], out["fy"], out["couple"] = out["kick_x"] / h, out["kick_y"] / h, 0.0
+    joint["fx"], joint["fy"], joint["couple"] = joint["kick_x"] / h, joint["kick_y"] / h, 0.0
     if joint["row"] >= 0:
         p = unknown[joint["row"]] / h
         if joint["keeps"] == POINT:
-            out["fx"] += p
-            out["fy"] += unknown[joint["row_y"]] / h
+            joint["fx"] += p
+            joint["fy"] += unknown[joint["row_y"]] / h
         elif joint["keeps"] == GROOVE:
-            out["fx"] -= out["dy"] * p
-            out["fy"] += out["dx"] * p
+            joint["fx"] -= joint["dy"] * p
+            joint["fy"] += joint["dx"] * p
         else:
-            out["fx"] += out["dx"] * p
-            out["fy"] += out["dy"] * p
+            joint["fx"] += joint["dx"] * p
+            joint["fy"] += joint["dy"] * p
         if joint["keeps"] == ROLL:
             p = unknown[joint["row_y"]] / h
             if joint["ra"] + joint["rb"] < 0.0:
                 p = -p
-            out["fx"] += out["dy"] * p
-            out["fy"] -= out["dx"] * p
+            joint["fx"] += joint["dy"] * p
+            joint["fy"] -= joint["dx"] * p
     if joint["row_turn"] >= 0:
-        out["couple"] = unknown[joint["row_turn"]] / h
+        joint["couple"] = unknown[joint["row_turn"]] / h
 
 
 @entry_point()
@@ -167,25 +166,24 @@ def add_work(table: int, h: float) -> None:
     for i in range(len(body)):
         for j in range(3):
             v[i, j] = (body[i, 3 + j] + before[i, j]) / 2 + shift[i, j] / h
-    actions, states, results = at.actions(table), at.action_states(table), at.action_results(table)
-    motors = at.motor_states(table)
+    actions, motors = at.actions(table), at.motors(table)
     for i in range(len(actions)):
-        action, result = actions[i], results[i]
+        action = actions[i]
         a = action["a"]
         if action["runs"]:
-            result["torque"] = _tangential_impulse(table, a) * at.belts(table)[a] / h
-            result["step_work"] = h * result["torque"]
-            states[i]["work"] += result["step_work"]
+            action["torque"] = _tangential_impulse(table, a) * at.belts(table)[a] / h
+            action["step_work"] = h * action["torque"]
+            action["work"] += action["step_work"]
             continue
         if action["motor"] >= 0:
-            result["torque"] = motors[action["motor"]]["impulse"] / h
+            action["torque"] = motors[action["motor"]]["impulse"] / h
         if action["joint"] >= 0:
-            power = result["torque"] * joint_rate(table, action["joint"], v)
+            power = action["torque"] * joint_rate(table, action["joint"], v)
         else:
-            power = (result["fx"] * v[a, 0] + result["fy"] * v[a, 1]
-                     + result["torque"] * v[a, 2])
-        result["step_work"] = h * power
-        states[i]["work"] += h * power
+            power = (action["fx"] * v[a, 0] + action["fy"] * v[a, 1]
+                     + action["torque"] * v[a, 2])
+        action["step_work"] = h * power
+        action["work"] += h * power
     add_spring_work(table, h, v)
     add_cord_work(table, h, v)
     add_friction_work(table, h, v)

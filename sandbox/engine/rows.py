@@ -60,27 +60,27 @@ def path_row(table: int, h: float, k: int) -> None:
     For velocities u of the point against ``a``, the gap g to the left of the path bends by
     n . a - κ (t . u)^2 / (1 - κ g), with a the acceleration of the point against ``a``.
     """
-    joint, state, out = at.joints(table)[k], at.joint_states(table)[k], at.joint_results(table)[k]
+    joint = at.joints(table)[k]
     body, before, turn, spans = at.body(table), at.before(table), at.turn(table), at.spans(table)
     a, b, e, r = joint["a"], joint["b"], joint["entry"], joint["row"]
     ax, ay, bx, by, px, py = ends(joint, body, turn)
     qx, qy, c, s = ax + px, ay + py, turn[a, 0], turn[a, 1]
     x, y = c * qx + s * qy, c * qy - s * qx
     if not joint_holds(table, k):
-        state["span"] = nearest_start(spans, joint["span"], joint["span_end"], x, y)
-    state["span"], place, tx, ty, across, curve = on_path(spans, state["span"], x, y)
+        joint["on"] = nearest_start(spans, joint["span"], joint["span_end"], x, y)
+    joint["on"], place, tx, ty, across, curve = on_path(spans, joint["on"], x, y)
     if joint["around"] > 0.0:
-        place += joint["around"] * math.floor((state["place"] - place) / joint["around"] + 0.5)
-    state["place"] = place
+        place += joint["around"] * math.floor((joint["place"] - place) / joint["around"] + 0.5)
+    joint["place"] = place
     dx, dy = c * tx - s * ty, s * tx + c * ty
-    out["way"], out["dx"], out["dy"] = place, dx, dy
-    out["ta"], out["tb"] = qy * dx - qx * dy, bx * dy - by * dx
+    joint["way"], joint["dx"], joint["dy"] = place, dx, dy
+    joint["ta"], joint["tb"] = qy * dx - qx * dy, bx * dy - by * dx
     if r < 0:
         return
     J = at.entries(table)[0]
     J[e, 0], J[e, 1], J[e, 2] = dy, -dx, -(qx * dx + qy * dy)
     J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -dy, dx, bx * dx + by * dy
-    wa, wb, along = before[a, 2], before[b, 2], rate(joint, out, before)
+    wa, wb, along = before[a, 2], before[b, 2], rate(joint, before)
     bend = (wa * wa * (dx * qy - dy * qx) - wb * wb * (dx * by - dy * bx) - 2.0 * wa * along
             - curve * along * along / max(1.0 - curve * across, CONFORMING))
     at.unknowns(table)[0][r] = -beyond(across) / h - h / 2 * bend
@@ -105,12 +105,10 @@ def closed(h: float) -> float:
 @entry_point()
 def joint_rows(table: int, h: float) -> None:
     """Coefficients and right sides of all joints; ``results`` get their free coordinates."""
-    joints, results, body, turn, before = (
-        at.joints(table), at.joint_results(table), at.body(table), at.turn(table),
-        at.before(table))
+    joints, body, turn, before = at.joints(table), at.body(table), at.turn(table), at.before(table)
     J, rhs = at.entries(table)[0], at.unknowns(table)[0]
     for k in range(len(joints)):
-        joint, out = joints[k], results[k]
+        joint = joints[k]
         a, b, e = joint["a"], joint["b"], joint["entry"]
         ax, ay, bx, by, px, py = ends(joint, body, turn)
         wa, wb = before[a, 2], before[b, 2]
@@ -128,7 +126,7 @@ def joint_rows(table: int, h: float) -> None:
                 set_row(J, e + 2, 0.0, 1.0, -ax, bx)
                 rhs[joint["row"]] = -beyond(px) / h - h / 2 * kx
                 rhs[joint["row_y"]] = -beyond(py) / h - h / 2 * ky
-            measure_angle(joint, out, body)
+            measure_angle(joint, body)
             e += 4
         elif joint["keeps"] == GROOVE and joint["span"] >= 0:
             path_row(table, h, k)
@@ -137,8 +135,8 @@ def joint_rows(table: int, h: float) -> None:
             c, s = turn[a, 0], turn[a, 1]
             dx, dy = c * joint["gx"] - s * joint["gy"], s * joint["gx"] + c * joint["gy"]
             qx, qy = ax + px, ay + py
-            out["way"], out["dx"], out["dy"] = dx * px + dy * py, dx, dy
-            out["ta"], out["tb"] = qy * dx - qx * dy, bx * dy - by * dx
+            joint["way"], joint["dx"], joint["dy"] = dx * px + dy * py, dx, dy
+            joint["ta"], joint["tb"] = qy * dx - qx * dy, bx * dy - by * dx
             if joint["row"] >= 0:
                 set_row(J, e, -dy, dx, -(qx * dx + qy * dy), bx * dx + by * dy)
                 across = dx * py - dy * px
@@ -148,10 +146,10 @@ def joint_rows(table: int, h: float) -> None:
         else:
             way = math.hypot(px, py)
             ux, uy = (px / way, py / way) if way > 0.0 else (1.0, 0.0)
-            out["way"], out["dx"], out["dy"] = way, ux, uy
-            out["ta"], out["tb"] = ay * ux - ax * uy, bx * uy - by * ux
+            joint["way"], joint["dx"], joint["dy"] = way, ux, uy
+            joint["ta"], joint["tb"] = ay * ux - ax * uy, bx * uy - by * ux
             if joint["row"] >= 0:  # a rope has none
-                put_row(J, e, out)
+                put_row(J, e, joint)
                 bend = ux * kx + uy * ky + (ux * vy - uy * vx) ** 2 / way
                 rhs[joint["row"]] = beyond(joint["reach"] - way) / h - h / 2 * bend
                 e += 2
@@ -165,7 +163,7 @@ def joint_rows(table: int, h: float) -> None:
 @kernel
 def joint_rate(table: int, joint: int, velocity: Array) -> float:
     """Rate [m/s, rad/s] of a joint's free coordinate as bodies move with ``velocity`` [nb, 3]."""
-    return rate(at.joints(table)[joint], at.joint_results(table)[joint], velocity)
+    return rate(at.joints(table)[joint], velocity)
 
 
 @kernel
@@ -180,13 +178,13 @@ def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: floa
 @entry_point("teeth")
 def teeth_row(table: int, h: float, k: int) -> None:
     """The row of teeth without play; those with play are limits."""
-    joint, out, before = at.joints(table)[k], at.joint_results(table)[k], at.before(table)
+    joint, before = at.joints(table)[k], at.before(table)
     J, e, r = at.entries(table)[0], joint["entry"], joint["row"]
     if r < 0:
         return
-    side = at.joint_states(table)[k]["flank"]
+    side = joint["flank"]
     gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), before)
-    out["dx"], out["dy"] = ux, uy
+    joint["dx"], joint["dy"] = ux, uy
     set_row(J, e, ux, uy, on_a, on_b)
     then = flank(joint, side, h, at.body(table), before)[0]
     at.unknowns(table)[0][r] = _ahead(gap, then, J[e:e + 2], joint, before, h)
@@ -196,13 +194,13 @@ def teeth_row(table: int, h: float, k: int) -> None:
 @entry_point("teeth")
 def rolling_row(table: int, h: float, k: int, on_a: float, on_b: float) -> None:
     """The row that keeps circles from slipping; ``on_a``, ``on_b`` from bodies to centres [m]."""
-    joint, out = at.joints(table)[k], at.joint_results(table)[k]
+    joint = at.joints(table)[k]
     body, before = at.body(table), at.before(table)
     J, e, r = at.entries(table)[0], joint["entry"] + 2, joint["row_y"]
     if r < 0:
         return
-    ra, rb, ux, uy = joint["ra"], joint["rb"], out["dx"], out["dy"]
-    lever = (ra + rb) / out["way"]
+    ra, rb, ux, uy = joint["ra"], joint["rb"], joint["dx"], joint["dy"]
+    lever = (ra + rb) / joint["way"]
     set_row(J, e, lever * uy, -lever * ux, ra + lever * on_a, rb - lever * on_b)
     at.unknowns(table)[0][r] = _ahead(
         rolled(joint, 0.0, body, before), rolled(joint, h, body, before), J[e:e + 2], joint,
@@ -212,10 +210,10 @@ def rolling_row(table: int, h: float, k: int, on_a: float, on_b: float) -> None:
 @entry_point("teeth")
 def wheel_gap(table: int, h: float, k: int) -> float:
     """Gap of the teeth, or slip of the circles, of joint ``k`` one step on [m]."""
-    joint, side = at.joints(table)[k], at.joint_states(table)[k]["flank"]
+    joint = at.joints(table)[k]
     if joint["keeps"] == ROLL:
         return float(rolled(joint, h, at.body(table), at.velocity(table)))
-    return float(flank(joint, side, h, at.body(table), at.velocity(table))[0])
+    return float(flank(joint, joint["flank"], h, at.body(table), at.velocity(table))[0])
 
 
 @kernel
@@ -318,8 +316,7 @@ def answer(table: int, free: Array, asked: Array, impulses: Array) -> None:
 @kernel
 def apply_impulses(table: int, impulses: Array, velocity: Array) -> None:
     """Add W B^T p to the velocities of free bodies."""
-    entry_row, entry_body, WJ = (
-        at.entry_row(table), at.entry_body(table), at.entries(table)[1])
+    entry_row, entry_body, WJ = at.entry_row(table), at.entry_body(table), at.entries(table)[1]
     for e in range(len(entry_row)):
         b, p = entry_body[e], impulses[entry_row[e]]
         if b >= len(velocity):

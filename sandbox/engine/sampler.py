@@ -37,7 +37,7 @@ class Sampler:
         self.kept = make_snapshot(CHUNK, tables, max(LEAST, 2 * world.room.contacts))
         self._arrays = builder.blank(CHUNK)
         """Rows on their way to the recording; what elements do not have stays nan."""
-        self._entry_points = prepare(tables.constants, advance)
+        self._entry_points = prepare(tables.constants, tables.elements, advance)
         self.memory = self._memory()
         """What the compiled loop works on."""
 
@@ -110,14 +110,14 @@ class Sampler:
         self._write_springs(arrays, n)
         if self.model.tendons.name:
             self._write_tendons(arrays, n)
-        if len(self.tables.constants.fluids):
+        if len(self.tables.elements.fluids):
             self._write_lines(arrays, n)
-        loads, number = self._of("load_results", n), self.tables.constants.loads["number"]
+        loads, number = self._of("loads", n), self.tables.elements.loads["number"]
         arrays["load_force"][:, number] = np.stack([loads["fx"], loads["fy"]], axis=-1)
         arrays["load_torque"][:, number] = loads["torque"]
-        arrays["load_work"][:, number] = self._work("load", n)
+        arrays["load_work"][:, number] = self._work("loads", n)
         self._write_drives(arrays, n)
-        arrays["held"][:] = self._of("tie_states", n)["held"]
+        arrays["held"][:] = self._of("ties", n)["held"]
         self.builder.put(self.done, arrays)
         each = np.diff(kept.fill[:n], prepend=0)
         sample = np.repeat(np.arange(self.done, self.done + n), each)
@@ -155,31 +155,31 @@ class Sampler:
 
     def _work(self, element: str, n: int, name: str = "work") -> Array:
         """Work [J] of elements up to the instants of samples, which lie amid their steps."""
-        work: Array = (self._of(f"{element}_states", n)[name]
-                       - self._of(f"{element}_results", n)[f"step_{name}"] / 2)
+        found = self._of(element, n)
+        work: Array = found[name] - found[f"step_{name}"] / 2
         return work
 
     def _write_joints(self, arrays: Arrays, n: int) -> None:
         """Joints with their limits and dry friction."""
-        constants, results = self.tables.constants, self._of("joint_results", n)
+        elements, results = self.tables.elements, self._of("joints", n)
         arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
         arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
         arrays["joint_couple"][:] = results["couple"]
         arrays["joint_twist"][:] = np.stack(
             [results["twist_a"], results["twist_b"]], axis=-1) / self.world.h
-        hinge, line = constants.joints["hinge"] == 1, constants.joints["line"] == 1
-        sense, zero = constants.joints["sense"][hinge], constants.joints["zero"][hinge]
+        hinge, line = elements.joints["hinge"] == 1, elements.joints["line"] == 1
+        sense, zero = elements.joints["sense"][hinge], elements.joints["zero"][hinge]
         arrays["joint_angle"][:, hinge] = sense * results["way"][:, hinge] - zero
         arrays["joint_rate"][:, hinge] = results["rate"][:, hinge]
         arrays["joint_length"][:, line] = results["way"][:, line]
         arrays["joint_speed"][:, line] = results["rate"][:, line]
-        arrays["joint_stop"][:, constants.joints["stopped"] == 1] = 0.0
-        for i in np.flatnonzero(constants.limits["what"] == STOP).tolist():
-            limit, impulse = constants.limits[i], self._of("limit_states", n)["impulse"][:, i]
-            sense = constants.joints["sense"][limit["joint"]]
+        arrays["joint_stop"][:, elements.joints["stopped"] == 1] = 0.0
+        for i in np.flatnonzero(elements.limits["what"] == STOP).tolist():
+            limit, impulse = elements.limits[i], self._of("limits", n)["impulse"][:, i]
+            sense = elements.joints["sense"][limit["joint"]]
             arrays["joint_stop"][:, limit["joint"]] += (
                 sense * limit["side"] * impulse / self.world.h)
-        joint, friction = constants.dry_friction["joint"], self._of("dry_friction_results", n)
+        joint, friction = elements.dry_friction["joint"], self._of("dry_friction", n)
         arrays["joint_friction"][:, joint] = friction["force"]
         arrays["joint_sticks"][:, joint] = friction["sticks"]
         arrays["joint_friction_work"][:, joint] = self._work("dry_friction", n)
@@ -187,47 +187,47 @@ class Sampler:
     def _write_tendons(self, arrays: Arrays, n: int) -> None:
         whole = slice(len(self.model.tendons.name))  # spans come after these
         for name in ("length", "tension"):
-            arrays[f"tendon_{name}"][:] = self._of("cord_results", n)[name][:, whole]
-        arrays["tendon_work"][:] = self._work("cord", n)[:, whole]
-        arrays["guide_friction"][:] = self._of("slip_results", n)["force"]
-        arrays["guide_slip"][:] = self._of("slip_states", n)["way"]
+            arrays[f"tendon_{name}"][:] = self._of("cords", n)[name][:, whole]
+        arrays["tendon_work"][:] = self._work("cords", n)[:, whole]
+        arrays["guide_friction"][:] = self._of("slips", n)["force"]
+        arrays["guide_slip"][:] = self._of("slips", n)["way"]
         arrays["guide_lifted"][:] = (
-            self._of("guide_states", n)["lifted"][:, self.tables.constants.wheels])
+            self._of("guides", n)["lifted"][:, self.tables.constants.wheels])
 
     def _write_lines(self, arrays: Arrays, n: int) -> None:
-        states, results = self._of("fluid_states", n), self._of("fluid_results", n)
-        fluids = self.tables.constants.fluids
+        results = self._of("fluids", n)
+        fluids = self.tables.elements.fluids
         arrays["line_pressure"][:], arrays["line_flow"][:] = results["pressure"], results["flow"]
         arrays["line_volume"][:] = results["grown"] + fluids["volume"]
         # of a gas the content counts what filled it at t = 0 without pressure
-        arrays["line_content"][:] = states["content"] - np.where(
+        arrays["line_content"][:] = results["content"] - np.where(
             fluids["gas"] > 0, fluids["volume"], 0.0)
-        arrays["line_spilled"][:] = states["spilled"]
-        arrays["line_work"][:] = self._work("fluid", n)
+        arrays["line_spilled"][:] = results["spilled"]
+        arrays["line_work"][:] = self._work("fluids", n)
         arrays["line_ahead"][:] = results["ahead"] * self.world.h
-        arrays["valve_flow"][:] = self._of("valve_states", n)["flow"]
-        arrays["valve_loss"][:] = self._work("valve", n, "loss")
+        arrays["valve_flow"][:] = self._of("valves", n)["flow"]
+        arrays["valve_loss"][:] = self._work("valves", n, "loss")
 
     def _write_drives(self, arrays: Arrays, n: int) -> None:
-        constants = self.tables.constants
-        actions, cords, pumps = constants.actions, constants.cords, constants.pumps["drive"]
-        torque, work = self._of("action_results", n)["torque"], arrays["drive_work"]
+        elements = self.tables.elements
+        actions, cords, pumps = elements.actions, elements.cords, elements.pumps["drive"]
+        torque, work = self._of("actions", n)["torque"], arrays["drive_work"]
         arrays["drive_value"][:] = self.kept.drive[:n]
         limited, runs = actions["motor"] >= 0, actions["runs"] == 1
         arrays["drive_torque"][:, actions["drive"][limited]] = (
             actions["sense"][limited] * torque[:, limited])
         arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
-        arrays["drive_flow"][:, pumps] = self._of("pump_results", n)["flow"]
+        arrays["drive_flow"][:, pumps] = self._of("pumps", n)["flow"]
         pulled = cords["kind"] == PULL
         work[:] = 0.0
-        work[:, actions["drive"]] = self._work("action", n)
-        work[:, pumps] = self._work("pump", n)
-        work[:, cords["drive"][pulled]] = self._work("cord", n)[:, pulled]
+        work[:, actions["drive"]] = self._work("actions", n)
+        work[:, pumps] = self._work("pumps", n)
+        work[:, cords["drive"][pulled]] = self._work("cords", n)[:, pulled]
 
     def _write_springs(self, arrays: Arrays, n: int) -> None:
         """Springs and the damping of hinges, which springs with a rotary damper share."""
-        joints, springs = self.model.joints, self.tables.constants.springs
-        results, work = self._of("spring_results", n), self._work("spring", n)
+        joints, springs = self.model.joints, self.tables.elements.springs
+        results, work = self._of("springs", n), self._work("springs", n)
         damped = springs["number"] < 0
         hinge = springs["joint"][damped]
         for name, values in (("damping", joints.sense[hinge] * results["effort"][:, damped]),
@@ -241,7 +241,7 @@ class Sampler:
         arrays["spring_work"][:, own] = work[:, straight]
         for k in np.flatnonzero(~straight & ~damped).tolist():
             i, j = int(springs["number"][k]), int(springs["joint"][k])
-            holds = held_one(self.model.ties.joint[j], self._of("tie_states", n)["held"])
+            holds = held_one(self.model.ties.joint[j], self._of("ties", n)["held"])
             arrays["spring_work"][:, i] = work[:, k]
             arrays["spring_length"][:, i] = arrays["joint_angle"][:, j]
             arrays["spring_force"][:, i] = (

@@ -291,14 +291,14 @@ class Simulation:
 
     def _enlarge(self, found: int | None = None) -> None:
         """Make room for ``found`` contacts, by default those of the step that is half made."""
-        world, constants = self._world, self._tables.constants
+        world, elements = self._world, self._tables.elements
         found = int(world.finder.table[0]) if found is None else found
         if found > MOST_CONTACTS:
             raise SandboxError(f"{found} contacts at once at t = {self.time:.6g} s, more than the "
                                f"{MOST_CONTACTS} that can be solved together: fewer or simpler "
                                "bodies may help", code="too-complex")
-        rows = rows_for(len(constants.limits), len(constants.motors), len(constants.slips),
-                        len(constants.dry_friction), found)
+        rows = rows_for(len(elements.limits), len(elements.motors), len(elements.slips),
+                        len(elements.dry_friction), found)
         world.enlarge(found, 4 * (rows + 1))
         self._tables = enlarged(self._tables, world.room)
         self._sampler.enlarge(self._tables)
@@ -406,8 +406,9 @@ class Simulation:
 
     def _contact_solver(self) -> dict[str, float]:
         """How contacts, limits and friction were solved: see :class:`Outcome`."""
-        constants, accuracy = self._tables.constants, self._tables.state.accuracy.tolist()
-        if not (len(constants.shapes) or len(constants.limits) or len(constants.motors)):
+        tables, accuracy = self._tables, self._tables.state.accuracy.tolist()
+        if not (len(tables.constants.shapes) or len(tables.elements.limits)
+                or len(tables.elements.motors)):
             return {}
         found = {"residual": accuracy[1], "time_s": accuracy[2] * self._clock.step,
                  "steps_above_1e-8": accuracy[4],
@@ -427,8 +428,8 @@ class Simulation:
         tendons = len(self._model.tendons.name)
         return {"body_centre": bodies.centre, "body_mass": bodies.mass,
                 "body_inertia": bodies.inertia,
-                "tendon_initial": tables.result.cords["length"][:tendons].copy(),
-                "tendon_rest": tables.state.cords["rest"][:tendons].copy()}
+                "tendon_initial": tables.elements.cords["length"][:tendons].copy(),
+                "tendon_rest": tables.elements.cords["rest"][:tendons].copy()}
 
 
 def _whole(number: object, path: str) -> int:

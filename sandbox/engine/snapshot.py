@@ -16,30 +16,31 @@ from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.impacts import REBOUND
 from sandbox.engine.kernel import kernel
-from sandbox.engine.memory import view_name
 from sandbox.engine.native import copy_words
-from sandbox.engine.records import STOP
-from sandbox.engine.state import AWAY, CLOSING, RESTING, SAMPLED, Snapshot, allocate
+from sandbox.engine.records import SAMPLED, STOP
+from sandbox.engine.state import AWAY, CLOSING, RESTING, Snapshot, allocate
 from sandbox.engine.tables import Tables
 from sandbox.numeric import Array, Records
 
 
 def make_snapshot(samples: int, tables: Tables, contacts: int) -> Snapshot:
     """Memory for so many samples of a run, and so many contacts in all of them together."""
-    constants = tables.constants
-    sampled = {view_name(type(part), name): getattr(part, name)
-               for part in (tables.state, tables.result) for name in SAMPLED[type(part)]}
-    copied = {name: np.zeros((samples, *array.shape), array.dtype)
-              for name, array in sampled.items()}
-    copies = np.array([(array.ctypes.data, copied[name].ctypes.data, array.nbytes // 8)
-                       for name, array in sampled.items() if array.size], dtype=np.int64)
+    elements, copied, copies = tables.elements, {}, []
+    for name, begin in SAMPLED.items():
+        records = getattr(elements, name)
+        fields = records.dtype.descr
+        offset = records.dtype.fields[begin][1]
+        tail = np.dtype([field for field in fields if records.dtype.fields[field[0]][1] >= offset])
+        copied[name] = np.zeros((samples, len(records)), tail)
+        copies.append((records.ctypes.data + offset, copied[name].ctypes.data, len(records),
+                       records.itemsize // 8, tail.itemsize // 8))
     drives = len(tables.state.last_drive)
-    tendons = int(np.count_nonzero(constants.cords["whole"] < 0))
+    tendons = int(np.count_nonzero(elements.cords["whole"] < 0))
     sizes = {
-        "samples": samples, "bodies": len(constants.bodies), "drives": drives,
+        "samples": samples, "bodies": len(tables.constants.bodies), "drives": drives,
         "contacts": contacts, "mean_contacts": 2 * contacts,
-        "forces": FORCES * len(constants.joints) + tendons + len(constants.slips) + drives}
-    made: Snapshot = allocate(Snapshot, sizes, copied=copied, copies=copies.reshape(-1, 3))
+        "forces": FORCES * len(elements.joints) + tendons + len(elements.slips) + drives}
+    made: Snapshot = allocate(Snapshot, sizes, copied=copied, copies=np.array(copies))
     return made
 
 
@@ -64,8 +65,10 @@ def take(table: int, h: float, drive: Array) -> None:
     _note_rates(table)
     copies = at.kept_copies(table)
     for i in range(len(copies)):
-        words = copies[i, 2]
-        copy_words(copies[i, 0], copies[i, 1] + 8 * n * words, words)
+        count, words = copies[i, 2], copies[i, 4]
+        for k in range(count):
+            copy_words(copies[i, 0] + 8 * k * copies[i, 3],
+                       copies[i, 1] + 8 * (n * count + k) * words, words)
     kept_drive = at.kept_drive(table)
     for i in range(len(drive)):
         kept_drive[n, i] = drive[i]
@@ -79,8 +82,7 @@ def take(table: int, h: float, drive: Array) -> None:
 
 @kernel
 def _take_bodies(table: int, h: float, n: int) -> None:
-    body, before, turn, bodies = (
-        at.body(table), at.before(table), at.turn(table), at.bodies(table))
+    body, before, turn, bodies = at.body(table), at.before(table), at.turn(table), at.bodies(table)
     pose, velocity, acceleration = (
         at.kept_pose(table), at.kept_velocity(table), at.kept_acceleration(table))
     for i in range(len(body)):
@@ -97,19 +99,18 @@ def _take_bodies(table: int, h: float, n: int) -> None:
 @kernel
 def _note_rates(table: int) -> None:
     """Rates of the angles of hinges and of the lengths of actuators at the instant of the pose."""
-    joints, results, body, before = (
-        at.joints(table), at.joint_results(table), at.body(table), at.before(table))
+    joints, body, before = at.joints(table), at.body(table), at.before(table)
     for i in range(len(joints)):
-        joint, out, a, b = joints[i], results[i], joints[i]["a"], joints[i]["b"]
+        joint, a, b = joints[i], joints[i]["a"], joints[i]["b"]
         if joint["hinge"]:
-            out["rate"] = joint["sense"] * (
+            joint["rate"] = joint["sense"] * (
                 body[b, 5] + before[b, 2] - body[a, 5] - before[a, 2]) / 2
         elif joint["line"]:
-            out["rate"] = (
-                out["dx"] * (body[b, 3] + before[b, 0] - body[a, 3] - before[a, 0])
-                + out["dy"] * (body[b, 4] + before[b, 1] - body[a, 4] - before[a, 1])
-                + out["ta"] * (body[a, 5] + before[a, 2])
-                + out["tb"] * (body[b, 5] + before[b, 2])) / 2
+            joint["rate"] = (
+                joint["dx"] * (body[b, 3] + before[b, 0] - body[a, 3] - before[a, 0])
+                + joint["dy"] * (body[b, 4] + before[b, 1] - body[a, 4] - before[a, 1])
+                + joint["ta"] * (body[a, 5] + before[a, 2])
+                + joint["tb"] * (body[b, 5] + before[b, 2])) / 2
 
 
 @kernel
@@ -190,23 +191,23 @@ def add_forces(table: int, h: float) -> None:
     waiting = at.kept_waiting(table)
     share = waiting[0]
     waiting[0], waiting[1] = 0.0, 1.0
-    sums, joints, results = at.kept_sums(table), at.joints(table), at.joint_results(table)
+    sums, joints = at.kept_sums(table), at.joints(table)
     for i in range(len(joints)):
         k = FORCES * i
-        sums[k] += share * results[i]["fx"]
-        sums[k + 1] += share * results[i]["fy"]
-        sums[k + 2] += share * results[i]["couple"]
-    limits, stops = at.limits(table), at.limit_states(table)
+        sums[k] += share * joints[i]["fx"]
+        sums[k + 1] += share * joints[i]["fy"]
+        sums[k + 2] += share * joints[i]["couple"]
+    limits = at.limits(table)
     for i in range(len(limits)):
-        if limits[i]["what"] == STOP and stops[i]["impulse"] > 0.0:
+        if limits[i]["what"] == STOP and limits[i]["impulse"] > 0.0:
             j = limits[i]["joint"]
-            torque = joints[j]["sense"] * limits[i]["side"] * stops[i]["impulse"] / h
+            torque = joints[j]["sense"] * limits[i]["side"] * limits[i]["impulse"] / h
             sums[FORCES * j + 3] += share * torque
-    rubs, rubbed = at.dry_friction(table), at.dry_friction_results(table)
+    rubs = at.dry_friction(table)
     for i in range(len(rubs)):
-        sums[FORCES * rubs[i]["joint"] + 4] += share * rubbed[i]["force"]
+        sums[FORCES * rubs[i]["joint"] + 4] += share * rubs[i]["force"]
     k = FORCES * len(joints)
-    cords, slips = at.cord_results(table), at.slip_results(table)
+    cords, slips = at.cords(table), at.slips(table)
     tendons = len(sums) - k - len(slips) - len(at.last_drive(table))
     for i in range(tendons):  # spans of cords come after these
         sums[k + i] += share * cords[i]["tension"]
@@ -214,10 +215,10 @@ def add_forces(table: int, h: float) -> None:
     for i in range(len(slips)):
         sums[k + i] += share * slips[i]["force"]
     k += len(slips)
-    actions, given = at.actions(table), at.action_results(table)
+    actions = at.actions(table)
     for i in range(len(actions)):
         if actions[i]["motor"] >= 0:
-            sums[k + actions[i]["drive"]] += share * actions[i]["sense"] * given[i]["torque"]
+            sums[k + actions[i]["drive"]] += share * actions[i]["sense"] * actions[i]["torque"]
     _add_contacts(table, share)
 
 

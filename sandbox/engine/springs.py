@@ -42,42 +42,42 @@ SAME = 1e-10
 @entry_point("springs")
 def stretch(table: int, drive: Array) -> None:
     """Measure all springs; add the forces of those that have no row."""
-    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    springs = at.springs(table)
     for i in range(len(springs)):
-        s, out = springs[i], results[i]
+        s = springs[i]
         if s["turning"]:
-            measure_angle(s, out, at.body(table))
+            measure_angle(s, at.body(table))
         else:
-            measure_distance(s, out, at.body(table), at.turn(table))
+            measure_distance(s, at.body(table), at.turn(table))
         if s["row"] >= 0:
             continue
         if not spring_holds(table, s):
-            out["effort"] = 0.0
+            s["effort"] = 0.0
             continue
-        extent = out["way"] - states[i]["rest"]
-        out["effort"] = -(s["k"] if s["drive"] < 0 else drive[s["drive"]]) * extent
+        extent = s["way"] - s["rest"]
+        s["effort"] = -(s["k"] if s["drive"] < 0 else drive[s["drive"]]) * extent
         if s["code"] >= 0:  # between two bodies that do not move freely
-            out["effort"] = -s["sense"] * spring_law(table, i, s["sense"] * extent, drive)
-        add_effort(s, out, out["effort"], at.force(table))
+            s["effort"] = -s["sense"] * spring_law(table, i, s["sense"] * extent, drive)
+        add_effort(s, s["effort"], at.force(table))
 
 
 @entry_point("springs")
 def spring_rows(table: int, h: float, drive: Array) -> None:
     """Rows of springs that have a damper, a law, or are too stiff for the step."""
-    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    springs = at.springs(table)
     J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
     for i in range(len(springs)):
-        s, out, r = springs[i], results[i], springs[i]["row"]
+        s, r = springs[i], springs[i]["row"]
         if r < 0:
             continue
-        put_row(J, s["entry"], out)
+        put_row(J, s["entry"], s)
         if s["code"] >= 0:
             continue
         k = s["k"] if s["drive"] < 0 else drive[s["drive"]]
-        extent = out["way"] - states[i]["rest"]
+        extent = s["way"] - s["rest"]
         if s["kind"] == DAMPED:
             compliance[r] = 2.0 / (h * s["c"])
-            rhs[r] = 0.0 - 2.0 * k * extent / s["c"] - rate(s, out, at.before(table))
+            rhs[r] = 0.0 - 2.0 * k * extent / s["c"] - rate(s, at.before(table))
         else:
             lead = max(s["c"] + h * k, LEAST)
             compliance[r] = 1.0 / (h * lead)
@@ -105,12 +105,12 @@ def spring_law(table: int, i: int, extent: float, drive: Array) -> float:
 
 
 @kernel
-def law_rate(s: Any, out: Any, velocity: Array) -> float:
+def law_rate(s: Any, velocity: Array) -> float:
     """Rate of a spring's coordinate; its terms are summed in the order of laws and work."""
     a, b = s["a"], s["b"]
-    return float(out["dx"] * (velocity[b, 0] - velocity[a, 0])
-                 + out["dy"] * (velocity[b, 1] - velocity[a, 1])
-                 + out["tb"] * velocity[b, 2] + out["ta"] * velocity[a, 2])
+    return float(s["dx"] * (velocity[b, 0] - velocity[a, 0])
+                 + s["dy"] * (velocity[b, 1] - velocity[a, 1])
+                 + s["tb"] * velocity[b, 2] + s["ta"] * velocity[a, 2])
 
 
 @kernel
@@ -124,21 +124,20 @@ def _set_row(table: int, s: Any, force: float, lead: float, speed: float, h: flo
 @entry_point("laws")
 def law_rows(table: int, h: float, drive: Array) -> None:
     """Rows of all springs with laws, for the rates before the step; decides how laws are taken."""
-    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
-    law = at.stack(table)[0]
+    springs, law = at.springs(table), at.stack(table)[0]
     for i in range(len(springs)):
-        s, out, sense = springs[i], results[i], springs[i]["sense"]
+        s, sense = springs[i], springs[i]["sense"]
         if s["code"] < 0 or s["row"] < 0:
             continue
-        speed = sense * law_rate(s, out, at.before(table))
-        extent = sense * (out["way"] - states[i]["rest"])
+        speed = sense * law_rate(s, at.before(table))
+        extent = sense * (s["way"] - s["rest"])
         _law(table, s, extent, speed, drive)
         force, lead = law[0], 0.5 * max(law[2], 0.0)
-        out["stiff"] = 1 if h * h * s["response"] * law[1] > SOFT else 0
+        s["stiff"] = 1 if h * h * s["response"] * law[1] > SOFT else 0
         _law(table, s, extent + h * speed, speed, drive)
         if h * h * s["response"] * law[1] > SOFT:
-            out["stiff"] = 1
-        if out["stiff"] == 1:
+            s["stiff"] = 1
+        if s["stiff"] == 1:
             force, lead = law[0], h * max(law[1], 0.0) + max(law[2], 0.0)
         _set_row(table, s, force, lead, speed, h)
 
@@ -146,23 +145,23 @@ def law_rows(table: int, h: float, drive: Array) -> None:
 @entry_point("laws")
 def change_laws(table: int, h: float, drive: Array) -> bool:
     """Linearise laws at the rates that the solve gave; whether any force differs."""
-    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    springs = at.springs(table)
     given, law, changed = at.unknowns(table)[3], at.stack(table)[0], False
     for i in range(len(springs)):
-        s, out, sense = springs[i], results[i], springs[i]["sense"]
+        s, sense = springs[i], springs[i]["sense"]
         if s["code"] < 0 or s["row"] < 0 or not spring_holds(table, s):
             continue
-        speed = sense * law_rate(s, out, at.velocity(table))
-        extent = sense * (out["way"] - states[i]["rest"])
+        speed = sense * law_rate(s, at.velocity(table))
+        extent = sense * (s["way"] - s["rest"])
         _law(table, s, extent + h * speed, speed, drive)
         slope = max(law[1], 0.0)
         if h * h * s["response"] * slope > SOFT:
-            out["stiff"] = 1
+            s["stiff"] = 1
         force, lead = law[0], h * slope + max(law[2], 0.0)
-        if out["stiff"] == 0:
+        if s["stiff"] == 0:
             if not s["of_rate"]:
                 continue
-            before = sense * law_rate(s, out, at.before(table))
+            before = sense * law_rate(s, at.before(table))
             _law(table, s, extent, 0.5 * (before + speed), drive)
             force, lead = law[0], 0.5 * max(law[2], 0.0)
         acted = -sense * given[s["row"]] / h
@@ -175,23 +174,22 @@ def change_laws(table: int, h: float, drive: Array) -> bool:
 @entry_point("springs")
 def report_springs(table: int, h: float) -> None:
     """Efforts of springs that have rows, from the impulses of the step."""
-    springs, results, unknown = at.springs(table), at.spring_results(table), at.unknowns(table)[3]
+    springs, unknown = at.springs(table), at.unknowns(table)[3]
     for i in range(len(springs)):
         s = springs[i]
         if s["row"] >= 0 and acts(table, s["tie"]) and acts(table, s["hinge_tie"]):
             effort = unknown[s["row"]] / h
             # the row of a released spring has an impulse of next to nothing
-            results[i]["effort"] = effort if abs(effort) > LEAST else 0.0
+            s["effort"] = effort if abs(effort) > LEAST else 0.0
 
 
 @entry_point("springs")
 def add_spring_work(table: int, h: float, v: Matrix) -> None:
     """Work of the step; ``v`` [nb, 3] are the mean velocities of before and after it."""
-    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    springs = at.springs(table)
     for i in range(len(springs)):
-        out, speed = results[i], law_rate(springs[i], results[i], v)
+        s, speed = springs[i], law_rate(springs[i], v)
         # the order of the factors decides the last digit
-        out["step_work"] = (h * (out["effort"] * speed)
-                            if springs[i]["turning"] and springs[i]["number"] >= 0
-                            else h * out["effort"] * speed)
-        states[i]["work"] += out["step_work"]
+        s["step_work"] = (h * (s["effort"] * speed) if s["turning"] and s["number"] >= 0
+                          else h * s["effort"] * speed)
+        s["work"] += s["step_work"]

@@ -40,7 +40,8 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
     first = world.body.copy()
     free = tables.constants.inverse_mass[:, 0] > 0
     results = tables.result._asdict()
-    changing = [*tables.state, *(results[name] for name in results if name not in WORKSPACE)]
+    changing = [*tables.elements, *tables.state,
+                *(results[name] for name in results if name not in WORKSPACE)]
     kept = [array.copy() for array in changing]
     shift = np.zeros((len(first), 3))
     asked = drive[:1].copy()
@@ -65,12 +66,12 @@ def _jumps(tables: Tables, body: Array, drive: Array) -> Array:
 
     The speed at t = 0 follows from those at the ends of the first two steps.
     """
-    result, motors = np.zeros(drive.shape[1]), tables.constants.motors
+    result, motors = np.zeros(drive.shape[1]), tables.elements.motors
     begins = 2 * drive[0] - drive[-1]
-    holds = (tables.state.motors["mode"] == 0) & np.isfinite(motors["most"]) & np.isnan(
+    holds = (motors["mode"] == 0) & np.isfinite(motors["most"]) & np.isnan(
         motors["slope"])
     for motor in motors[holds & (motors["law"] == PACED)]:
-        speed = motor["sense"] * rate(motor, tables.result.joints[motor["joint"]], body[:, 3:])
+        speed = motor["sense"] * rate(tables.elements.joints[motor["joint"]], body[:, 3:])
         result[motor["drive"]] += begins[motor["drive"]] - speed
     return result
 
@@ -85,7 +86,7 @@ class Beginning:
     def __init__(self, tables: Tables) -> None:
         self._tables = tables
         self._kept = [
-            (array, array.copy()) for part in (tables.constants, tables.state, tables.result)
+            (array, array.copy()) for part in tables[:4]
             for name, array in part._asdict().items()
             if isinstance(array, np.ndarray) and array.flags.writeable and name not in WORKSPACE]
 

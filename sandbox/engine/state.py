@@ -1,8 +1,7 @@
-"""Arrays of a run: constants, the state that the next step needs, results of the last step.
+"""Arrays of a run: constants, elements, the state that the next step needs, results of the last.
 
-Each number is one of three things: it never changes (:class:`Constants`), the next step needs it
-(:class:`State`), or it is only reported (:class:`Result`). A run is its constants, its state and
-where pymunk's bodies are. Records of elements stand in :mod:`sandbox.engine.records`.
+A run is its constants, its elements, its state and where pymunk's bodies are. The records of
+elements stand in :mod:`sandbox.engine.records`.
 
 :func:`allocate` makes arrays of zeros with the declared shapes. ``unknowns`` and ``entries`` are
 those of the bilateral rows (:mod:`sandbox.engine.plan`), ``rows`` bounded ones, ``piles`` bodies of
@@ -184,24 +183,8 @@ class Constants(NamedTuple):
     """1 / mass and 1 / inertia; 0 for bodies that do not move freely."""
     bodies: Annotated[Records, BODY]
     scheduled: Integers  # numbers of the bodies that move as a schedule has it
-    actions: Annotated[Records, records.ACTION]
-    springs: Annotated[Records, records.SPRING]
-    cords: Annotated[Records, records.CORD]
-    guides: Annotated[Records, records.GUIDE]
-    slips: Annotated[Records, records.SLIP]
     wheels: Integers  # guides whose wheels a cord can lift off, [nw]
-    joints: Annotated[Records, records.JOINT]
-    limits: Annotated[Records, records.LIMIT]
-    motors: Annotated[Records, records.MOTOR]
-    dry_friction: Annotated[Records, records.DRY_FRICTION]
-    fluids: Annotated[Records, records.FLUID]
-    chambers: Annotated[Records, records.CHAMBER]
-    valves: Annotated[Records, records.VALVE]
-    pumps: Annotated[Records, records.PUMP]
-    loads: Annotated[Records, records.LOAD]  # [nk], those of a body side by side
-    loaded: Annotated[Records, records.LOADED]
     sides: Annotated[Array, "sides 5"]  # outlines of what liquids lift, from centres of mass
-    ties: Annotated[Records, records.TIE]
     shapes: Annotated[Records, SHAPE]
     faces: Annotated[Records, FACE]  # those of a shape side by side
     vertices: Annotated[Array, "vertices 2"]  # of cores, from centres of mass [m]
@@ -219,28 +202,35 @@ class Constants(NamedTuple):
     loose: Integers  # the PILE_BODY of each body, or -1
 
 
+class Elements(NamedTuple):
+    """One record for each element: what never changes of it, its state and its last results."""
+
+    actions: Annotated[Records, records.ACTION]
+    springs: Annotated[Records, records.SPRING]
+    cords: Annotated[Records, records.CORD]
+    guides: Annotated[Records, records.GUIDE]
+    slips: Annotated[Records, records.SLIP]
+    joints: Annotated[Records, records.JOINT]
+    limits: Annotated[Records, records.LIMIT]
+    motors: Annotated[Records, records.MOTOR]
+    dry_friction: Annotated[Records, records.DRY_FRICTION]
+    fluids: Annotated[Records, records.FLUID]
+    chambers: Annotated[Records, records.CHAMBER]
+    valves: Annotated[Records, records.VALVE]
+    pumps: Annotated[Records, records.PUMP]
+    loads: Annotated[Records, records.LOAD]  # those of a body side by side
+    loaded: Annotated[Records, records.LOADED]
+    ties: Annotated[Records, records.TIE]
+
+
 class State(NamedTuple):
     """All that changes in a run and that the next step needs."""
 
     body: Annotated[Array, "bodies 6"]
     """x, y, angle, vx, vy, omega of the centres of mass; pymunk's, filled after moves."""
-    actions: Annotated[Records, records.ACTION_STATE]
-    springs: Annotated[Records, records.SPRING_STATE]
-    cords: Annotated[Records, records.CORD_STATE]
-    guides: Annotated[Records, records.GUIDE_STATE]
-    slips: Annotated[Records, records.SLIP_STATE]
-    joints: Annotated[Records, records.JOINT_STATE]
-    limits: Annotated[Records, records.LIMIT_STATE]
-    motors: Annotated[Records, records.MOTOR_STATE]
-    dry_friction: Annotated[Records, records.DRY_FRICTION_STATE]
-    fluids: Annotated[Records, records.FLUID_STATE]
-    valves: Annotated[Records, records.VALVE_STATE]
-    pumps: Annotated[Records, records.PUMP_STATE]
-    loads: Annotated[Records, records.LOAD_STATE]
     made: Annotated[Integers, "4"]
     """Steps made, this one among them, but for those in which all was at rest; which of those made
     in one go this one is, from 0; how many of ``broken`` and of ``impacts`` are filled."""
-    ties: Annotated[Records, records.TIE_STATE]
     broken: Annotated[Records, records.BROKEN]  # what broke in the steps made in one go
     impacts: Annotated[Records, IMPACT, "impacts"]  # of the steps made in one go
     touches: Annotated[Records, TOUCH, "contacts"]  # of the last step
@@ -280,22 +270,8 @@ class Result(NamedTuple):
     shift: Annotated[Array, "bodies 3"]
     """How far impacts after the pose displace it, so that the next one is right."""
     turn: Annotated[Array, "bodies 2"]  # cosine and sine of the bodies' angles
-    actions: Annotated[Records, records.ACTION_RESULT]
-    springs: Annotated[Records, records.SPRING_RESULT]
-    cords: Annotated[Records, records.CORD_RESULT]
-    guides: Annotated[Records, records.GUIDE_RESULT]
-    slips: Annotated[Records, records.SLIP_RESULT]
-    joints: Annotated[Records, records.JOINT_RESULT]
-    dry_friction: Annotated[Records, records.DRY_FRICTION_RESULT]
-    fluids: Annotated[Records, records.FLUID_RESULT]
-    chambers: Annotated[Records, records.CHAMBER_RESULT]
-    valves: Annotated[Records, records.VALVE_RESULT]
-    pumps: Annotated[Records, records.PUMP_RESULT]
-    loads: Annotated[Records, records.LOAD_RESULT]
-    loaded: Annotated[Records, records.LOADED_RESULT]
     pressing: Annotated[Array, "loaded numbers 3"]  # NUMBERS of the loaded bodies
     felt: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
-    ties: Annotated[Records, records.TIE_RESULT]
     belts: Annotated[Array, "bodies"]
     """Speeds at which surfaces run, counter-clockwise round their bodies [m/s]."""
     stack: Annotated[Array, "stack 4"]  # scratch of laws: values with their slopes
@@ -331,15 +307,6 @@ class Result(NamedTuple):
     tangential a, b."""
 
 
-SAMPLED: dict[type, tuple[str, ...]] = {
-    State: ("actions", "springs", "cords", "guides", "slips", "limits", "dry_friction",
-            "fluids", "valves", "pumps", "loads", "ties"),
-    Result: ("actions", "springs", "cords", "slips", "joints", "dry_friction",
-             "fluids", "valves", "pumps", "loads"),
-}
-"""Arrays that are copied in each sample; recorded values are computed from these later."""
-
-
 class Snapshot(NamedTuple):
     """Memory for samples on their way to the recording, an axis of samples before all others."""
 
@@ -347,9 +314,10 @@ class Snapshot(NamedTuple):
     """x, y, angle of the bodies' frames, in the model's order as all of bodies."""
     velocity: Annotated[Array, "samples bodies 3"]  # of the centres of mass, when they are there
     acceleration: Annotated[Array, "samples bodies 3"]
-    copied: Mapping[str, Records]  # samples of `SAMPLED` by the names of their views
-    copies: Annotated[Integers, "copies 3"]
-    """Of each the address of what is copied, that of the first sample, words to copy."""
+    copied: Mapping[str, Records]  # samples of the tables in `SAMPLED`
+    copies: Annotated[Integers, "copies 5"]
+    """Of each the address of what is copied of the first record, that of the first sample, records,
+    words of a record, words to copy of it."""
     drive: Annotated[Array, "samples drives"]  # values of the drives in the step of each sample
     contacts: Annotated[Records, CONTACT, "contacts"]  # of all samples, one after the other
     fill: Annotated[Integers, "samples"]  # how many contacts there are up to the end of each sample

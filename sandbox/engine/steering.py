@@ -71,16 +71,14 @@ class Steering:
         count = every(spec.rate, self.clock.step)
         period, targets, active = count * self.clock.step, [], True
         law: Law
+        ranges: Any
         if isinstance(spec, Custom):
-            reads, writes, law = spec.reads, spec.writes, spec.law()
+            reads, writes, ranges, law = spec.reads, spec.writes, spec.limits, spec.law()
         else:
-            reads, writes, active = spec.readings, spec.written, spec.active
+            reads, writes, ranges, active = spec.readings, spec.written, spec.ranges, spec.active
             law = spec.make_law(self.mechanism, period)
             targets = [Setpoint(signal, period, (self.clock.steps - 1) // count,
                                 self.mechanism.functions) for signal in spec.signals]
-        limits: Any = spec.limits
-        alone = len(writes) == 1
-        ranges = [limits] if alone and limits and not isinstance(limits[0], tuple) else limits
         rates: Any = [spec.slew] if isinstance(spec.slew, float) else spec.slew
         bounds = []
         for j, drive in enumerate(writes):

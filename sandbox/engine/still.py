@@ -43,7 +43,7 @@ class Still(Simulation):
         super().__init__(Checked(mechanism.model_copy(update={
             "bodies": bodies, "controllers": (), "events": (), "expect": ()})))
         self.model = self._model
-        springs = self._tables.constants.springs
+        springs = self._tables.elements.springs
         springs["c"][springs["number"] < 0] *= UNDAMPED
         self.mass: Array = np.stack(
             [self.model.bodies.mass, self.model.bodies.mass, self.model.bodies.inertia], axis=1)

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine.blocks import BITS
 from sandbox.engine.cables import cord_tables
 from sandbox.engine.element_tables import (
@@ -26,11 +25,12 @@ from sandbox.engine.element_tables import (
     tie_table,
 )
 from sandbox.engine.plan import Pattern, make_pattern
-from sandbox.engine.records import BROKEN, NONE, NUMBERS, SETTLED, TIE_STATE
+from sandbox.engine.records import BROKEN, NUMBERS
 from sandbox.engine.state import (
     BODY,
     PILE_BODY,
     Constants,
+    Elements,
     Result,
     State,
     allocate,
@@ -56,6 +56,7 @@ class Tables(NamedTuple):
     """All arrays of a run but those of samples."""
 
     constants: Constants
+    elements: Elements
     state: State
     result: Result
     pattern: Pattern
@@ -68,13 +69,12 @@ def make_tables(world: World) -> Tables:
     count = len(order)
     motors, actions = drive_tables(places, h)
     joints = joint_table(places, rows)
-    spans, joint_states = add_paths(joints, model, shapes.spans)
-    joint_states["flank"] = 1.0
+    spans = add_paths(joints, model, shapes.spans)
     rigid = len(rows.bodies)
     programs, stack, codes = law_tables(model)
-    springs, rests = spring_table(places, h, codes, rows)
+    springs = spring_table(places, h, codes, rows)
     cords = cord_tables(places, h, rows)
-    rubs, rub_states, sums = dry_friction_table(joints, model, count + 2 * len(cords.slips))
+    rubs, sums = dry_friction_table(joints, model, count + 2 * len(cords.slips))
     fluids, meet = fluid_tables(places, h, rows)
     loads, loaded, sides = load_tables(places, codes, rows)
     pattern = make_pattern(rows.bodies, places.inverse_mass, rigid, slips=len(cords.slips),
@@ -82,7 +82,7 @@ def make_tables(world: World) -> Tables:
     cords.slips["row"] = pattern.hubs[cords.slips["slide"], 0]
     valves = fluids["valves"]
     valves["slot"][(valves["a"] >= 0) & (valves["b"] >= 0)] = pattern.joined
-    for table, names in ((joints, JOINT_ROWS), (springs, ("row",)), (cords.constants, ("row",)),
+    for table, names in ((joints, JOINT_ROWS), (springs, ("row",)), (cords.cords, ("row",)),
                          (fluids["fluids"], ("row",)), (loaded, JOINT_ROWS)):
         for name in names:  # the numbers of rows become those of their unknowns
             if len(pattern.unknown):
@@ -94,51 +94,42 @@ def make_tables(world: World) -> Tables:
     constants = Constants(
         h=h, gravity=np.array(model.mechanism.gravity, dtype=float),
         inverse_mass=places.inverse_mass, bodies=bodies,
-        scheduled=np.flatnonzero(model.bodies.scheduled[order]), actions=actions, springs=springs,
-        cords=cords.constants, guides=cords.guides, slips=cords.slips, wheels=model.tendons.wheels,
-        joints=joints, limits=limit_table(places), motors=motors, dry_friction=rubs, loads=loads,
-        loaded=loaded, sides=sides, ties=tie_table(model, springs, cords.constants),
-        shapes=shapes.shapes, faces=shapes.faces, vertices=shapes.vertices, spans=spans,
+        scheduled=np.flatnonzero(model.bodies.scheduled[order]), wheels=model.tendons.wheels,
+        sides=sides, shapes=shapes.shapes, faces=shapes.faces, vertices=shapes.vertices,
+        spans=spans,
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
         loose=_loose_bodies(pattern, places.inverse_mass, joints, shapes.shapes),
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
-        **programs, **fluids)
+        **programs)
+    ties = tie_table(model, springs, cords.cords)
+    motors["target"] = math.nan
+    elements = Elements(
+        actions=actions, springs=springs, cords=cords.cords, guides=cords.guides,
+        slips=cords.slips, joints=joints, limits=limit_table(places), motors=motors,
+        dry_friction=rubs, loads=loads, loaded=loaded, ties=ties, **fluids)
     piles, unknowns = int(np.count_nonzero(constants.loose >= 0)), len(pattern.starts) - 1
     sizes = {name: len(array) for name, array in constants._asdict().items() if name != "h"}
     sizes |= _sizes_of_room(world.room) | {
-        "drives": len(model.drives.name), "numbers": NUMBERS, "names": NAMES,
+        "loaded": len(loaded), "drives": len(model.drives.name), "numbers": NUMBERS, "names": NAMES,
         "entries": len(pattern.entry_row), "unknowns": unknowns,
         "values": len(pattern.below) + unknowns, "piles": piles, "words": piles // BITS + 1,
         # room for all pairs: the system gives memory only to what is used of it
         "slots": piles * (piles - 1) // 2}
-    ties = np.zeros(len(model.ties.name), TIE_STATE)
-    ties["held"] = ties["driven"] = model.ties.held
-    ties["load"], ties["age"], ties["wish"] = np.nan, SETTLED, NONE
     breaking = int(np.isfinite(model.ties.breaks_at).sum())
     piled = np.zeros(piles, PILE_BODY)
     piled["number"], piled["place"] = np.flatnonzero(constants.loose >= 0), -1
     state: State = allocate(
-        State, sizes, body=world.body, joints=joint_states, cords=cords.state,
-        guides=cords.guide_state, dry_friction=rub_states, ties=ties, pile_bodies=piled,
+        State, sizes, body=world.body, pile_bodies=piled,
         broken=np.zeros(max(AGAIN * breaking, LEAST_BREAKS if breaking else 0), BROKEN))
-    state.last_drive[:] = state.motors["target"] = math.nan
-    fluid = constants.fluids
-    with np.errstate(divide="ignore"):
-        of_gas = fluid["volume"] * (fluid["start"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"])
-    content = np.where(fluid["gas"] > 0, of_gas, fluid["c"] * fluid["start"])
-    state.springs["rest"], state.fluids["content"] = rests, content
+    state.last_drive[:] = math.nan
     result: Result = allocate(
-        Result, sizes, velocity=world.velocity, before=world.velocity.copy(), cords=cords.result,
-        guides=cords.guide_result, stack=stack)
+        Result, sizes, velocity=world.velocity, before=world.velocity.copy(), stack=stack)
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
-    result.unknowns[1][constants.slips["row"]] = -cords.drag
-    straight = springs["turning"] == 0  # lengths are read before the first step
-    result.springs["way"][straight] = model.springs.start[springs["number"][straight]]
-    result.fluids["pressure"] = constants.fluids["start"]
-    return Tables(constants, state, result, pattern)
+    result.unknowns[1][cords.slips["row"]] = -cords.drag
+    return Tables(constants, elements, state, result, pattern)
 
 
 def _loose_bodies(

@@ -47,33 +47,32 @@ stiff cable hardly slips under a force far beyond its bound: rates say little of
 @kernel
 def _bend(table: int, slip: Any) -> float:
     """The angle that a cord bends by at a guide [rad]; 0 where it does not touch its wheel."""
-    g = slip["guide"]
-    if at.guides(table)[g]["radius"] != 0.0:
+    g, guides = slip["guide"], at.guides(table)
+    if guides[g]["radius"] != 0.0:
         twin = slip["twin"] if slip["twin"] >= 0 else g
-        return max(0.0, float(at.guide_states(table)[twin]["wrap"]))
-    pulls = at.guide_results(table)
-    x, y = pulls[g]["jx"], pulls[g]["jy"]
+        return max(0.0, float(guides[twin]["wrap"]))
+    x, y = guides[g]["jx"], guides[g]["jy"]
     if slip["twin"] >= 0:
-        x += pulls[slip["twin"]]["jx"]
-        y += pulls[slip["twin"]]["jy"]
+        x += guides[slip["twin"]]["jx"]
+        y += guides[slip["twin"]]["jy"]
     return 2.0 * math.asin(min(1.0, 0.5 * math.hypot(x, y)))
 
 
 @entry_point("slips")
 def slip_rows(table: int, h: float, i: int, n: int) -> int:
     """Add the rows of guide ``i``: the sum of the tensions, and friction; how many there are."""
-    slip, state, rows = at.slips(table)[i], at.slip_states(table)[i], at.rows(table)
+    slip, rows = at.slips(table)[i], at.rows(table)
     bound = math.tanh(0.5 * slip["friction"] * _bend(table, slip))
     if bound <= 0.0:
         return n
     pulled = at.cords(table)[slip["after"]]["kind"] == PULL
     out = rows[n]
-    begin_row(out, CABLE_LOAD, i, slip["sum"], slip["sum"], state["sum"], 0)
+    begin_row(out, CABLE_LOAD, i, slip["sum"], slip["sum"], slip["pressed"], 0)
     out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
     out["ax"], out["ay"] = -1.0, 0.0 if pulled else -1.0
-    out["want"] = -h * at.cord_results(table)[slip["after"]]["tension"] if pulled else 0.0
+    out["want"] = -h * at.cords(table)[slip["after"]]["tension"] if pulled else 0.0
     out = rows[n + 1]
-    begin_row(out, CABLE_FRICTION, i, slip["slide"], slip["slide"], state["impulse"], state["mode"])
+    begin_row(out, CABLE_FRICTION, i, slip["slide"], slip["slide"], slip["impulse"], slip["mode"])
     out["ax"], out["normal"], out["friction"] = -1.0, n, bound
     out["hold"], out["tight"] = HOLD_TANGENT, EXCESS
     return n + 2
@@ -82,71 +81,68 @@ def slip_rows(table: int, h: float, i: int, n: int) -> int:
 @entry_point("cords")
 def report_cords(table: int, h: float) -> None:
     """Tensions of all cords that have a row; rounding in a row without stiffness counts as none."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    unknown = at.unknowns(table)[3]
+    cords, unknown = at.cords(table), at.unknowns(table)[3]
     for i in range(len(cords)):
         if cords[i]["row"] >= 0 and acts(table, cords[i]["tie"]):
             tension = max(unknown[cords[i]["row"]] / h, 0.0)
-            results[i]["tension"] = tension if states[i]["active"] and tension > LEAST else 0.0
+            cords[i]["tension"] = tension if cords[i]["active"] and tension > LEAST else 0.0
 
 
 @entry_point("slips")
 def slipped(table: int, h: float) -> None:
     """Move cord from span to span as it slipped, and note the tension behind the last guide."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    slips, slip_states, rates = at.slips(table), at.slip_states(table), at.slip_results(table)
-    unknown = at.unknowns(table)[3]
+    cords, slips, unknown = at.cords(table), at.slips(table), at.unknowns(table)[3]
     for i in range(len(slips)):
         slip = slips[i]
         before, after = slip["before"], slip["after"]
-        cord, state = cords[before], states[before]
+        cord = cords[before]
         # rates of soft spans stand in the rows by what they make of one another
-        scale = (cord["c"] + h * state["k"]) / (state["inside"] * cord_lead(table, h, before))
+        scale = (cord["c"] + h * cord["k"]) / (cord["inside"] * cord_lead(table, h, before))
         rate = unknown[slip["row"]] / scale
-        rates[i]["rate"] = rate
-        rates[i]["force"] = results[after]["tension"] - results[before]["tension"]
-        slip_states[i]["way"] += h * rate
-        state["rest"] -= h * rate
+        slip["rate"] = rate
+        slip["force"] = cords[after]["tension"] - cord["tension"]
+        slip["way"] += h * rate
+        cord["rest"] -= h * rate
         if cords[after]["kind"] != PULL:
-            states[after]["rest"] += h * rate
+            cords[after]["rest"] += h * rate
     for i in range(len(cords)):
         if cords[i]["spans"] < cords[i]["spans_end"]:
-            results[i]["tension"] = results[cords[i]["spans_end"] - 1]["tension"]
-            if states[i]["active"]:
+            cords[i]["tension"] = cords[cords[i]["spans_end"] - 1]["tension"]
+            if cords[i]["active"]:
                 continue
             length = inside = 0.0  # what is in a slack cord spreads over its spans as they are long
             for k in range(cords[i]["spans"], cords[i]["spans_end"]):
-                length += results[k]["length"] - results[k]["wound"]
-                inside += states[k]["rest"] - results[k]["wound"]
+                length += cords[k]["length"] - cords[k]["wound"]
+                inside += cords[k]["rest"] - cords[k]["wound"]
             for k in range(cords[i]["spans"], cords[i]["spans_end"]):
-                free = results[k]["length"] - results[k]["wound"]
-                states[k]["rest"] = results[k]["wound"] + inside * free / length
+                free = cords[k]["length"] - cords[k]["wound"]
+                cords[k]["rest"] = cords[k]["wound"] + inside * free / length
 
 
 @kernel
 def _stretch(table: int, i: int) -> float:
     """By how much a whole cord is longer than what is in its spans [m]."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    cords = at.cords(table)
     stretch = 0.0
     for k in range(cords[i]["spans"], cords[i]["spans_end"]):
         if cords[k]["kind"] != PULL:
-            stretch += results[k]["length"] - states[k]["rest"]
+            stretch += cords[k]["length"] - cords[k]["rest"]
     return stretch
 
 
 @kernel
 def _set(table: int, i: int, active: int) -> None:
-    states = at.cord_states(table)
-    states[i]["active"] = active
-    for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
-        states[k]["active"] = active
+    cords = at.cords(table)
+    cords[i]["active"] = active
+    for k in range(cords[i]["spans"], cords[i]["spans_end"]):
+        cords[k]["active"] = active
 
 
 @kernel
 def _drawn(table: int, i: int) -> bool:
-    last = at.cords(table)[i]["spans_end"] - 1
-    return bool(at.cords(table)[last]["kind"] == PULL
-                and at.cord_results(table)[last]["tension"] > 0.0)
+    cords = at.cords(table)
+    last = cords[cords[i]["spans_end"] - 1]
+    return bool(last["kind"] == PULL and last["tension"] > 0.0)
 
 
 @entry_point("slips")
@@ -154,9 +150,9 @@ def change_whole(table: int, h: float, i: int) -> bool:
     """Let go of a whole cord all of which would push, take up one that would pull; whether so."""
     if _drawn(table, i):
         return False
-    cords, states, unknown = at.cords(table), at.cord_states(table), at.unknowns(table)[3]
+    cords, unknown = at.cords(table), at.unknowns(table)[3]
     first, last = cords[i]["spans"], cords[i]["spans_end"]
-    if states[i]["active"]:
+    if cords[i]["active"]:
         if cords[last - 1]["kind"] == PULL:  # whose end is free slides until it does not pull
             return False
         for k in range(first, last):
@@ -180,8 +176,7 @@ def change_whole(table: int, h: float, i: int) -> bool:
 @entry_point("cords")
 def cord_rows(table: int, h: float) -> None:
     """Those of stiff and damped cords, and of spans; that of a slack one has no coefficients."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    guides, pulls = at.guides(table), at.guide_results(table)
+    cords, guides = at.cords(table), at.guides(table)
     J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
     for i in range(len(cords)):
         cord = cords[i]
@@ -194,29 +189,29 @@ def cord_rows(table: int, h: float) -> None:
             J[cord["into"], 0] = 1.0
         if cord["out_of"] >= 0:
             J[cord["out_of"], 0] = -1.0
-        if not states[i]["active"]:
+        if not cord["active"]:
             rhs[r], compliance[r] = 0.0, 1.0
             continue
         for n in range(cord["first"], cord["last"]):
             e = guides[n]["entry"]
-            J[e, 0] -= pulls[n]["jx"]
-            J[e, 1] -= pulls[n]["jy"]
-            J[e, 2] -= pulls[n]["jt"]
+            J[e, 0] -= guides[n]["jx"]
+            J[e, 1] -= guides[n]["jy"]
+            J[e, 2] -= guides[n]["jt"]
         rhs[r] = cord_rate(table, h, i)
         compliance[r] = 1.0 / (h * cord_lead(table, h, i))
     slips = at.slips(table)
     for i in range(len(slips)):  # what a drive pulls with goes to the last guide that holds
         end = slips[i]["after"]
         if cords[end]["kind"] == PULL:
-            rhs[slips[i]["row"]] = -h * results[end]["tension"]
+            rhs[slips[i]["row"]] = -h * cords[end]["tension"]
 
 
 @kernel
 def cord_lead(table: int, h: float, i: int) -> float:
     """By how much a cord's tension falls for a rate at which it shortens after the step [N s/m]."""
-    cord, state = at.cords(table)[i], at.cord_states(table)[i]
-    share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
-    k, c = share * state["k"], share * cord["c"]
+    cord = at.cords(table)[i]
+    share = 1.0 / cord["inside"] if cord["whole"] >= 0 else 1.0
+    k, c = share * cord["k"], share * cord["c"]
     if cord["kind"] == STIFF:
         return max(float(c + h * k), LEAST)
     return float(c / 2 + h * k / 4 if cord["kind"] == EVEN else c / 2)
@@ -225,10 +220,10 @@ def cord_lead(table: int, h: float, i: int) -> float:
 @kernel
 def cord_rate(table: int, h: float, i: int) -> float:
     """The rate at which a taut cord wants to shorten, were there no tension [m/s]."""
-    cord, state = at.cords(table)[i], at.cord_states(table)[i]
-    share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
+    cord = at.cords(table)[i]
+    share = 1.0 / cord["inside"] if cord["whole"] >= 0 else 1.0
     lead = cord_lead(table, h, i)
-    pull = share * state["k"] * (at.cord_results(table)[i]["length"] - state["rest"])
+    pull = share * cord["k"] * (cord["length"] - cord["rest"])
     if cord["kind"] == STIFF:
         return float(pull / lead)
     speed = shortening(table, i, at.before(table))
@@ -240,19 +235,18 @@ def cord_rate(table: int, h: float, i: int) -> float:
 @kernel
 def shortening(table: int, i: int, velocity: Array) -> float:
     """The rate at which a cord shortens as bodies move with ``velocity`` [nb, 3] [m/s]."""
-    cord, guides, pulls, speed = (
-        at.cords(table)[i], at.guides(table), at.guide_results(table), 0.0)
+    cord, guides, speed = at.cords(table)[i], at.guides(table), 0.0
     for n in range(cord["first"], cord["last"]):
         b = guides[n]["body"]
-        speed -= (pulls[n]["jx"] * velocity[b, 0] + pulls[n]["jy"] * velocity[b, 1]
-                 + pulls[n]["jt"] * velocity[b, 2])
+        speed -= (guides[n]["jx"] * velocity[b, 0] + guides[n]["jy"] * velocity[b, 1]
+                 + guides[n]["jt"] * velocity[b, 2])
     return speed
 
 
 @entry_point("cords")
 def slacken(table: int) -> None:
     """Let go of all cords that are not stretched: their dampers do not pull before they do."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    cords = at.cords(table)
     for i in range(len(cords)):
         if not holds(table, cords[i]["tie"]):
             _set(table, i, 0)
@@ -261,15 +255,14 @@ def slacken(table: int) -> None:
                 _set(table, i, 1)
             elif _stretch(table, i) <= 0.0:
                 _set(table, i, 0)
-        elif cords[i]["whole"] < 0 and results[i]["length"] <= states[i]["rest"]:
-            states[i]["active"] = 0
+        elif cords[i]["whole"] < 0 and cords[i]["length"] <= cords[i]["rest"]:
+            cords[i]["active"] = 0
 
 
 @entry_point("cords")
 def change_cords(table: int, h: float, attempt: int) -> bool:
     """Release cords that would push, take up stretched ones that would pull; whether any."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    unknown = at.unknowns(table)[3]
+    cords, unknown = at.cords(table), at.unknowns(table)[3]
     changed, worst, which = False, 0.0, -1
     for i in range(len(cords)):
         cord = cords[i]
@@ -279,75 +272,72 @@ def change_cords(table: int, h: float, attempt: int) -> bool:
             changed |= change_whole(table, h, i)
         if cord["row"] < 0 or cord["whole"] >= 0:
             continue
-        if states[i]["active"]:
+        if cord["active"]:
             off = -unknown[cord["row"]]
         else:
             gone = shortening(table, i, at.velocity(table))
-            stretch = results[i]["length"] - states[i]["rest"]
+            stretch = cord["length"] - cord["rest"]
             if stretch <= (h * gone if cord["kind"] == STIFF else 0.0):
                 continue
             off = cord_rate(table, h, i) - gone
-            off /= 1.0 / (h * max(cord["c"] + h * states[i]["k"], LEAST)) + cord["response"]
+            off /= 1.0 / (h * max(cord["c"] + h * cord["k"], LEAST)) + cord["response"]
         if off > 0.0:
             changed = True
             if attempt < 3:
-                states[i]["active"] = 1 - states[i]["active"]
+                cord["active"] = 1 - cord["active"]
             elif off > worst:
                 worst, which = off, i
     if which >= 0:
-        states[which]["active"] = 1 - states[which]["active"]
+        cords[which]["active"] = 1 - cords[which]["active"]
     return changed
 
 
 @entry_point("cords")
 def pull(table: int, drive: Array) -> None:
     """Lengths of all cords, and the tensions of those that have no row."""
-    cords, results, body = at.cords(table), at.cord_results(table), at.body(table)
-    states = at.cord_states(table)
-    guides, wraps, pulls = at.guides(table), at.guide_states(table), at.guide_results(table)
-    out = at.force(table)
+    cords, body, guides, out = at.cords(table), at.body(table), at.guides(table), at.force(table)
     for i in range(len(cords)):
-        cord, result = cords[i], results[i]
+        cord = cords[i]
         if cord["stiffener"] >= 0:
-            states[i]["k"] = drive[cord["stiffener"]]
-        result["length"] = measure(cord, guides, wraps, pulls, body, False)
+            cord["k"] = drive[cord["stiffener"]]
+        cord["length"] = measure(cord, guides, body, False)
         if cord["whole"] >= 0:
-            result["wound"] = wound_up(cord, guides, wraps)
-            states[i]["inside"] = max(cord["least"], states[i]["rest"] - result["wound"])
+            cord["wound"] = wound_up(cord, guides)
+            cord["inside"] = max(cord["least"], cord["rest"] - cord["wound"])
         if cord["row"] >= 0 or cord["kind"] == GRIPPED:
             continue
         if not holds(table, cord["tie"]):
-            result["tension"] = 0.0
+            cord["tension"] = 0.0
         elif cord["kind"] == PULL:
-            result["tension"] = drive[cord["drive"]]
+            cord["tension"] = drive[cord["drive"]]
         else:
-            result["tension"] = max(states[i]["k"] * (result["length"] - states[i]["rest"]), 0.0)
+            cord["tension"] = max(cord["k"] * (cord["length"] - cord["rest"]), 0.0)
         for n in range(cord["first"], cord["last"]):
             b = guides[n]["body"]
-            out[b, 0] -= pulls[n]["jx"] * result["tension"]
-            out[b, 1] -= pulls[n]["jy"] * result["tension"]
-            out[b, 2] -= pulls[n]["jt"] * result["tension"]
+            out[b, 0] -= guides[n]["jx"] * cord["tension"]
+            out[b, 1] -= guides[n]["jy"] * cord["tension"]
+            out[b, 2] -= guides[n]["jt"] * cord["tension"]
 
 
 @kernel
 def add_cord_work(table: int, h: float, v: Array) -> None:
     """Work of the step; ``v`` [nb, 3] are the mean velocities of before and after it."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    cords = at.cords(table)
     for i in range(len(cords)):
         if cords[i]["kind"] != GRIPPED:
             rate = shortening(table, i, v)
-            results[i]["step_work"] = h * results[i]["tension"] * rate
-            states[i]["work"] += results[i]["step_work"]
+            cords[i]["step_work"] = h * cords[i]["tension"] * rate
+            cords[i]["work"] += cords[i]["step_work"]
     for i in range(len(cords)):
         if cords[i]["kind"] == GRIPPED:
-            results[i]["step_work"] = 0.0
+            cords[i]["step_work"] = 0.0
             for k in range(cords[i]["spans"], cords[i]["spans_end"]):
-                results[i]["step_work"] += results[k]["step_work"]
-            states[i]["work"] += results[i]["step_work"]
-    slips, slip_results = at.slips(table), at.slip_results(table)
+                cords[i]["step_work"] += cords[k]["step_work"]
+            cords[i]["work"] += cords[i]["step_work"]
+    slips = at.slips(table)
     for i in range(len(slips)):  # what a drive pulls over the last guide is work of it, too
         end = slips[i]["after"]
         if cords[end]["kind"] == PULL:
-            drawn = h * results[end]["tension"] * slip_results[i]["rate"]
-            results[end]["step_work"] += drawn
-            states[end]["work"] += drawn
+            drawn = h * cords[end]["tension"] * slips[i]["rate"]
+            cords[end]["step_work"] += drawn
+            cords[end]["work"] += drawn

@@ -37,7 +37,7 @@ CLOSED_AFTER = 40.0
 @kernel
 def holds(table: int, tie: int) -> bool:
     """Whether what has this number, or none, holds."""
-    return bool(tie < 0 or at.tie_states(table)[tie]["held"] == 1)
+    return bool(tie < 0 or at.ties(table)[tie]["held"] == 1)
 
 
 @kernel
@@ -55,31 +55,31 @@ def spring_holds(table: int, spring: Any) -> bool:
 @kernel
 def acts(table: int, tie: int) -> bool:
     """Whether it holds and has, or broke in this very step with a force that is noted already."""
-    return bool(tie < 0 or (at.tie_states(table)[tie]["held"] == 1
-                            or at.tie_results(table)[tie]["broke"] == 0))
+    return bool(tie < 0 or (at.ties(table)[tie]["held"] == 1
+                            or at.ties(table)[tie]["broke"] == 0))
 
 
 @entry_point("ties")
 def release_and_engage(table: int, drive: Array) -> None:
     """Do what events wish, and what drives [nd] want that want something else than before."""
-    ties, states = at.ties(table), at.tie_states(table)
+    ties = at.ties(table)
     for i in range(len(ties)):
-        wish, states[i]["wish"] = states[i]["wish"], records.NONE
+        wish, ties[i]["wish"] = ties[i]["wish"], records.NONE
         if ties[i]["drive"] >= 0:
             driven = 1 if drive[ties[i]["drive"]] > HELD_ABOVE else 0
-            if driven != states[i]["driven"]:
-                wish = states[i]["driven"] = driven
-        if wish == records.NONE or wish == states[i]["held"]:
+            if driven != ties[i]["driven"]:
+                wish = ties[i]["driven"] = driven
+        if wish == records.NONE or wish == ties[i]["held"]:
             continue
-        states[i]["held"], what, index = wish, ties[i]["what"], ties[i]["index"]
+        ties[i]["held"], what, index = wish, ties[i]["what"], ties[i]["index"]
         if wish == 1 and what == records.JOINED:
-            states[i]["age"] = records.TAKEN
+            ties[i]["age"] = records.TAKEN
         elif wish == 1 and ties[i]["as_is"]:  # its length now is the one at rest
             if what == records.SPRINGY and not at.springs(table)[index]["turning"]:
-                at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["way"]
+                at.springs(table)[index]["rest"] = at.springs(table)[index]["way"]
             for k in range(len(at.cords(table)) if what == records.CORDED else 0):
                 if at.cords(table)[k]["tie"] == i:
-                    at.cord_states(table)[k]["rest"] = at.cord_results(table)[k]["length"]
+                    at.cords(table)[k]["rest"] = at.cords(table)[k]["length"]
 
 
 @kernel
@@ -96,7 +96,7 @@ def release_rows(table: int, h: float) -> None:
     """Empty the rows of what is let go; ask joints that were taken up for less."""
     if len(at.ties(table)) == 0:
         return
-    results = at.tie_results(table)
+    results = at.ties(table)
     for i in range(len(results)):
         results[i]["broke"] = 0
     joints, springs, rhs = at.joints(table), at.springs(table), at.unknowns(table)[0]
@@ -106,7 +106,7 @@ def release_rows(table: int, h: float) -> None:
             empty_rows(table, joint["entry"], joint["entries"])
         if joint["tie"] < 0 or not joint_holds(table, k):
             continue
-        state, teeth = at.tie_states(table)[joint["tie"]], toothed(joint)
+        state, teeth = at.ties(table)[joint["tie"]], toothed(joint)
         for row in (joint["row"], joint["row_y"], joint["row_turn"]):
             if row >= 0 and not teeth:
                 at.unknowns(table)[1][row] = 0.0
@@ -130,7 +130,7 @@ def remaining_gap(table: int, tie: int, ahead: float) -> tuple[float, float, flo
     """The gaps [m, m, rad] that a joint may have so much later than now [s]."""
     if tie < 0:
         return 0.0, 0.0, 0.0
-    state, over = at.tie_states(table)[tie], at.ties(table)[tie]["over"]
+    state, over = at.ties(table)[tie], at.ties(table)[tie]["over"]
     if state["age"] < 0.0:
         return 0.0, 0.0, 0.0
     t = state["age"] + ahead
@@ -145,7 +145,7 @@ def _look(table: int, k: int) -> None:
     """Note the gaps of a joint that is taken up, and how they change."""
     joint, body, before, turn = (
         at.joints(table)[k], at.body(table), at.before(table), at.turn(table))
-    state = at.tie_states(table)[joint["tie"]]
+    state = at.ties(table)[joint["tie"]]
     a, b = joint["a"], joint["b"]
     ax, ay, bx, by, px, py = ends(joint, body, turn)
     wa, wb = before[a, 2], before[b, 2]
@@ -153,7 +153,7 @@ def _look(table: int, k: int) -> None:
     vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
     (x, y), (rx, ry) = gaps(joint, px, py, turn[a, 0], turn[a, 1]), (vx, vy)
     if joint["keeps"] == records.GROOVE:
-        out = at.joint_results(table)[k]
+        out = joint
         dx, dy = out["dx"], out["dy"]
         rx, ry = dx * vy - dy * vx - wa * (dx * px + dy * py), 0.0
         if joint["span"] >= 0:
@@ -173,13 +173,13 @@ def _look(table: int, k: int) -> None:
 @entry_point("ties")
 def tied(table: int, h: float) -> None:
     """What the next step has to know of this one."""
-    ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
+    ties = at.ties(table)
     for i in range(len(ties)):
-        states[i]["load"] = results[i]["load"] if states[i]["held"] == 1 else math.nan
-        if states[i]["age"] >= 0.0:
-            states[i]["age"] += h
-            if states[i]["age"] > CLOSED_AFTER * ties[i]["over"]:
-                states[i]["age"] = records.SETTLED
+        ties[i]["last_load"] = ties[i]["load"] if ties[i]["held"] == 1 else math.nan
+        if ties[i]["age"] >= 0.0:
+            ties[i]["age"] += h
+            if ties[i]["age"] > CLOSED_AFTER * ties[i]["over"]:
+                ties[i]["age"] = records.SETTLED
 
 
 def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:
@@ -196,4 +196,4 @@ def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) ->
 
 def hold(tables: Tables, tie: int, *, held: bool) -> None:
     """Let go of something, or take it up, with the next step."""
-    tables.state.ties[tie]["wish"], tables.state.standing[1] = held, 0
+    tables.elements.ties[tie]["wish"], tables.state.standing[1] = held, 0

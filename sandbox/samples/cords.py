@@ -22,7 +22,6 @@ from sandbox.model.model import Model, Tendons
 from sandbox.model.tendons import CordSpan, lifted_at_start
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.outcome import Stored
-from sandbox.scene.geometry import pose_of, to_world
 
 
 class Places(NamedTuple):
@@ -194,9 +193,8 @@ def pulls_at_start(model: Model) -> Pulls:
         one = int(tendons.stretch_first[row])
         for node, sign in ((one, 1.0), (one + 1, -1.0)):
             body = int(tendons.guide_body[node])
-            centre = to_world(tuple(model.bodies.pose[body]), tuple(model.bodies.centre[body]))
-            at = to_world(tuple(model.bodies.pose[body]), tuple(tendons.guide_at[node]))
-            arm = np.subtract(at, centre)
+            arm = np.subtract(model.at_start(body, tendons.guide_at[node]),
+                              model.at_start(body, model.bodies.centre[body]))
             moment = arm[0] * u[1] - arm[1] * u[0] - tendons.guide_radius[node]  # n x u = -1
             does[tendon][body] = does[tendon].get(body, np.zeros(3)) + sign * np.array([*u, moment])
     return Pulls(lengths_at_start(model), does)
@@ -204,10 +202,9 @@ def pulls_at_start(model: Model) -> Pulls:
 
 def stretches_at_start(model: Model) -> Stretches:
     """The stretches at t = 0, [m, 1]."""
-    bodies, tendons = model.mechanism.bodies, model.tendons
-    at = np.array([to_world(pose_of(bodies[body]), (float(x), float(y)))
-                   for body, (x, y) in zip(tendons.guide_body, tendons.guide_at, strict=True)]
-                  ).reshape(-1, 2)
+    tendons = model.tendons
+    at = np.array([model.at_start(body, point) for body, point in zip(
+        tendons.guide_body, tendons.guide_at, strict=True)]).reshape(-1, 2)
     nothing = np.zeros((len(tendons.stretch_first), 1))
     ends = [Places(at[nodes, :1], at[nodes, 1:], nothing, nothing)
             for nodes in (tendons.stretch_first, tendons.stretch_first + 1)]

@@ -62,10 +62,10 @@ class Bench:
     def __init__(self, machine: Mechanism) -> None:
         self.world = world = World(compile_mechanism(machine))
         self.tables = tables = make_tables(world)
-        self.constants, self.state, self.result, _ = tables
+        self.constants, self.elements, self.state, self.result, _ = tables
         self.kept = make_snapshot(1, tables, 2 * self.world.room.contacts)
         self.memory = make_memory(self.world.native, *tables, self.kept,
-                                  prepare(self.constants, advance))
+                                  prepare(self.constants, self.elements, advance))
 
     def step(self, *drive: float, speeds: Any = None) -> Bench:
         """Make one step with the drives' values; ``speeds`` [ns, 3] are of scheduled bodies."""
