@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.measure import Figure, mechanism
-from sandbox.convergence.runs import at_instants
+from sandbox.convergence.certificate import at_instants
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.export import export_mechanism

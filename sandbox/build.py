@@ -5,8 +5,7 @@
 """
 
 from sandbox.elements.controllers.equilibrium import EquilibriumController, FingerGeometry
-from sandbox.elements.controllers.pid import PidController
-from sandbox.elements.controllers.relay import RelayController
+from sandbox.elements.controllers.pid import PidController, RelayController
 from sandbox.elements.controllers.simple import (
     FeedbackController,
     ScheduleController,

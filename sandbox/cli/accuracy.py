@@ -91,8 +91,7 @@ def converge(scene: Source, console: Console) -> int:
 
 def _refuse(loaded: Loaded, limits: Limits) -> None:
     """Refuse a scene whose convergence cannot be checked, before any run."""
-    from sandbox.convergence.certificate import unfit
-    from sandbox.convergence.runs import refined
+    from sandbox.convergence.certificate import refined, unfit
     from sandbox.engine.inspect import look_over
     from sandbox.scene.read.limits import check_limits
 

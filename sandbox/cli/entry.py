@@ -13,7 +13,7 @@ from sandbox.cli.console import Console, Exit, guard
 from sandbox.wording import meant
 
 GROUPS = {
-    "Start": {"list": "scenes", "new": "scenes", "check": "check", "explain": "explain"},
+    "Start": {"list": "scenes", "new": "scenes", "check": "scenes", "explain": "explain"},
     "Simulate": {"run": "run", "view": "run"},
     "Results": {"plot": "plot", "render": "runs", "report": "runs"},
     "Questions": {
@@ -63,9 +63,9 @@ class Commands(click.Group):
         word, known = args[0], self.list_commands(ctx)
         if word not in known and not word.startswith("-") and not ctx.resilient_parsing:
             former = " ".join([*ctx.command_path.split()[1:], word])
-            advice = REMOVED.get(former) or (f"{meant(word, known).lstrip()} "
-                                             f"{self.nouns}: {', '.join(known)}.")
-            raise click.UsageError(f"There is no {self.noun} {word!r}. {advice}", ctx)
+            advice = f" {REMOVED[former]}" if former in REMOVED else \
+                f"{meant(word, known)} {self.nouns}: {', '.join(known)}."
+            raise click.UsageError(f"There is no {self.noun} {word!r}.{advice}", ctx)
         return super().resolve_command(ctx, args)
 
 

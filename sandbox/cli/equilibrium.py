@@ -30,6 +30,7 @@ from sandbox.cli.options import (
     prepare,
     read_pairs,
     refuse_blocking,
+    safe_name,
     takes_scene,
 )
 
@@ -148,7 +149,7 @@ def equilibrium(
     loaded = scene.load()
     name = loaded.mechanism.name
     refuse_blocking(inspect(loaded.mechanism), loaded)
-    folder = out or RENDERS / "rest" / (name or "scene")
+    folder = out or RENDERS / "rest" / safe_name(name)
     prepare(folder)
     how = {"at": at, "stages": stages}
     found = _find(loaded.mechanism, starts, body, folder, console, how) if along is None else \
@@ -290,7 +291,7 @@ def _follow(
 
     from sandbox.equilibria.branches import rest_along
     from sandbox.figure.sweeps import BranchCurve, save_branches
-    from sandbox.model.catalogue import Catalogue
+    from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 
     path, begin, end, unit, count = along
     label = f"{path} [{unit}]" if unit else path
@@ -299,9 +300,10 @@ def _follow(
         return scene.load({path: f"{value!r} {unit}" if unit else value}).mechanism
 
     mechanism, beat = make(begin), Heartbeat(console)
-    if quantity is not None and quantity not in Catalogue(mechanism):
-        raise click.BadParameter(f"{quantity!r} is no quantity of the scene; 'sandbox plot' lists "
-                                 "those of a run", param_hint="--plot")
+    known = Catalogue(mechanism)
+    if quantity is not None and quantity not in known:
+        error = UnknownQuantityError(quantity, known.near(quantity), known.lacking(quantity))
+        raise click.BadParameter(str(error), param_hint="--plot")
     with compilation_notices(console):
         branches = rest_along(make, begin, end, count, **how, heard=lambda points, value: beat(
             f"{points} points of rest, now at {label} = {value:.6g}"))

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.check import inspection_data, inspection_lines
 from sandbox.cli.console import (
     Console,
     Exit,
@@ -38,6 +37,7 @@ from sandbox.cli.options import (
     takes_scene,
 )
 from sandbox.cli.runs import files_of, write_page
+from sandbox.cli.scenes import inspection_data, inspection_lines
 from sandbox.errors import Problem, RunEnded, SimulationDiverged
 
 if TYPE_CHECKING:

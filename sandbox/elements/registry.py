@@ -8,7 +8,7 @@ from typing import Annotated, Any, get_args
 from pydantic import Field
 
 from sandbox.elements import element_drives, fluids, joint_drives, points, wheels
-from sandbox.elements.controllers import equilibrium, pid, relay, simple, state_feedback
+from sandbox.elements.controllers import equilibrium, pid, simple, state_feedback
 from sandbox.elements.element import Element, tag_of
 from sandbox.elements.loads import Load
 from sandbox.elements.springs import Spring
@@ -31,7 +31,7 @@ Drive = Annotated[
 ]
 Controller = Annotated[
     pid.PidController | simple.ScheduleController | simple.FeedbackController
-    | simple.SwitchController | relay.RelayController | state_feedback.StateFeedbackController
+    | simple.SwitchController | pid.RelayController | state_feedback.StateFeedbackController
     | equilibrium.EquilibriumController,
     Field(discriminator="type"),
 ]

@@ -100,12 +100,12 @@ class Recording(Samples):
                 curves for one panel.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        from sandbox.notebook.media import plot
+        from sandbox.notebook import plot
 
         return plot(self, quantities, x, begin, end, width, title)
 
     def picture(self, at: float | str = "end", *, size: tuple[int, int] | None = None) -> Any:
-        """A :class:`~sandbox.notebook.media.Picture` of one moment, which a notebook shows.
+        """A :class:`~sandbox.notebook.Picture` of one moment, which a notebook shows.
 
         Args:
             at: the instant: seconds, a time such as ``"0.8 s"``, ``"start"`` or ``"end"``.
@@ -114,12 +114,12 @@ class Recording(Samples):
         Raises:
             OutputError: nothing was recorded, or an instant that is not in the run.
         """
-        from sandbox.notebook.media import picture
+        from sandbox.notebook import picture
 
         return picture(self, at, size)
 
     def film(self, **options: Any) -> Any:
-        """A :class:`~sandbox.notebook.media.Film` of the run, a GIF, which a notebook shows.
+        """A :class:`~sandbox.notebook.Film` of the run, a GIF, which a notebook shows.
 
         Args:
             options: those of :func:`sandbox.render`, such as ``speed=0.5``, ``size=(640, 480)``.
@@ -127,7 +127,7 @@ class Recording(Samples):
         Raises:
             OutputError: nothing was recorded, or what no view can have.
         """
-        from sandbox.notebook.media import film
+        from sandbox.notebook import film
 
         return film(self, options)
 
@@ -156,6 +156,6 @@ class Recording(Samples):
                 f"{self.info.status.value}>")
 
     def _repr_html_(self) -> str:
-        from sandbox.notebook.cards import card_of_run
+        from sandbox.notebook import card_of_run
 
         return card_of_run(self)

@@ -80,7 +80,7 @@ class Mechanism(Spec):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        from sandbox.notebook.cards import card_of_scene
+        from sandbox.notebook import card_of_scene
 
         return card_of_scene(self)
 

@@ -16,9 +16,8 @@ from numbers import Real
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sandbox.engine.hand import Hand
 from sandbox.engine.inspect_control import Checked
-from sandbox.engine.live import Live
+from sandbox.engine.live import Hand, Live
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError

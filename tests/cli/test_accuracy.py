@@ -45,7 +45,7 @@ def test_a_run_that_diverges_exits_3(sandbox, scene, monkeypatch):
             raise gone
         return simulate(mechanism, **more)
 
-    monkeypatch.setattr("sandbox.convergence.runs.simulate", away)
+    monkeypatch.setattr("sandbox.convergence.certificate.simulate", away)
     output = sandbox("converge", scene())
     assert output.code == 3
     assert output.err.splitlines()[0] == (

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.elements.controllers.relay import (
+from sandbox.elements.controllers.pid import (
     RULES,
     Relay,
     RelayController,

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from sandbox.audit.figures import Figure
-from sandbox.convergence import runs as module
-from sandbox.convergence.certificate import certify, scene_size
+from sandbox.convergence import certificate as module
+from sandbox.convergence.certificate import certify, refined, scene_size
 from sandbox.convergence.judgement import Kind
-from sandbox.convergence.runs import refined
 from sandbox.elements.controllers.controller import every
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation

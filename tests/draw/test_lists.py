@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.notebook.cards import at_start
+from sandbox.notebook import at_start
 from sandbox.picture.build import subject_of
 from sandbox.picture.frame import Picture
 from sandbox.picture.listing import SIDES, Listing

@@ -11,8 +11,7 @@ import pytest
 
 from sandbox import SceneError
 from sandbox.audit.audit import audit
-from sandbox.engine.hand import EVERY, QUICK, Hand
-from sandbox.engine.live import Live
+from sandbox.engine.live import EVERY, QUICK, Hand, Live
 from sandbox.engine.simulate import simulate
 from sandbox.engine.solve import SETTLED
 from sandbox.numeric import Array
@@ -164,7 +163,7 @@ def test_a_pulled_mass_moves_as_on_a_critically_damped_spring(
     The closed form is x = X (1 + w t) exp(-w t). What is late by T / 2 on the average changes it by
     a share of w T at most.
     """
-    monkeypatch.setattr("sandbox.engine.hand.FINE", 1e-15)
+    monkeypatch.setattr("sandbox.engine.live.FINE", 1e-15)
     hand = Hand(Live(mechanism(bodies=[mass("block", 0.4, (0.0, 0.0))])))
     hand.hold("block", (0.0, 0.0), (0.03, 0.04))
     left = np.array(distances_while_pulling(hand, 0.3))

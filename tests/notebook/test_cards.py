@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.notebook.cards import MOST_ROWS, at_start, card_of_run, card_of_scene
+from sandbox.notebook import MOST_ROWS, at_start, card_of_run, card_of_scene
 from sandbox.scene.library import shipped_scenes
 
 HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(1)>\"'&"

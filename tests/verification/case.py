@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from sandbox.convergence.runs import at_instants
+from sandbox.convergence.certificate import at_instants
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording

@@ -240,17 +240,14 @@ class _Composer:
                 continue
             self.size += len(key)
             at, name = self.made.at(value, key, place), key
-            if context.scope.braces and "{" in key:
-                name = self.text(key, at, context, key=True)
-            below = *trail, name
             try:
+                if context.scope.braces and "{" in key:
+                    name = self.text(key, at, context, key=True)
                 if materials:
                     entry = merged(entry, at, context, self.made, self.near)
-                self.put(out, name, entry, at, context, below)
+                self.put(out, name, entry, at, context, (*trail, name))
             except RefusedError as error:
-                if not materials:
-                    raise
-                self.refuse(error, below)
+                self.refuse(error, (*trail, name))
                 out[name] = {}
         return out
 
@@ -359,18 +356,17 @@ class _Composer:
         root, defaults, tables = included or (here, {}, None)
         known = {} if included else context.scope.known
         place = {name: self.made.at(given, name, at) for name in given}
-        for name in given:
-            with place[name].refusing(key=True):
-                if included and name not in defaults:
-                    raise WrongValueError(
-                        "name-not-found", f"the included scene has no parameter {quoted(name)}",
-                        allowed=listed(defaults) or "none", hint=near(name, defaults))
+        wrong = [place[name].problem(
+            "name-not-found", f"the included scene has no parameter {quoted(name)}", key=True,
+            allowed=listed(defaults) or "none", hint=near(name, defaults))
+            for name in given if included and name not in defaults]
+        given = {name: value for name, value in given.items()
+                 if not included or name in defaults}
         values = {name: self.parameter(name, value, place[name], context, given)
                   if isinstance(value, str) else value for name, value in given.items()}
         resolved = resolve_parameters(
             {**defaults, **known, **values},
             plain_tables(tables) if included else context.scope.tables)
-        wrong = []
         for problem in resolved.problems:
             path = parse_path(problem.path)
             if included or path[1] in given:
@@ -416,8 +412,9 @@ class _Composer:
         root, data = Origin(source, included=place.including, copy=here.copy), source.data
         for key in data:
             if key not in KEYS:
-                with root.to(key).refusing(key=True):
-                    raise unknown_key(key, KEYS)
+                at = root.to(key)
+                problem = Problem.of(unknown_key(key, KEYS), "$", key=True)
+                self.refuse(RefusedError(at, [at.located(problem)]), trail)
         tables, defaults = data.get("tables"), data.get("parameters", {})
         _check_object(defaults, root.to("parameters"))
         given = self.parameters(item, here, context, (root, defaults, tables))
@@ -425,7 +422,7 @@ class _Composer:
         if tables is not None:
             _check_object(tables, root.to("tables"))
             scope = replace(scope, renamed=self.renamed(
-                tables, root, str(item.get("name", "")), replace(context, scope=scope)))
+                tables, root, str(item.get("name", "")), replace(context, scope=scope), trail))
         inner = Context(scope, data.get("templates"), root.to("templates"), (*context.files, path))
         out: dict[str, Any] = {"type": "assembly"}
         self.made.put(out, "type", here)
@@ -436,6 +433,7 @@ class _Composer:
 
     def renamed(
         self, tables: Mapping[str, Any], root: Origin, assembly: str, context: Context,
+        trail: JsonPath,
     ) -> dict[str, str]:
         """Add the tables of a file to the scene's; their new names by their own.
 
@@ -444,9 +442,12 @@ class _Composer:
         words = re.findall("[A-Za-z0-9]+", assembly)[:8]
         prefix = "_".join(words if words and not words[0][0].isdigit() else ["included", *words])
         found: dict[str, str] = {}
+        known = len(self.made.problems)
         for table, entry in tables.items():
             place = root.to("tables", table)
-            value = self.value(entry, place, context, ("tables", table))
+            value = self.value(entry, place, context, (*trail, "tables", table))
+            if len(self.made.problems) > known:
+                raise RefusedError(place, [])
             key = f"{root.source.name} {table} {json.dumps(value)}"
             if key not in self.shared:
                 new = first = f"{prefix[:40]}_{table}"[:90]
