@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from sandbox.picture.elements.forces import (
-    point_motion,
     reactions,
 )
-from sandbox.picture.elements.notes import fingertip, traced
 from sandbox.picture.scales import (
     bar_tensions,
     bars_of,
@@ -20,7 +18,7 @@ from sandbox.picture.scales import (
 )
 from sandbox.scene.mechanism import Mechanism
 
-from .conftest import hand, recording
+from .conftest import recording
 
 TIME = np.arange(1000) / 1000
 
@@ -59,29 +57,6 @@ def test_a_short_spike_does_not_wash_out_what_is_carried_else() -> None:
 
 ARM = {"name": "arm", "mass": 1, "inertia": 1, "centre": [0.1, 0],
        "shapes": [{"type": "capsule", "end": [0.2, 0], "radius": 0.01}]}
-
-
-def on_a_circle(omega=3.0, alpha=2.0):
-    """An arm that turns about its origin, which rests, at omega and alpha as it lies at 0.7 rad."""
-    angle = 0.7
-    out = np.array([np.cos(angle), np.sin(angle)])
-    across = np.array([-out[1], out[0]])
-    pose = np.zeros((1, 1, 3))
-    pose[..., 2] = angle
-    v, a = 0.1 * omega * across, 0.1 * (alpha * across - omega**2 * out)
-    return recording(Mechanism.model_validate({"bodies": [ARM]}), np.zeros(1), pose,
-                     body_velocity=np.array([[[*v, omega]]]),
-                     body_acceleration=np.array([[[*a, alpha]]]),
-                     body_centre=np.array([[0.1, 0.0]])), out, across
-
-
-@pytest.mark.parametrize("radius", [0.0, 0.1, 0.2, -0.3])
-def test_points_of_a_body_that_turns_go_on_circles(radius):
-    """r omega across, and r alpha across - r omega^2 out, about the point that rests."""
-    run, out, across = on_a_circle()
-    v, a = point_motion(run, [(0, (radius, 0.0))])
-    assert v[0, 0] == pytest.approx(radius * 3 * across, abs=1e-15)
-    assert a[0, 0] == pytest.approx(radius * (2 * across - 9 * out), abs=1e-15)
 
 
 def hanging(roles=("ground", "link")):
@@ -128,17 +103,3 @@ def test_a_bar_carries_what_its_pins_pull_it_apart_with(angle):
         assert bar_tensions(run, bars) == pytest.approx(np.array([[tension]]))
         assert tensions_of(run, bars).pushing == ({"bars"} if tension < 0 else set())
     assert bars_of(run, [0]) == []
-
-
-def test_what_is_traced_unless_the_view_says_it():
-    run = hand()
-    names = [body.name for body in run.mechanism.bodies]
-    tips = [names.index(f"finger{k}.distal") for k in (1, 2, 3, 4)]
-    found = traced(run, run.mechanism.view, ("*",))
-    assert [body for body, _ in found] == tips
-    # a capsule of 21 mm whose radius is 7.5 mm, from its hinge on
-    assert found[0][1] == pytest.approx((0.0285, 0.0), abs=1e-12)
-    assert fingertip(run, tips[1]) == pytest.approx((0.0285, 0.0), abs=1e-12)
-    assert [body for body, _ in traced(run, run.mechanism.view, ("tree.rocker1",))] == [
-        names.index("tree.rocker1")]
-    assert traced(run, run.mechanism.view, ()) == []

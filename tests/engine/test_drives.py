@@ -86,25 +86,6 @@ def hinged(drive: dict[str, Any], *, positive: str = "counterclockwise", omega: 
         drives=[{"name": "d", "joint": "p", **drive}, *more]))
 
 
-LOAD = 0.1 * G * 0.05
-"""The arm's weight about its hinge [N m]."""
-
-
-def test_a_brake_follows_its_signal() -> None:
-    """Free below 0.1 s and from 0.3 s on, held between: its torque counts at the very step."""
-    run = hinged({"type": "brake", "value": {"table": [(0.0, -1.0), (0.1, 1.0), (0.3, 0.0)],
-                                             "between": "step"}}, gravity=G, duration=0.4)
-    t = run.time
-    assert (run["d.value"] == np.where((t >= 0.1) & (t < 0.3), 1.0, 0.0)).all()
-    assert (run["d.torque"][t < 0.1] == 0).all()
-    assert (run["d.torque"][t > 0.3] == 0).all()
-    held = (t > 0.1 + 20 * H) & (t < 0.3)  # it slips for some steps before
-    assert np.ptp(run["p.angle"][held]) < 1e-12
-    load = LOAD * np.cos(run["p.angle"][held])
-    np.testing.assert_allclose(run["d.torque"][held], load, rtol=1e-9)
-    assert np.ptp(run["p.angle"][t > 0.3]) > 0.1
-
-
 # -- motors ------------------------------------------------------------------------
 
 
@@ -122,16 +103,6 @@ def test_a_free_motor_reaches_its_speed(positive: str, sense: int) -> None:
     assert run["d.work"][-1] == pytest.approx(4e-5 * 20.0**2 / 2, rel=1e-9)
     assert run.unit("d.torque") == "N m"
     assert run.unit("d.value") == "rad/s"
-
-
-@SENSES
-def test_a_stalled_motor_gives_its_torque(positive: str, sense: int) -> None:
-    """Against a brake of twice its torque: exactly its own, and the brake the same against it."""
-    run = hinged({"type": "motor", "value": -3.0, "torque": 2e-3}, positive=positive,
-                 more=({"type": "brake", "name": "hold", "joint": "p", "value": 4e-3},))
-    np.testing.assert_allclose(run["d.torque"], -2e-3, rtol=1e-9)
-    np.testing.assert_allclose(run["hold.torque"], 2e-3, rtol=1e-9)
-    assert np.abs(run["p.angle"]).max() < 1e-9
 
 
 @SENSES

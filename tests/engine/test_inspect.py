@@ -193,20 +193,6 @@ def test_a_loop_has_no_end_to_pull_at():
     assert "belt, which is closed and has no end" in message
 
 
-def test_wheels_that_leave_no_room_for_the_cord_block():
-    cord = {"name": "cord", "guides": [
-        {"body": "ground", "at": [0, 0.02], "radius": 0.008, "side": "left"},
-        {"body": "bar", "at": [0.01, 0.02], "radius": 0.008, "side": "right"}]}
-    assert "10 mm apart, a crossed tangent needs 16 mm" in the_one(
-        PINNED | {"tendons": [cord]})[2]
-    cord["guides"][1]["side"] = "left"  # an outer tangent always fits beside wheels of one size
-    assert found(PINNED | {"tendons": [cord]}) == []
-    for one, other in ((0, 1), (1, 0)):  # a wheel within a larger one, whichever comes first
-        cord["guides"][one]["radius"], cord["guides"][other]["radius"] = 0.004, 0.016
-        assert "10 mm apart, a tangent needs 12 mm" in the_one(
-            PINNED | {"tendons": [cord]})[2]
-
-
 # --- springs and dampers
 
 def inertia_about_hinge() -> float:

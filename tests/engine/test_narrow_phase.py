@@ -227,7 +227,6 @@ def test_nodes_belong_to_their_outline(kind: str, nodes: list[object], words: st
 BOX_ON, DISC_ON, BAR_ON = (
     ({"type": "box", "size": [0.1, 0.04]}, 0.02), ({"type": "circle", "radius": 0.03}, 0.03),
     ({"type": "capsule", "start": [-0.05, 0], "end": [0.05, 0], "radius": 0.02}, 0.02))
-LINE = [[x / 10, 0.0] for x in range(-10, 11)]
 
 
 def run_on(ground, body, at, *, velocity=(0.0, 0.0), duration=1.0, friction=0.0, **keys):
@@ -239,22 +238,6 @@ def run_on(ground, body, at, *, velocity=(0.0, 0.0), duration=1.0, friction=0.0,
             {"name": "b", "density": 1000, "material": "m", "at": at, "velocity": velocity,
              "shapes": [body], **keys}]}
     return simulate(load_scene(scene))
-
-
-@pytest.mark.parametrize("turned", [0.0, 0.3])
-@pytest.mark.parametrize(("body", "height"), [BOX_ON, DISC_ON, BAR_ON], ids=["box", "disc", "bar"])
-@pytest.mark.parametrize("radius", [0.0, 0.005])
-def test_a_flat_chain_is_as_smooth_as_one_plane(body, height, radius, turned):
-    """Without friction g sin(slope) t, to rounding, over nine joints."""
-    c, s = math.cos(turned), -math.sin(turned)
-    chain = [[c * x - s * y, s * x + c * y] for x, y in LINE]
-    high = height + radius
-    found = run_on([{"type": "polyline", "points": chain, "radius": radius}], body,
-                   [-0.8 * c - high * s, -0.8 * s + high * c], velocity=(c, s), angle=-turned,
-                   duration=0.4 if turned else 1.0)
-    along = c * found["b.vx"] + s * found["b.vy"]
-    assert along == pytest.approx(1 + 9.81 * math.sin(turned) * found.time, abs=1e-9)
-    assert np.abs(-s * found["b.x"] + c * found["b.y"] - high).max() < 1e-9
 
 
 def test_the_ends_of_a_chain_can_be_hit():

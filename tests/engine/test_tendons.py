@@ -20,7 +20,7 @@ from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 from tests.support.mechanisms import guide
 
-from .machines import G, H, cord, disc, fixed, mass, mechanism
+from .machines import G, H, cord, fixed, mass, mechanism
 
 FAR, RADIUS = 0.1, 0.02
 
@@ -80,31 +80,6 @@ def test_a_tendon_too_stiff_for_the_step_is_damped(path: list[Any], response: fl
         assert (np.ptp(run["cord.tension"][-20:]) > 0.01) == rings
 
 
-def snatch(h: float, damping: float = 0.0) -> Recording:
-    """20 kg at 2 m/s start to pull 5 kg after 50 ms, by a rope joint and by a tendon."""
-    bodies = [{"name": name, "mass": mass, "at": [x, y], "velocity": [v, 0],
-               "shapes": [{"type": "circle", "radius": 0.02}]}
-              for y, kind in ((0.0, "rope"), (0.1, "cord"))
-              for name, mass, x, v in ((f"{kind}ed", 5, 0.0, 0.0), (f"{kind}er", 20, 0.1, 2.0))]
-    return simulate(Mechanism.model_validate({
-        "run": {"duration": 0.1, "step": h, "sample_rate": 500}, "bodies": bodies,
-        "joints": [{"type": "rope", "name": "rope", "a": "ropeed", "b": "ropeer", "longest": 0.2}],
-        "tendons": [{"name": "cord", "guides": [{"body": "corded"}, {"body": "corder"}],
-                     "slack": 0.1, "damping": damping}]}))
-
-
-@pytest.mark.parametrize("h", [2e-3, 5e-4, 5e-5])
-def test_the_rebound_of_a_rope_and_of_a_stiff_tendon(h: float):
-    """Together 1.6 m/s; half a period at the damping ratio h w / 2 on top of it.
-
-    To first order in h: the next is (h w)^2 of it.
-    """
-    run, w = snatch(h), np.sqrt(1e5 / 4.0)
-    assert run["ropeed.vx"][-1] == pytest.approx(1.6, abs=1e-9)
-    assert run["corded.vx"][-1] == pytest.approx(
-        1.6 * (1 + np.exp(-np.pi * h * w / 2)), abs=1.6 * (h * w)**2)
-
-
 @pytest.mark.parametrize("stiffness", [100.0, 1e9])
 @pytest.mark.parametrize("damping", [0.0, 1.0])
 def test_a_spring_of_no_length_exerts_no_force(stiffness: float, damping: float) -> None:
@@ -113,23 +88,6 @@ def test_a_spring_of_no_length_exerts_no_force(stiffness: float, damping: float)
         springs=[{"type": "linear", "name": "s", "a": "wall", "b": "b", "stiffness": stiffness,
                   "damping": damping, "rest_length": 0.1}]))
     np.testing.assert_array_equal(run.arrays["body_velocity"], 0.0)
-
-
-@pytest.mark.parametrize("free", [("one", "two"), ("one",), ("two",)])
-def test_motion_does_not_depend_on_which_end_of_a_spring_is_a(free):
-    """Two discs held off their centres by a damper as strong as the step bears: the same motion."""
-    bodies = [
-        {**disc(name, 0.02, at, velocity=speed, angular_velocity=turn)}
-        if name in free else fixed(name, at=at)
-        for name, at, speed, turn in (("one", (0.0, 0.0), (0.3, -0.2), 9.0),
-                                      ("two", (0.1, 0.03), (-0.1, 0.4), -15.0))]
-    ends = {"one": (0.004, 0.017), "two": (-0.013, 0.009)}
-    runs = [simulate(mechanism(duration=0.05, bodies=bodies, springs=[{
-        "type": "linear", "name": "band", "a": a, "b": b, "on_a": ends[a], "on_b": ends[b],
-        "stiffness": 300.0, "damping": 60.0}])) for a, b in (("one", "two"), ("two", "one"))]
-    for key in ("body_pose", "body_velocity", "spring_force", "spring_work"):
-        one, other = (run.arrays[key] for run in runs)
-        assert one == pytest.approx(other, rel=1e-9, abs=1e-12)
 
 
 M, OWN, MORE, AT = 0.1, 40.0, 70.0, 0.05
@@ -161,21 +119,6 @@ def test_a_tendon_without_stiffness_carries_nothing(most: float) -> None:
     assert (run["c.tension"][falls] == 0).all()
     assert np.diff(run["m.vy"][falls]) == pytest.approx(-G * H, abs=1e-12)
     assert run["c.tension"][np.flatnonzero(run.time > 0.2)[0]] > M * G
-
-
-def test_a_stiff_tendon_stretches_by_its_load() -> None:
-    """The row at the step's end damps its vibration: x = m g / k after it.
-
-    Lengths of 0.5 m are known to 1e-16 m, of 0.2 um that is 5e-10.
-    """
-    own = 2e4
-    run = simulate(hanging({"table": [(0.0, own), (0.1, 1e6), (0.3, 4e6)], "between": "step"},
-                           own=own, damping=50.0))
-    for at, k in ((0.29, 1e6), (0.39, 4e6)):
-        n = int(np.flatnonzero(run.time > at)[0])
-        x = run["c.length"][n] - 0.5 + M * G / own
-        assert x == pytest.approx(M * G / k, rel=1e-8)
-        assert run["c.tension"][n] == pytest.approx(M * G, rel=1e-9)
 
 
 @pytest.mark.parametrize("names", [{}, {"spring": "s", "tendon": "c"}])
@@ -212,23 +155,6 @@ def test_whole_turns_count() -> None:
         if slides:
             ratio = run["rope.tension_0"][-1] / run["rope.tension_1"][-1]
             assert ratio == pytest.approx(math.exp(mu * phi), rel=1e-9)
-
-
-@pytest.mark.parametrize("stiffness", [2e3, 1e6])
-def test_a_slack_cord_with_friction_catches_a_falling_load(stiffness: float) -> None:
-    """1 kg falls 20 mm onto a slack cord over two guides with friction; nothing is lost of it."""
-    run = checked(simulate(mechanism(
-        duration=0.4, step=H, gravity=(0.0, -G),
-        bodies=[fixed("ground"), mass("load", 1.0, (0.05, -0.5))],
-        tendons=[{"name": "rope", "stiffness": stiffness, "slack": 0.02, "guides": [
-            guide("load"), guide("ground", (0, 0), 0.05, "left", 0.3),
-            guide("ground", (-0.5, 0.05), friction=0.2), guide("ground", (-1, -0.05))]}])))
-    hangs = run["rope.tension"] == 0.0
-    taken = float(run.time[np.argmin(hangs)])
-    assert taken == pytest.approx(math.sqrt(2 * 0.02 / G), abs=2 * H)
-    pieces = np.array([run[f"rope.tension_{k}"] for k in range(3)])
-    assert (pieces[:, hangs] == 0.0).all()
-    assert (pieces[:, ~hangs] > 0.0).all()
 
 
 def test_a_released_pull_leaves_no_tension_behind_a_guide() -> None:
