@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sandbox.picture.elements.forces import (
+    point_motion,
     reactions,
 )
 from sandbox.picture.scales import (
@@ -57,6 +58,29 @@ def test_a_short_spike_does_not_wash_out_what_is_carried_else() -> None:
 
 ARM = {"name": "arm", "mass": 1, "inertia": 1, "centre": [0.1, 0],
        "shapes": [{"type": "capsule", "end": [0.2, 0], "radius": 0.01}]}
+
+
+def on_a_circle(omega=3.0, alpha=2.0):
+    """An arm that turns about its origin, which rests, at omega and alpha as it lies at 0.7 rad."""
+    angle = 0.7
+    out = np.array([np.cos(angle), np.sin(angle)])
+    across = np.array([-out[1], out[0]])
+    pose = np.zeros((1, 1, 3))
+    pose[..., 2] = angle
+    v, a = 0.1 * omega * across, 0.1 * (alpha * across - omega**2 * out)
+    return recording(Mechanism.model_validate({"bodies": [ARM]}), np.zeros(1), pose,
+                     body_velocity=np.array([[[*v, omega]]]),
+                     body_acceleration=np.array([[[*a, alpha]]]),
+                     body_centre=np.array([[0.1, 0.0]])), out, across
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.1, 0.2, -0.3])
+def test_points_of_a_body_that_turns_go_on_circles(radius):
+    """r omega across, and r alpha across - r omega^2 out, about the point that rests."""
+    run, out, across = on_a_circle()
+    v, a = point_motion(run, [(0, (radius, 0.0))])
+    assert v[0, 0] == pytest.approx(radius * 3 * across, abs=1e-15)
+    assert a[0, 0] == pytest.approx(radius * (2 * across - 9 * out), abs=1e-15)
 
 
 def hanging(roles=("ground", "link")):

@@ -12,7 +12,7 @@ from sandbox.engine import simulation as module
 from sandbox.engine import world
 from sandbox.engine.simulate import simulate
 from sandbox.engine.world import Room, make_filters
-from sandbox.errors import SandboxError, SceneError
+from sandbox.errors import SandboxError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.pairs import friction_of, static_friction_of
 from sandbox.recording.recording import Recording
@@ -189,16 +189,6 @@ def test_a_belt_under_a_fixed_box_consumes_power() -> None:
     power = FRICTION * MASS * G * SPEED
     assert run["run.work"][-1] == pytest.approx(power * run.time[-1], rel=1e-3)
     assert run["stay.reaction"][-1] == pytest.approx(FRICTION * MASS * G, rel=1e-9)
-
-
-def test_a_surface_has_one_drive_and_a_body() -> None:
-    more = [{"type": "surface", "name": name, "body": body, "value": 1}
-            for name, body in (("one", "belt"), ("two", "belt"), ("three", "belts"))]
-    with pytest.raises(SceneError) as raised:
-        belt(FLAT, LOAD_BOX, drives=more)
-    found = [str(problem) for problem in raised.value.problems]
-    assert any("the surface of 'belt' is set already, by 'one'" in text for text in found), found
-    assert any("no body named 'belts'" in text and "'belt'" in text for text in found), found
 
 
 def heap(rows: int, columns: int, *, duration: float = 0.1, **more: Any) -> Mechanism:

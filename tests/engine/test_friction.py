@@ -14,7 +14,6 @@ import pytest
 
 from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
-from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
@@ -150,28 +149,6 @@ def test_a_mechanism_that_becomes_self_locking_stops_at_once() -> None:
 
 
 # -- what is read, and said ------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("fields", "says"), [
-    ({"friction": 1.0, "friction_coefficient": 0.1, "pin_radius": 0.01}, "not both"),
-    ({"friction_coefficient": 0.1}, "needs a 'pin_radius'"),
-    ({"pin_radius": 0.1}, "needs a 'friction_coefficient'"),
-    ({"static": 1.2}, "needs 'friction' or"),
-    ({"friction": 1.0, "static": 0.5}, "1"),
-    ({"friction": -1.0}, "0"),
-])
-def test_wrong_friction_is_refused(fields: dict[str, Any], says: str) -> None:
-    from sandbox.scene.read.load import load_scene
-
-    scene = {"format": 1, "bodies": [{"name": "wall", "motion": "fixed"},
-                                     {"name": "b", "mass": 1.0, "inertia": 1.0}],
-             "joints": [{"type": "pin", "name": "p", "a": "wall", "b": "b", "on_a": [0, 0],
-                         **fields}], "run": {"duration": 0.1}}
-    with pytest.raises(SceneError) as caught:
-        load_scene(scene)
-    problem, = caught.value.problems
-    assert problem.path.startswith("$.joints[0]")
-    assert says in f"{problem.message} {problem.allowed}"
 
 
 SLOT = {"type": "slot", "name": "s", "a": "wall", "b": "m", "start": (0, 0), "end": (3, 0),

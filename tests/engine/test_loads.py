@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 
 import sandbox
 from sandbox.audit.audit import audit
-from sandbox.errors import SceneError, SimulationDiverged
+from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
 
 G = 9.81
@@ -182,12 +182,6 @@ def test_displaced_shapes_are_scaled_and_mirrored_with_their_body() -> None:
     assert run["w.p.b.torque"][0] == pytest.approx(-0.2 * lift, rel=1e-12)
 
 
-def test_a_line_displaces_nothing() -> None:
-    with pytest.raises(SceneError, match="no area that could keep a liquid away"):
-        sandbox.load_scene({"bodies": [{"name": "b", "mass": 1, "inertia": 1, "displaces": [
-            {"type": "polyline", "points": [[0, 0], [1, 0]]}]}]})
-
-
 # --- what is wrong
 
 
@@ -195,43 +189,6 @@ BASE: dict[str, Any] = {
     "gravity": [0, -G], "parameters": {"mass": 2, "c": 1},
     "bodies": [{"name": "ball", "mass": 1, "shapes": [{"type": "circle", "radius": 0.1}]},
                {"name": "wall", "motion": "fixed"}]}
-
-
-def _refused(load: dict[str, Any], **more: Any) -> str:
-    with pytest.raises(SceneError) as error:
-        sandbox.simulate(sandbox.load_scene({**BASE, **more, "loads": [
-            {"type": "law", "name": "f", **load}]}))
-    return "\n".join(map(str, error.value.problems))
-
-
-@pytest.mark.parametrize(("load", "words"), [
-    ({"force": ["=-c * vxx", 0]}, "$.loads[0].force[0]: unknown name 'vxx'"),
-    ({"force": ["=-c * vxx", 0]}, "Did you mean 'vx'?"),
-    ({"force": ["=-mass * vx", 0]}, "'mass' is a parameter, and here it would mean the body's own"),
-    ({"force": ["3 m/s", 0]}, "'m/s' is a unit of speed, but this is a force"),
-    ({"force": ["=grip(x)", 0]}, "unknown function 'grip'"),
-    ({"acceleration": ["3 N", 0]}, "is a unit of force, but this is an acceleration"),
-    ({}, "give a 'force', an 'acceleration' or a 'torque'"),
-    ({"force": [0, 0], "acceleration": [0, 0]}, "not both"),
-    ({"force": ["=1", 0], "bodies": "all"}, "'*', every body that moves freely"),
-    ({"force": ["=1", 0], "bodies": "bal"}, "no body's name matches 'bal'"),
-    ({"force": ["=1", 0], "bodies": ["wall"]}, "'wall' matches no body that moves freely"),
-    ({"force": [0, "=1 / x"]}, "has no finite value on 'ball' at t = 0, x = 0"),
-    ({"type": "drag"}, "give 'linear', 'area' or 'turning'"),
-])
-def test_wrong_loads_are_refused(load: dict[str, Any], words: str) -> None:
-    assert words in _refused(load)
-
-
-def test_a_liquid_needs_weight() -> None:
-    assert "gravity, which has to point downwards" in _refused(
-        {"type": "buoyancy"}, gravity=[1, 0])
-
-
-def test_names_of_loads_are_unique() -> None:
-    other = {"name": "f.ball", "bodies": ["ball"]}
-    assert "'f.ball' is the name of another element" in _refused(
-        {"force": [0, 0]}, groups=[other])
 
 
 def test_a_law_that_runs_out_of_numbers_is_named() -> None:

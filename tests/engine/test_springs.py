@@ -12,7 +12,6 @@ import sandbox
 from sandbox.audit.audit import audit
 from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
-from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
@@ -98,27 +97,6 @@ def test_a_law_of_the_rate_is_a_damper_of_any_strength() -> None:
     hard = run_of(oscillator(0.0, force="=1e7 * rate ** 3", v=1.0, duration=0.1))
     assert np.all(np.abs(np.diff(np.abs(hard["m.vx"]))) <= 1.0)
     assert 0.0 <= hard["m.vx"][-1] < 1e-2
-
-
-def test_wrong_force_laws_are_refused() -> None:
-    for given, words in (
-        ({}, "give 'stiffness' or 'force', one of them"),
-        ({"stiffness": 1, "force": "=stretch"}, "not both"),
-        ({"force": "=twist"}, "unknown name 'twist'"),
-        ({"force": "=m.x"}, "unknown name 'm.x'"),
-        ({"force": "=play(stretch)"}, "unknown function 'play'"),
-        ({"force": "=stretch +"}, "is not an expression"),
-        ({"stiffness": 1, "only": "above"}, "is not allowed"),
-    ):
-        with pytest.raises(SceneError, match=words) as refused:
-            sandbox.load_scene(oscillator(0.1, **given))
-        assert refused.value.problems[0].path.startswith("$.springs[0]")
-    with pytest.raises(SceneError, match="'rate' is a parameter"):
-        sandbox.load_scene(oscillator(0.1, force="=rate") | {"parameters": {"rate": 2}})
-    scene = oscillator(0.1, force="=stretch")
-    scene["drives"] = [{"type": "stiffness", "name": "d", "spring": "s", "value": 200}]
-    with pytest.raises(SceneError, match="follows a law and has no stiffness to set"):
-        sandbox.load_scene(scene)
 
 
 def test_check_looks_at_the_largest_slope_and_at_gaps() -> None:
