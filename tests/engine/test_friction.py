@@ -60,18 +60,6 @@ def test_a_joint_held_by_a_servo_sticks() -> None:
     assert torque == pytest.approx(0.1 * G * math.cos(0.5), rel=1e-9)
 
 
-def test_a_block_that_reverses_has_static_friction() -> None:
-    """A force that swings by 6 N about a block that holds with 4.8 N and slides with 3 N.
-
-    Whenever it comes to rest while the force is between the two, it stays there up to 4.8 N.
-    """
-    run = block(push="=6 * sin(12 * t)", duration=3.0, friction=3.0, static=1.6)
-    force, holds = np.abs(6 * np.sin(12 * run.time)), run["s.sticks"] == 1.0
-    begins = np.flatnonzero(~holds[1:] & (holds[:-1] | (run["m.vx"][1:] * run["m.vx"][:-1] < 0)))
-    assert len(begins) == 12  # of 11.5 half swings
-    assert force[begins + 1].min() > 4.8 - 1.5 * H * 6 * 12
-
-
 def test_a_block_that_slides_at_the_start_has_sliding_friction() -> None:
     run = block(speed=1.0, friction=3.0, static=2.0, duration=0.05)
     assert run["s.friction"] == pytest.approx(np.full(len(run), -3.0), rel=1e-12)
