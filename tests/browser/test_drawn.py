@@ -5,13 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import contacts_on
 from sandbox.samples.outcome import Happened
-from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.load import load_scene
 from sandbox.web.page import report
 from tests.draw.conftest import hand, recording, zoo
 
@@ -144,26 +141,3 @@ def test_marks_and_bands_of_verdicts_are_where_the_run_has_them(opened, run):
                                    for t in (0.25, run.time[inside[-1]])], abs=0.01)
     [band, _] = tab.evaluate("sandbox.plots[0].bands.map((b) => [b.from, b.to])")
     assert band == pytest.approx(run.time[[inside[0], inside[-1]]].tolist())
-
-
-SCENES = ("planetary_gear", "hydraulic_lift", "pneumatic_hand", "floating", "fields", "conveyor",
-          "release", "servo_arm", "capstan", "finger_joint_locks", "linear_actuator",
-          "rope_differential", "finger_stiffness_10N", "motor_line", "dry_friction")
-KINDS = {"path", "line", "mark", "span", "spiral", "taut", "sag", "arrows", "strips", "trail",
-         "text"}
-"""See :mod:`sandbox.picture.listing`."""
-
-
-@pytest.mark.nightly
-def test_scenes_with_every_kind_are_drawn_without_a_fault(opened):
-    seen = set()
-    for name in SCENES:
-        run = simulate(expand(load_scene(
-            name, overrides={} if name == "release" else {"run.duration": 0.05})))
-        tab = opened(report([run]))
-        for layer in tab.evaluate("sandbox.heads[0].layers.map((l) => l.name)"):
-            tab.evaluate("(name) => sandbox.stages[0].layers.add(name)", layer)
-        for share in (0.4, 1.0):
-            tab.evaluate("(w) => sandbox.hold(w * sandbox.last)", share)
-        seen |= set(tab.evaluate("sandbox.stages[0].list.items.map((item) => item.k)"))
-    assert KINDS - seen <= {"sag"}  # no rope of these scenes is slack

@@ -183,23 +183,6 @@ def test_a_new_beginning_keeps_the_camera_and_a_divergence_is_told(crank):
 
 
 @nightly
-def test_meters_are_found_and_drives_typed_in_a_unit_of_their_own(crank):
-    reason = "'motor.work' is computed after the run and cannot be read"
-    assert reason in crank.locator("#absent").inner_text()
-    for text, told in (("motor.work", reason), ("motor.wrk", "did you mean motor.work?")):
-        crank.fill("#add", text)
-        crank.keyboard.press("Enter")
-        until(crank, f"{SAID}.includes(`{told}`)")
-    crank.fill("#add", "motor.*")  # of several matches, those with values
-    crank.keyboard.press("Enter")
-    until(crank, "sandbox.meters.watched.some((one) => one.name === 'motor.value')")
-    set_typed(crank, "motor", "60 rpm")
-    until(crank, "Math.abs(sandbox.frame.drives[0] - 2 * Math.PI) < 1e-5")
-    set_typed(crank, "motor", "60 N")
-    until(crank, f"{SAID}.includes('this is an angular speed')")
-
-
-@nightly
 @pytest.mark.parametrize("scene", ["coupler_curve", "pneumatic_hand", "finger_dual_control"])
 def test_every_layer_is_shown_on_a_phone_in_the_dark(served, scene):
     tab = served(scene, **PHONE)

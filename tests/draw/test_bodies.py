@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any
-
 import numpy as np
 import pytest
 
 import sandbox
 from sandbox.errors import SceneError
-from sandbox.model.compile import compile_mechanism
-from sandbox.model.joints import meeting
-from sandbox.model.model import Model
-from sandbox.picture.elements.bodies import beside, far_feet, stalks, styles
+from sandbox.picture.elements.bodies import styles
 from sandbox.picture.elements.forces import line_loads, spread
 from sandbox.picture.elements.joints import cylinder
 from sandbox.picture.geometry import bare_outlines, united
 from sandbox.picture.palette import ROLES
-from sandbox.picture.wheels import WheelPicture, wheel_pictures
 from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.appearance import COLOURS, rgb
@@ -69,7 +62,6 @@ def test_a_body_has_its_colour_else_that_of_its_material_else_that_of_its_role()
 
 
 def test_colours_are_read_and_what_is_none_is_said():
-    import sandbox
 
     assert rgb("#fa3") == rgb("#ffaa33") == (255, 170, 51)
     with pytest.raises(SceneError) as caught:
@@ -163,90 +155,3 @@ def test_a_rod_keeps_its_length(low: float, high: float) -> None:
     tubes = {tube for tube, _ in found}
     assert len(tubes) == 1
     assert all(0 <= piston <= tube < low for tube, piston in found)
-
-
-def _beside(**field: Any) -> Any:
-    return compile_mechanism(sandbox.expand(sandbox.load_scene({
-        "bodies": [{"name": "frame", "motion": "fixed",
-                    "shapes": [{"type": "box", "size": [0.2, 0.1]}]},
-                   {"name": "arm", "mass": 1, "at": [1, 0],
-                    "shapes": [{"type": "capsule", "end": [1, 0], "radius": 0.1}]}],
-        "joints": [{"type": "actuator", "name": "c", "a": "frame", "b": "arm",
-                    "on_a": [0, -0.5], "on_b": [0.5, 0.35]}], **field})))
-
-
-def test_a_point_beside_a_body_has_a_line_to_where_the_body_is_nearest() -> None:
-    """Straight down 0.25 m to a capsule's side, 0.45 m to that of a box."""
-    model = _beside()
-    found = stalks(model)
-    assert len(found[0]) == len(found[1]) == 1
-    assert found[1][0][0] == (0.5, 0.35)
-    assert found[1][0][1] == pytest.approx((0.5, 0.1), abs=1e-12)
-    assert math.dist(*found[0][0]) == pytest.approx(0.45)
-    assert beside(model, 1, (0.5, 0.05)) is None
-    assert far_feet(model, 0.44) == {0: [(0.0, -0.5)]}
-    assert far_feet(model, 0.46) == {0: []}
-
-
-def compiled(scene: Any) -> Model:
-    return compile_mechanism(sandbox.expand(sandbox.load_scene(scene)))
-
-
-def in_world(model: Model, body: int, picture: WheelPicture) -> np.ndarray:
-    """Its outline at t = 0, closed, [n, 2]."""
-    x, y, angle = model.bodies.pose[body]
-    c, s = math.cos(angle), math.sin(angle)
-    path = np.concatenate([picture.outline, picture.outline[:1]]) + picture.centre
-    return np.stack([x + c * path[:, 0] - s * path[:, 1], y + s * path[:, 0] + c * path[:, 1]], 1)
-
-
-def across(path: np.ndarray, through: np.ndarray, along: np.ndarray) -> float:
-    """How far along a line an outline crosses it, nearest to where it begins [m]."""
-    d = path - through
-    off, way = along[0] * d[:, 1] - along[1] * d[:, 0], d @ along
-    k = np.flatnonzero(off[:-1] * off[1:] <= 0)
-    share = off[k] / (off[k] - off[k + 1])
-    found = way[k] + share * (way[k + 1] - way[k])
-    return float(found[np.argmin(np.abs(found))])
-
-
-@pytest.mark.parametrize("scene", ["gear_pair", "planetary"])
-def test_teeth_stand_in_gaps(scene: str) -> None:
-    """Where they meet and a quarter of a pitch beside, one outline ends before the other."""
-    model = compiled(scene)
-    pictures = wheel_pictures(model)
-    for j in model.joints.keeping("gear", "rack").tolist():
-        at = np.array([float(v) for v in meeting(model, j, model.bodies.pose)])
-        ends = []
-        for end in (0, 1):
-            body, radius = int(model.joints.bodies[j, end]), model.joints.radii[j, end]
-            one = next(p for p in pictures[body] if not np.isfinite(radius) or (
-                p.pitch_line is not None and np.isclose(np.hypot(*p.pitch_line[0]), radius)))
-            ends.append(in_world(model, body, one))
-        a = model.bodies.pose[model.joints.bodies[j, 0], :2]
-        b = model.bodies.pose[model.joints.bodies[j, 1], :2]
-        line = at - (a if np.hypot(*(at - a)) > 1e-9 else b)
-        line /= np.hypot(*line)
-        side = np.array([-line[1], line[0]])
-        pitch = 2 * math.pi * model.joints.radii[j, 0] / _teeth_of(pictures, model, j)
-        for aside in (0.0, 0.25 * pitch, -0.25 * pitch):
-            reach_a, reach_b = (across(path, at + aside * side, line) for path in ends)
-            depth = reach_a - reach_b
-            if model.joints.inside[j] and model.joints.radii[j, 0] > model.joints.radii[j, 1]:
-                depth = -depth
-            assert depth < 0.1 * pitch, (model.joints.name[j], aside)
-
-
-def _teeth_of(pictures: dict[int, list[WheelPicture]], model: Model, j: int) -> float:
-    """Of the first wheel of a joint."""
-    radius = model.joints.radii[j, 0]
-    one = next(p for p in pictures[int(model.joints.bodies[j, 0])] if p.pitch_line is not None
-               and np.isclose(np.hypot(*p.pitch_line[0]), radius))
-    return len(one.outline) / 4
-
-
-def test_numbers_of_teeth_are_as_the_radii() -> None:
-    model = compiled("planetary")
-    count = {model.bodies.name[body]: len(wheels[0].outline) // 4
-             for body, wheels in wheel_pictures(model).items()}
-    assert count == {"ring": 56, "sun": 28, "planet0": 14, "planet1": 14, "planet2": 14}

@@ -9,7 +9,6 @@ from sandbox.picture.elements.forces import (
     point_motion,
     reactions,
 )
-from sandbox.picture.elements.notes import fingertip, traced
 from sandbox.picture.scales import (
     bar_tensions,
     bars_of,
@@ -20,7 +19,7 @@ from sandbox.picture.scales import (
 )
 from sandbox.scene.mechanism import Mechanism
 
-from .conftest import hand, recording
+from .conftest import recording
 
 TIME = np.arange(1000) / 1000
 
@@ -128,17 +127,3 @@ def test_a_bar_carries_what_its_pins_pull_it_apart_with(angle):
         assert bar_tensions(run, bars) == pytest.approx(np.array([[tension]]))
         assert tensions_of(run, bars).pushing == ({"bars"} if tension < 0 else set())
     assert bars_of(run, [0]) == []
-
-
-def test_what_is_traced_unless_the_view_says_it():
-    run = hand()
-    names = [body.name for body in run.mechanism.bodies]
-    tips = [names.index(f"finger{k}.distal") for k in (1, 2, 3, 4)]
-    found = traced(run, run.mechanism.view, ("*",))
-    assert [body for body, _ in found] == tips
-    # a capsule of 21 mm whose radius is 7.5 mm, from its hinge on
-    assert found[0][1] == pytest.approx((0.0285, 0.0), abs=1e-12)
-    assert fingertip(run, tips[1]) == pytest.approx((0.0285, 0.0), abs=1e-12)
-    assert [body for body, _ in traced(run, run.mechanism.view, ("tree.rocker1",))] == [
-        names.index("tree.rocker1")]
-    assert traced(run, run.mechanism.view, ()) == []

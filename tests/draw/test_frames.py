@@ -4,7 +4,6 @@ import os
 from pathlib import Path
 
 import numpy as np
-import pygame
 import pytest
 from PIL import Image
 
@@ -97,21 +96,6 @@ def test_a_picture_does_not_depend_on_those_before(hand_run):
         used.draw(t)
     fresh = frames_of(hand_run, size=SMALL)
     assert (used.draw(0.8) == fresh.draw(0.8)).all()
-
-
-def test_only_touched_cells_are_redrawn_and_nothing_is_missed(zoo_run):
-    """Scaling the whole enlarged picture down gives the frame that cells were pieced into."""
-    renderer = frames_of(zoo_run, size=(400, 300))
-    picture = renderer.draw(0.4).astype(int)
-    scaled = pygame.transform.smoothscale(renderer.painter.large, (400, 300))
-    whole = pygame.surfarray.array3d(scaled).transpose(1, 0, 2).astype(int)
-    covered = np.zeros((300, 400), bool)
-    for rect in renderer._written:
-        covered[rect.top:rect.bottom, rect.left:rect.right] = True
-    stage = renderer._stage
-    apart = np.abs(picture - whole).max(axis=2)
-    apart[covered] = 0
-    assert apart[stage.top:stage.bottom].max() <= 1
 
 
 @pytest.mark.parametrize("size", [(64, 64), (64, 400), (900, 70), (1600, 1200)])

@@ -10,32 +10,13 @@ from PIL import Image
 from sandbox.errors import OutputError
 from sandbox.picture.film import render
 from sandbox.picture.frame import Picture
-from sandbox.picture.frames import Frames
 from sandbox.picture.meters import HUES, dials
 from sandbox.picture.options import LETTERS, PrintSize, paper_of, view_of
 from sandbox.picture.paper import paint_picture, pixels
 from sandbox.picture.stills import instants, strip_of
-from sandbox.scene.layers import LAYERS
 
 SMALL = (320, 240)
 SVG = "{http://www.w3.org/2000/svg}"
-
-
-def everything(run, **more):
-    return view_of(run.mechanism.view, {"size": SMALL, "show": list(LAYERS), **more})
-
-
-@pytest.fixture(params=["hand", "zoo", "finger"])
-def run(request, hand_run, zoo_run, finger_run):
-    return {"hand": hand_run, "zoo": zoo_run, "finger": finger_run}[request.param]
-
-
-def test_paper_and_films_show_the_same_picture(run):
-    """Letters and edges are smoothed in two ways: they differ by less than 4 of 255."""
-    for t in (0.0, 0.7, 2.0):
-        picture = Picture(run, size=(800, 600))
-        apart = still(picture, t).astype(int) - Frames(picture).draw(t)
-        assert np.abs(apart).mean() < 4
 
 
 def still(picture, t, transparent=False):

@@ -24,37 +24,19 @@ ROUNDING = 1e-12
 # -- stiffness ---------------------------------------------------------------------
 
 
-def sprung(drives: list[dict[str, Any]], *, step: float = H, duration: float = 0.4) -> Recording:
-    """0.1 kg on a spring of 40 N/m from the wall, 20 mm beyond its rest length, at rest."""
-    return simulate(mechanism(
-        duration=duration, step=step, bodies=[fixed("wall"), mass("m", 0.1, (0.12, 0.0))],
-        springs=[{"type": "linear", "name": "s", "a": "wall", "b": "m", "stiffness": 40.0,
-                  "rest_length": 0.1}], drives=drives))
+WHEEL = {"name": "w", "mass": 0.1, "inertia": 4e-5}
 
 
-def turned(drives: list[dict[str, Any]], *, positive: str = "counterclockwise", step: float = H,
-           duration: float = 0.4) -> Recording:
-    """A wheel of 4e-5 kg m^2 on a rotary spring of 0.01 N m/rad, zero 0.1, rest 0.2, at angle 0."""
-    return simulate(mechanism(
-        duration=duration, step=step, bodies=[fixed("wall"), wheel()],
-        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0), "zero": 0.1,
-                 "positive": positive}],
-        springs=[{"type": "rotary", "name": "s", "joint": "p", "stiffness": 0.01,
-                  "rest_angle": 0.2}], drives=drives))
-
-
-def wheel(**more: Any) -> dict[str, Any]:
-    return {"name": "w", "mass": 0.1, "inertia": 4e-5, **more}
-
-
-def setting(value: Any = None) -> list[dict[str, Any]]:
-    more = {} if value is None else {"value": value}
-    return [{"type": "stiffness", "name": "k", "spring": "s", **more}]
+def setting(value: Any) -> list[dict[str, Any]]:
+    return [{"type": "stiffness", "name": "k", "spring": "s", "value": value}]
 
 
 def test_force_of_a_spring_whose_stiffness_changes() -> None:
     """F = k(t) (l - l0) at every sample, k as the signal says; below 0 it counts as 0."""
-    run = sprung(setting({"from": 80.0, "to": -20.0, "over": 0.3}))
+    run = simulate(mechanism(
+        duration=0.4, bodies=[fixed("wall"), mass("m", 0.1, (0.12, 0.0))],
+        springs=[{"type": "linear", "name": "s", "a": "wall", "b": "m", "stiffness": 40.0,
+                  "rest_length": 0.1}], drives=setting({"from": 80.0, "to": -20.0, "over": 0.3})))
     k = np.clip(80 - 100 * run.time / 0.3, 0, None)
     np.testing.assert_allclose(run["k.value"], k, rtol=0, atol=1e-12)
     np.testing.assert_allclose(run["s.force"], k * (run["s.length"] - 0.1), rtol=0, atol=1e-14)
@@ -64,54 +46,34 @@ def test_force_of_a_spring_whose_stiffness_changes() -> None:
 @SENSES
 def test_torque_of_a_rotary_spring_whose_stiffness_changes(positive: str, sense: int) -> None:
     """tau = k(t) (angle - rest), against the hinge's own sense; I alpha = - tau."""
-    run = turned(setting("=0.02 + 0.015 * sin(40 * t)"), positive=positive)
+    run = simulate(mechanism(
+        duration=0.4, bodies=[fixed("wall"), WHEEL],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0), "zero": 0.1,
+                 "positive": positive}],
+        springs=[{"type": "rotary", "name": "s", "joint": "p", "stiffness": 0.01,
+                  "rest_angle": 0.2}], drives=setting("=0.02 + 0.015 * sin(40 * t)")))
     k = 0.02 + 0.015 * np.sin(40 * run.time)
     np.testing.assert_allclose(
         run["s.torque"], k * (run["p.angle"] - 0.2), rtol=0, atol=1e-14)
     np.testing.assert_allclose(4e-5 * sense * run["w.alpha"], -run["s.torque"], atol=1e-12)
 
 
-# -- brakes ------------------------------------------------------------------------
+# -- motors ------------------------------------------------------------------------
 
 
-def hinged(drive: dict[str, Any], *, positive: str = "counterclockwise", omega: float = 0.0,
-           gravity: float = 0.0, duration: float = 0.5, more: tuple[Any, ...] = ()) -> Recording:
-    """A wheel, or under gravity an arm whose weight is 50 mm out, on a hinge with a drive."""
-    out = 0.05 if gravity else 0.0
+def motored(positive: str, **motor: Any) -> Recording:
+    """A wheel on a hinge with a motor."""
     return simulate(mechanism(
-        duration=duration, gravity=(0.0, -gravity),
-        bodies=[fixed("wall"), wheel(centre=(out, 0.0), angular_velocity=omega)],
+        duration=0.5, bodies=[fixed("wall"), WHEEL],
         joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0),
                  "positive": positive}],
-        drives=[{"name": "d", "joint": "p", **drive}, *more]))
-
-
-LOAD = 0.1 * G * 0.05
-"""The arm's weight about its hinge [N m]."""
-
-
-def test_a_brake_follows_its_signal() -> None:
-    """Free below 0.1 s and from 0.3 s on, held between: its torque counts at the very step."""
-    run = hinged({"type": "brake", "value": {"table": [(0.0, -1.0), (0.1, 1.0), (0.3, 0.0)],
-                                             "between": "step"}}, gravity=G, duration=0.4)
-    t = run.time
-    assert (run["d.value"] == np.where((t >= 0.1) & (t < 0.3), 1.0, 0.0)).all()
-    assert (run["d.torque"][t < 0.1] == 0).all()
-    assert (run["d.torque"][t > 0.3] == 0).all()
-    held = (t > 0.1 + 20 * H) & (t < 0.3)  # it slips for some steps before
-    assert np.ptp(run["p.angle"][held]) < 1e-12
-    load = LOAD * np.cos(run["p.angle"][held])
-    np.testing.assert_allclose(run["d.torque"][held], load, rtol=1e-9)
-    assert np.ptp(run["p.angle"][t > 0.3]) > 0.1
-
-
-# -- motors ------------------------------------------------------------------------
+        drives=[{"type": "motor", "name": "d", "joint": "p", **motor}]))
 
 
 @SENSES
 def test_a_free_motor_reaches_its_speed(positive: str, sense: int) -> None:
     """omega = tau t / I up to the speed, which it then keeps without torque."""
-    run = hinged({"type": "motor", "value": 20.0, "torque": 2e-3}, positive=positive)
+    run = motored(positive, value=20.0, torque=2e-3)
     ready = 20.0 * 4e-5 / 2e-3
     rate = np.minimum(run.time / ready, 1.0) * 20.0
     still = np.abs(run.time - ready) > H
@@ -125,16 +87,6 @@ def test_a_free_motor_reaches_its_speed(positive: str, sense: int) -> None:
 
 
 @SENSES
-def test_a_stalled_motor_gives_its_torque(positive: str, sense: int) -> None:
-    """Against a brake of twice its torque: exactly its own, and the brake the same against it."""
-    run = hinged({"type": "motor", "value": -3.0, "torque": 2e-3}, positive=positive,
-                 more=({"type": "brake", "name": "hold", "joint": "p", "value": 4e-3},))
-    np.testing.assert_allclose(run["d.torque"], -2e-3, rtol=1e-9)
-    np.testing.assert_allclose(run["hold.torque"], 2e-3, rtol=1e-9)
-    assert np.abs(run["p.angle"]).max() < 1e-9
-
-
-@SENSES
 @pytest.mark.parametrize(("value", "speed"), [
     ("=20 + 30 * t", lambda t: 20 + 30 * t),
     ("=20 + 4 * sin(9 * t)", lambda t: 20 + 4 * np.sin(9 * t))])
@@ -145,7 +97,7 @@ def test_a_motor_that_starts_at_speed_turns_from_the_end_of_the_first_step_on(
     A blow is no acceleration: led half a step back along it, the first pose would be h u / 8 off.
     Of what the signal changes by itself h^2 / 8 may be there.
     """
-    run = hinged({"type": "motor", "value": value, "torque": 100.0}, positive=positive)
+    run = motored(positive, value=value, torque=100.0)
     change = 36.0
     assert sense * run["w.angle"][0] == pytest.approx(0.0, abs=H**2 / 8 * change)
     turned = np.cumsum(H * speed(run.time + H / 2))[:-1]
@@ -179,12 +131,10 @@ INERTIA, MAX_TORQUE = 4e-5, 2e-3
 
 
 def servo_run(drive: dict[str, Any], *, step: float = 1e-3, duration: float = 0.5,
-              gravity: float = 0.0, spin: float = 0.0, **pin: Any) -> Recording:
-    """A wheel, or under gravity an arm whose weight is 50 mm out, on a hinge with a servo."""
-    body = {"name": "w", "mass": 0.1, "inertia": INERTIA, "angular_velocity": spin,
-            "centre": (0.05 if gravity else 0.0, 0.0), "velocity": (0.0, 0.0)}
+              **pin: Any) -> Recording:
+    """A wheel on a hinge with a servo."""
     return simulate(mechanism(
-        duration=duration, step=step, gravity=(0.0, -gravity), bodies=[fixed("wall"), body],
+        duration=duration, step=step, bodies=[fixed("wall"), WHEEL],
         joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0), **pin}],
         drives=[{"type": "servo", "name": "d", "joint": "p", **drive}]))
 

@@ -56,19 +56,6 @@ def test_a_stiff_line_damps_and_rests_where_it_must() -> None:
     assert recording["ram.x"][-1] == pytest.approx(0.1 - 500 / AREA * 1e-14 / AREA, rel=1e-9)
 
 
-def test_a_source_fills_a_vessel_by_the_gas_law() -> None:
-    """From 1 atm to p: V ((p / atm + 1)^(1/n) - 1) of free air, whatever the steps."""
-    scene = {"bodies": [fixed("ground"), {"name": "b", "mass": 1, "inertia": 1}],
-             "lines": [line("air", volume=1e-3, gas=1.4)],
-             "drives": [{"type": "pressure", "name": "source", "line": "air",
-                         "value": "=4e5 * t"}]}
-    recording = run(scene, 0.5)
-    came = recording["source.flow"].sum() * 1e-3
-    p = recording["air.pressure"][-1]
-    assert p > 1.9e5
-    assert came == pytest.approx(1e-3 * ((p / ATMOSPHERE + 1) ** (1 / 1.4) - 1), rel=1e-9)
-
-
 def test_a_compressor_works_as_the_gas_has_it() -> None:
     """Of a vessel that holds x times its free air, integrated over what came: closed form.
 

@@ -9,13 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-import sandbox
-from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SandboxError, SimulationDiverged
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
-from sandbox.scene.mechanism import Mechanism
 
 from .machines import G, H, fixed, mass, mechanism
 
@@ -129,17 +126,6 @@ def test_weld() -> None:
         middle - middle[0], np.outer(run.time - run.time[0], [0.5 - 2.5 * y, 2.5 * x]), atol=1e-9)
 
 
-@pytest.mark.parametrize("length", [None, 0.25])
-def test_rod(length: float | None) -> None:
-    """A pendulum on a massless rod, as long as it stands, or of a given length, reached at once."""
-    run = simulate(mechanism(
-        duration=0.5, gravity=(0.0, -G), bodies=[fixed("wall"), mass("m", 0.1, (0.2, 0.0))],
-        joints=[{"type": "rod", "name": "r", "a": "wall", "b": "m",
-                 **({} if length is None else {"length": length})}]))
-    distance = np.hypot(run["m.x"], run["m.y"])
-    np.testing.assert_allclose(distance[2:], length or 0.2, atol=GAP)
-
-
 def test_rope() -> None:
     """Free in between, no longer than its longest, no shorter than its shortest, and no throw."""
     def hung(speed: float) -> Recording:
@@ -216,90 +202,6 @@ def test_a_stop_of_a_hinge_that_stands_beyond_it_comes_back_slowly() -> None:
     np.testing.assert_allclose(run["p.rate"][coming][1:], -1.0, atol=1e-9)
     # it arrives with that speed and goes on: a stop holds from one side only
     assert run["p.angle"][-1] <= 0.1 + ROUNDING
-
-
-TAN, COS = math.tan(math.radians(20.0)), math.cos(math.radians(20.0))
-
-
-def gear_run(h: float, duration: float = 0.5, **scene: Any) -> sandbox.Recording:
-    """The run of a scene without gravity, every look of its audit refused but what is shared."""
-    run = sandbox.simulate(sandbox.load_scene({
-        "name": "teeth", "gravity": [0, 0],
-        "run": {"duration": duration, "step": h, "sample_rate": 1000}, **scene}))
-    looks = [one for one in audit(run) if one.verdict == "look" and one.name != "reaction.shared"]
-    assert not looks, looks
-    return run
-
-
-def gear_wheel(name: str, x: float, mass: float, inertia: float, **more: Any) -> dict[str, Any]:
-    return {"name": name, "at": [x, 0], "mass": mass, "inertia": inertia, **more}
-
-
-def pin(name: str, a: str, b: str) -> dict[str, Any]:
-    return {"type": "pin", "name": name, "a": a, "b": b, "on_b": [0, 0]}
-
-
-def test_a_rack_at_an_angle() -> None:
-    """The rail carries F tan 20 degrees, the pinion's bearing F / cos."""
-    slope, r = 0.3, 0.02
-    c, s = math.cos(slope), math.sin(slope)
-    run = gear_run(1e-3, bodies=[
-        {"name": "ground", "motion": "fixed"}, gear_wheel("a", 0, 1, 2e-4),
-        {"name": "rack", "at": [r * s, -r * c], "angle": slope, "mass": 2, "inertia": 1}],
-        joints=[pin("on_a", "ground", "a"),
-                {"type": "slot", "name": "rail", "a": "ground", "b": "rack", "turns": False,
-                 "start": [r * s - 5 * c, -r * c - 5 * s], "end": [r * s + 5 * c, -r * c + 5 * s]},
-                {"type": "rack", "name": "mesh", "a": "a", "b": "rack", "radius": r}],
-        drives=[{"type": "torque", "name": "m", "joint": "on_a", "value": 1.0}])
-    acceleration = 1.0 * r / (2e-4 + r * r * 2)
-    speed = np.hypot(run["rack.vx"], run["rack.vy"])
-    np.testing.assert_allclose(speed, acceleration * run.time, atol=1e-5)
-    np.testing.assert_allclose(run["mesh.reaction"][5:], 2 * acceleration / COS, rtol=1e-8)
-    np.testing.assert_allclose(run["on_a.reaction"][5:], 2 * acceleration / COS, rtol=1e-8)
-    np.testing.assert_allclose(run["rail.reaction"][5:], 2 * acceleration * TAN, rtol=1e-7)
-    np.testing.assert_allclose(run["mesh.tangential"][5:], 2 * acceleration, rtol=1e-8)
-    np.testing.assert_allclose(run["mesh.radial"][5:], 2 * acceleration * TAN, rtol=1e-7)
-
-
-FINGERS = 8
-SUPPORTS: dict[str, list[dict[str, Any]]] = {
-    "free": [],
-    "pinned": [{"type": "pin", "name": "hold", "a": "wall", "b": "palm", "on_a": (0.02, 0.05)}],
-    "pinned twice": [
-        {"type": "pin", "name": f"hold{i}", "a": "wall", "b": "palm", "on_a": (x, 0.05)}
-        for i, x in enumerate((0.02, -0.03))],
-    "sliding": [{"type": "slot", "name": "hold", "a": "wall", "b": "palm", "turns": False,
-                 "start": (-1.0, 0.0), "end": (1.0, 0.0)}],
-    "on a link": [
-        {"type": "pin", "name": "crank", "a": "wall", "b": "link", "on_a": (0.0, 0.1)},
-        {"type": "pin", "name": "hold", "a": "palm", "b": "link", "on_a": (0.02, 0.03)}],
-}
-
-
-def palm_with_fingers(support: str) -> Mechanism:
-    """A palm that carries eight damped fingers all round, and is held or not."""
-    bodies = [fixed("wall"), {"name": "palm", "mass": 0.2, "inertia": 1e-4, "velocity": (0.2, 0.0),
-                              "centre": (0.01, 0.0)},
-              {"name": "link", "mass": 0.02, "inertia": 1e-5, "at": (0.01, 0.07)}]
-    joints = list(SUPPORTS[support])
-    for i in range(FINGERS):
-        angle = 2 * np.pi * i / FINGERS
-        root = (0.04 * np.cos(angle), 0.04 * np.sin(angle))
-        bodies.append({"name": f"f{i}", "mass": 0.01, "inertia": 1e-6, "angle": angle, "at": root,
-                       "centre": (0.02, 0.0), "angular_velocity": (-1.0) ** i})
-        joints.append({"type": "pin", "name": f"j{i}", "a": "palm", "b": f"f{i}", "on_a": root,
-                       "damping": 1e-4})
-    return mechanism(duration=0.2, gravity=(0.0, -G), bodies=bodies, joints=joints)
-
-
-@pytest.mark.parametrize("support", SUPPORTS)
-def test_the_audit_finds_nothing(support: str) -> None:
-    """Momentum, energy and joints of a palm that many fingers act on, over-constrained included."""
-    run = simulate(palm_with_fingers(support))
-    verdicts = {figure.name: figure.verdict for figure in audit(run)}
-    for name in ("momentum.force", "momentum.moment", "energy.created"):
-        assert verdicts[name] == "pass", name
-    assert np.ptp(run["f1.angle"]) > 0.05
 
 
 def test_a_mechanism_too_large_to_factor_is_refused() -> None:

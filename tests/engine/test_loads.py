@@ -14,9 +14,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import sandbox
-from sandbox.audit.audit import audit
-from sandbox.errors import SceneError, SimulationDiverged
+from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
+
+from .machines import sound
 
 G = 9.81
 
@@ -30,9 +31,7 @@ def _scene(*loads: dict[str, Any], h: float = 1e-3, duration: float = 1.0, g: fl
 
 
 def _run(scene: dict[str, Any]) -> Recording:
-    run = sandbox.simulate(sandbox.load_scene(scene))
-    assert [f"{f.name} {f.value}" for f in audit(run) if f.verdict == "look"] == []
-    return run
+    return sound(sandbox.simulate(sandbox.load_scene(scene)))
 
 
 def _law(**more: Any) -> dict[str, Any]:
@@ -72,26 +71,17 @@ def keel(t: float, x: float, y: float, a: float, u: float, v: float, w: float) -
     return [c * p - s * q, s * p + c * q, (0.3 * math.cos(3 * t) - 0.1 * w) / 0.05]
 
 
-def added_mass(t: float, x: float, y: float, a: float, u: float, v: float, w: float,
-               ) -> list[float]:
-    """Half the mass more along the body: a = R diag(2/3, 1) R^T g."""
-    c, s = math.cos(a), math.sin(a)
-    p, q = -s * G / 1.5, -c * G
-    return [c * p - s * q, s * p + c * q, 0.0]
-
-
-@pytest.mark.parametrize(("law", "accelerations", "start", "g"), [
+@pytest.mark.parametrize(("law", "accelerations", "start"), [
     ({"force": ["=-3 * vx * speed", "=-3 * vy * speed"], "at": [0.3, 0.1]}, off_centre_drag,
-     [0, 0, 0, 2, 1, 5], 0.0),
+     [0, 0, 0, 2, 1, 5]),
     ({"force": ["=1 - 0.2 * vx", "=-20 * vy"], "frame": "body",
-      "torque": "=0.3 * cos(3 * t) - 0.1 * omega"}, keel, [0, 0, 0, 2, 1, 1], 0.0),
-    ({"force": ["=-0.5 * mass * ax", 0], "frame": "body"}, added_mass, [0, 0, 0.3, 1, 0, 4], G)])
+      "torque": "=0.3 * cos(3 * t) - 0.1 * omega"}, keel, [0, 0, 0, 2, 1, 1])])
 def test_a_law_moves_and_turns_a_body_as_an_integration_does(
-    law: dict[str, Any], accelerations: Callable[..., list[float]], start: list[float], g: float,
+    law: dict[str, Any], accelerations: Callable[..., list[float]], start: list[float],
 ) -> None:
     """Second order in the step, against an integration of order 5 with a tolerance of 1e-11."""
     def error(h: float) -> float:
-        run = _run(_scene(_law(**law), h=h, g=g, angle=start[2], velocity=start[3:5],
+        run = _run(_scene(_law(**law), h=h, angle=start[2], velocity=start[3:5],
                           angular_velocity=start[5], inertia=0.05))
         truth = solve_ivp(lambda t, y: [*y[3:], *accelerations(t, *y)], (0, run.time[-1]), start,
                           rtol=1e-11, atol=1e-12, t_eval=run.time).y
@@ -182,59 +172,7 @@ def test_displaced_shapes_are_scaled_and_mirrored_with_their_body() -> None:
     assert run["w.p.b.torque"][0] == pytest.approx(-0.2 * lift, rel=1e-12)
 
 
-def test_a_line_displaces_nothing() -> None:
-    with pytest.raises(SceneError, match="no area that could keep a liquid away"):
-        sandbox.load_scene({"bodies": [{"name": "b", "mass": 1, "inertia": 1, "displaces": [
-            {"type": "polyline", "points": [[0, 0], [1, 0]]}]}]})
-
-
-# --- what is wrong
-
-
-BASE: dict[str, Any] = {
-    "gravity": [0, -G], "parameters": {"mass": 2, "c": 1},
-    "bodies": [{"name": "ball", "mass": 1, "shapes": [{"type": "circle", "radius": 0.1}]},
-               {"name": "wall", "motion": "fixed"}]}
-
-
-def _refused(load: dict[str, Any], **more: Any) -> str:
-    with pytest.raises(SceneError) as error:
-        sandbox.simulate(sandbox.load_scene({**BASE, **more, "loads": [
-            {"type": "law", "name": "f", **load}]}))
-    return "\n".join(map(str, error.value.problems))
-
-
-@pytest.mark.parametrize(("load", "words"), [
-    ({"force": ["=-c * vxx", 0]}, "$.loads[0].force[0]: unknown name 'vxx'"),
-    ({"force": ["=-c * vxx", 0]}, "Did you mean 'vx'?"),
-    ({"force": ["=-mass * vx", 0]}, "'mass' is a parameter, and here it would mean the body's own"),
-    ({"force": ["3 m/s", 0]}, "'m/s' is a unit of speed, but this is a force"),
-    ({"force": ["=grip(x)", 0]}, "unknown function 'grip'"),
-    ({"acceleration": ["3 N", 0]}, "is a unit of force, but this is an acceleration"),
-    ({}, "give a 'force', an 'acceleration' or a 'torque'"),
-    ({"force": [0, 0], "acceleration": [0, 0]}, "not both"),
-    ({"force": ["=1", 0], "bodies": "all"}, "'*', every body that moves freely"),
-    ({"force": ["=1", 0], "bodies": "bal"}, "no body's name matches 'bal'"),
-    ({"force": ["=1", 0], "bodies": ["wall"]}, "'wall' matches no body that moves freely"),
-    ({"force": [0, "=1 / x"]}, "has no finite value on 'ball' at t = 0, x = 0"),
-    ({"type": "drag"}, "give 'linear', 'area' or 'turning'"),
-])
-def test_wrong_loads_are_refused(load: dict[str, Any], words: str) -> None:
-    assert words in _refused(load)
-
-
-def test_a_liquid_needs_weight() -> None:
-    assert "gravity, which has to point downwards" in _refused(
-        {"type": "buoyancy"}, gravity=[1, 0])
-
-
-def test_names_of_loads_are_unique() -> None:
-    other = {"name": "f.ball", "bodies": ["ball"]}
-    assert "'f.ball' is the name of another element" in _refused(
-        {"force": [0, 0]}, groups=[other])
-
-
 def test_a_law_that_runs_out_of_numbers_is_named() -> None:
-    with pytest.raises(SimulationDiverged, match=r"the load 'f' has no finite value there"):
-        sandbox.simulate(sandbox.load_scene({**BASE, "loads": [
-            {"type": "law", "name": "f", "force": ["=1 / max(0, y + 1)", 0]}]}))
+    with pytest.raises(SimulationDiverged, match=r"the load 'law' has no finite value there"):
+        sandbox.simulate(sandbox.load_scene(
+            _scene(_law(force=["=1 / max(0, y + 1)", 0]), g=G)))

@@ -9,7 +9,6 @@ from sandbox import (
     ControllerFailed,
     Custom,
     Interrupted,
-    SandboxError,
     SceneError,
     SimulationDiverged,
     StopRun,
@@ -274,19 +273,6 @@ def test_an_event_can_stop_the_run() -> None:
     other = simulation.copy()
     assert other.finished
     assert other.recording().info.stopped == simulation.recording().info.stopped
-
-
-def test_an_input_without_a_value_is_an_error() -> None:
-    """sqrt(2.2 - t) has none after 2.2 s, in the second chunk of signals: an error each time that
-    it is asked for, and not a number.
-    """
-    machine = weight(duration=2.5, drives=[{
-        "type": "force", "name": "f", "body": "load", "direction": [1, 0],
-        "value": {"expression": "=sqrt(2.2 - t)"}}])
-    simulation = Simulation(Checked(machine))
-    for _ in range(2):
-        with pytest.raises(SandboxError, match="drive f"):
-            simulation.run()
 
 
 def test_a_recording_that_exceeds_its_limit_is_kept_incomplete() -> None:

@@ -93,17 +93,6 @@ def test_a_switched_off_controller_leaves_the_drive_to_its_signal():
     assert np.array_equal(got["motor.value"], expected)
 
 
-def test_conditions_are_evaluated_at_their_rate():
-    """alpha = torque / I from rest: 0.2 rad are passed at sqrt(2 * 0.2 / alpha)."""
-    alpha = 0.01 / INERTIA
-    events = [{"name": "there", "when": "=axle.angle > 0.05", "set": {"motor": 0}}]
-    got = run(rotor(events=events))
-    passed = np.sqrt(2 * 0.05 / alpha)
-    at = got.info.events[0].time
-    assert 0 <= at - passed <= 1e-3 + H
-    assert np.array_equal(got["motor.value"] == 0, got.time > at)
-
-
 def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
     events = [{"name": "far", "when": "=axle.angle > 0.05", "stop": "fail",
                "because": "it must stay near"}]
@@ -229,24 +218,3 @@ def test_an_output_that_is_not_a_number_is_named(value, limits):
     wish = Custom("endless", ["axle.angle"], ["motor"], lambda t, x: value, limits=limits)
     with pytest.raises(sandbox.SimulationDiverged, match=r"endless: it wants (inf|nan) of motor"):
         run(rotor(), wish)
-
-
-@pytest.mark.parametrize("kind", ["motor", "servo"])
-@pytest.mark.parametrize(("positive", "sense"), [("counterclockwise", 1), ("clockwise", -1)])
-def test_a_torque_is_read_in_the_sense_of_its_hinge(kind: str, positive: str, sense: int) -> None:
-    """T = I alpha, counted as the hinge counts; while it runs as recorded."""
-    simulation = sandbox.Simulation(sandbox.load_scene({
-        "run": {"duration": 0.02, "step": 5e-4, "sample_rate": 2000},
-        "bodies": [{"name": "frame", "motion": "fixed"},
-                   {"name": "wheel", "mass": 1.0, "inertia": 0.01}],
-        "joints": [{"type": "pin", "name": "axle", "a": "frame", "b": "wheel", "on_a": [0, 0],
-                    "positive": positive}],
-        "drives": [{"type": kind, "name": "drive", "joint": "axle", "value": 50,
-                    "torque": 0.3}]}))
-    live = []
-    while simulation.step(1):
-        live.append(simulation["drive.torque"])
-    run = simulation.recording()
-    np.testing.assert_allclose(run["drive.torque"][:len(live)], live, rtol=0, atol=1e-12)
-    assert sense * run["drive.torque"][10] == pytest.approx(0.01 * run["wheel.alpha"][10])
-    assert live[10] == pytest.approx(0.3)

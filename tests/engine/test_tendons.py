@@ -8,19 +8,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 import sandbox
-from sandbox.audit.audit import audit
 from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.tendons import lifted_at_start
 from sandbox.recording.recording import Recording
-from sandbox.scene.mechanism import Mechanism
 from tests.support.mechanisms import guide
 
-from .machines import G, H, cord, disc, fixed, mass, mechanism
+from .machines import G, H, cord, fixed, mass, mechanism, sound
 
 FAR, RADIUS = 0.1, 0.02
 
@@ -80,31 +77,6 @@ def test_a_tendon_too_stiff_for_the_step_is_damped(path: list[Any], response: fl
         assert (np.ptp(run["cord.tension"][-20:]) > 0.01) == rings
 
 
-def snatch(h: float, damping: float = 0.0) -> Recording:
-    """20 kg at 2 m/s start to pull 5 kg after 50 ms, by a rope joint and by a tendon."""
-    bodies = [{"name": name, "mass": mass, "at": [x, y], "velocity": [v, 0],
-               "shapes": [{"type": "circle", "radius": 0.02}]}
-              for y, kind in ((0.0, "rope"), (0.1, "cord"))
-              for name, mass, x, v in ((f"{kind}ed", 5, 0.0, 0.0), (f"{kind}er", 20, 0.1, 2.0))]
-    return simulate(Mechanism.model_validate({
-        "run": {"duration": 0.1, "step": h, "sample_rate": 500}, "bodies": bodies,
-        "joints": [{"type": "rope", "name": "rope", "a": "ropeed", "b": "ropeer", "longest": 0.2}],
-        "tendons": [{"name": "cord", "guides": [{"body": "corded"}, {"body": "corder"}],
-                     "slack": 0.1, "damping": damping}]}))
-
-
-@pytest.mark.parametrize("h", [2e-3, 5e-4, 5e-5])
-def test_the_rebound_of_a_rope_and_of_a_stiff_tendon(h: float):
-    """Together 1.6 m/s; half a period at the damping ratio h w / 2 on top of it.
-
-    To first order in h: the next is (h w)^2 of it.
-    """
-    run, w = snatch(h), np.sqrt(1e5 / 4.0)
-    assert run["ropeed.vx"][-1] == pytest.approx(1.6, abs=1e-9)
-    assert run["corded.vx"][-1] == pytest.approx(
-        1.6 * (1 + np.exp(-np.pi * h * w / 2)), abs=1.6 * (h * w)**2)
-
-
 @pytest.mark.parametrize("stiffness", [100.0, 1e9])
 @pytest.mark.parametrize("damping", [0.0, 1.0])
 def test_a_spring_of_no_length_exerts_no_force(stiffness: float, damping: float) -> None:
@@ -115,83 +87,23 @@ def test_a_spring_of_no_length_exerts_no_force(stiffness: float, damping: float)
     np.testing.assert_array_equal(run.arrays["body_velocity"], 0.0)
 
 
-@pytest.mark.parametrize("free", [("one", "two"), ("one",), ("two",)])
-def test_motion_does_not_depend_on_which_end_of_a_spring_is_a(free):
-    """Two discs held off their centres by a damper as strong as the step bears: the same motion."""
-    bodies = [
-        {**disc(name, 0.02, at, velocity=speed, angular_velocity=turn)}
-        if name in free else fixed(name, at=at)
-        for name, at, speed, turn in (("one", (0.0, 0.0), (0.3, -0.2), 9.0),
-                                      ("two", (0.1, 0.03), (-0.1, 0.4), -15.0))]
-    ends = {"one": (0.004, 0.017), "two": (-0.013, 0.009)}
-    runs = [simulate(mechanism(duration=0.05, bodies=bodies, springs=[{
-        "type": "linear", "name": "band", "a": a, "b": b, "on_a": ends[a], "on_b": ends[b],
-        "stiffness": 300.0, "damping": 60.0}])) for a, b in (("one", "two"), ("two", "one"))]
-    for key in ("body_pose", "body_velocity", "spring_force", "spring_work"):
-        one, other = (run.arrays[key] for run in runs)
-        assert one == pytest.approx(other, rel=1e-9, abs=1e-12)
-
-
-M, OWN, MORE, AT = 0.1, 40.0, 70.0, 0.05
-"""Weight, stiffnesses before and after the instant ``AT``: less than twice, so it stays taut."""
-
-
-def hanging(
-    value: Any = None, *, driven: bool = True, own: float = OWN, duration: float = 0.4, **more: Any,
-) -> Mechanism:
-    """A weight in balance on a cord of 0.5 m; some value for the stiffness of the cord."""
-    drive = {"type": "stiffness", "name": "k", "tendon": "c"}
-    return mechanism(
-        duration=duration, gravity=(0.0, -G), run={"sample_rate": 1 / H},
-        bodies=[fixed("wall"), mass("m", M, (0.0, -0.5))],
-        tendons=[cord("c", ("wall",), ("m",), stiffness=own, pretension=M * G, **more)],
-        drives=[drive | ({} if value is None else {"value": value})] if driven else [])
-
-
-@pytest.mark.parametrize("most", [MORE, 1e7])
+@pytest.mark.parametrize("most", [70.0, 1e7])
 def test_a_tendon_without_stiffness_carries_nothing(most: float) -> None:
     """With 0, below which nothing counts: soft by the pose, or as a row at the step's end.
 
     Taken up again at the depth that it has fallen to it pulls with what it is then stretched by.
     """
-    values = [(0.0, OWN), (0.1, -5.0), (0.2, OWN), (0.35, most)]
-    run = simulate(hanging({"table": values, "between": "step"}))
+    weight, values = 0.1 * G, [(0.0, 40.0), (0.1, -5.0), (0.2, 40.0), (0.35, most)]
+    run = simulate(mechanism(
+        duration=0.4, gravity=(0.0, -G), bodies=[fixed("wall"), mass("m", 0.1, (0.0, -0.5))],
+        tendons=[cord("c", ("wall",), ("m",), stiffness=40.0, pretension=weight)],
+        drives=[{"type": "stiffness", "name": "k", "tendon": "c",
+                 "value": {"table": values, "between": "step"}}]))
     falls = (run.time > 0.1) & (run.time < 0.2)
     assert (run["k.value"][falls] == 0).all()
     assert (run["c.tension"][falls] == 0).all()
     assert np.diff(run["m.vy"][falls]) == pytest.approx(-G * H, abs=1e-12)
-    assert run["c.tension"][np.flatnonzero(run.time > 0.2)[0]] > M * G
-
-
-def test_a_stiff_tendon_stretches_by_its_load() -> None:
-    """The row at the step's end damps its vibration: x = m g / k after it.
-
-    Lengths of 0.5 m are known to 1e-16 m, of 0.2 um that is 5e-10.
-    """
-    own = 2e4
-    run = simulate(hanging({"table": [(0.0, own), (0.1, 1e6), (0.3, 4e6)], "between": "step"},
-                           own=own, damping=50.0))
-    for at, k in ((0.29, 1e6), (0.39, 4e6)):
-        n = int(np.flatnonzero(run.time > at)[0])
-        x = run["c.length"][n] - 0.5 + M * G / own
-        assert x == pytest.approx(M * G / k, rel=1e-8)
-        assert run["c.tension"][n] == pytest.approx(M * G, rel=1e-9)
-
-
-@pytest.mark.parametrize("names", [{}, {"spring": "s", "tendon": "c"}])
-def test_a_stiffness_drive_names_a_spring_or_a_tendon(names: dict[str, str]) -> None:
-    with pytest.raises(ValidationError, match="needs either 'spring' or 'tendon'"):
-        mechanism(drives=[{"type": "stiffness", "name": "k", **names}])
-
-
-STIFF = 1e6
-
-
-def checked(run: Recording) -> Recording:
-    """A run whose audit finds nothing; slack is no fault here."""
-    wrong = {f.name: f.why for f in audit(run) if f.verdict == "look" and f.name != "tendon.slack"}
-    assert wrong == {}
-    return run
+    assert run["c.tension"][np.flatnonzero(run.time > 0.2)[0]] > weight
 
 
 def test_whole_turns_count() -> None:
@@ -200,10 +112,10 @@ def test_whole_turns_count() -> None:
     phi = 7 * math.pi
     hand = 100 * G * math.exp(-mu * phi)
     for share, slides in ((1.01, False), (0.99, True)):
-        run = checked(simulate(mechanism(
+        run = sound(simulate(mechanism(
             duration=0.3, step=H, gravity=(0.0, -G),
             bodies=[fixed("ground"), mass("load", 100.0, (r, -1.0))],
-            tendons=[{"name": "rope", "stiffness": STIFF, "damping": 5e3, "pretension": 100 * G,
+            tendons=[{"name": "rope", "stiffness": 1e6, "damping": 5e3, "pretension": 100 * G,
                       "guides": [guide("load"), guide("ground", (0, 0), r, "left", mu) | {
                           "turns": 3}, guide("ground", (-r, -1))]}],
             drives=[{"type": "pull", "name": "pull", "tendon": "rope", "value": share * hand}])))
@@ -214,33 +126,16 @@ def test_whole_turns_count() -> None:
             assert ratio == pytest.approx(math.exp(mu * phi), rel=1e-9)
 
 
-@pytest.mark.parametrize("stiffness", [2e3, 1e6])
-def test_a_slack_cord_with_friction_catches_a_falling_load(stiffness: float) -> None:
-    """1 kg falls 20 mm onto a slack cord over two guides with friction; nothing is lost of it."""
-    run = checked(simulate(mechanism(
-        duration=0.4, step=H, gravity=(0.0, -G),
-        bodies=[fixed("ground"), mass("load", 1.0, (0.05, -0.5))],
-        tendons=[{"name": "rope", "stiffness": stiffness, "slack": 0.02, "guides": [
-            guide("load"), guide("ground", (0, 0), 0.05, "left", 0.3),
-            guide("ground", (-0.5, 0.05), friction=0.2), guide("ground", (-1, -0.05))]}])))
-    hangs = run["rope.tension"] == 0.0
-    taken = float(run.time[np.argmin(hangs)])
-    assert taken == pytest.approx(math.sqrt(2 * 0.02 / G), abs=2 * H)
-    pieces = np.array([run[f"rope.tension_{k}"] for k in range(3)])
-    assert (pieces[:, hangs] == 0.0).all()
-    assert (pieces[:, ~hangs] > 0.0).all()
-
-
 def test_a_released_pull_leaves_no_tension_behind_a_guide() -> None:
     """A pull that ends leaves no stretch behind a guide that would still hold some."""
-    run = checked(simulate(mechanism(
+    run = sound(simulate(mechanism(
         duration=0.3, step=H, bodies=[fixed("ground"), mass("load", 1.0, (-0.5, 0.0))],
         joints=[{"type": "weld", "name": "held", "a": "ground", "b": "load",
                  "on_b": (0.0, 0.0)}],
         tendons=[{"name": "cord", "stiffness": 1e4, "guides": [
             guide("load"), guide("ground", friction=0.3), guide("ground", (0.0, -0.5))]}],
         drives=[{"type": "pull", "name": "pull", "tendon": "cord",
-                 "value": "=20 if abs(t - 0.15) > 0.05 else 0"}])))
+                 "value": "=20 if abs(t - 0.15) > 0.05 else 0"}])), "tendon.slack")
     pulls = np.isclose(run["pull.value"], 20.0)
     holds = math.exp(0.3 * math.pi / 2)
     assert run["cord.tension_0"][~pulls] == pytest.approx(np.zeros((~pulls).sum()), abs=1e-9)
@@ -323,7 +218,7 @@ def test_a_cord_over_three_moving_pulleys_takes_the_shortest_path(stiffness: flo
         assert tuple(run[f"cord.lifted_{n}"][k] == 1 for n in (1, 2, 3)) == off
         seen.add(off)
     assert len(seen) >= 5
-    assert all(figure.verdict != "look" for figure in audit(run) if figure.name != "tendon.slack")
+    sound(run, "tendon.slack")
 
 
 def test_a_wheel_that_comes_round_an_end_of_the_cord_is_not_caught_from_its_other_side() -> None:

@@ -37,6 +37,15 @@ SCENES: dict[str, dict[str, Any]] = {
             {"type": "actuator", "name": "piston", "a": "wall", "b": "disc", "on_a": [0, -1]}],
         "springs": [{"type": "rotary", "name": "coil", "joint": "hinge", "stiffness": 1}],
         "tendons": [{"name": "cord", "guides": [{"body": "wall"}, {"body": "disc"}]}]},
+    "mesh": {
+        "bodies": [DISC, {"name": "wall", "motion": "fixed"}],
+        "joints": [
+            {"type": "pin", "name": "hinge", "a": "wall", "b": "disc", "on_a": [0, 0]},
+            {"type": "gear", "name": "mesh", "a": "wall", "b": "disc", "radius_a": 0.02,
+             "radius_b": 0.05}],
+        "springs": [{"type": "linear", "name": "band", "a": "wall", "b": "disc", "on_a": [0, -1],
+                     "force": "=stretch"}],
+        "loads": [{"type": "law", "name": "f", "force": [0, 0]}]},
 }
 WRONG = r"""
 [hand]
@@ -223,6 +232,85 @@ drives = [{"type": "length", "name": "d", "joint": "hinge", "value": 0.1, "force
     ? a drive of type 'servo', which acts on a hinge @ drives[0].joint
 drives = [{"type": "brake", "name": "d", "joint": "piston", "value": 0.1}]
     | name-not-found | 'piston' is an actuator, and 'brake' acts on a hinge @ drives[0].joint
+[mesh]
+joints[0].friction = 1 & joints[0].friction_coefficient = 0.1 & joints[0].pin_radius = 0.01 |
+    conflicting-keys | not both @ joints[0]
+joints[0].friction_coefficient = 0.1 | conflicting-keys | needs a 'pin_radius' @ joints[0]
+joints[0].pin_radius = 0.1 | conflicting-keys | needs a 'friction_coefficient' @ joints[0]
+joints[0].static = 1.2 | conflicting-keys | needs 'friction' or @ joints[0]
+joints[0].friction = 1 & joints[0].static = 0.5 | out-of-range | at least 1 @ joints[0].static
+joints[0].friction = -1 | out-of-range | at least 0
+joints[1].stiffness = 0 | out-of-range | greater than 0
+joints[1].pressure_angle = "50 deg" | out-of-range | must be at most 0.785398
+joints[1].inside = true & joints[1].radius_b = 0.02 | out-of-range | must differ @ joints[1]
+joints[1].type = "roll" & joints[1].inside = true & joints[1].radius_b = 0.02 | out-of-range | must
+    differ @ joints[1]
+joints[1].backlash = -0.001 | out-of-range | must be 0 or more
+joints[1] = {"type": "rack", "name": "mesh", "a": "wall", "b": "disc", "radius": 0.02, "along": [0,
+    0]} | out-of-range | [0, 0] is no direction @ joints[1].along
+joints[1] = {"type": "rack", "name": "mesh", "a": "wall", "b": "disc", "radius": 0.02, "along":
+    [1e-30, 0]} | out-of-range | as a direction its length is 1e-30 @ joints[1].along
+springs[0].force = | conflicting-keys | give 'stiffness' or 'force', one of them @ springs[0]
+springs[0].stiffness = 1 | conflicting-keys | not both @ springs[0]
+springs[0].force = "=twist" | name-not-found | unknown name 'twist'
+springs[0].force = "=m.x" | name-not-found | unknown name 'm.x'
+springs[0].force = "=play(stretch)" | bad-expression | unknown function 'play'
+springs[0].force = "=stretch +" | bad-expression | is not an expression
+springs[0].only = "above" | not-allowed | is not allowed
+parameters = {"rate": 2} & springs[0].force = "=rate" | duplicate-name | 'rate' is a parameter @
+    springs[0].force
+drives = [{"type": "stiffness", "name": "d", "spring": "band", "value": 200}] | not-settable |
+    follows a law and has no stiffness to set @ drives[0].spring
+drives = [{"type": "stiffness", "name": "k"}] | conflicting-keys | needs either 'spring' or 'tendon'
+    @ drives[0]
+drives = [{"type": "stiffness", "name": "k", "spring": "band", "tendon": "cord"}] & tendons =
+    [{"name": "cord", "guides": [{"body": "wall", "at": [0, 1]}, {"body": "disc"}]}] |
+    conflicting-keys | needs either 'spring' or 'tendon' @ drives[0]
+loads[0].force = ["=-vxx", 0] | name-not-found | unknown name 'vxx' ? 'vx' @ loads[0].force[0]
+parameters = {"mass": 2} & loads[0].force = ["=-mass * vx", 0] | duplicate-name | 'mass' is a
+    parameter, and here it would mean the body's own @ loads[0].force[0]
+loads[0].force[0] = "3 m/s" | wrong-unit | 'm/s' is a unit of speed, but this is a force
+loads[0].force[0] = "=grip(x)" | bad-expression | unknown function 'grip'
+loads[0].force = & loads[0].acceleration = ["3 N", 0] | wrong-unit | is a unit of force, but this is
+    an acceleration @ loads[0].acceleration[0]
+loads[0].force = | conflicting-keys | give a 'force', an 'acceleration' or a 'torque' @ loads[0]
+loads[0].acceleration = [0, 0] | conflicting-keys | not both @ loads[0]
+loads[0].bodies = "dsc" | name-not-found | no body's name matches 'dsc' ? 'disc' @
+    loads[0].bodies[0]
+loads[0].bodies = ["wall"] | name-not-found | 'wall' matches no body that moves freely @
+    loads[0].bodies[0]
+loads[0].force[1] = "=1 / x" | undefined-law | has no finite value on 'disc' at t = 0, x = 0
+loads[0] = {"type": "drag", "name": "f"} | conflicting-keys | give 'linear', 'area' or 'turning'
+gravity = [1, 0] & loads[0] = {"type": "buoyancy", "name": "f"} | bad-fluid | gravity, which has to
+    point downwards @ loads[0]
+groups = [{"name": "f.disc", "bodies": ["disc"]}] | duplicate-name | 'f.disc' is the name of another
+    element @ loads[0].name
+bodies[0].displaces = [{"type": "polyline", "points": [[0, 0], [1, 0]]}] | bad-outline | no area
+    that could keep a liquid away @ bodies[0]
+events = [{"name": "e", "at": 0.1, "release": "hinges"}] | name-not-found | there is no joint,
+    spring or tendon named 'hinges' ? 'hinge' @ events[0].release[0]
+events = [{"name": "e", "at": 0.1, "release": ["hinge", "disc"]}] | not-releasable | 'disc' is a
+    body, which events cannot release @ events[0].release[1]
+events = [{"name": "e", "at": 0.1, "take_up": "mesh"}] | not-releasable | 'mesh' joins wheels where
+    they meet at t = 0, so events cannot take it up again @ events[0].take_up[0]
+events = [{"name": "e", "at": 0.1, "release": "mesh", "lasts": 0.1}] | not-releasable | 'mesh' joins
+    wheels @ events[0].lasts
+events = [{"name": "e", "at": 0.1, "release": "hinge", "take_up": "hinge"}] | conflicting-keys | one
+    event cannot release and engage 'hinge' @ events[0]
+events = [{"name": "e", "at": 0.1, "lasts": 0.1, "stop": "pass"}] | conflicting-keys | 'lasts' needs
+    'set', 'release' or 'take_up' @ events[0].lasts
+drives = [{"type": "hold", "name": "h0", "element": "hing", "value": 1}] | name-not-found | there is
+    no joint, spring or tendon named 'hing' ? 'hinge' @ drives[0].element
+drives = [{"type": "hold", "name": "h0", "element": "mesh", "value": 1}] | not-releasable | 'mesh'
+    joins wheels where they meet at t = 0 @ drives[0].element
+drives = [{"type": "hold", "name": "h0", "element": "hinge", "value": 1}, {"type": "hold", "name":
+    "h1", "element": "hinge", "value": 1}] | set-twice | the hold of 'hinge' is set already, by 'h0'
+    @ drives[1].element
+drives = [{"type": "surface", "name": "s0", "body": "wall", "value": 1}, {"type": "surface", "name":
+    "s1", "body": "wall", "value": 1}] | set-twice | the surface of 'wall' is set already, by 's0' @
+    drives[1].body
+loads[0].bodies = "all" | name-not-found
+    | no body's name matches 'all' ? '*', every body that moves freely @ loads[0].bodies[0]
 """
 """Below the name of a scene in brackets: changes ``place = value`` (no value removes a key, ``&``
 joins two), code, part of the message, ``?`` hint, ``@`` the diagnostic's place if it is another."""
