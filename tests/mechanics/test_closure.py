@@ -12,6 +12,8 @@ from sandbox.mechanics.closure import (
 from sandbox.mechanics.linear_program import LinearProgram
 
 DISC = [[1, 0], [-1, 0]]
+
+
 def inward(contacts):
     """Normals towards the origin, for contacts whose sides stand across their radius."""
     at = np.asarray(contacts, dtype=float)

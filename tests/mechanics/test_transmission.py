@@ -98,6 +98,7 @@ class TestAngles:
         slope = (bar.first_angle(second + 1e-5) - bar.first_angle(second - 1e-5)) / 2e-5
         assert np.allclose(bar.ratio(second), slope, rtol=0, atol=1e-8)
 
+
 def crank(theta_1: float, theta_2: float) -> float:
     """Closing angle of the crank [rad] at which the coupler closes, by bisection of the points.
 
