@@ -15,7 +15,6 @@ from sandbox.audit.audit import audit, figure_data
 from sandbox.audit.evidence import Evidence
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.recording.store import summary
 from tests.audit.still import H, block, figures, machine, still
 from tests.audit.test_planted import MIDDLE, array, more, sound
 from tests.engine.machines import G, disc, fixed, mass, mechanism
@@ -94,15 +93,6 @@ def test_an_unfinished_run_and_an_empty_one_are_audited(held):
     unfinished = Recording(held.mechanism, held.arrays, cut)
     assert "the run stopped early" in figures(unfinished)["rest.moments"].why
     assert {f.verdict for f in audit(held.part(0, 0))} == {"not computed"}
-
-
-def test_run_json_holds_the_figures(held, tmp_path):
-    held.save(tmp_path)
-    kept = json.loads((tmp_path / "run.json").read_text())["audit"]
-    assert [f["name"] for f in kept] == [f.name for f in audit(held)]
-    assert {f["verdict"] for f in kept} == {"pass", "not computed"}
-    assert next(f for f in kept if f["name"] == "differential")["value"] is None
-    assert summary(held, verdicts=[], figures=[])["audit"] == []
 
 
 def test_long_runs_are_thinned_to_so_many_numbers(monkeypatch):

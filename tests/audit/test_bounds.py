@@ -25,6 +25,7 @@ def between(run, sample=-1):
 
 # -- a finger of two thin phalanges on a disc: two balances for four components
 
+
 L1, R, PULL, ARMS = 0.05, 0.018, 10.0, (0.012, 0.006)
 
 

@@ -60,28 +60,6 @@ def test_a_table_and_its_files(sandbox, hung):
     assert (folder / "rest.png").stat().st_size > 3_000
 
 
-def test_from_several_places(sandbox):
-    said = sandbox("equilibrium", "snap_through", "--from", "node.y=30 mm,-20 mm,0.001", "--set",
-                   "parameters.load=0")
-    assert said.code == 0
-    assert "rest 1 (from node.y = 0.03): stable" in said.out
-    assert "rest 2 (from node.y = -0.02): stable" in said.out
-    assert "rest 3" not in said.out  # from above the middle it goes where the first is
-    assert Path("renders/rest/snap_through/rest_2.png").is_file()
-
-
-def test_along_a_value(sandbox):
-    said = sandbox("equilibrium", "snap_through", "--along", "parameters.load=0 N:1.5 N:4")
-    assert said.code == 0
-    assert ["0.994992", "0.0170712", "fold"] in [line.split() for line in said.out.splitlines()]
-    assert "branch 2" in said.out
-    head, *rows = csv.reader(Path("renders/rest/snap_through/rest.csv").read_text(
-        encoding="utf-8").splitlines())
-    assert head[:5] == ["branch", "parameters.load [N]", "stability", "fold", "node.y_m"]
-    assert {row[0] for row in rows} == {"1", "2"}
-    assert Path("renders/rest/snap_through/rest.png").stat().st_size > 10_000
-
-
 @pytest.mark.parametrize(("words", "said"), [
     (["--along", "parameters.load=0:1"], "is not of the form PATH=FROM:TO:COUNT"),
     (["--along", "parameters.load=0 N:1 mN:3"], "'N' and 'mN' are two units"),

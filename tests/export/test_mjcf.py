@@ -11,7 +11,7 @@ import sandbox
 from sandbox.engine.world import make_filters
 from sandbox.errors import SceneError
 from sandbox.export import Export, export_mechanism
-from sandbox.export.document import UniqueNames, add, comment, document
+from sandbox.export.document import add, comment, document
 from sandbox.export.selection import contact_pairs
 from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
@@ -115,15 +115,6 @@ def test_a_pin_that_closes_a_loop_acts_on_the_sum_of_other_hinges() -> None:
     assert has(one(root, "actuator/motor"), tendon="d")
 
 
-def test_rods_are_equalities_and_ropes_are_limits() -> None:
-    rod = {"type": "rod", "name": "rod", "a": "frame", "b": "load", "length": 0.11}
-    rope = {"type": "rope", "name": "rope", "a": "frame", "b": "load", "longest": 0.2,
-            "shortest": 0.05}
-    root, _ = write(joints=[rod, rope])
-    assert has(one(root, "equality/tendon"), tendon1="rod", polycoef="0.01 0 0 0 0")
-    assert has(one(root, "tendon/spatial[@name='rope']"), range="0.05 0.2")
-
-
 def test_mujoco_s_own_name_of_the_world_is_left_to_it() -> None:
     root, _ = write(bodies=[LOAD | {"name": "world"}])
     assert one(root, "worldbody/body")["name"] == "world_"
@@ -161,13 +152,6 @@ def test_any_title_can_stand_in_a_comment() -> None:
     root.append(comment("x -- y ----\x00\x07 <&> -"))
     add(root, "empty")
     assert len(ET.fromstring(document(root))) == 0
-
-
-def test_names_differ_from_those_of_the_scene() -> None:
-    names = UniqueNames(["load.x"])
-    assert [names.made("joint", name) for name in ("load.x", "load.x", "load.y")] == [
-        "load.x_", "load.x__", "load.y"]
-    assert names.made("site", "load.y") == "load.y"
 
 
 # --- contact pairs

@@ -45,7 +45,7 @@ def make(seed: int) -> bytes:
     for _ in range(chance.choice([0, 1, 1, 1, 2, 2, 3, MOST_CHANGES])):
         chance.choice(CHANGES)(data, chance)
     text = json.dumps(data, indent=chance.choice([None, 1])).encode()
-    return _damaged(text, chance) if chance.random() < 0.1 else text
+    return damaged(text, chance) if chance.random() < 0.1 else text
 
 
 @cache
@@ -209,10 +209,12 @@ CHANGES = (_repeat_with_index, _repeat_with_index, _template, _assemble, _assemb
            _change_text, _swap_reference, _change_kind, _remove, _repeat, _graft, _graft, _add_key)
 
 
-def _damaged(text: bytes, chance: random.Random) -> bytes:
-    """Bytes of a file cut off, turned over or put in."""
+def damaged(text: bytes, chance: random.Random) -> bytes:
+    """Bytes of a file cut off, turned over or put in; an archive's lists lie at its end."""
     for _ in range(chance.randrange(1, 4)):
         place = chance.randrange(len(text) + 1)
+        if chance.random() < 0.3:
+            place = max(0, len(text) - chance.randrange(1, 4000))
         text = chance.choice([
             text[:place], text[:place] + chance.choice(RAW) + text[place:],
             text[:place] + bytes([chance.randrange(256)]) + text[place + 1:]])

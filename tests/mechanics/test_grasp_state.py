@@ -93,21 +93,6 @@ def test_two_mirrored_fingers():
         [[35.818082, 0, -1.596764], [0, 353.099848, 0], [-1.596764, 0, 0.210173]], atol=6e-7)
 
 
-def test_it_is_the_least_energy_of_joints_and_contacts():
-    """Of all joint angles q those that the body's motion u leaves: 2 E = u K u.
-
-    2 E = q Kq q + (G^T u - J q) Kc (G^T u - J q), least over q by the normal equations.
-    """
-    hinges, tips = hand()
-    G, J = grasp_map(tips, tips.mean(axis=0)), tip_jacobian(tips, hinges, MOVES)
-    K = stiffness(contact_stiffness=KC)
-    for u in np.random.default_rng(0).normal(size=(5, 3)) * [1e-3, 1e-3, 0.05]:
-        w = G.T @ u
-        q = np.linalg.solve(KQ * np.eye(4) + KC * J.T @ J, KC * J.T @ w)
-        energy = KQ * q @ q + KC * (w - J @ q) @ (w - J @ q)
-        assert u @ K @ u == pytest.approx(energy, rel=1e-9)
-
-
 @pytest.mark.parametrize("seed", range(12))
 def test_what_nothing_lets_give_way_is_told_whatever_rounding_leaves(seed):
     """Three joints for four directions: one value of J / Kq J^T is 0, or rounding."""

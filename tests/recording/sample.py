@@ -1,5 +1,6 @@
 """A small mechanism with every kind of element, and a recording of it with known numbers."""
 
+import mmap
 from dataclasses import replace
 
 import numpy as np
@@ -99,3 +100,10 @@ CONTACTS = [
     # a touch without force
     (3, DISTAL, DISC, (0.0, 5e-7), (0.0, 1.0)),
 ]
+
+
+def mapped(array):
+    """Whether an array lies in a file."""
+    while array is not None and not isinstance(array, mmap.mmap):
+        array = array.base
+    return array is not None

@@ -1,5 +1,4 @@
 import gc
-import mmap
 import tracemalloc
 
 import numpy as np
@@ -9,7 +8,7 @@ from sandbox.elements.arrays import IMPACT, PER_SAMPLE, STATIC
 from sandbox.errors import OutputError
 from sandbox.recording.builder import RecordingBuilder
 
-from .sample import CONTACTS, DISC, DISTAL, INFO, N, arrays, mechanism
+from .sample import CONTACTS, DISC, DISTAL, INFO, N, arrays, mapped, mechanism
 
 
 def build(mech, *, contacts=CONTACTS, stop=N, **options):
@@ -28,12 +27,6 @@ def build(mech, *, contacts=CONTACTS, stop=N, **options):
 
 def times(n=N):
     return arrays(mechanism(), n=n)["time"]
-
-
-def lies_in_a_file(array):
-    while array is not None and not isinstance(array, mmap.mmap):
-        array = array.base
-    return array is not None
 
 
 def in_order(rows):
@@ -119,7 +112,7 @@ def test_a_run_beyond_its_budget_goes_to_files_as_it_comes(tmp_path):
     assert peak < 4e6
     assert len(run) == step * steps
     for key in ("body_pose", "joint_force", "contact_force", "contact_sample"):
-        assert lies_in_a_file(run.arrays[key]), key
+        assert mapped(run.arrays[key]), key
         assert not run.arrays[key].flags.writeable
     builder.finish(np.arange(step * steps) / step, INFO, copied=True)
     assert run.arrays["contact_sample"].tolist() == np.repeat(

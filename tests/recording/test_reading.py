@@ -2,7 +2,6 @@
 
 import io
 import json
-import mmap
 import tracemalloc
 import warnings
 import zipfile
@@ -16,7 +15,7 @@ from sandbox.errors import OutputError
 from sandbox.recording import archive
 from sandbox.recording.recording import Recording
 
-from .sample import CONTACTS, H, N, recording
+from .sample import CONTACTS, H, N, mapped, recording
 
 
 @pytest.fixture
@@ -27,33 +26,29 @@ def saved(tmp_path):
     return tmp_path
 
 
+def rewritten(path, change):
+    """The archive written anew, its members by a function of the archive, name and content."""
+    with zipfile.ZipFile(path) as old:
+        kept, comment = [(name, old.read(name)) for name in old.namelist()], old.comment
+    with zipfile.ZipFile(path, "w") as new, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a name that is there twice
+        new.comment = comment
+        for name, content in kept:
+            change(new, name, content)
+
+
 def damage(path, **members):
     """The archive with some members replaced; None leaves one out."""
-    with zipfile.ZipFile(path) as old:
-        content, comment = {name: old.read(name) for name in old.namelist()}, old.comment
-    with zipfile.ZipFile(path, "w") as new:
-        new.comment = comment
-        for name, data in {**content, **members}.items():
-            if data is not None:
-                new.writestr(name, data)
+    def change(new, name, content):
+        if (data := members.get(name, content)) is not None:
+            new.writestr(name, data)
+    rewritten(path, change)
 
 
 def npy(array):
     stream = io.BytesIO()
     np.save(stream, array, allow_pickle=True)
     return stream.getvalue()
-
-
-def rewritten(folder, change):
-    """The archive written anew, its members by a function of the archive, name and content."""
-    with zipfile.ZipFile(folder / "run.npz") as old:
-        kept = [(name, old.read(name)) for name in old.namelist()]
-        comment = old.comment
-    with zipfile.ZipFile(folder / "run.npz", "w") as new, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of a name that is there twice
-        new.comment = comment
-        for name, content in kept:
-            change(new, name, content)
 
 
 def member(name, content):
@@ -93,7 +88,7 @@ def header(old, new):
 
 def archived(change):
     """Another way to write a member."""
-    return lambda folder: rewritten(folder, change)
+    return lambda folder: rewritten(folder / "run.npz", change)
 
 
 def renamed(name):
@@ -183,7 +178,8 @@ def test_a_damaged_recording_is_refused_in_a_line(saved, monkeypatch, spoil, mes
 
 def test_many_small_bombs_are_one(saved, monkeypatch):
     """It is all parts together that may not be too large, not each of them."""
-    rewritten(saved, lambda new, name, content: new.writestr(name, content, zipfile.ZIP_DEFLATED))
+    rewritten(saved / "run.npz", lambda new, name, content: new.writestr(
+        name, content, zipfile.ZIP_DEFLATED))
     with zipfile.ZipFile(saved / "run.npz") as archive:
         total = sum(one.file_size for one in archive.infolist())
     monkeypatch.setattr("sandbox.recording.archive.MOST_UNPACKED", total)
@@ -210,18 +206,12 @@ def test_a_bomb_is_not_unpacked(saved):
             for _ in range(size // len(zeros)):
                 member.write(zeros)
 
-    rewritten(saved, bomb)
+    rewritten(saved / "run.npz", bomb)
     tracemalloc.start()
     with pytest.raises(OutputError, match=r"its compressed parts would take 239\d+ bytes; allowed"):
         Recording.load(saved)
     assert tracemalloc.get_traced_memory()[1] < 8e6
     tracemalloc.stop()
-
-
-def mapped(array):
-    while array is not None and not isinstance(array, mmap.mmap):
-        array = array.base
-    return array is not None
 
 
 def test_a_large_recording_is_mapped_and_reads_the_same(saved, monkeypatch):
@@ -240,8 +230,9 @@ def test_a_large_recording_is_mapped_and_reads_the_same(saved, monkeypatch):
     assert (saved / "again/run.npz").read_bytes() == (saved / "run.npz").read_bytes()
 
 
-def test_a_flipped_byte_of_a_large_recording_is_found_too(saved, monkeypatch):
-    monkeypatch.setattr("sandbox.recording.archive.IN_MEMORY", 1000)
+@pytest.mark.parametrize("in_memory", [1000, 10**9])
+def test_a_flipped_byte_is_found(saved, monkeypatch, in_memory):
+    monkeypatch.setattr("sandbox.recording.archive.IN_MEMORY", in_memory)
     whole = bytearray((saved / "run.npz").read_bytes())
     place = whole.index(b"\x93NUMPY", whole.index(b"contact_normal.npy")) + 130
     whole[place] ^= 1

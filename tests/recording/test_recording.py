@@ -21,13 +21,6 @@ def run():
     return recording(contacts=CONTACTS)
 
 
-def test_every_name_can_be_read_and_is_a_plain_array(run):
-    assert len(run.names()) == len(set(run.names())) == 6 * 13 + 7 + 8 + 4 + 6 + 4 + 9 + 2
-    for name in run.names():
-        assert run[name].shape == (N,)
-        assert not run[name].flags.writeable
-
-
 def test_an_unknown_name_is_a_key_error_with_a_near_miss(run):
     with pytest.raises(UnknownQuantityError) as caught:
         run["finger1.tendon.tensoin"]

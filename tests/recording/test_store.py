@@ -1,6 +1,4 @@
 import json
-import zipfile
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +13,7 @@ from sandbox.samples.samples import OLDER
 from sandbox.scene.read.load import load_scene
 
 from .sample import CONTACTS, N, recording
-from .test_reading import damage, npy
+from .test_reading import damage
 
 ALL = {"run.json", "run.npz", "contacts.csv", "tendons.csv", "joints.csv", "bodies.csv",
        "drives.csv", "springs.csv", "meters.csv"}
@@ -31,24 +29,12 @@ def files(folder):
     return {path.name for path in folder.iterdir()}
 
 
-def without(folder, array):
-    """The recording in a folder as it would be had it been made before ``array`` was."""
-    path = folder / "run.npz"
-    with zipfile.ZipFile(path) as old:
-        kept = {name: old.read(name) for name in old.namelist() if name != f"{array}.npy"}
-        comment = old.comment
-    with zipfile.ZipFile(path, "w") as new:
-        new.comment = comment
-        for name, content in kept.items():
-            new.writestr(name, content)
-    return folder
-
-
 def test_arrays_that_came_late_are_nan_in_recordings_without_them(tmp_path):
     assert {"joint_force", "contact_merged"} <= set(LATE)
     for array in ("joint_force", "contact_merged"):
         sample(contacts=CONTACTS).save(tmp_path / array)
-        again = Recording.load(without(tmp_path / array, array))
+        damage(tmp_path / array / "run.npz", **{f"{array}.npy": None})
+        again = Recording.load(tmp_path / array)
         assert np.isnan(again.arrays[array]).all()
         assert len(again.arrays[array]) == (5 if array.startswith("contact_") else len(again))
         assert len(again.part(2, 5).arrays[array]) == 3
@@ -65,28 +51,9 @@ def test_arrays_that_came_late_are_nan_in_recordings_without_them(tmp_path):
 def test_means_without_some_of_their_arrays_are_refused(tmp_path):
     run = simulate(load_scene("single_finger", overrides={"run.duration": 0.01}))
     run.save(tmp_path)
+    damage(tmp_path / "run.npz", **{"mean_force.npy": None})
     with pytest.raises(OutputError, match="array 'mean_force' is missing"):
-        Recording.load(without(tmp_path, "mean_force"))
-
-
-def test_what_is_saved_is_what_is_loaded(tmp_path):
-    run = sample(view={"width": 0.2}, drives=[
-        {"type": "force", "name": "f", "body": "disc", "direction": [1, 0], "value": "=sin(t)"},
-        {"type": "force", "name": "g", "body": "disc", "direction": [1, 0],
-         "value": {"to": 2, "over": 1}}])
-    run.save(tmp_path / "new" / "folder", parameters={"pull": 15.0})
-    assert files(tmp_path / "new" / "folder") == ALL
-    again = Recording.load(tmp_path / "new" / "folder")
-    assert again.mechanism == run.mechanism
-    assert again.complete
-    assert len(again) == N
-    assert again.notes == run.notes
-    assert len(run.notes) == 1
-    for key, array in run.arrays.items():
-        assert np.array_equal(again.arrays[key], array), key
-        assert again.arrays[key].dtype == array.dtype
-    for name in run.names():
-        assert np.array_equal(again[name], run[name], equal_nan=True), name
+        Recording.load(tmp_path)
 
 
 def test_the_summary_says_what_was_run(tmp_path):
@@ -136,46 +103,10 @@ def test_nothing_to_load(tmp_path):
         Recording.load(tmp_path)
 
 
-@pytest.mark.parametrize("content", [b"", b"garbage", b"PK\x03\x04" + bytes(100)])
-def test_garbage_is_not_a_recording(tmp_path, content):
-    (tmp_path / "run.npz").write_bytes(content)
-    with pytest.raises(OutputError, match="is not a recording, or damaged"):
-        Recording.load(tmp_path)
-
-
-class Trap:
-    """Touches a file when it is unpickled."""
-
-    def __init__(self, path):
-        self.path = path
-
-    def __reduce__(self):
-        return Path.touch, (self.path,)
-
-
-def test_nothing_is_ever_unpickled(tmp_path):
-    sample().save(tmp_path)
-    trap = npy(np.array([Trap(tmp_path / "sprung")] * N, dtype=object))
-    damage(tmp_path / "run.npz", **{"time.npy": trap})
-    with pytest.raises(OutputError, match="damaged"):
-        Recording.load(tmp_path)
-    assert not (tmp_path / "sprung").exists()
-
-
 def test_any_cut_of_an_archive_is_refused(tmp_path):
     sample().save(tmp_path)
     whole = (tmp_path / "run.npz").read_bytes()
     for length in range(0, len(whole), len(whole) // 10):
         (tmp_path / "run.npz").write_bytes(whole[:length])
-        with pytest.raises(OutputError):
+        with pytest.raises(OutputError, match="damaged"):
             Recording.load(tmp_path)
-
-
-def test_a_flipped_byte_is_found_by_its_checksum(tmp_path):
-    sample().save(tmp_path)
-    whole = bytearray((tmp_path / "run.npz").read_bytes())
-    place = whole.index(b"\x93NUMPY") + 200  # in the numbers of the first array
-    whole[place] ^= 1
-    (tmp_path / "run.npz").write_bytes(whole)
-    with pytest.raises(OutputError, match="CRC"):
-        Recording.load(tmp_path)

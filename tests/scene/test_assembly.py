@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import Any, get_args
 
@@ -17,7 +16,7 @@ from sandbox.elements.tendons import Tendon
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SceneError
 from sandbox.scene.bodies import Body
-from sandbox.scene.expand import expand, to_json
+from sandbox.scene.expand import expand
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.outlines.cams import DiscCam
 from sandbox.scene.outlines.curves import SmoothCurve
@@ -99,24 +98,6 @@ def test_a_placed_mechanism_moves_like_the_original(still: Any, placing: dict[st
                      "root.reaction", "root.stop", "elbow.stop", "bend"):
         size = np.abs(still[quantity]).max()
         assert np.abs(run[f"m.{quantity}"] - still[quantity]).max() < 1e-6 * max(size, 1e-3)
-
-
-def test_names_follow_in_fields_patterns_and_expressions():
-    made = expand(load_scene({"bodies": [GROUND], "parts": [{
-        "type": "assembly", "name": "m", **MACHINE, "materials": {"skin": {"friction": 0.1}},
-        "contacts": [{"between": ["arm", "t*"], "collide": False},
-                     {"between": ["*", "ground"], "collide": False}],
-        "groups": [{"name": "links", "bodies": ["arm", "tip"]}],
-        "events": [{"name": "stop", "when": "=arm.x > 1", "set": {"servo": 0}}],
-    }]}))
-    assert [rule.between for rule in made.contacts] == [("m.arm", "m.t*"), ("m.*", "ground")]
-    assert [(group.name, group.bodies) for group in made.groups] == [
-        ("m.links", ("m.arm", "m.tip")), ("m", ("m.arm", "m.tip", "m.wiper"))]
-    assert made.meters[0].value == "=m.root.angle + m.elbow.angle"
-    assert (made.events[0].when, made.events[0].set) == ("=m.arm.x > 1", {"m.servo": 0.0})
-    assert (made.joints[0].a, made.joints[0].b) == ("ground", "m.arm")
-    assert "m.skin" in made.materials
-    assert expand(load_scene(json.loads(to_json(made)))) == made
 
 
 @pytest.mark.parametrize("path", [

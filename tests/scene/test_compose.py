@@ -29,27 +29,6 @@ def bodies(entry: dict[str, Any], **scene: Any) -> tuple[Any, ...]:
 
 
 class TestRepeat:
-    def test_counts_from_0_in_names_and_numbers(self):
-        made = bodies({"name": "b{i}", "repeat": 3, "at": ["=2 * i", "1 mm"]})
-        assert [(b.name, b.at) for b in made] == [
-            ("b0", (0.0, 0.001)), ("b1", (2.0, 0.001)), ("b2", (4.0, 0.001))]
-
-    def test_a_list_of_values_of_rows_and_of_words(self):
-        made = bodies({"name": "b{x}", "repeat": {"list": [2, 7], "index": "x"}, "angle": "=x"})
-        assert [(b.name, b.angle) for b in made] == [("b2", 2.0), ("b7", 7.0)]
-        made = bodies({"name": "{side}{i}", "angle": "=a",
-                       "repeat": {"list": [{"side": "left", "a": "90 deg"},
-                                           {"side": "right", "a": 1}]}})
-        assert [(b.name, b.angle) for b in made] == [("left0", math.pi / 2), ("right1", 1.0)]
-
-    def test_round_a_circle_bodies_turn_with_it(self):
-        made = bodies({"name": "b{i}", "at": [3, 1], "angle": 0.1,
-                       "repeat": {"count": 4, "circle": [1, 1]}})
-        assert [b.at for b in made] == [
-            pytest.approx(p) for p in [(3, 1), (1, 3), (-1, 1), (1, -1)]]
-        assert [b.angle for b in made] == pytest.approx(
-            [0.1 + k * math.pi / 2 for k in range(4)])
-
     @pytest.mark.parametrize(("shape", "first"), [
         ({"type": "box", "size": [1, 1], "at": [1, 0]}, "at"),
         ({"type": "capsule", "start": [1, 0], "end": [2, 0], "radius": 0.1}, "start"),
@@ -64,13 +43,6 @@ class TestRepeat:
         if shape["type"] == "box":
             assert shapes[1].angle == pytest.approx(math.pi)
 
-    def test_each_repeats_what_is_no_object(self):
-        made = load_scene({
-            "bodies": [{**POINT, "name": "b{i}", "repeat": 3}],
-            "groups": [{"name": "all", "bodies": [{"repeat": 3, "each": "b{i}"}]}]})
-        assert made.groups[0].bodies == ("b0", "b1", "b2")
-
-
     def test_of_all_copies_the_first_wrong_one_is_told(self):
         found = problems({"bodies": [
             {**POINT, "name": "b{i}", "repeat": 9, "mass": "=1 - i", "at": [0, "3 kg"]}]})
@@ -79,19 +51,6 @@ class TestRepeat:
 
 
 class TestLike:
-    def test_is_for_every_entry(self):
-        made = load_scene({
-            "templates": {"ball": {**POINT, "shapes": [{"like": "disc"}]},
-                          "disc": {"type": "circle", "radius": 0.1}, "hinge": {"type": "pin"},
-                          "rubber": {"friction": 0.9}},
-            "materials": {"skin": {"like": "rubber", "restitution": 0.1}},
-            "bodies": [{"like": "ball", "name": "a"}, {"like": "ball", "name": "b", "mass": 3}],
-            "joints": [{"like": "hinge", "name": "j", "a": "a", "b": "b", "on_b": [0, 0]}]})
-        assert [b.mass for b in made.bodies] == [1.0, 3.0]
-        assert made.bodies[0].shapes[0].radius == 0.1
-        assert made.joints[0].type == "pin"
-        assert (made.materials["skin"].friction, made.materials["skin"].restitution) == (0.9, 0.1)
-
     def test_a_template_in_its_own_content_is_named(self):
         found = problems({"templates": {"a": {"type": "assembly", "parts": [
             {"like": "b", "name": "x"}]}, "b": {"type": "assembly", "parts": [

@@ -86,13 +86,6 @@ def test_a_law_of_ones_own_holds(friction: float) -> None:
     assert [figure.name for figure in audit(done) if figure.verdict == "look"] == []
 
 
-@pytest.mark.usefixtures("loaded")
-def test_it_works_in_a_mirrored_assembly() -> None:
-    whole = {"type": "assembly", "name": "left", "mirror": "up-down", "at": [1, 0]}
-    done = run(bodies=[], parts=[{**whole, "bodies": BODIES, "parts": [STRUT]}])
-    assert np.array_equal(done["left.leg.spring.length"], run()["leg.spring.length"])
-
-
 @pytest.mark.usefixtures("folder")
 def test_worker_processes_get_the_file(capsys: Any) -> None:
     assert invoke(["sweep", "scene.json", "--elements", "my_strut.py", "--vary",

@@ -68,9 +68,6 @@ def test_patterns_match_bodies_that_move_freely(bodies: Any, found: list[int]) -
 
 BALL: dict[str, Any] = {
     "name": "ball", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
-FINGER: dict[str, Any] = {
-    "type": "finger", "name": "f", "lengths": [0.03], "radii": [0.005], "masses": [0.01],
-    "guides": [[-0.02, -0.005], [0.02, -0.005]]}
 
 
 def loaded(plane: Any) -> sandbox.Scene:
@@ -85,15 +82,6 @@ def test_allowed_planes(written: Any, meant: Any) -> None:
     again = sandbox.load_scene(sandbox.expand(scene).model_dump(mode="json", by_alias=True))
     assert again.bodies == scene.bodies
     assert ('"plane"' in to_json(sandbox.expand(scene))) == (meant != (0,))
-
-
-def test_a_part_lies_in_its_plane() -> None:
-    made = sandbox.expand(sandbox.load_scene({"parts": [
-        {**FINGER, "plane": 2},
-        {"type": "section", "name": "s", "circle": 0.01, "square": 0.01, "rod": 0.03,
-         "plane": [0, 2]}]}))
-    planes = {body.name: body.plane for body in made.bodies if body.shapes}
-    assert planes == {"f.palm": (2,), "f.proximal": (2,), "s.circle": (0, 2), "s.square": (0, 2)}
 
 
 def test_a_joint_needs_a_body_that_moves() -> None:

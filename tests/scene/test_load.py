@@ -112,6 +112,8 @@ json_values = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner,
                                                                 max_size=3),
     max_leaves=6)
+
+
 def _places(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(
         value, list) else ()
@@ -169,4 +171,3 @@ def test_retired_settings_are_ignored_with_a_warning() -> None:
     old = Mechanism().model_dump_json(by_alias=True).replace(
         '"sample_rate"', '"iterations":40,"slop":1e-06,"sample_rate"')
     assert Mechanism.model_validate_json(old).model_dump() == Mechanism().model_dump()
-

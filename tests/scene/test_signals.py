@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pydantic import TypeAdapter
 
 import sandbox
 from sandbox.errors import SceneError
-from sandbox.values.signals import AnySignal, Signal, values
 from sandbox.values.tables import Function, NamedTable
 
 PROFILE = {"points": [[0, 1], [1, 3], [3, 2]]}
@@ -94,30 +92,3 @@ def test_an_included_scene_has_its_own_tables(tmp_path: Any) -> None:
     (tmp_path / "part.json").write_text(json.dumps(part))
     with pytest.raises(SceneError, match="unknown function 'other'"):
         sandbox.load_scene(str(tmp_path / "main.json"))
-
-
-# --- signals
-
-
-T = np.array([0.0, 0.5, 1.0, 1.5, 2.0])
-ADAPTER: TypeAdapter[AnySignal] = TypeAdapter(Signal)
-
-
-def signal_values(written: Any, **parameters: float) -> list[float]:
-    signal = ADAPTER.validate_python(written, context={"parameters": parameters})
-    return values(signal, T).tolist()
-
-
-@pytest.mark.parametrize(("written", "expected"), [
-    (3, [3.0] * 5), ("3 N", [3.0] * 5), ("=pull / 2", [2.0] * 5),
-    ({"constant": "3 mN"}, [0.003] * 5),
-    ({"to": 4, "over": "2 s"}, [0.0, 1.0, 2.0, 3.0, 4.0]),
-    ({"ramp": {"from": 2, "to": "=pull", "start": "1 s", "over": "1 s"}},
-     [2.0, 2.0, 2.0, 3.0, 4.0]),
-    ({"from": 1, "to": 2, "start": 1, "over": 0}, [1.0, 1.0, 2.0, 2.0, 2.0]),
-    ({"table": [[0.5, 1], [1.5, 3]]}, [1.0, 1.0, 2.0, 3.0, 3.0]),
-    ({"table": [[0.5, 1], [1.5, 3]], "between": "step"}, [1.0, 1.0, 1.0, 3.0, 3.0]),
-    ("=pull * t", [0.0, 2.0, 4.0, 6.0, 8.0]), ({"expression": "t + 1"}, [1.0, 1.5, 2.0, 2.5, 3.0]),
-])
-def test_signal_values(written: Any, expected: list[float]) -> None:
-    assert signal_values(written, pull=4.0) == expected
