@@ -1,4 +1,4 @@
-"""Shapes of bodies without seams, outlines, colours, pressures; rods and points beside bodies."""
+"""Shapes of bodies without seams, outlines, colours, pressures, rods."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Joints keep their constraints; gears; kinematic loops; mechanisms that jam."""
+"""Joints keep their constraints; kinematic loops; mechanisms that jam."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tendons: lengths, slack, friction at guides, lift-off from pulleys, driven stiffness."""
+"""Tendons: lengths, friction at guides, lift-off from pulleys, driven stiffness."""
 
 from __future__ import annotations
 
