@@ -10,7 +10,7 @@ import pytest
 
 from sandbox.audit.figures import Figure
 from sandbox.convergence import certificate as module
-from sandbox.convergence.certificate import certify, refined, scene_size
+from sandbox.convergence.certificate import certify, refined
 from sandbox.convergence.judgement import Kind
 from sandbox.elements.controllers.controller import every
 from sandbox.engine.simulate import simulate
@@ -262,17 +262,6 @@ def test_quantities_within_their_range_are_counted() -> None:
     assert {trust.kind for trust in found.quantities[1:]} == {Kind.WITHIN}
     assert ("1 of 2 expected quantities have converged; one depends on the step but stays in its"
             in found.conclusion)
-
-
-def test_mass_length_and_time_give_a_size_where_all_quantities_are_zero() -> None:
-    runs = [simulate(mechanism(duration=2.0, step=1e-2, bodies=[
-        fixed("wall"), mass("heavy", 3.0, (0.1, 0.0)),
-        mass("light", 1.0, (0.4, 0.0), velocity=(0.5, 0.0))]))]
-    length = scene_size(runs, "m")
-    assert scene_size(runs, "N") == pytest.approx(3.0 * length / 2.0**2)
-    assert scene_size(runs, "J") == pytest.approx(3.0 * length**2 / 2.0**2)
-    assert scene_size(runs, "rad") == scene_size(runs, "1") == 1.0
-    assert scene_size(runs, "furlong") == 0.0
 
 
 def test_controllers_keep_their_rate() -> None:

@@ -23,15 +23,6 @@ def power(p: float, error: float) -> tuple[float, float, float]:
     return 1 + error, 1 + error / 2**p, 1 + error / 4**p
 
 
-@pytest.mark.parametrize("p", [0.8, 1.0, 2.0])
-def test_richardson_finds_order_limit_and_error(p: float) -> None:
-    trust = verdict_of(power(p, 0.008), 0.0, 2.0)
-    assert trust.order == pytest.approx(p, abs=1e-9)
-    assert trust.limit == pytest.approx(1.0, rel=1e-12)
-    assert trust.error == pytest.approx(0.008, rel=1e-9)
-    assert trust.kind is Kind.CONVERGED
-
-
 def test_an_order_beyond_the_scheme_s_is_shown_and_not_trusted() -> None:
     """Of order 3 the change by the last halving is 7/8 of 1e-3 / 8: a third of it is left then."""
     trust = verdict_of(power(3, 0.008), 0.0, 2.0)
@@ -47,6 +38,7 @@ def test_rounding_has_no_order() -> None:
 
 
 # -- what the scene allows ------------------------------------------------------------
+
 
 def allowed(low: float, high: float, *, value: float = 1.0, own: float = 1.0, scene: float = 1.0,
             given: bool = False) -> float:
@@ -67,13 +59,6 @@ def test_a_tolerance_is_half_the_width_or_the_distance_from_one_bound(
 
 
 # -- what does not settle -------------------------------------------------------------
-
-
-def test_no_limit_but_inside_its_range() -> None:
-    trust = verdict_of((1.0, 1.2, 0.9), 0.2, 1.5)
-    assert trust.kind is Kind.WITHIN
-    assert trust.certified
-    assert not trust.settled
 
 
 def test_drifting_toward_its_range_s_end() -> None:

@@ -134,12 +134,6 @@ def test_the_script_needs_pymunk_alone_and_has_the_same_forces(tmp_path: Path) -
     assert printed["finger1.tendon"] == [made.tendons["finger1.tendon"].tension]
 
 
-def test_what_has_no_counterpart_is_named(capfd: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SceneError, match="pymunk has no counterpart of a controller") as caught:
-        sandbox.to_pymunk("finger_force_control")
-    assert len(caught.value.problems) == 1
-
-
 def test_a_run_that_diverges_keeps_its_samples() -> None:
     with pytest.raises(SimulationDiverged, match="block: its motion has run away") as caught:
         sandbox.simulate({**scene(), "run": {"solver": "pymunk"}, "springs": [{

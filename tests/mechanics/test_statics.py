@@ -10,15 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.mechanics import chain, statics
-from sandbox.mechanics.springs import spring_set
-from sandbox.mechanics.tendon import route
-from tests.support.reference import SET_G, FingerSet
-
-
-def torques(finger: FingerSet, theta: np.ndarray, tension: float, stiffness: object) -> np.ndarray:
-    found, cord = spring_set(finger.before, finger.after), route(finger.guides, finger.lengths)
-    return statics.joint_torques(tension, cord.arms(theta), stiffness, found.elongations(theta),
-                                 found.arms(theta))
+from tests.support.reference import SET_G
 
 
 @pytest.mark.parametrize("n", [2, 3, 5])

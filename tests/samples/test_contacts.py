@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.samples.contacts import merge_contacts, on_the_other, ways
+from sandbox.samples.contacts import merge_contacts, on_the_other
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.conftest import recording as drawn_recording
 from tests.recording.sample import CONTACTS, N, S, recording
@@ -69,21 +69,6 @@ def along_x(*lengths, samples=11):
     share = np.linspace(0, 1, samples)
     return np.stack([np.stack((length * share, 0 * share, 0 * share), axis=1)
                      for length in lengths], axis=1)
-
-
-def test_a_way_is_that_of_the_centre_and_of_the_turning():
-    """A circle of 0.2 m once round is 2 pi 0.2 m; a body that spins about its centre once goes
-    2 pi times its radius of gyration, here sqrt(0.09 / 1) m."""
-    turn = np.linspace(0, 2 * np.pi, 2001)
-    poses = np.zeros((len(turn), 3, 3))
-    poses[:, 0, :2] = 0.2 * np.stack((np.cos(turn), np.sin(turn)), axis=1)
-    poses[:, 1, 2] = turn
-    inertia = np.array([1.0, 0.09, np.inf])
-    poses[:, 2, 2] = turn
-    found = ways(moving(["link"] * 3, poses, body_inertia=inertia,
-                     body_mass=np.array([1.0, 1.0, np.inf])).arrays)
-    # a polygon of n sides is short by (2 pi / n)^2 / 24
-    assert found == pytest.approx([0.4 * np.pi, 0.6 * np.pi, 0.0], rel=(2 * np.pi / 2000) ** 2)
 
 
 @pytest.mark.parametrize(("roles", "lengths", "swapped"), [

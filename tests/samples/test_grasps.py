@@ -126,16 +126,6 @@ def test_what_slides_is_not_held(body, share, held):
     assert hold(change)["ball.held"][FULL:].all() == held
 
 
-def test_drift_has_the_way_and_the_turn():
-    """0.04 mm along and 0.002 rad of 20 mm, 2 rho sin(turn / 2): both together."""
-    def change(a, t):
-        later = t[:, 0] > 0.2
-        a["body_pose"][later, BALL, 0] += 4e-5
-        a["body_pose"][later, BALL, 2] += 2e-3
-    run = hold(change)
-    assert run["ball.drift"][-1] == pytest.approx(4e-5 + 2 * R * np.sin(1e-3), rel=1e-6)
-
-
 def test_a_hand_alone_holds():
     """Not while a table carries it, nor for a window after it was let go; another object may."""
     on_table = [touch(k, TABLE, -np.pi / 2, 1.0) for k in range(150, 160)]

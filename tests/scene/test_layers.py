@@ -14,12 +14,6 @@ def test_words_are_taken_in_order():
     assert parse_layers(["-contacts", "contacts"]) == {"contacts": EVERY}
 
 
-def test_all_means_every_layer_and_later_words_override():
-    assert parse_layers("all") == dict.fromkeys(LAYERS, EVERY)
-    assert set(shown(parse_layers(["-all", "bodies"]), traced=True)) == {"bodies"}
-    assert set(LAYERS) - set(shown(parse_layers("all,-velocity"), traced=False)) == {"velocity"}
-
-
 def test_default_layers():
     usual = {name for name, layer in LAYERS.items() if layer.default}
     assert set(shown({}, traced=False)) == usual

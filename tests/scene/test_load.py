@@ -25,14 +25,6 @@ def _problems(data: Any, **options: Any) -> list[Problem]:
     return refused.value.problems
 
 
-def test_the_good_scene_loads() -> None:
-    scene = load_scene(hand())
-    assert isinstance(scene, Scene)
-    assert scene.parameters == {"pull": 15.0, "each": 7.5, "r": 0.009}
-    assert [part.name for part in scene.parts] == ["finger1", "finger2", "section1", "tree"]
-    assert scene.expect[0].value == 7.5
-
-
 @pytest.mark.parametrize(("text", "hint"), [
     ("2 r", "'=2 * r'"), ("r", "'=r'"), ("r * 2", "'=r * 2'"), ("2.5r", "'=2.5 * r'"),
     ("2 q", ""), ("2 m m", ""), ("r mm", ""),

@@ -7,7 +7,6 @@ import pytest
 
 import sandbox
 from sandbox.errors import SandboxError
-from sandbox.search.thresholds import bisect
 from tests.sweeps.scenes import PUCK
 
 LAST = 0.1 - 0.5e-3
@@ -88,16 +87,3 @@ def test_wrong_threshold_requests_are_refused(more, fragment):
     with pytest.raises(SandboxError) as error:
         sandbox.search.threshold(PUCK, **words)
     assert fragment in str(error.value)
-
-
-def test_bisection_keeps_the_threshold_in_its_bracket():
-    asked = []
-
-    def ask(shares):
-        asked.extend(shares)
-        return [share < 0.3123 for share in shares]
-
-    found = bisect(ask, 1e-3)
-    assert found.low < 0.3123 <= found.high <= found.low + 1e-3
-    assert found.low_holds
-    assert len(asked) == 5 + 3 * 4

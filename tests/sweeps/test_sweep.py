@@ -17,7 +17,6 @@ from sandbox.scene.read.load import read_scene
 from sandbox.sweeps.job import Log, SweepRow, make_bundle, read_rows
 from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.sweep import run_plan, study_data
-from sandbox.sweeps.table import draw_table
 from sandbox.sweeps.workers import Processes
 from tests.sweeps.scenes import PUCK, InProcess
 
@@ -215,20 +214,6 @@ def test_a_bundle_has_the_scenes_that_a_varied_include_names(tmp_path):
     with bundle.unpacked() as main:
         found = read_scene(main, overrides={"parts[object].include": "square"})
     assert [each.name for each in found.mechanism.bodies] == ["object.one.body"]
-
-
-@pytest.mark.usefixtures("in_process")
-def test_a_grid_has_a_map_of_where_expectations_hold(tmp_path, monkeypatch):
-    drawn = []
-    monkeypatch.setattr("sandbox.sweeps.table.draw_sweep", lambda path, what: drawn.append(what))
-    data = study_data(PUCK, vary={"parameters.push": "1:4:4", "parameters.m": "1 kg:2 kg:4"},
-                      keep=["v=puck.vx"], audit=False)
-    table = run(data)
-    draw_table(table, tmp_path / "sweep.png")
-    holds, v = drawn[0].kept
-    assert holds.name == "expectations passed"
-    assert holds.values.tolist() == [float(each) for each in v.values > 0.25]
-    assert 0 < holds.values.sum() < 16
 
 
 # -- what is refused before anything runs -------------------------------------------
