@@ -43,17 +43,17 @@ HELD, FADED = 1e-10, 0.01
 @check("release.force", "N", "F = 0 where released",
        asks="do released and broken elements carry no load?")
 def _released(evidence: Evidence, worst: Worst) -> str:
-    ties, held, most, told = evidence.model.ties, evidence.run.arrays["held"], 0.0, []
+    ties, held, most, released = evidence.model.ties, evidence.run.arrays["held"], 0.0, []
     if not ties.name:
         raise NotComputed("nothing can be released")
     for tie, name in enumerate(ties.name):
         gone = held[:, tie] == 0.0
         if gone.any():
-            told.append(f"{name} at {evidence.run.time[np.argmax(gone)]:.4g} s")
+            released.append(f"{name} at {evidence.run.time[np.argmax(gone)]:.4g} s")
         gone[1:] &= gone[:-1].copy()  # in the step of breaking it carries a part of its load
         most = max(most, peak(_load(evidence, tie)[gone]))
     worst.judge(most, 0.0)
-    return "largest load of released elements; released: " + ("; ".join(told[:4]) or "nothing")
+    return "largest load of released elements; released: " + ("; ".join(released[:4]) or "nothing")
 
 
 @check("release.load", source="F <= F_b", asks="does no element carry more than its breaking load?",

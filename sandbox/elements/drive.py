@@ -70,6 +70,7 @@ class DriveSpec(Element):
 
     facts: ClassVar[DriveKind]
 
+    type: str
     name: Name
     """Its name; quantities are ``<name>.value`` and so on."""
 

@@ -64,6 +64,7 @@ class LoadSpec(Element):
     RECORDED = QUANTITIES
     PYMUNK = "a load by a law of a body's own motion"
 
+    type: str
     name: of.Name
     """Its name; quantities are ``<name>.<body>.fx`` and so on."""
     bodies: Patterns = EVERY

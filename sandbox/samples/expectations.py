@@ -130,15 +130,15 @@ def measured(run: Samples, quantity: str, asked: Looked, chosen: slice) -> tuple
     values = run.within(quantity, looked)
     if not (lacking := np.isnan(values)).any():
         return number_of(asked, run.time[looked], values), ""
-    told = (f"{np.count_nonzero(lacking)} of {len(lacking)} samples have no value"
+    lacks = (f"{np.count_nonzero(lacking)} of {len(lacking)} samples have no value"
             if len(lacking) > 1 else "the last sample has no value")
     source = run.catalogue.find(quantity)
     if source.kind != "body" or source.quantity not in GRASP:
-        return math.nan, told
+        return math.nan, lacks
     because, when = _not_held(run, source, looked), GRASP[source.quantity].nothing
     if source.quantity in STIFFNESS:
         when = NOT_HELD if because else run.grasp(source.index).no_stiffness
-    return math.nan, f"{told}: {when} then{because}" if when else told
+    return math.nan, f"{lacks}: {when} then{because}" if when else lacks
 
 
 def _looked_at(run: Samples, asked: Looked, chosen: slice) -> slice:

@@ -242,26 +242,27 @@ class Grasp:
         """The conditions of ``held`` that a sample does not meet, with numbers; empty if held."""
         rest, most = self._rest, f"{_mm(STRAY * self.size)} is the most"
         window = f"in the {WINDOW:g} s before"
-        told = []
+        reasons = []
         if not rest.hand[sample]:
-            told.append(self._untouched(sample))
+            reasons.append(self._untouched(sample))
         elif not rest.ready[sample]:
-            told.append(f"the run was not {WINDOW:g} s old")
+            reasons.append(f"the run was not {WINDOW:g} s old")
         elif rest.let_go[sample]:
-            told.append(f"the hand released it {window}")
+            reasons.append(f"the hand released it {window}")
         if rest.carried[sample]:
             rows = np.flatnonzero(self._others & (self.sample == sample))
-            told.append(f"{self._most(rows, self.push[rows])[0]!r}, which is no hand, carries it")
+            carrier = self._most(rows, self.push[rows])[0]
+            reasons.append(f"{carrier!r}, which is no hand, carries it")
         moved, slid = rest.way[:, sample]
         if moved >= STRAY * self.size:
-            told.append(f"it moved by {_mm(moved)} {window}, {most}")
+            reasons.append(f"it moved by {_mm(moved)} {window}, {most}")
         if slid >= STRAY * self.size:
             rows = np.flatnonzero(self.of_hand & (self.sample > rest.since[sample])
                                   & (self.sample <= sample))
             took = np.diff(self.run.time)[self.sample[rows] - 1]
             name, way = self._most(rows, self._slips(rows) * took)
-            told.append(f"it slid by {_mm(slid)} {window}, {most}, along {name!r} by {_mm(way)}")
-        return "; ".join(told)
+            reasons.append(f"it slid by {_mm(slid)} {window}, {most}, along {name!r} by {_mm(way)}")
+        return "; ".join(reasons)
 
     def _untouched(self, sample: int) -> str:
         if not self._rest.hand.any():

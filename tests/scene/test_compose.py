@@ -163,3 +163,14 @@ class TestInclude:
         self.write(folder / "large.json", {"about": "x" * 1000})
         found = problems(self.including(folder, "large"), limits=Limits(file_bytes=900))
         assert "'file_bytes'" in found[0].message
+
+
+def test_all_mistakes_of_an_entry_are_reported_at_once(tmp_path: Path) -> None:
+    (tmp_path / "part.json").write_text(json.dumps({"no": 1, "nor": 2, "parameters": {"z": "=q"}}))
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps({
+        "bodies": [{"name": "a{i}", "repeat": 2, "mass": "={m}", "at": ["={x}", "={y}"]}],
+        "parts": [{"name": "p", "include": "part", "parameters": {"u": 1, "v": 2}}]}))
+    assert sorted(problem.path for problem in problems(str(file))) == [
+        "$.bodies[0].at[0]", "$.bodies[0].at[1]", "$.bodies[0].mass", "$.no", "$.nor",
+        "$.parameters.z", "$.parts[0].parameters.u", "$.parts[0].parameters.v"]

@@ -201,8 +201,9 @@ def _resolve(
                                   f"than {MOST_DEEP} deep")
         if isinstance(value, str) and value.lstrip().startswith("="):
             expression = parse_expression(value)
+            plain = {name: each for name, each in tables.items() if each is not None}
             for table in sorted(expression.tables):
-                known = ChainMap(found.values, dict(tables))
+                known = ChainMap(found.values, plain)
                 if tables.get(call(table), table) is None:
                     raise WrongValueError(
                         "invalid-name", f"the table {quoted(table)} reads parameters itself, so "
