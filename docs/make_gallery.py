@@ -185,6 +185,8 @@ STUDIES = {
     "guides": ("study_guides_forces", "study_guides_pulls", "study_guides_search",
                "study_guides_fingers"),
     "sheaths": ("study_sheath_share", "study_sheath_spread", "study_sheath_loop"),
+    "soft_skin": ("study_soft_skin",),
+    "sand_heap": ("study_sand_heap", "study_sand_heap_shapes"),
     "identification": ("study_identification_motion", "study_identification_intervals"),
 }
 """The pictures of each script of docs/studies."""

@@ -107,6 +107,14 @@ ADVICE: tuple[Advice, ...] = (
 """The last one is for all other checks."""
 
 
-def advice_on(figure: str) -> Advice:
-    """Return the advice on a warning of a check."""
+PYMUNK = Advice(
+    (), "pymunk solves joints, tendons and contacts approximately; the value is its error",
+    "use the direct solver for exact values, or more `run.pymunk.iterations` and `substeps`")
+"""The advice on a run with pymunk's solver, whose errors exceed most thresholds."""
+
+
+def advice_on(figure: str, solver: str = "direct") -> Advice:
+    """Return the advice on a warning of a check in a run with a solver."""
+    if solver == "pymunk":
+        return PYMUNK
     return next(each for each in ADVICE if not each.figures or figure in each.figures)

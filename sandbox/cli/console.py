@@ -40,7 +40,7 @@ LINE_EVERY = 30.0
 """Longest time between two lines of progress [s]."""
 COMPILE_TIME = "10 to 30 s"
 """Time that compiling takes; the docs quote it."""
-COMPILING = f"Compiling the solver (first run only, {COMPILE_TIME}) …"
+COMPILING = f"Compiling the solver (first run of such a scene, {COMPILE_TIME}) …"
 NOT_CACHED = (f"Compiling the solver ({COMPILE_TIME}) in every run, since neither the installation "
               "nor the user's cache is writable. Set NUMBA_CACHE_DIR to a writable folder.")
 MAX_PAGES = 3

@@ -234,7 +234,7 @@ def _finish(job: _Job, recording: Recording, problems: list[Problem], lists_chec
                            else f"{key} = {value}" for key, value in found.items())
         lines.append(f"controller {name}: {values}")
     lines += [*(_expectation_lines(job.judged) if job.judged else ()),
-              *_check_lines(job.checks, whole=lists_checks)]
+              *_check_lines(job.checks, recording.mechanism.run.solver, whole=lists_checks)]
     phases = ", ".join(f"{phase} {seconds:.1f} s" for phase, seconds in job.wall_s.items())
     lines.append(f"Results in {directory}: {', '.join(files)}  ({phases})")
     if not job.console.as_json:
@@ -267,7 +267,7 @@ def _expectation_lines(judged: Sequence[Verdict]) -> list[str]:
         *(see("expectation-failed") if failed else ())]
 
 
-def _check_lines(checks: Sequence[Figure], *, whole: bool) -> list[str]:
+def _check_lines(checks: Sequence[Figure], solver: str, *, whole: bool) -> list[str]:
     """The count of consistency checks that passed, and the warnings; all as a table if wanted."""
     from sandbox.audit.audit import ASKS, advice_on
 
@@ -286,7 +286,7 @@ def _check_lines(checks: Sequence[Figure], *, whole: bool) -> list[str]:
                  + (f", {len(warnings)} warning{many}:" if warnings else "")
                  + ("" if whole or warnings else "; --audit lists them"))
     for each in warnings:
-        advice = advice_on(each.name)
+        advice = advice_on(each.name, solver)
         value = f"{shown(each.value, '.2g')} {each.unit}".rstrip()
         lines += [f"  {each.name} = {value}, at most {shown(each.threshold, '.2g')}: {each.why}",
                   f"    meaning: {advice.means}",

@@ -66,7 +66,8 @@ class PymunkDraft:
         filters = make_filters(self.model)
         if problems := [
             Problem("no-counterpart", f"pymunk has no counterpart of {what}", path=name,
-                    allowed="the solver 'direct', or a scene without it")
+                    allowed="the solver 'direct', or a scene without it (--without "
+                    "NAME of 'sandbox export')")
             for name, what in _without_counterpart(self.model, filters)
         ]:
             raise SceneError(problems)

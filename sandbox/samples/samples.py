@@ -34,7 +34,7 @@ from sandbox.samples.outcome import Outcome, Stored
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import is_pattern
 
-OLDER = ("this recording is without force vectors, as those of pymunk and of older versions: "
+OLDER = ("this recording has no directions of forces; pymunk and older versions give none: "
          "reaction_x and reaction_y have no value")
 TIME = "time"
 """What :attr:`Samples.time` is called, unless something of the mechanism has this name."""

@@ -217,6 +217,9 @@ class Looked(Spec):
         if self.at is not None and self.over != (0.0, None):
             raise WrongValueError("conflicting-keys", "'at' is one instant and 'over' a window: "
                                   "give one of them")
+        if self.over[1] is not None and self.over[1] < self.over[0]:
+            raise WrongValueError("out-of-range", f"the window ends at {self.over[1]:g} s, before "
+                                  f"it begins at {self.over[0]:g} s")
         return self
 
 

@@ -40,7 +40,7 @@ def test_arrays_that_came_late_are_nan_in_recordings_without_them(tmp_path):
         assert len(again.part(2, 5).arrays[array]) == 3
     old = Recording.load(tmp_path / "joint_force")
     assert np.isnan(old["finger1.mcp.reaction_x"]).all()
-    assert any("without force vectors" in note for note in old.notes)
+    assert any("no directions of forces" in note for note in old.notes)
     assert not sample().notes[1:]
     figure = next(f for f in audit(old) if f.name == "momentum.force")
     assert (figure.verdict, figure.why) == ("not computed", OLDER)

@@ -88,6 +88,7 @@ groups[0].bodies[0] = "disk" | name-not-found | no body named ? 'disc'
 meters[0].value = "=a +" | bad-expression | 'a +' is not an expression
 expect[0].within = "5 parsec" | wrong-unit | unknown unit 'parsec'
 expect[0].at = "1 ms" | conflicting-keys | 'quantity' and 'at' go together @ expect[0]
+expect[0].over = ["2 ms", "1 ms"] | out-of-range | before it begins at 0.002 s @ expect[0]
 expect[0] = {"quantity": "body.x", "at": "1 ms", "over": [0, "1 ms"], "is": 1}
     | conflicting-keys | 'at' is one instant and 'over' a window: give one of them
 format = 2 | unsupported-format | this version of sandbox reads format 1
