@@ -71,6 +71,11 @@ def _explained(name: str) -> list[str]:
     found = [each for each in found if each.name == word] or found
     rows = [row for row in all_rows if word in (row.name, f"{row.element}.{row.name}")]
     if not found and not rows:
+        owners = [each.name for each in all_elements
+                  if word in {field.alias or key for key, field in each.model.model_fields.items()}]
+        if owners:
+            return [f"{word} is a field of {', '.join(owners)}. 'sandbox explain {owners[0]}' "
+                    "prints it."]
         known = [*TABLES, *(each for element in all_elements for each in sorted(element.names())),
                  *(row.name for row in all_rows)]
         raise click.BadParameter(f"there is no element or quantity {name!r}.{meant(word, known)} "

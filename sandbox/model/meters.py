@@ -224,8 +224,11 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
     fits: dict[str, bool] = {}
     units: dict[str, list[str]] = {}
     for i, expect in enumerate(mechanism.expect):
-        if beyond := expect.past_end(mechanism.run.duration) if expect.at is not None else "":
-            problems.append(Problem("bad-time", beyond, f"$.expect[{i}].at"))
+        if beyond := expect.past_end(mechanism.run.duration):
+            problems.append(Problem("bad-time", beyond, f"$.expect[{i}].at")
+                            if expect.at is not None else Problem(
+                                "bad-time", beyond, f"$.expect[{i}].over", severity="warning",
+                                advice="it has no value and fails"))
         name = expect.quantity
         if name not in fits:
             fits[name] = known.fits(name)

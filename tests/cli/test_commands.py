@@ -102,6 +102,7 @@ def test_explain_has_every_element_and_quantity(sandbox):
     assert sandbox("explain", "pin").out == sandbox("explain", "joints.pin").out
     assert "angle          [rad] of b against a" in sandbox("explain", "pin").out
     assert "drives.motor" in sandbox("explain", "drives").out
+    assert "backlash is a field of joints.gear" in sandbox("explain", "backlash").out
     assert "(joint: rod, rope)" in " ".join(sandbox("explain", "tension").out.split())
     assert "recorded_bytes" in sandbox("explain", "limits").out
     assert "velocity" in sandbox("explain", "layers").out

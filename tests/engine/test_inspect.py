@@ -38,6 +38,12 @@ def the_one(scene: dict[str, Any], **more: Any) -> tuple[str, str, str]:
     return findings[0]
 
 
+def test_a_window_beyond_the_run_has_no_value() -> None:
+    expect = [{"mean": "bar.x", "over": [0, 3], "below": 1}]
+    severity, _, message = the_one(PINNED, run={"duration": 2}, expect=expect)
+    assert (severity, message) == ("warning", "the window ends at 3 s, the run at 2 s")
+
+
 def jointed(**joint: Any) -> dict[str, Any]:
     """Two discs 50 mm apart with a joint between."""
     return {

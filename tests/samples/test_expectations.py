@@ -81,7 +81,6 @@ def test_ranges(bounds, low, high, ok):
 
 @pytest.mark.parametrize(("expect", "options", "reason"), [
     ({"max": "r", "over": [0.101, 0.104], "below": 99}, ramp(), "no sample lies in the window"),
-    ({"max": "r", "over": [0.15, 0.1], "below": 99}, ramp(), "no sample lies in the window"),
     ({"max": "r", "below": 99}, {**ramp(), "n": 0, "contacts": ()}, "no sample lies in the window"),
     ({"max": "disc.xx", "below": 99}, {},
      "unknown quantity 'disc.xx'; did you mean 'disc.x'?"),
