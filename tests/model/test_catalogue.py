@@ -133,7 +133,7 @@ def test_what_is_expected_has_the_unit_of_its_quantity():
                 {"max": "finger*.tendon.tension", "between": ["1 N", "2 m"]},
                 {"max": "finger*/disc.normal", "above": "1 Pa", "below": "3 kN",
                  "over": "last 1 s"},
-                {"final": "lift", "above": "1 s", "over": ["1 mm", "2 s"]},
+                {"final": "lift", "above": "1 s", "over": ["1 mm", "0.5 s"]},
                 {"final": "score", "is": "3 kg"}, {"final": "disc.contact.fx", "is": "1 kN",
                                                    "within": "0.1 %"},
                 {"min": "finger*.tendon.work", "above": "1 mJ"},
