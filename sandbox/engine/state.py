@@ -235,7 +235,7 @@ class State(NamedTuple):
     impacts: Annotated[Records, IMPACT, "impacts"]  # of the steps made in one go
     touches: Annotated[Records, TOUCH, "contacts"]  # of the last step
     touching: Annotated[Integers, "2"]
-    """How many of these there are; whether a step waits for room to be gone on with."""
+    """How many of these there are; whether a step waits for more room before it continues."""
     last_drive: Annotated[Array, "drives"]  # values of the drives in the last step
     standing: Annotated[Integers, "6"]
     """In how many steps modes were not found; for how many steps all has been at rest; how often

@@ -228,7 +228,7 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
             problems.append(Problem("bad-time", beyond, f"$.expect[{i}].at")
                             if expect.at is not None else Problem(
                                 "bad-time", beyond, f"$.expect[{i}].over", severity="warning",
-                                advice="it has no value and fails"))
+                                advice="the expectation has no value and fails"))
         name = expect.quantity
         if name not in fits:
             fits[name] = known.fits(name)
