@@ -105,12 +105,12 @@ HOOK, LOAD, MOST_TURNS = 0.01, 0.5, 200
 
 def iterated_tension() -> Any:
     """Tension [N] after each iteration of a solver that treats tendon and pin in turn."""
-    cord = pin = 0.0
+    cable = pin = 0.0
     found = [0.0]
     for _ in range(MOST_TURNS):
-        cord = pin + HOOK * GRAVITY
-        pin = (cord / HOOK) / (1 / HOOK + 1 / LOAD)
-        found.append(cord)
+        cable = pin + HOOK * GRAVITY
+        pin = (cable / HOOK) / (1 / HOOK + 1 / LOAD)
+        found.append(cable)
     return np.array(found)
 
 

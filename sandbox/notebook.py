@@ -28,7 +28,7 @@ from sandbox.picture.film import render
 from sandbox.picture.stills import instants, save_picture
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.cords import lengths_at_start
+from sandbox.samples.cables import lengths_at_start
 from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import planned
 from sandbox.samples.samples import TIME

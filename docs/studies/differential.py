@@ -32,17 +32,17 @@ def main(argv: Sequence[str] | None = None) -> dict[str, float]:
     rockers = hand_sweep("four_discs", RANGES, count, 15, {})
     bar = hand_sweep("four_on_a_bar", RANGES, count, 15,
                      {"parameters.k": ["100 N/m", "300 N/m", "100 kN/m"]})
-    ties = {name: rockers if np.isinf(k) else
+    bonds = {name: rockers if np.isinf(k) else
             {key: value[bar["parameters.k"] == k] for key, value in bar.items()}
             for name, k in TIES.items()}
-    still = np.all([rows["still"].reshape(-1, 4).all(axis=1) for rows in ties.values()], axis=0)
+    still = np.all([rows["still"].reshape(-1, 4).all(axis=1) for rows in bonds.values()], axis=0)
     form = ClosedForm(sandbox.load_scene("four_discs").parts[0])
     travel = form.tendon.shortening(rockers["theta"]).reshape(-1, 4)[still]
     order = np.argsort(travel, axis=1, kind="stable")
-    figure, axes = panels(len(ties), 4, 7.0, 1.4)
+    figure, axes = panels(len(bonds), 4, 7.0, 1.4)
     spreads, plane = panels(1, 1, 6.0, 3.2)
     found = {}
-    for row, (name, rows) in zip(axes, ties.items(), strict=True):
+    for row, (name, rows) in zip(axes, bonds.items(), strict=True):
         tension = rows["tension"].reshape(-1, 4)[still]
         force = rows["forces"].sum(axis=1).reshape(-1, 4)[still]
         lost = ((rows["forces"] > PRESSES).sum(axis=1).reshape(-1, 4)[still] < 2).mean()

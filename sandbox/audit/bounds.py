@@ -83,8 +83,9 @@ class Unknowns:
         tendons, free = self.model.tendons, self.model.bodies.free
         # with friction at guides tensions depend on the past: they are known
         self.rigid = (tendons.drive == NONE) & (tendons.stiffness >= RIGID) & np.array(
-            [not len(tendons.gripped(cord)) for cord in range(len(tendons.name))], dtype=bool)
-        found = [*self._joints(), *self._ends(), *self._cords(), *self._motors(), *self._contacts()]
+            [not len(tendons.gripped(cable)) for cable in range(len(tendons.name))], dtype=bool)
+        found = [*self._joints(), *self._ends(), *self._cables(), *self._motors(),
+                 *self._contacts()]
         found = [one._replace(does={body: wrench for body, wrench in one.does.items()
                                     if free[body]}) for one in found]
         self.all = [one for one in found if one.does]
@@ -155,15 +156,15 @@ class Unknowns:
                 torque = self.loads.joint_efforts.on_bodies(j)
                 yield Unknown({body: sign * wrench for body, wrench in torque.items()})
 
-    def _cords(self) -> Iterator[Unknown]:
+    def _cables(self) -> Iterator[Unknown]:
         a = self.arrays
-        for cord in np.flatnonzero(self.rigid).tolist():
-            efforts = self.loads.cord_efforts
+        for cable in np.flatnonzero(self.rigid).tolist():
+            efforts = self.loads.cable_efforts
             rates = efforts.rates(len(self.rigid), self.evidence.velocity)
-            stretch = float(a["tendon_length"][0, cord] - a["tendon_rest"][cord])
-            if stretch + 2 * self.evidence.h * abs(float(rates[cord, 0])) >= -ROUNDING:
+            stretch = float(a["tendon_length"][0, cable] - a["tendon_rest"][cable])
+            if stretch + 2 * self.evidence.h * abs(float(rates[cable, 0])) >= -ROUNDING:
                 yield Unknown({body: -wrench
-                               for body, wrench in efforts.on_bodies(cord).items()})
+                               for body, wrench in efforts.on_bodies(cable).items()})
 
     def _motors(self) -> Iterator[Unknown]:
         """Motors and brakes, and friction of joints that stick, up to their limits."""
@@ -173,9 +174,9 @@ class Unknowns:
                 # the limit of a brake is its value
                 most = a["drive_value"][0, i] if np.isnan(drives.most[i]) else drives.most[i]
                 yield Unknown(self.loads.drive_efforts.on_bodies(i), free=True, most=float(most))
-        for j in joints.rubbed.tolist():
+        for j in joints.frictional.tolist():
             if a["joint_sticks"][0, j] == 1.0:
-                most = joints.friction[j] + joints.rubbing[j] * carried(self.evidence, j)[0]
+                most = joints.friction[j] + joints.coefficient[j] * carried(self.evidence, j)[0]
                 yield Unknown(self.loads.friction_efforts.on_bodies(j), free=True,
                               most=float(joints.static[j] * most))
 

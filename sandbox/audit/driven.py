@@ -26,7 +26,7 @@ from sandbox.audit.figures import (
 from sandbox.audit.laws import follow
 from sandbox.model.joints import lengthening, turning
 from sandbox.numeric import Array, Integers
-from sandbox.samples.cords import piece_tensions
+from sandbox.samples.cables import piece_tensions
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import values
 
@@ -43,15 +43,15 @@ HELD, FADED = 1e-10, 0.01
 @check("release.force", "N", "F = 0 where released",
        asks="do released and broken elements carry no load?")
 def _released(evidence: Evidence, worst: Worst) -> str:
-    ties, held, most, released = evidence.model.ties, evidence.run.arrays["held"], 0.0, []
-    if not ties.name:
+    bonds, held, most, released = evidence.model.bonds, evidence.run.arrays["held"], 0.0, []
+    if not bonds.name:
         raise NotComputed("nothing can be released")
-    for tie, name in enumerate(ties.name):
-        gone = held[:, tie] == 0.0
+    for bond, name in enumerate(bonds.name):
+        gone = held[:, bond] == 0.0
         if gone.any():
             released.append(f"{name} at {evidence.run.time[np.argmax(gone)]:.4g} s")
         gone[1:] &= gone[:-1].copy()  # in the step of breaking it carries a part of its load
-        most = max(most, peak(_load(evidence, tie)[gone]))
+        most = max(most, peak(_load(evidence, bond)[gone]))
     worst.judge(most, 0.0)
     return "largest load of released elements; released: " + ("; ".join(released[:4]) or "nothing")
 
@@ -60,18 +60,18 @@ def _released(evidence: Evidence, worst: Worst) -> str:
        compared="load above the breaking load, relative to it, {count:element}, worst: {where}",
        none="no element has a breaking load")
 def _breaking_loads(evidence: Evidence, worst: Worst) -> None:
-    ties = evidence.model.ties
-    if not ties.name:
+    bonds = evidence.model.bonds
+    if not bonds.name:
         raise NotComputed("nothing can be released")
-    for tie in np.flatnonzero(np.isfinite(ties.breaks_at)).tolist():
-        over = _load(evidence, tie) / ties.breaks_at[tie] - 1.0
-        worst.add(ties.name[tie], np.maximum(over, 0.0), EXACT,
-                  evidence.run.arrays["held"][:, tie] != 0.0)
+    for bond in np.flatnonzero(np.isfinite(bonds.breaks_at)).tolist():
+        over = _load(evidence, bond) / bonds.breaks_at[bond] - 1.0
+        worst.add(bonds.name[bond], np.maximum(over, 0.0), EXACT,
+                  evidence.run.arrays["held"][:, bond] != 0.0)
 
 
-def _load(evidence: Evidence, tie: int) -> Array:
+def _load(evidence: Evidence, bond: int) -> Array:
     """Magnitude of the load of an element [N, N m], [n]; of a tendon the largest tension."""
-    (kind, i), model, a = evidence.model.ties.element(tie), evidence.model, evidence.run.arrays
+    (kind, i), model, a = evidence.model.bonds.element(bond), evidence.model, evidence.run.arrays
     if kind == "joints":
         return np.asarray(a["joint_reaction"][:, i])
     if kind == "tendons":

@@ -159,12 +159,12 @@ def _balance(evidence: Evidence) -> _Balance:
 
 def _closed_balance(evidence: Evidence) -> _Balance:
     """The balance, if the work of joints that close is known."""
-    found, a, ties = evidence.once(_balance), evidence.run.arrays, evidence.model.ties
+    found, a, bonds = evidence.once(_balance), evidence.run.arrays, evidence.model.bonds
     open_ = ~evidence.joints_hold
     if not evidence.every_step:
         carried = (np.nan_to_num(a["joint_reaction"])
                    + np.abs(np.nan_to_num(a["joint_couple"]))).T
-        breaks = (ties.joint >= 0) & np.isfinite(np.append(ties.breaks_at, np.inf))[ties.joint]
+        breaks = (bonds.joint >= 0) & np.isfinite(np.append(bonds.breaks_at, np.inf))[bonds.joint]
         if (breaks & open_.any(axis=1)).any() or carried[open_].any():
             raise NotComputed(
                 f"joints broke or were engaged again, which does work, and {NOT_EVERY_STEP}")

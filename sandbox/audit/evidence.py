@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL
+from sandbox.model.bonds import held_of
 from sandbox.model.joints import place_in_slot
 from sandbox.model.pairs import pair_skins, restitution_of
-from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.samples import Samples
@@ -128,7 +128,7 @@ class Evidence:
     def holds(self, kind: str) -> Flags:
         """Which joints, springs or tendons hold in which samples, [elements, n]."""
         if kind not in self._made:
-            self._made[kind] = held_of(self.model.ties.of(kind), self.run.arrays["held"])
+            self._made[kind] = held_of(self.model.bonds.of(kind), self.run.arrays["held"])
         found: Flags = self._made[kind]
         return found
 
@@ -144,7 +144,7 @@ class Evidence:
         """Which joints hold and had time to close since they were engaged, [nj, n]."""
         holds = self.holds("joint").copy()
         for j in np.flatnonzero(~holds.all(axis=1)).tolist():
-            over = CLOSES_IN * float(self.model.ties.over[self.model.ties.joint[j]])
+            over = CLOSES_IN * float(self.model.bonds.over[self.model.bonds.joint[j]])
             for last in np.flatnonzero(~holds[j]).tolist():
                 away = self.run.time - self.run.time[last]
                 holds[j] &= (away < 0) | (away > over + self.h)

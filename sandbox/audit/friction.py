@@ -18,9 +18,15 @@ from sandbox.audit.figures import (
     whole,
 )
 from sandbox.model.model import NONE
-from sandbox.model.tendons import CordSpan, spans_of
+from sandbox.model.tendons import CableSpan, spans_of
 from sandbox.numeric import Array, Flags
-from sandbox.samples.cords import bends, lengths_at_start, piece_tensions, rest_lengths, span_length
+from sandbox.samples.cables import (
+    bends,
+    lengths_at_start,
+    piece_tensions,
+    rest_lengths,
+    span_length,
+)
 
 SOLVED = 1e-9
 """Relative to the largest tension: tolerance of friction against its bound.
@@ -49,7 +55,7 @@ def _bounds(evidence: Evidence, worst: Worst) -> None:
         span, friction = behind[k], a["guide_friction"][:, k]
         after = _tension(evidence, span)
         most, floor = whole(after), SOLVED * whole(after) + _drag(evidence, span, k)
-        phi = np.maximum(bends(evidence.loads.frames, evidence.loads.cords, k), 0.0)
+        phi = np.maximum(bends(evidence.loads.frames, evidence.loads.cables, k), 0.0)
         # the absolute value, since a tendon that breaks may reverse the sign
         bound = np.tanh(0.5 * float(tendons.friction[k]) * phi) * np.abs(2 * after - friction)
         place = evidence.model.bodies.name[tendons.guide_body[guide]]
@@ -61,7 +67,7 @@ def _bounds(evidence: Evidence, worst: Worst) -> None:
                           (floor, ROUNDING), floor / most, held[span.tendon])
 
 
-def _drag(evidence: Evidence, span: CordSpan, grip: int) -> float:
+def _drag(evidence: Evidence, span: CableSpan, grip: int) -> float:
     """Largest force of the damping of a loop [N]; 0 of other tendons."""
     tendons, h = evidence.model.tendons, evidence.h
     if not tendons.closed[span.tendon]:
@@ -69,12 +75,12 @@ def _drag(evidence: Evidence, span: CordSpan, grip: int) -> float:
     slid = np.diff(evidence.run.arrays["guide_slip"][:, grip], prepend=0.0)
     apart = h if evidence.every_step else float(np.diff(evidence.run.time[:2]).sum()) or h
     stiffness = float(tendons.stiffness[span.tendon] * rest_lengths(evidence.model)[span.tendon])
-    shortest = min(float(span_length(evidence.loads.frames, evidence.loads.cords, each)[1].min())
+    shortest = min(float(span_length(evidence.loads.frames, evidence.loads.cables, each)[1].min())
                    for each in spans_of(tendons, span.tendon))
     return 5 * DRAG * h * stiffness / max(shortest, ROUNDING) * float(np.abs(slid).max()) / apart
 
 
-def _tension(evidence: Evidence, span: CordSpan) -> Array:
+def _tension(evidence: Evidence, span: CableSpan) -> Array:
     """Tension of a span, that of its first straight piece [N], [n]."""
     tendons = evidence.model.tendons
     piece = int(np.flatnonzero(tendons.stretch_first == span.guides[0])[0])
@@ -102,13 +108,13 @@ def _spans(evidence: Evidence, worst: Worst) -> None:
 
 
 def _add_laws(
-    evidence: Evidence, spans: list[CordSpan], tension: Array, slack: Flags, worst: Worst,
+    evidence: Evidence, spans: list[CableSpan], tension: Array, slack: Flags, worst: Worst,
 ) -> None:
     """Compare spans with the law at the step's end or at mid-step; M is that at its end."""
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
     tendon, count, slip = spans[0].tendon, len(tension), evidence.run.arrays["guide_slip"]
     damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])
-    measured = [span_length(loads.frames, loads.cords, span) for span in spans]
+    measured = [span_length(loads.frames, loads.cables, span) for span in spans]
     length, free = (np.array(each) for each in zip(*measured, strict=True))
     wound = (length - free)[:count, 1:]
     rest = float(rest_lengths(evidence.model)[tendon])
@@ -159,11 +165,11 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
     model, a, h = evidence.model, evidence.run.arrays, evidence.h
     joints, pushes = model.joints, evidence.loads.friction_efforts
     rates = pushes.rates(len(joints.name), evidence.velocity_after)
-    for j in joints.rubbed.tolist():
+    for j in joints.frictional.tolist():
         if not model.bodies.free[joints.bodies[j]].any():
             continue
         friction, sticks = a["joint_friction"][:, j], a["joint_sticks"][:, j] == 1.0
-        sliding = joints.friction[j] + joints.rubbing[j] * carried(evidence, j)
+        sliding = joints.friction[j] + joints.coefficient[j] * carried(evidence, j)
         most, rate, name = joints.static[j] * sliding, rates[j], joints.name[j]
         largest, fast, alone = whole(most), 1 + peak(rate), evidence.answer(pushes, j)
         unsure = EXACT + MEASURED / (h * alone.min() * largest)
@@ -175,7 +181,7 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
         worst.add(f"slip of {name}", np.maximum(beyond, 0.0) / largest, unsure,
                   evidence.holds("joint")[j])
         wrong = np.where(sticks, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
-        floor = SOLVED * fast + STILL[joints.kind[j].rubs == "N m"] + DIGITS / h + (
+        floor = SOLVED * fast + STILL[joints.kind[j].friction_unit == "N m"] + DIGITS / h + (
             HELD * alone * h * 2 * peak(friction) + h * _bend(evidence, j))
         worst.add(name, wrong / fast, floor / fast, evidence.holds("joint")[j])
 

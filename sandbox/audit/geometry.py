@@ -13,7 +13,7 @@ from sandbox.audit.figures import DIGITS, ROUNDING, STOPPED, NotComputed, Worst,
 from sandbox.elements.element import GRAZE
 from sandbox.model.joints import flank_gaps, slipped
 from sandbox.numeric import Array
-from sandbox.samples.cords import lengths, lengths_at_start, lying, rest_lengths, wound_up
+from sandbox.samples.cables import lengths, lengths_at_start, lying, rest_lengths, wound_up
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.values.signals import values
 
@@ -82,7 +82,7 @@ def _across(evidence: Evidence, bodies: Array, points: Array) -> tuple[Array, in
 def _tendon_paths(evidence: Evidence, worst: Worst) -> None:
     loads, names = evidence.loads, evidence.model.tendons.name
     if names:
-        off = lengths(loads.frames, loads.cords) - evidence.run.arrays["tendon_length"].T
+        off = lengths(loads.frames, loads.cables) - evidence.run.arrays["tendon_length"].T
         for name, error in zip(names, np.abs(off), strict=True):
             worst.add(name, error, ROUNDING)
 
@@ -98,7 +98,7 @@ def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
         tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
         name = f"{tendons.name[tendon]} at guide {guide - int(tendons.first[tendon])}"
         radius = abs(float(tendons.guide_radius[guide]))
-        angle, clear = lying(loads.frames, loads.cords, k)
+        angle, clear = lying(loads.frames, loads.cables, k)
         worst.add(name, radius * np.maximum(-angle, 0.0), ROUNDING + GRAZE * radius)
         worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-clear, 0.0)), ROUNDING)
 
@@ -118,10 +118,10 @@ def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
             found = None if tendons.guide_radius[ends].any() else _across(
                 evidence, tendons.guide_body[ends], tendons.guide_at[ends])
             if found:
-                total += found[0] - loads.cords.length[row]
+                total += found[0] - loads.cables.length[row]
                 allowed, crossed = allowed + evidence.joint_slack[found[1]], True
         if crossed:
-            path = lengths(loads.frames, loads.cords)[tendon]
+            path = lengths(loads.frames, loads.cables)[tendon]
             recorded = evidence.run.arrays["tendon_length"][:, tendon]
             worst.add(tendons.name[tendon], np.abs(total + path - recorded), allowed)
 
@@ -229,21 +229,21 @@ def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> t
         float, Array, Array]:
     """Arm of a string at its last guide [m], displacement of its far side, inclination, [n]."""
     loads, tendons = evidence.loads, evidence.model.tendons
-    last, cords = int(tendons.first[tendon + 1]) - 1, loads.cords
+    last, cables = int(tendons.first[tendon + 1]) - 1, loads.cables
     near, far = (complex(*to_world(
         pose_of(evidence.model.mechanism.bodies[tendons.guide_body[guide]]),
         tuple(tendons.guide_at[guide]))) for guide in (last, last - 1))
     radius = float(tendons.guide_radius[last])
     arm = ((near - place) * pull.conjugate()).imag + radius
     row = int(np.flatnonzero(tendons.stretch_tendon == tendon)[-1])
-    straight, offset = cords.length[row], float(tendons.guide_radius[last - 1]) - radius
-    before = lengths(loads.frames, cords)[tendon] - straight - wound_up(
-        loads.frames, cords, tendon, last=True)
-    moved = ((cords.start.x[row] + 1j * cords.start.y[row] - far) * pull.conjugate()).real
+    straight, offset = cables.length[row], float(tendons.guide_radius[last - 1]) - radius
+    before = lengths(loads.frames, cables)[tendon] - straight - wound_up(
+        loads.frames, cables, tendon, last=True)
+    moved = ((cables.start.x[row] + 1j * cables.start.y[row] - far) * pull.conjugate()).real
     # with the present length: the stretch T / k is not an error of the rocker
     displacement = (moved + evidence.run.arrays["tendon_length"][:, tendon] - before
                     - np.sqrt(abs(near - far)**2 - offset**2))
-    slant = 1 - np.abs(((cords.x[row] + 1j * cords.y[row]) * pull.conjugate()).real)
+    slant = 1 - np.abs(((cables.x[row] + 1j * cables.y[row]) * pull.conjugate()).real)
     return arm, displacement, straight * slant
 
 

@@ -18,7 +18,7 @@ from sandbox.model.laws import SpringLaw
 from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags
-from sandbox.samples.cords import lengths, rest_lengths
+from sandbox.samples.cables import lengths, rest_lengths
 
 State = tuple[Sequence[Array], Sequence[Array | float]]
 """Arguments of a law, [n] each, and their errors."""
@@ -55,9 +55,9 @@ def states_of(h: float, place: Array, rates: Sequence[Array], *, turning: bool) 
 
 def _as_built(evidence: Evidence, kind: str) -> Flags:
     """Where elements hold with the scene's rest length, not one of a later engagement, [.., n]."""
-    ties, holds = evidence.model.ties, evidence.holds(kind).copy()
-    for i, tie in enumerate(ties.of(kind).tolist()):
-        if tie >= 0 and ties.as_is[tie]:
+    bonds, holds = evidence.model.bonds, evidence.holds(kind).copy()
+    for i, bond in enumerate(bonds.of(kind).tolist()):
+        if bond >= 0 and bonds.as_is[bond]:
             holds[i] = np.logical_and.accumulate(holds[i])
     return holds
 
@@ -81,9 +81,9 @@ def _tendons(evidence: Evidence, worst: Worst) -> None:
     if not tendons.name:
         return
     holds, rates = _as_built(evidence, "tendon"), [
-        loads.cord_efforts.rates(len(tendons.name), v)
+        loads.cable_efforts.rates(len(tendons.name), v)
         for v in (evidence.velocity, evidence.velocity_after)]
-    stretch = lengths(loads.frames, loads.cords) - rest_lengths(loads.model)[:, None]
+    stretch = lengths(loads.frames, loads.cables) - rest_lengths(loads.model)[:, None]
     for i, name in enumerate(tendons.name):
         tension, c = a["tendon_tension"][:, i], float(tendons.damping[i])
         if len(tendons.gripped(i)):

@@ -33,7 +33,7 @@ def _at_rest(evidence: Evidence) -> Rest:
     if not model.bodies.free.any():
         raise NotComputed("nothing moves freely")
     if (gone := np.flatnonzero(run.arrays["held"][-1] == 0)).size:
-        raise NotComputed(f"{model.ties.name[gone[0]]!r} is released")
+        raise NotComputed(f"{model.bonds.name[gone[0]]!r} is released")
     first = min(len(run) - 1, int(len(run) * (1 - LAST)))
     moving = np.flatnonzero(~model.bodies.fixed)
     v = run.arrays["body_velocity"][first:, moving]

@@ -33,7 +33,7 @@ class JointKind:
     """Whether it has a length, which drives can push and set."""
     angle: bool = False
     """Whether it has an angle, for stops, rotary springs, torques, brakes and motors."""
-    rubs: str = ""
+    friction_unit: str = ""
     """Unit of its dry friction; empty where it has none."""
     more: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Additional quantities with ``limits``, ``backlash``, ``friction`` or a ``path``."""
@@ -153,7 +153,7 @@ class JointSpec(Element):
         return self
 
     @property
-    def rubs(self) -> bool:
+    def has_friction(self) -> bool:
         """Whether it has dry friction."""
         return False
 
@@ -162,8 +162,8 @@ class JointSpec(Element):
         kind = self.facts
         names = [*kind.records, *(
             name for field, more in kind.more.items() for name in more
-            if (self.rubs if field == "friction" else getattr(self, field, None)))]
-        return {name: QUANTITIES[name].unit or kind.rubs for name in names}
+            if (self.has_friction if field == "friction" else getattr(self, field, None)))]
+        return {name: QUANTITIES[name].unit or kind.friction_unit for name in names}
 
     def needed(self, quantity: str) -> str:
         """The field that it needs to record a quantity; empty where no field adds it."""
@@ -206,7 +206,7 @@ class FrictionJoint(ClosingJoint):
     """Ratio of static to sliding friction, 1 or more; 1 by default."""
 
     @property
-    def rubs(self) -> bool:
+    def has_friction(self) -> bool:
         """Whether it has dry friction."""
         return bool(self.constant_friction or self.friction_coefficient)
 
@@ -222,12 +222,12 @@ class FrictionJoint(ClosingJoint):
         return "static friction above that of sliding" if self.static > 1 else ""
 
     @model_validator(mode="after")
-    def _rubbing(self) -> Self:
+    def _check_friction(self) -> Self:
         constant = self.constant_friction
         if constant and self.friction_coefficient:
             raise WrongValueError("conflicting-keys", "give 'friction' or 'friction_coefficient', "
                                   "not both")
-        if self.static > 1 and not self.rubs:
+        if self.static > 1 and not self.has_friction:
             raise WrongValueError("conflicting-keys", "'static' needs 'friction' or "
                                   "'friction_coefficient'")
         return self

@@ -48,7 +48,7 @@ class Pin(FrictionJoint):
 
     facts = JointKind(
         "point", ("angle", "rate", *REACTION, "damping", "damping_work"), angle=True,
-        rubs="N m", more={"limits": ("stop",), "friction": FRICTION})
+        friction_unit="N m", more={"limits": ("stop",), "friction": FRICTION})
 
     type: Literal["pin"] = TYPE
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
@@ -85,7 +85,7 @@ class Pin(FrictionJoint):
         return 1.0 if self.positive == "counterclockwise" else -1.0
 
     @property
-    def rubbing(self) -> float:
+    def coefficient(self) -> float:
         """Friction torque per reaction [m]."""
         return self.friction_coefficient * (self.pin_radius or 0.0)
 
@@ -120,7 +120,7 @@ class Slot(FrictionJoint):
     """A point of ``b`` slides along a groove of ``a``, straight or along a smooth path."""
 
     facts = JointKind(
-        "groove", REACTION, rubs="N",
+        "groove", REACTION, friction_unit="N",
         more={"friction": FRICTION, "path": ("position", "speed", "normal")},
         mujoco_loop="a groove that closes a loop")
 
@@ -166,7 +166,7 @@ class Slot(FrictionJoint):
     def columns(self, at: Anchors) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
         groove = {} if self.path else {"groove": (self.start, self.end)}
-        return {"rubbing": self.friction_coefficient, **groove}
+        return {"coefficient": self.friction_coefficient, **groove}
 
     def path_points(self) -> tuple[tuple[Vec, ...] | None, bool]:
         """Points of its path in the frame of ``a`` [m], if it has one; whether the path closes."""

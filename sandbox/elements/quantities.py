@@ -55,7 +55,7 @@ USUAL: Mapping[str, str] = {"meter": "", "tendon": "tension", "joint": "angle", 
 TELLING = ("value", "x", "y", "contact.normal", "force", "torque", "angle", "length", "tension",
            "reaction", "pressure", "flow", "fx", "fy", "power")
 """Order in which quantities of one element are shown; others follow."""
-TIED: Mapping[str, Quantity] = {
+BOND_QUANTITIES: Mapping[str, Quantity] = {
     "held": recorded("held", "1", "of elements that can be released: 1 while engaged, 0 while "
                                   "released",
                   live=True, yes_no=True),
@@ -123,7 +123,7 @@ def row_of(element: str, quantity: str) -> Quantity | None:
     if found := numbered(element, quantity):
         return NUMBERED[found[0]]
     return QUANTITIES.get(element, {}).get(quantity) or (
-        GRASP if element == "body" else TIED).get(quantity)
+        GRASP if element == "body" else BOND_QUANTITIES).get(quantity)
 
 
 def about(element: str, quantity: str) -> str:
@@ -157,7 +157,7 @@ def reserved(kind: str) -> frozenset[str]:
     those begin with.
     """
     names = [*QUANTITIES.get(NAMED[kind].one, {}),
-             *(TIED if kind in RELEASABLE else ())]
+             *(BOND_QUANTITIES if kind in RELEASABLE else ())]
     return frozenset(".".join(name.split(".")[:count]) for name in names
                      for count in range(1, name.count(".") + 2))
 

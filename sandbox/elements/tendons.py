@@ -1,4 +1,4 @@
-"""Tendons: cords routed through guides, with one tension along the path where it slides freely."""
+"""Tendons routed through guides, with one tension along the path where they slide freely."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ class Tendon(Element):
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         if self.pretension is not None and (self.rest_length is not None or self.slack):
-            raise WrongValueError("conflicting-keys", "a cord has a pretension, or a rest_length "
+            raise WrongValueError("conflicting-keys", "a tendon has a pretension, or a rest_length "
                                   "and slack, not both")
         if self.closed and len(self.guides) == 2 and not any(g.radius for g in self.guides):
             raise WrongValueError("bad-tendon-path", "a loop of two guides encloses nothing: give "
@@ -133,19 +133,19 @@ class Tendon(Element):
 
     @property
     def path(self) -> tuple[Guide, ...]:
-        """The guides as the cord passes them: of a loop the first one comes last again."""
+        """The guides as the tendon passes them: of a loop the first one comes last again."""
         return (*self.guides, self.guides[0]) if self.closed else self.guides
 
     @property
     def gripping(self) -> tuple[int, ...]:
-        """Which guides hold the cord by friction; a loop that one alone holds, none does."""
+        """Which guides hold the tendon by friction; a loop that one alone holds, none does."""
         inner = range(0 if self.closed else 1, len(self.guides) - (0 if self.closed else 1))
         found = tuple(k for k in inner if self.guides[k].friction > 0.0)
         return () if self.closed and len(found) == 1 else found
 
     @property
     def lifting(self) -> tuple[int, ...]:
-        """Which wheels the cord can lift off; of a loop not its first guide."""
+        """Which wheels the tendon can lift off; of a loop not its first guide."""
         inner = range(1, len(self.guides) - (0 if self.closed else 1))
         return tuple(k for k in inner if self.guides[k].radius > 0.0 and not self.guides[k].turns
                      and k not in self.gripping)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from sandbox.engine import memory as at
+from sandbox.engine.bonds import release_and_engage
 from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.groups import apply_forces, is_valid
 from sandbox.engine.islands import soften
@@ -20,7 +21,6 @@ from sandbox.engine.snapshot import (
     take,
 )
 from sandbox.engine.solve import SETTLED, solve
-from sandbox.engine.ties import release_and_engage
 from sandbox.engine.touching import list_contacts_of_step, short
 from sandbox.numeric import Array, Matrix, Stack
 

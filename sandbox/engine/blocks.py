@@ -46,7 +46,7 @@ def minimum_degree(
         place[i] = -1
     for s in range(n):
         node = -1
-        for i in range(n):  # ties go to the lowest number
+        for i in range(n):  # equal values go to the lowest number
             if place[i] < 0 and (node < 0 or degree[i] < degree[node]):
                 node = i
         place[node], order[s] = s, node

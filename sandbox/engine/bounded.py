@@ -5,10 +5,10 @@ Contacts, stops, ropes, ends of grooves, motors and brakes each have a rate y an
     low <= p <= high,   y = 0 in between,   y >= 0 at low,   y <= 0 at high,    y = f + G p
 
 a contact's tangential row with the bounds -mu p_n and mu p_n, and that of a guide that holds its
-cord likewise, by the sum of the tensions on either side; that sum is a row of its own, which acts
-on nothing: y = p - sum, without bounds; what a joint carries, by which it rubs, is another. G is
-what the rows make of one another through the mechanism, f what they see without them. A row's
-*mode* says which of the three holds; modes given, p follows from one linear system. Where that
+tendon likewise, by the sum of the tensions on either side; that sum is a row of its own, which acts
+on nothing: y = p - sum, without bounds; the load of a joint, which bounds its friction, is
+another. G is the response of the rows to one another through the mechanism, f their state without
+them. A row's *mode* says which of the three holds; modes given, p follows from one linear system. Where that
 breaks a bound or leaves a rate of the wrong sign the mode changes, and so on until nothing does:
 
 - a row goes from one bound to the other by way of y = 0 only;
@@ -424,7 +424,7 @@ def _bounds(rows: Records, k: int) -> tuple[float, float]:
 def push(inverse_mass: Array, row: Any, p: float, velocity: Array) -> None:
     """Add what an impulse of a bounded row does to the velocities of its bodies."""
     a, b = row["a"], row["b"]
-    if a >= len(velocity):  # what is bounded is the slip of a cord
+    if a >= len(velocity):  # what is bounded is the slip of a tendon
         return
     wa, wb = inverse_mass[a, 0] * p, inverse_mass[b, 0] * p
     velocity[a, 0] += wa * row["ax"]

@@ -18,13 +18,13 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.bonds import empty_rows, holds
 from sandbox.engine.bounded import push
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.records import CORDED, GRIPPED, JOINED, SPRINGY
+from sandbox.engine.records import GRIPPED, JOINED, PULLING, SPRINGY
 from sandbox.engine.report import add_limit, joint_force
 from sandbox.engine.state import DRIVEN, JOINT_FRICTION, LIMITED
-from sandbox.engine.ties import empty_rows, holds
 
 TOGETHER = 1e-6
 """Share of a step within which two loads are come to at once."""
@@ -32,19 +32,20 @@ NEVER = 2.0
 """As the share of the step at which a load was come to: it was not."""
 
 
-@entry_point("ties")
+@entry_point("bonds")
 def breaks(table: int, h: float, n: int) -> bool:
     """Release what reached its limit first in this step of n bounded rows; whether any did."""
-    ties = at.ties(table)
+    bonds = at.bonds(table)
     first, made, broken = NEVER, at.made(table), at.broken(table)
-    for i in range(len(ties)):
-        if ties[i]["held"] == 1 and ties[i]["breaks_at"] < math.inf:
-            ties[i]["load"] = _load(table, h, n, i)
-            first = min(first, _when(ties[i]["load"], ties[i]["breaks_at"], ties[i]["last_load"]))
-    for i in range(len(ties)):
-        if ties[i]["held"] == 0:
+    for i in range(len(bonds)):
+        if bonds[i]["held"] == 1 and bonds[i]["breaks_at"] < math.inf:
+            bonds[i]["load"] = _load(table, h, n, i)
+            first = min(first, _when(bonds[i]["load"], bonds[i]["breaks_at"],
+                                     bonds[i]["last_load"]))
+    for i in range(len(bonds)):
+        if bonds[i]["held"] == 0:
             continue
-        load, most, last = ties[i]["load"], ties[i]["breaks_at"], ties[i]["last_load"]
+        load, most, last = bonds[i]["load"], bonds[i]["breaks_at"], bonds[i]["last_load"]
         when = _when(load, most, last)
         if when > first + TOGETHER or when > 1.0:
             continue
@@ -52,19 +53,19 @@ def breaks(table: int, h: float, n: int) -> bool:
         share = 0.0
         if last == last:
             share = max((when - 0.5) * most, -0.5 * last) / load
-        ties[i]["held"], ties[i]["broke"] = 0, 1
+        bonds[i]["held"], bonds[i]["broke"] = 0, 1
         if made[2] < len(broken):  # there is room to write it down
             one = broken[made[2]]
-            one["tie"], one["row"], one["when"] = i, made[1], when
+            one["bond"], one["row"], one["when"] = i, made[1], when
             made[2] += 1
-        what, k = ties[i]["what"], ties[i]["index"]
+        what, k = bonds[i]["what"], bonds[i]["index"]
         if what == JOINED:
             _cut_joint(table, h, n, k, share)
-        elif what == CORDED:
-            _cut_cord(table, h, k, share)
-            for span in range(at.cords(table)[k]["spans"], at.cords(table)[k]["spans_end"]):
-                _cut_cord(table, h, span, share)
-        elif holds(table, at.springs(table)[k]["hinge_tie"]):  # else it was cut with its hinge
+        elif what == PULLING:
+            _cut_cable(table, h, k, share)
+            for span in range(at.cables(table)[k]["spans"], at.cables(table)[k]["spans_end"]):
+                _cut_cable(table, h, span, share)
+        elif holds(table, at.springs(table)[k]["hinge_bond"]):  # else it was cut with its hinge
             _cut_spring(table, h, k, share)
     return first <= 1.0
 
@@ -80,8 +81,8 @@ def _when(load: float, most: float, last: float) -> float:
 
 
 @kernel
-def _load(table: int, h: float, n: int, tie: int) -> float:
-    what, i = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"]
+def _load(table: int, h: float, n: int, bond: int) -> float:
+    what, i = at.bonds(table)[bond]["what"], at.bonds(table)[bond]["index"]
     rows, unknown = at.rows(table), at.unknowns(table)[3]
     if what == JOINED:
         joint = at.joints(table)[i]
@@ -95,21 +96,21 @@ def _load(table: int, h: float, n: int, tie: int) -> float:
         row = at.springs(table)[i]["row"]
         return float(abs(
             unknown[row] / h if row >= 0 else at.springs(table)[i]["effort"]))
-    cord = at.cords(table)[i]
-    if cord["kind"] != GRIPPED:
+    cable = at.cables(table)[i]
+    if cable["kind"] != GRIPPED:
         return _tension(table, h, i)
     most = 0.0
-    for k in range(cord["spans"], cord["spans_end"]):
+    for k in range(cable["spans"], cable["spans_end"]):
         most = max(most, _tension(table, h, k))
     return most
 
 
 @kernel
 def _tension(table: int, h: float, i: int) -> float:
-    row = at.cords(table)[i]["row"]
+    row = at.cables(table)[i]["row"]
     if row < 0:
-        return float(at.cords(table)[i]["tension"])
-    return max(at.unknowns(table)[3][row] / h, 0.0) if at.cords(table)[i]["active"] else 0.0
+        return float(at.cables(table)[i]["tension"])
+    return max(at.unknowns(table)[3][row] / h, 0.0) if at.cables(table)[i]["active"] else 0.0
 
 
 @kernel
@@ -150,10 +151,10 @@ def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
     _cut_bounded(table, n, j, share)
     springs, actions = at.springs(table), at.actions(table)
     for k in range(len(springs)):
-        if springs[k]["hinge_tie"] == joint["tie"] and holds(table, springs[k]["tie"]):
+        if springs[k]["hinge_bond"] == joint["bond"] and holds(table, springs[k]["bond"]):
             _cut_spring(table, h, k, share)
     for k in range(len(actions)):  # the torque or push that a drive gives is taken back
-        if actions[k]["tie"] == joint["tie"] and actions[k]["motor"] < 0:
+        if actions[k]["bond"] == joint["bond"] and actions[k]["motor"] < 0:
             _kick_along(table, at.joints(table)[actions[k]["joint"]], -h * actions[k]["torque"])
             actions[k]["torque"] = 0.0
 
@@ -162,7 +163,7 @@ def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
 def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
     """The same of its limits and dry friction, and of motors and servos about it."""
     rows, limits = at.rows(table), at.limits(table)
-    motors, tie = at.motors(table), at.joints(table)[j]["tie"]
+    motors, bond = at.motors(table), at.joints(table)[j]["bond"]
     for k in range(len(limits)):
         if limits[k]["joint"] == j:
             limits[k]["impulse"] = 0.0
@@ -172,7 +173,7 @@ def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
             limits[i]["impulse"] = p
         elif source == JOINT_FRICTION and at.dry_friction(table)[i]["joint"] == j:
             at.dry_friction(table)[i]["impulse"] = p
-        elif source == DRIVEN and at.motors(table)[i]["tie"] == tie:
+        elif source == DRIVEN and at.motors(table)[i]["bond"] == bond:
             motors[i]["impulse"] = p
         else:
             continue
@@ -197,19 +198,19 @@ def _cut_spring(table: int, h: float, k: int, share: float) -> None:
 
 
 @kernel
-def _cut_cord(table: int, h: float, i: int, share: float) -> None:
-    cord = at.cords(table)[i]
-    if cord["kind"] == GRIPPED:
-        cord["active"] = 0
+def _cut_cable(table: int, h: float, i: int, share: float) -> None:
+    cable = at.cables(table)[i]
+    if cable["kind"] == GRIPPED:
+        cable["active"] = 0
         return
     tension = _tension(table, h, i)
-    if cord["row"] >= 0:
-        if cord["active"]:
-            _give(table, cord["entry"], cord["entries"], share * h * tension)
-        cord["active"] = 0
+    if cable["row"] >= 0:
+        if cable["active"]:
+            _give(table, cable["entry"], cable["entries"], share * h * tension)
+        cable["active"] = 0
     else:
         guides, p = at.guides(table), (share - 1.0) * h * tension
-        for g in range(cord["first"], cord["last"]):
+        for g in range(cable["first"], cable["last"]):
             _kick(table, guides[g]["body"], -p * guides[g]["jx"], -p * guides[g]["jy"],
                   -p * guides[g]["jt"])
-    cord["tension"] = share * tension
+    cable["tension"] = share * tension

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.bonds import holds, joint_holds
 from sandbox.engine.bounded import (
     FADE,
     HOLD_TANGENT,
@@ -24,7 +25,6 @@ from sandbox.engine.records import FLANK, STOP
 from sandbox.engine.rows import beyond
 from sandbox.engine.state import HOLDS, LIMITED, NORMAL, SLIDES, STILL, TANGENT
 from sandbox.engine.tendons import slip_rows
-from sandbox.engine.ties import holds, joint_holds
 from sandbox.numeric import Array, Records
 
 RETURN, RETURN_TURNING = 0.1, 1.0
@@ -103,7 +103,7 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
     n = 0
     motors = at.motors(table)
     for i in range(len(motors)):
-        if holds(table, motors[i]["tie"]):
+        if holds(table, motors[i]["bond"]):
             motor_row(table, h, drive, i, n)
             n += 1
     for i in range(len(at.dry_friction(table))):

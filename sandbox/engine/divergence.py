@@ -61,7 +61,7 @@ def _driver(tables: Tables, bodies: Container[int]) -> int:
 
 
 def _joined(world: World, body: int) -> set[int]:
-    """The bodies, in pymunk's order, that joints tie to one by way of free bodies."""
+    """The bodies, in pymunk's order, that joints bond to one by way of free bodies."""
     place = {number: i for i, number in enumerate(world.order)}
     for joints in together(world.model):
         found = {place[number] for number in world.model.joints.bodies[joints].ravel().tolist()}

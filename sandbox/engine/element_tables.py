@@ -109,13 +109,13 @@ def records_of(rows: Sequence[Row], record: np.dtype[Any]) -> Records:
 def drive_tables(places: PlacedBodies, h: float) -> tuple[Records, Records]:
     """MOTOR, of motors, servos and brakes; ACTION, of all drives that act on bodies."""
     model = places.model
-    drives, joints, ties = model.drives, model.joints, model.ties
+    drives, joints, bonds = model.drives, model.joints, model.bonds
     stiff = stiff_servos(model, h)
     motors: list[Row] = []
     actions: list[Row] = []
     for i in drives.giving("force", "torque", "push", "surface").tolist():
         kind, target = drives.kind[i], int(drives.target[i])
-        action: Row = {"drive": i, "motor": -1, "tie": -1, "joint": -1, "b": -1}
+        action: Row = {"drive": i, "motor": -1, "bond": -1, "joint": -1, "b": -1}
         actions.append(action)
         if kind.gives == "surface":
             action |= {"a": places.number[target], "runs": 1, "sense": drives.sense[i]}
@@ -128,7 +128,7 @@ def drive_tables(places: PlacedBodies, h: float) -> tuple[Records, Records]:
             continue
         line = kind.gives == "push"
         shared = places.ends(joints.bodies[target]) | {
-            "drive": i, "joint": target, "line": line, "tie": ties.joint[target],
+            "drive": i, "joint": target, "line": line, "bond": bonds.joint[target],
             "sense": 1.0 if line else joints.sense[target]}
         action |= shared
         if kind.limited:
@@ -155,7 +155,7 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
             "keeps": KEEPS[kind.keeps], "row": -1, "row_y": -1, "row_turn": -1,
             "turn": poses[bodies[1], 2] - poses[bodies[0], 2], "hinge": joints.angle[i],
             "stopped": np.isfinite(joints.stops[i]).all(), "sense": joints.sense[i],
-            "zero": joints.zero[i], "tie": model.ties.joint[i], "span": -1, "flank": 1.0,
+            "zero": joints.zero[i], "bond": model.bonds.joint[i], "span": -1, "flank": 1.0,
             "line": kind.line or path is not None}
         if path is not None:
             row["reach"] = 1.0 / max(float(np.abs(path.nodes[:, 3]).max()), 1.0 / path.length)
@@ -230,20 +230,20 @@ def dry_friction_table(
     joints: Records, model: Model, first: int,
 ) -> tuple[Records, list[tuple[int, int]]]:
     """Dry friction of joints, and pairs of rows whose load bounds it."""
-    held = [j for j in model.joints.rubbed.tolist() if joints[j]["row"] >= 0]
+    held = [j for j in model.joints.frictional.tolist() if joints[j]["row"] >= 0]
     table = np.zeros(len(held), records.DRY_FRICTION)
     table["ux"], table["bound"] = 1.0, np.nan
     sums: list[tuple[int, int]] = []
-    for rub, j in zip(table, held, strict=True):
-        rub["joint"], rub["sum"] = j, -1
-        rub["most"], rub["share"] = model.joints.friction[j], model.joints.rubbing[j]
-        rub["static"] = model.joints.static[j]
-        if rub["share"] > 0:
-            rub["sum"] = first + len(sums)
+    for dry, j in zip(table, held, strict=True):
+        dry["joint"], dry["sum"] = j, -1
+        dry["most"], dry["share"] = model.joints.friction[j], model.joints.coefficient[j]
+        dry["static"] = model.joints.static[j]
+        if dry["share"] > 0:
+            dry["sum"] = first + len(sums)
             one, two = int(joints[j]["row"]), int(joints[j]["row_y"])
             sums.append((one, two if two >= 0 else one))
         slides = model.joints.kind[j].keeps == "groove"
-        rub["mode"] = -np.sign(sliding(model, j) if slides else turning(model, j))
+        dry["mode"] = -np.sign(sliding(model, j) if slides else turning(model, j))
     return table, sums
 
 
@@ -252,14 +252,14 @@ def spring_table(
 ) -> Records:
     """Rotary springs, straight springs, damping of hinges."""
     model = places.model
-    springs, joints, ties = model.springs, model.joints, model.ties
+    springs, joints, bonds = model.springs, model.joints, model.bonds
     stiff, response = too_stiff(model, h), responses(model)
     table: list[Row] = []
     for i in np.argsort(springs.straight, kind="stable").tolist():
         law = springs.law[i]
         row: Row = {
             "number": i, "joint": -1, "drive": springs.drive[i], "k": springs.stiffness[i],
-            "sense": 1.0, "row": -1, "tie": ties.spring[i], "hinge_tie": -1,
+            "sense": 1.0, "row": -1, "bond": bonds.spring[i], "hinge_bond": -1,
             "of_rate": law is not None and law.of_rate, "response": response[i]}
         row["code"], row["code_end"] = laws[id(law.program)] if law else (-1, -1)
         if springs.straight[i]:
@@ -270,7 +270,7 @@ def spring_table(
             joint = int(springs.joint[i])
             row |= places.ends(joints.bodies[joint]) | {
                 "joint": joint, "turning": 1, "sense": joints.sense[joint], "c": 0.0,
-                "hinge_tie": ties.joint[joint]}
+                "hinge_bond": bonds.joint[joint]}
             row["rest"] = joints.sense[joint] * (springs.rest[i] + joints.zero[joint])
         row["kind"] = (records.STIFF if stiff[i] else records.DAMPED if row["c"] > 0
                        else records.ELASTIC)
@@ -280,8 +280,8 @@ def spring_table(
     for joint in joints.hinges.tolist():
         row = places.ends(joints.bodies[joint]) | {
             "number": -1, "joint": joint, "turning": 1, "kind": records.DAMPED, "drive": -1,
-            "c": model.hinge_damping[joint], "sense": 1.0, "code": -1, "tie": -1,
-            "hinge_tie": ties.joint[joint]}
+            "c": model.hinge_damping[joint], "sense": 1.0, "code": -1, "bond": -1,
+            "hinge_bond": bonds.joint[joint]}
         if row["c"] > 0 and places.moves(row):
             row["row"], row["entry"] = rows.add(row["a"], row["b"])
             table.append(row)
@@ -396,23 +396,23 @@ def fluid_tables(
              "valves": valves, "pumps": pumps}, [(own_rows[a], own_rows[b]) for a, b in meet])
 
 
-def tie_table(model: Model, springs: Records, cords: Records) -> Records:
-    """TIE, [nr]; spans of cords get the number of theirs."""
-    ties = model.ties
-    table = np.zeros(len(ties.name), records.TIE)
-    table["breaks_at"], table["over"] = ties.breaks_at, ties.over
-    table["as_is"], table["drive"] = ties.as_is, ties.drive
-    table["held"] = table["driven"] = ties.held
+def bond_table(model: Model, springs: Records, cables: Records) -> Records:
+    """BOND, [nr]; spans of tendons get the number of theirs."""
+    bonds = model.bonds
+    table = np.zeros(len(bonds.name), records.BOND)
+    table["breaks_at"], table["over"] = bonds.breaks_at, bonds.over
+    table["as_is"], table["drive"] = bonds.as_is, bonds.drive
+    table["held"] = table["driven"] = bonds.held
     table["last_load"], table["age"], table["wish"] = np.nan, records.SETTLED, records.NONE
-    for row in np.flatnonzero(springs["tie"] >= 0):
-        own = table[springs["tie"][row]]
+    for row in np.flatnonzero(springs["bond"] >= 0):
+        own = table[springs["bond"][row]]
         own["what"], own["index"] = records.SPRINGY, row
-    for what, numbers in ((records.JOINED, ties.joint), (records.CORDED, ties.tendon)):
+    for what, numbers in ((records.JOINED, bonds.joint), (records.PULLING, bonds.tendon)):
         own = np.flatnonzero(numbers >= 0)
         table["what"][numbers[own]], table["index"][numbers[own]] = what, own
     whole = len(model.tendons.name)
-    cords["tie"][:whole] = ties.tendon
-    cords["tie"][whole:] = ties.tendon[cords["whole"][whole:]]
+    cables["bond"][:whole] = bonds.tendon
+    cables["bond"][whole:] = bonds.tendon[cables["whole"][whole:]]
     return table
 
 

@@ -224,7 +224,7 @@ FEATURES: dict[str, Callable[[Constants, Elements], bool]] = {
     "bounces": lambda c, e: bool((c.restitution > 0.0).any()),
     "bounded": lambda c, e: any(map(
         len, (e.limits, e.motors, e.slips, e.dry_friction, c.shapes))),
-    "cords": lambda c, e: len(e.cords) > 0,
+    "cables": lambda c, e: len(e.cables) > 0,
     "curves": lambda c, e: bool((c.shapes["span"] >= 0).any()),
     "fluids": lambda c, e: bool(len(e.fluids) or len(e.valves) or len(e.pumps)),
     "piles": lambda c, e: bool((c.loose >= 0).any()),
@@ -235,9 +235,9 @@ FEATURES: dict[str, Callable[[Constants, Elements], bool]] = {
     "paths": lambda c, e: bool((e.joints["span"] >= 0).any()),
     "shapes": lambda c, e: len(c.shapes) > 0,
     "skin": lambda c, e: bool((c.skin > 0.0).any()),
-    "slips": lambda c, e: bool(len(e.slips) or (e.cords["spans"] < e.cords["spans_end"]).any()),
+    "slips": lambda c, e: bool(len(e.slips) or (e.cables["spans"] < e.cables["spans_end"]).any()),
     "springs": lambda c, e: len(e.springs) > 0,
     "static": lambda c, e: bool((c.static > 1.0).any() or (e.dry_friction["static"] > 1.0).any()),
     "teeth": lambda c, e: bool(np.isin(e.joints["keeps"], (GEAR, RACK, ROLL)).any()),
-    "ties": lambda c, e: len(e.ties) > 0,
+    "bonds": lambda c, e: len(e.bonds) > 0,
 }

@@ -60,14 +60,14 @@ NOTHING = 1e-13
 
 
 @kernel
-def _along(table: int, h: float, rub: Any, out: Any) -> None:
+def _along(table: int, h: float, dry: Any, out: Any) -> None:
     """The coefficients of a joint's free rate: of turning, or along its groove.
 
     Where a groove turns, or bodies turn against it, the way bends: the step asks for that in
     advance, and for what is left of it in the next one, so that what holds stays where it is.
     """
     joint, body, before, turn = (
-        at.joints(table)[rub["joint"]], at.body(table), at.before(table), at.turn(table))
+        at.joints(table)[dry["joint"]], at.body(table), at.before(table), at.turn(table))
     put_coordinate(out, joint, 1.0)
     if joint["keeps"] != GROOVE:
         return
@@ -82,57 +82,57 @@ def _along(table: int, h: float, rub: Any, out: Any) -> None:
     bend = (wa * wa * (dx * qx + dy * qy) - wb * wb * (dx * bx + dy * by)
             + 2.0 * wa * (dx * vy - dy * vx))
     out["want"] = 0.5 * h * bend
-    if rub["mode"] != 0:
-        rub["kept"] = 0
-    elif rub["kept"] == 0:
-        rub["kept"], rub["place"] = 1, joint["way"]
+    if dry["mode"] != 0:
+        dry["kept"] = 0
+    elif dry["kept"] == 0:
+        dry["kept"], dry["place"] = 1, joint["way"]
     else:
-        out["want"] += beyond(joint["way"] - rub["place"]) / h
+        out["want"] += beyond(joint["way"] - dry["place"]) / h
 
 
 @entry_point("joint_friction")
 def friction_rows(table: int, h: float, i: int, n: int) -> int:
     """Add the rows of a joint's load and of its dry friction; the number of rows then."""
-    rub, rows = at.dry_friction(table)[i], at.rows(table)
-    joint, holds = at.joints(table)[rub["joint"]], rub["mode"] == 0
-    more = rub["static"] if holds else 1.0
-    hangs = rub["share"] > 0.0
-    if hangs:
+    dry, rows = at.dry_friction(table)[i], at.rows(table)
+    joint, holds = at.joints(table)[dry["joint"]], dry["mode"] == 0
+    more = dry["static"] if holds else 1.0
+    by_load = dry["share"] > 0.0
+    if by_load:
         out = rows[n]
-        begin_row(out, JOINT_LOAD, i, rub["sum"], rub["sum"], rub["pressed"], 0)
+        begin_row(out, JOINT_LOAD, i, dry["sum"], dry["sum"], dry["pressed"], 0)
         out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
-        out["ax"], out["ay"] = -rub["ux"], -rub["uy"]
-    m = n + 1 if hangs else n
+        out["ax"], out["ay"] = -dry["ux"], -dry["uy"]
+    m = n + 1 if by_load else n
     out = rows[m]
-    begin_row(out, JOINT_FRICTION, i, joint["a"], joint["b"], rub["impulse"], rub["mode"])
+    begin_row(out, JOINT_FRICTION, i, joint["a"], joint["b"], dry["impulse"], dry["mode"])
     out["passive"] = 1
-    _along(table, h, rub, out)
-    most = 0.0 if hangs else h * more * rub["most"]
+    _along(table, h, dry, out)
+    most = 0.0 if by_load else h * more * dry["most"]
     out["low"], out["high"] = -most, most
-    out["normal"], out["friction"] = n if hangs else -1, more * rub["share"]
-    out["static"], out["phase"] = rub["static"], HOLDS if holds and more > 1.0 else SLIDES
-    out["spare"], out["gave"], out["slip"] = rub["bound"], rub["impulse"], rub["mode"]
+    out["normal"], out["friction"] = n if by_load else -1, more * dry["share"]
+    out["static"], out["phase"] = dry["static"], HOLDS if holds and more > 1.0 else SLIDES
+    out["spare"], out["gave"], out["slip"] = dry["bound"], dry["impulse"], dry["mode"]
     return m + 1
 
 
 @entry_point("joint_friction")
 def change_friction(table: int, n: int) -> bool:
     """Measure along what joints carry now; whether any friction was measured along another way."""
-    rows, rubs = at.rows(table), at.dry_friction(table)
+    rows, frictions = at.rows(table), at.dry_friction(table)
     unknown, changed = at.unknowns(table)[3], False
     for k in range(n - 1):
         if rows[k]["source"] != JOINT_LOAD:
             continue
         row, friction = rows[k], rows[k + 1]
         i = row["index"]
-        joint = at.joints(table)[rubs[i]["joint"]]
+        joint = at.joints(table)[frictions[i]["joint"]]
         x = unknown[joint["row"]]
         y = unknown[joint["row_y"]] if joint["row_y"] >= 0 else 0.0
         size = math.hypot(x, y)
         off = size + row["ax"] * x + row["ay"] * y
         felt = off * friction["friction"] * friction["base"]
         if off > SAME * size and felt > NOTHING:
-            rubs[i]["ux"], rubs[i]["uy"] = x / size, y / size
+            frictions[i]["ux"], frictions[i]["uy"] = x / size, y / size
             row["ax"], row["ay"] = -x / size, -y / size
             changed = True
     return changed
@@ -141,35 +141,36 @@ def change_friction(table: int, n: int) -> bool:
 @entry_point("joint_friction")
 def report_friction(table: int, h: float, i: int, p: float, mode: int, bound: float) -> None:
     """Note what friction was in the step: its impulse on ``b``, the row's mode and static bound."""
-    rub = at.dry_friction(table)[i]
-    k = rub["joint"]
+    dry = at.dry_friction(table)[i]
+    k = dry["joint"]
     joint = at.joints(table)[k]
-    rub["impulse"], rub["mode"], rub["bound"] = p, mode, bound
-    rub["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
+    dry["impulse"], dry["mode"], dry["bound"] = p, mode, bound
+    dry["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
     # a rigid drive may hold what friction has left at its bound: nothing moves all the same
     rate = abs(joint_rate(table, k, at.velocity(table)))
     still = STILL if joint["keeps"] == GROOVE else STILL_TURNING
-    rub["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
+    dry["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
 
 
 @entry_point("joint_friction")
 def release_friction(table: int, h: float, i: int, p: float) -> None:
     """Let friction of a released joint be none but ``p``; where it held it is not drawn back to."""
-    rub = at.dry_friction(table)[i]
-    rub["pressed"] = rub["place"] = 0.0
-    rate = joint_rate(table, rub["joint"], at.velocity(table))
+    dry = at.dry_friction(table)[i]
+    dry["pressed"] = dry["place"] = 0.0
+    rate = joint_rate(table, dry["joint"], at.velocity(table))
     report_friction(table, h, i, p, -1 if rate > 0.0 else 1 if rate < 0.0 else 0, math.nan)
-    rub["kept"] = 0
-    rub["sticks"] = 0.0
+    dry["kept"] = 0
+    dry["sticks"] = 0.0
 
 
 @entry_point("joint_friction")
 def add_friction_work(table: int, h: float, v: Matrix) -> None:
     """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
-    rubs = at.dry_friction(table)
-    for i in range(len(rubs)):
-        rubs[i]["step_work"] = rubs[i]["impulse"] * joint_rate(table, rubs[i]["joint"], v)
-        rubs[i]["work"] += rubs[i]["step_work"]
+    frictions = at.dry_friction(table)
+    for i in range(len(frictions)):
+        rate = joint_rate(table, frictions[i]["joint"], v)
+        frictions[i]["step_work"] = frictions[i]["impulse"] * rate
+        frictions[i]["work"] += frictions[i]["step_work"]
 
 
 @entry_point("static")

@@ -18,6 +18,7 @@ Bounded rows: :mod:`sandbox.engine.candidates`; results and work: :mod:`sandbox.
 
 from __future__ import annotations
 
+from sandbox.engine.bonds import release_rows
 from sandbox.engine.fluid_report import contained, flowing
 from sandbox.engine.fluids import change_lines, fluid_rows, join_lines, swell
 from sandbox.engine.friction import change_friction
@@ -26,8 +27,7 @@ from sandbox.engine.loads import change_loads, load_rows, press, timed
 from sandbox.engine.motors import brake_in_time, drive_forces
 from sandbox.engine.rows import joint_rows
 from sandbox.engine.springs import change_laws, law_rows, spring_rows, stretch
-from sandbox.engine.tendons import change_cords, cord_rows, pull, slacken
-from sandbox.engine.ties import release_rows
+from sandbox.engine.tendons import cable_rows, change_cables, pull, slacken
 from sandbox.numeric import Array
 
 # phases of one group
@@ -58,7 +58,7 @@ def set_rows(table: int, h: float, drive: Array) -> None:
 @kernel
 def update_rows(table: int, h: float, drive: Array) -> None:
     """Set the rows that depend on active sets."""
-    cord_rows(table, h)
+    cable_rows(table, h)
     fluid_rows(table, h, drive)
 
 
@@ -73,7 +73,7 @@ def change(
     """
     changed, converging = change_laws(table, h, drive), change_loads(table, h)
     changed |= change_friction(table, n)
-    changed |= again or change_cords(table, h, attempt) or change_lines(table, h, drive, attempt)
+    changed |= again or change_cables(table, h, attempt) or change_lines(table, h, drive, attempt)
     return changed, converging
 
 

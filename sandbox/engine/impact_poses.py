@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.bonds import release_rows
 from sandbox.engine.bounded import choose, eliminate, free_rate, make_system, push
 from sandbox.engine.coordinates import ends
 from sandbox.engine.entry_points import entry_point
@@ -31,7 +32,6 @@ from sandbox.engine.rows import (
     right_side,
 )
 from sandbox.engine.state import NORMAL, TANGENT
-from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array
 
 CLOSINGS = 3

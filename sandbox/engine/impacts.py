@@ -69,7 +69,7 @@ def _list(table: int, h: float, rows: Records) -> tuple[int, float]:
     touches, n, first = at.touches(table), 0, 0.0
     for i in range(at.touching(table)[0]):
         t = touches[i]
-        t["bounce"] = t["rub"] = t["led"] = 0.0
+        t["bounce"] = t["drag"] = t["led"] = 0.0
         if t["restitution"] > 0.0 and n + 1 < len(rows):
             first = min(first, meet(table, h, i, rows[n]))
             rows[n]["last"] = 0.0
@@ -120,7 +120,7 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
                 if rows[q]["normal"] < 0:
                     t["bounce"] += p
                 else:
-                    t["rub"] += p
+                    t["drag"] += p
                 push(inverse_mass, rows[q], p * now, delayed)
                 for k in range(n):
                     change = G[k, q] * p
@@ -218,8 +218,8 @@ def foresee_impacts(table: int, h: float, kept: int) -> bool:
 def impacts(table: int, h: float, kept: int) -> bool:
     """Reflect approaches; the contacts' impulses are put into ``kick``. Whether there are any.
 
-    What cords and dampers make of them is found with all else that they carry. The impulses of the
-    joints in the pose of the impact are in the last row of ``unknowns``.
+    What tendons and dampers make of them is found with all else that they carry. The impulses of
+    the joints in the pose of the impact are in the last row of ``unknowns``.
     """
     kick, delayed, touches, body = (
         at.kick(table), at.delayed(table), at.touches(table), at.body(table))
@@ -234,7 +234,7 @@ def impacts(table: int, h: float, kept: int) -> bool:
         i = rows[k]["index"]
         t = touches[i]
         push(at.inverse_mass(table), rows[k],
-             t["bounce"] if rows[k]["normal"] < 0 else t["rub"], kick)
+             t["bounce"] if rows[k]["normal"] < 0 else t["drag"], kick)
         if t["bounce"] == 0.0:
             place_as_found(table, i)
         elif rows[k]["normal"] < 0:

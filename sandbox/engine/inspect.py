@@ -79,12 +79,12 @@ def look_over(mechanism: Mechanism) -> Inspection:
     """The problems of :func:`inspect`, and the cost of a run."""
     model = compile_mechanism(mechanism)
     allowed = allowed_pairs(model)
-    (solids, near), cords = overlaps(model, allowed), list(tendon_problems(model))
-    astray = {problem.path for problem in cords if problem.blocks}  # no check of their vibration
+    (solids, near), cables = overlaps(model, allowed), list(tendon_problems(model))
+    astray = {problem.path for problem in cables if problem.blocks}  # no check of their vibration
     problems = [
         *nothing_to_run(mechanism), *joint_problems(model), *wheel_problems(model),
         *shared_problems(model),
-        *solids, *mass_problems(model, allowed), *cords,
+        *solids, *mass_problems(model, allowed), *cables,
         *hand_problems(model, allowed),
         *line_problems(model), *load_problems(model),
         *against_step(model),

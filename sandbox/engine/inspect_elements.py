@@ -19,7 +19,7 @@ from sandbox.model.meters import names_read
 from sandbox.model.model import NONE, Model
 from sandbox.model.tendons import lifted_at_start, passes_by
 from sandbox.numeric import Array, Flags
-from sandbox.samples.cords import lengths_at_start, rest_lengths, wraps_at_start
+from sandbox.samples.cables import lengths_at_start, rest_lengths, wraps_at_start
 from sandbox.samples.grasps import OF_HANDS, of_hand
 from sandbox.scene.geometry import Vec, outline
 from sandbox.values.signals import values
@@ -311,9 +311,9 @@ INSTANTS = 257
 
 def idle_problems(model: Model) -> Iterator[Problem]:
     """Drives and events without effect, or outside of limits."""
-    ties, drives, joints, events = model.ties, model.drives, model.joints, model.mechanism.events
-    loose = {ties.name[tie] for tie in np.flatnonzero(
-        ~ties.held | np.isfinite(ties.breaks_at) | (ties.drive >= 0))}
+    bonds, drives, joints, events = model.bonds, model.drives, model.joints, model.mechanism.events
+    loose = {bonds.name[bond] for bond in np.flatnonzero(
+        ~bonds.held | np.isfinite(bonds.breaks_at) | (bonds.drive >= 0))}
     loose |= {name for event in events for name in event.release}
     for i, event in enumerate(events):
         for j, name in enumerate(event.take_up):
@@ -325,9 +325,9 @@ def idle_problems(model: Model) -> Iterator[Problem]:
              for name in (*event.take_up, *(event.release if event.lasts is not None else ()))}
     for i, (kind, name) in enumerate(zip(drives.kind, drives.name, strict=True)):
         path, target = f"$.drives[{i}]", int(drives.target[i])
-        tie = int(ties.joint[target]) if kind.target.among == "joints" else NONE
-        if not ties.begins(tie) and ties.drive[tie] < 0 and ties.name[tie] not in taken:
-            yield look("no-effect", path, name, f"acts on {ties.name[tie]}, which is released "
+        bond = int(bonds.joint[target]) if kind.target.among == "joints" else NONE
+        if not bonds.begins(bond) and bonds.drive[bond] < 0 and bonds.name[bond] not in taken:
+            yield look("no-effect", path, name, f"acts on {bonds.name[bond]}, which is released "
                        "from the start and never taken up", "an event or a drive that takes it up")
         if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
             yield look("no-effect", f"{path}.body", name, f"{model.bodies.name[target]} has no "

@@ -59,7 +59,7 @@ def shared_problems(model: Model) -> Iterator[Problem]:
                    "not determine each reaction; the smallest that balance are recorded",
                    "remove one, or give it a degree of freedom, to determine them")
     for j in shared:
-        if model.joints.rubbing[j] > 0:
+        if model.joints.coefficient[j] > 0:
             yield look("overconstrained", f"$.joints[{j}].friction_coefficient",
                        model.joints.name[j], "its friction depends on a reaction that statics does "
                        "not determine", "give 'friction' as a number, or remove redundant joints")
@@ -67,7 +67,7 @@ def shared_problems(model: Model) -> Iterator[Problem]:
 
 def _begins(model: Model, joint: int) -> bool:
     """Whether a joint is closed at t = 0."""
-    return model.ties.begins(int(model.ties.joint[joint]))
+    return model.bonds.begins(int(model.bonds.joint[joint]))
 
 
 def _apart(model: Model, joint: int, distance: float) -> str:

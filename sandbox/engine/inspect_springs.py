@@ -34,7 +34,7 @@ from sandbox.engine.stiffness import (
     largest_stiffness,
     range_of_stretch,
     responses,
-    stiff_cords,
+    stiff_cables,
     too_stiff,
     turning,
 )
@@ -51,7 +51,7 @@ from sandbox.model.supports import (
     row_of,
 )
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cords import Pulls, pulls_at_start, rest_lengths
+from sandbox.samples.cables import Pulls, pulls_at_start, rest_lengths
 
 COARSE = 0.5
 """h w at which the frequency is 1 % off: (0.5)^2 / 24."""
@@ -173,7 +173,7 @@ class _Mode(NamedTuple):
     """Damping ratio."""
     omega: float
     """[rad/s]"""
-    cord: int
+    cable: int
     """The tendon with the largest share."""
     damping: float
     """Damping of this tendon [N s/m] for :data:`ENOUGH`."""
@@ -187,7 +187,7 @@ class _Element(NamedTuple):
     stiffness: float
     damping: float
     """With h k added if it is solved at the end of a step h."""
-    cord: int = NONE
+    cable: int = NONE
 
 
 def ringing_problems(model: Model) -> Iterator[Problem]:
@@ -200,11 +200,11 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
     elements = _elements(model, pulls)
     ringing = _ringing(model, elements, now)
     later = {} if (now == free).all() else _ringing(model, elements, free)
-    for cord, mode in sorted((later | ringing).items()):
+    for cable, mode in sorted((later | ringing).items()):
         periods = -math.log(LEFT) / (2 * math.pi * mode.ratio)
-        yield look("undamped", f"$.tendons[{cord}]", model.tendons.name[cord], "vibrates at "
+        yield look("undamped", f"$.tendons[{cable}]", model.tendons.name[cable], "vibrates at "
                    f"{mode.omega / (2 * math.pi):.3g} "
-                   f"Hz{'' if cord in ringing else ' once all tendons are taut'}: it decays to "
+                   f"Hz{'' if cable in ringing else ' once all tendons are taut'}: it decays to "
                    f"{100 * LEFT:.0f} % in {periods:.3g} periods, "
                    f"{2 * math.pi * periods / mode.omega:.2g} s", "with 'damping' "
                    f"{mode.damping:.3g} N s/m it would take {PERIODS} periods")
@@ -213,7 +213,7 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
 def _elements(model: Model, pulls: Pulls) -> list[_Element]:
     """All tendons, springs and dampers of hinges."""
     h, springs, joints = model.mechanism.run.step, model.springs, model.joints
-    damping = model.tendons.damping + h * model.tendons.stiffness * stiff_cords(model, h)
+    damping = model.tendons.damping + h * model.tendons.stiffness * stiff_cables(model, h)
     found = [_Element(pulls.parts(i), float(k), float(damping[i]), i)
              for i, k in enumerate(model.tendons.stiffness)]
     largest = largest_stiffness(model)
@@ -229,7 +229,7 @@ def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _
     rigid = taut & (model.tendons.stiffness >= RIGID)
     at: dict[int, dict[int, _Element]] = {}
     for i, element in enumerate(elements):
-        if element.cord == NONE or taut[element.cord]:
+        if element.cable == NONE or taut[element.cable]:
             for body, _ in element.parts:
                 at.setdefault(body, {})[i] = element
     worst: dict[int, _Mode] = {}
@@ -237,16 +237,16 @@ def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _
         if 3 * len(bodies) <= LARGEST_GROUP:
             here = {i: each for body in bodies.tolist() for i, each in at.get(body, {}).items()}
             for mode in _modes(model, bodies, [here[i] for i in sorted(here)], rigid):
-                worst[mode.cord] = min(worst.get(mode.cord, mode), mode)
-    return {cord: mode for cord, mode in worst.items() if mode.ratio < ENOUGH}
+                worst[mode.cable] = min(worst.get(mode.cable, mode), mode)
+    return {cable: mode for cable, mode in worst.items() if mode.ratio < ENOUGH}
 
 
 def _modes(
     model: Model, bodies: Integers, elements: list[_Element], rigid: Flags,
 ) -> Iterator[_Mode]:
     """The modes of a group of bodies with their elements."""
-    cord = np.array([each.cord for each in elements], dtype=np.int64)
-    stiff = np.array([c != NONE and rigid[c] for c in cord], dtype=bool)
+    cable = np.array([each.cable for each in elements], dtype=np.int64)
+    stiff = np.array([c != NONE and rigid[c] for c in cable], dtype=bool)
     if not stiff.any():
         return
     stiffness, damping = (np.array([getattr(each, name) for each in elements])
@@ -266,7 +266,7 @@ def _modes(
             omega, most = math.sqrt(float(square)), int(share.argmax())
             ratio = float(damping @ moved) / (2 * omega)
             more = max(ENOUGH - ratio, 0.0) * 2 * omega / float(moved[most])
-            number = int(cord[most])
+            number = int(cable[most])
             yield _Mode(ratio, omega, number, float(model.tendons.damping[number]) + more)
 
 

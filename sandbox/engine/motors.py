@@ -22,13 +22,13 @@ from __future__ import annotations
 import math
 
 from sandbox.engine import memory as at
+from sandbox.engine.bonds import holds
 from sandbox.engine.bounded import HOLD, UNBOUNDED, begin_row, eliminate, put_coordinate, rate
 from sandbox.engine.coordinates import ahead, ends, vector_ahead
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import PACED, PLACED, SPRUNG
 from sandbox.engine.state import DRIVEN
-from sandbox.engine.ties import holds
 from sandbox.numeric import Array
 
 CAUTION = 0.999
@@ -144,7 +144,7 @@ def drive_forces(table: int, drive: Array) -> None:
         a = action["a"]
         if action["motor"] >= 0 or action["runs"]:
             continue
-        if not holds(table, action["tie"]):
+        if not holds(table, action["bond"]):
             action["torque"] = 0.0
             continue
         value = drive[action["drive"]]

@@ -1,6 +1,6 @@
 """The bilateral rows: their pattern, made once, and the factorisation in each step.
 
-Each bilateral row r (a joint's, a damper's, a stiff cord's) has entries: a body and three
+Each bilateral row r (a joint's, a damper's, a stiff tendon's) has entries: a body and three
 coefficients J. With W the inverse masses the rows meet in S = sum J W J' over the free bodies
 that they share, which is sparse and, for mechanisms that branch, factors with next to no
 fill when the unknowns go in order of least degree. A body that very many rows act on would

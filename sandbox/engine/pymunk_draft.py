@@ -226,7 +226,7 @@ def _without_counterpart(model: Model, filters: Filters) -> Iterator[tuple[str, 
                 yield getattr(element, "name", kind), what
     for event in mechanism.events:
         yield event.name, "an event"
-    for name in model.ties.name:
+    for name in model.bonds.name:
         yield name, RELEASED
     for name, material in mechanism.materials.items():
         if material.static > 1:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sandbox.elements.quantities import TIED, is_live, numbered
+from sandbox.elements.quantities import BOND_QUANTITIES, is_live, numbered
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
@@ -26,7 +26,7 @@ RESULTS: dict[tuple[str, str], tuple[str, str]] = {
     ("joint", "friction"): ("dry_friction", "force"),
     ("joint", "sticks"): ("dry_friction", "sticks"),
     ("spring", "length"): ("springs", "way"),
-    ("tendon", "tension"): ("cords", "tension"), ("tendon", "length"): ("cords", "length"),
+    ("tendon", "tension"): ("cables", "tension"), ("tendon", "length"): ("cables", "length"),
     ("line", "pressure"): ("fluids", "pressure"), ("line", "flow"): ("fluids", "flow"),
     ("load", "fx"): ("loads", "fx"), ("load", "fy"): ("loads", "fy"),
     ("load", "torque"): ("loads", "torque"), ("drive", "flow"): ("pumps", "flow")}
@@ -69,9 +69,9 @@ class Readings:
         source = self.catalogue.find(name)
         if not is_live(source.kind, source.quantity):
             raise KeyError(name)
-        if source.quantity in TIED:
-            number = self.model.ties.of(source.kind)[source.index]
-            return _item(self.tables.elements.ties["held"], int(number))
+        if source.quantity in BOND_QUANTITIES:
+            number = self.model.bonds.of(source.kind)[source.index]
+            return _item(self.tables.elements.bonds["held"], int(number))
         if place := RESULTS.get((source.kind, source.quantity)):
             return self._result(*place, source.index)
         kinds: dict[str, Callable[[Source], Read]] = {
@@ -162,7 +162,7 @@ class Readings:
     def _tendon(self, source: Source) -> Read:
         if at := numbered("tendon", source.quantity):
             return self._at_guide(source.index, *at)
-        length = self._result("cords", "length", source.index)
+        length = self._result("cables", "length", source.index)
         start = float(self.sampler.builder.statics["tendon_initial"][source.index])
         wound = self._wound_up(source.index)
         return (lambda: start - length() + wound()) if wound else lambda: start - length()
@@ -178,7 +178,7 @@ class Readings:
             slip = int(np.flatnonzero(tendons.grips == guide)[0])
             return _item(elements.slips["way"], slip)
         piece = np.flatnonzero(tendons.stretch_tendon == tendon)[number]
-        last = _item(elements.cords["tension"], tendon)
+        last = _item(elements.cables["tension"], tendon)
         behind = [_item(elements.slips["force"], k) for k in tendons.gripped(tendon).tolist()
                   if tendons.grips[k] > tendons.stretch_first[piece]]
         return lambda: last() - sum(force() for force in behind)

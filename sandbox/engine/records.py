@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
-"""Kinds of cord and spring: solved at the step's end; of given tension; soft, its tension
-that of the pose; soft with a damper, solved at mid-step. Of spans of a cord that guides hold by
-friction: soft, solved evenly about the pose; and that cord as a whole, whose spans pull."""
+"""Kinds of tendon and spring: solved at the step's end; of given tension; soft, its tension
+that of the pose; soft with a damper, solved at mid-step. Of spans of a tendon that guides hold by
+friction: soft, solved evenly about the pose; and that tendon as a whole, whose spans pull."""
 SOFT = 1.0
 """h^2 k s from which on an element is solved at the step's end (:mod:`sandbox.engine.stiffness`); a
 leapfrog breaks down at 4."""
@@ -28,7 +28,7 @@ ACTION = np.dtype([
     ("line", np.int64),     # whether that is an actuator, which is pushed
     ("motor", np.int64),    # -1, or the number of a motor or brake
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
-    ("tie", np.int64),      # TIE of the hinge, or -1
+    ("bond", np.int64),      # BOND of the hinge, or -1
     ("runs", np.int64),     # whether it is the surface of a that runs
     ("fx", float), ("fy", float),   # of a force, in the world [N]
     ("work", float),        # done on the bodies since t = 0 [J]
@@ -53,7 +53,7 @@ SPRING = np.dtype([
     ("code", np.int64), ("code_end", np.int64),     # steps of its law, or -1
     ("of_rate", np.int64),  # whether its law depends on the rate
     ("response", float),    # bound of the response of its ends to a unit effort [1/kg, 1/(kg m^2)]
-    ("tie", np.int64), ("hinge_tie", np.int64),     # TIE of the spring and of its hinge, or -1
+    ("bond", np.int64), ("hinge_bond", np.int64),     # BOND of the spring and of its hinge, or -1
     ("rest", float),        # its coordinate at rest [m, rad]
     ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # what its coordinate depends on
     ("stiff", np.int64),    # whether a law is taken at the step's end
@@ -90,7 +90,7 @@ JOINT = np.dtype([
     ("hinge", np.int64), ("stopped", np.int64),     # whether it has an angle; and stops
     ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
     ("zero", float),        # what its angle is less by [rad]
-    ("tie", np.int64),      # its TIE, or -1
+    ("bond", np.int64),      # its BOND, or -1
     ("line", np.int64),     # whether its length is recorded: of an actuator, a slot with a path
     ("span", np.int64), ("span_end", np.int64),     # SPANs of the path of a slot; -1 without
     ("around", float),      # length of a closed path, else 0 [m]
@@ -122,7 +122,7 @@ MOTOR = np.dtype([
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
     ("most", float),        # of a motor [N m]; nan of a brake, whose value that is
     ("slope", float),       # of a motor with a line [N m s/rad]; nan of others
-    ("tie", np.int64),      # TIE of the hinge, or -1
+    ("bond", np.int64),      # BOND of the hinge, or -1
     ("law", np.int64),      # PACED, SPRUNG or PLACED
     ("joint", np.int64),    # that it drives
     ("line", np.int64),     # whether that is an actuator, which it lengthens [N, m for N m, rad]
@@ -160,7 +160,7 @@ DRY_FRICTION = np.dtype([
     ("step_work", float),   # [J]
 ])
 
-CORD = np.dtype([
+CABLE = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its guides
     ("kind", np.int64),     # STIFF, PULL, ELASTIC, DAMPED, EVEN or GRIPPED
     ("closed", np.int64),   # whether its last guide is its first
@@ -168,14 +168,14 @@ CORD = np.dtype([
     ("drive", np.int64),    # that pulls it, or -1
     ("stiffener", np.int64),    # drive that sets its stiffness, or -1
     ("c", float),           # [N s/m]; of a span it is this over what is in it [N s]
-    ("whole", np.int64),    # of a span the cord that it is of, or -1
-    ("spans", np.int64), ("spans_end", np.int64),   # of a cord that guides grip
-    ("least", float),       # so much of a cord counts as being in a span, at least [m]
+    ("whole", np.int64),    # of a span the tendon that it is of, or -1
+    ("spans", np.int64), ("spans_end", np.int64),   # of a tendon that guides grip
+    ("least", float),       # so much of a tendon counts as being in a span, at least [m]
     ("response", float),    # largest J M^-1 J^T in any pose [1/kg]
     ("row", np.int64),      # its unknown, or -1
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
     ("into", np.int64), ("out_of", np.int64),   # entries of what slips into a span and out of it
-    ("tie", np.int64),      # TIE of the cord, or -1
+    ("bond", np.int64),      # BOND of the tendon, or -1
     ("active", np.int64),   # whether it pulled in the last solve
     ("k", float),           # in force [N/m]; of a span it is this over what is in it [N]
     ("rest", float),        # length up to which it is slack; of a span with what it wound up [m]
@@ -191,17 +191,17 @@ GUIDE = np.dtype([
     ("body", np.int64), ("x", float), ("y", float),     # place [m]
     ("radius", float),      # of the wheel, positive where its centre lies right of the path [m]
     ("turns", float),       # whole ones round it at t = 0, besides
-    ("lifts", np.int64),    # whether the cord can lift off its wheel
-    ("entry", np.int64),    # where its share of the cord's row is added, if that has one
+    ("lifts", np.int64),    # whether the tendon can lift off its wheel
+    ("entry", np.int64),    # where its share of the tendon's row is added, if that has one
     ("jx", float), ("jy", float),   # dL/dx, dL/dy of the body
     ("jt", float),          # dL/dangle [m]
-    ("wrap", float),        # angle round the wheel, or where a wound cord leaves it [rad]
-    ("wrap0", float),       # the same at t = 0, of a wound cord
-    ("lifted", np.int64),   # whether the cord is off its wheel
+    ("wrap", float),        # angle round the wheel, or where a wound tendon leaves it [rad]
+    ("wrap0", float),       # the same at t = 0, of a wound tendon
+    ("lifted", np.int64),   # whether the tendon is off its wheel
 ])
 
 SLIP = np.dtype([
-    ("cord", np.int64),     # whole, that slips
+    ("cable", np.int64),     # whole, that slips
     ("guide", np.int64),    # its guide at which it does
     ("twin", np.int64),     # the same guide at the end of a loop, or -1
     ("before", np.int64), ("after", np.int64),      # spans on either side
@@ -212,7 +212,7 @@ SLIP = np.dtype([
     ("pressed", float),     # sum of both tensions' impulses in the last step [N s]
     ("mode", np.int64),     # as of BOUND
     ("rate", float),        # [m/s]
-    ("way", float),         # of cord from the span before into that after since t = 0 [m]
+    ("way", float),         # of tendon from the span before into that after since t = 0 [m]
     ("force", float),       # by how much the tension behind is larger than that before [N]
 ])
 
@@ -312,15 +312,15 @@ which loads slow motion along each of three axes [1/s]; these axes; scratch."""
 NUMBERS = 13
 """How many rows there are."""
 
-JOINED, SPRINGY, CORDED = 0, 1, 2
-"""What is released: a joint, a spring, a cord."""
+JOINED, SPRINGY, PULLING = 0, 1, 2
+"""What is released: a joint, a spring, a tendon."""
 SETTLED, TAKEN = -1.0, -2.0
 """As the time since a joint was taken up: its gap is closed; it is still to be looked at."""
 NONE = -1
 """No wish."""
 
-TIE = np.dtype([
-    ("what", np.int64),     # JOINED, SPRINGY or CORDED
+BOND = np.dtype([
+    ("what", np.int64),     # JOINED, SPRINGY or PULLING
     ("index", np.int64),    # in the table of these
     ("breaks_at", float),   # [N, N m]
     ("over", float),        # time in which a joint's gap closes [s]
@@ -338,14 +338,14 @@ TIE = np.dtype([
     ("held", np.int64),
 ])
 BROKEN = np.dtype([
-    ("tie", np.int64),      # what came to its load
+    ("bond", np.int64),      # what came to its load
     ("row", np.int64),      # the step in which it did, counted from 0 among those made in one go
     ("when", float),        # since the middle of the step before it, as a share of the step
 ])
 
 SAMPLED = {
-    "actions": "work", "springs": "way", "cords": "work", "guides": "lifted", "slips": "way",
+    "actions": "work", "springs": "way", "cables": "work", "guides": "lifted", "slips": "way",
     "joints": "twist_a", "limits": "impulse", "dry_friction": "work", "fluids": "content",
-    "valves": "flow", "pumps": "work", "loads": "work", "ties": "held",
+    "valves": "flow", "pumps": "work", "loads": "work", "bonds": "held",
 }
 """The tables that samples copy, and from which field on; recorded values are computed later."""

@@ -11,6 +11,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.bonds import acts, holds, report_bonds
 from sandbox.engine.coordinates import toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluid_report import add_fluid_work, report_lines
@@ -31,8 +32,7 @@ from sandbox.engine.state import (
     NORMAL,
     TANGENT,
 )
-from sandbox.engine.tendons import add_cord_work, report_cords, slipped
-from sandbox.engine.ties import acts, holds, tied
+from sandbox.engine.tendons import add_cable_work, report_cables, slipped
 from sandbox.numeric import Array
 
 
@@ -41,38 +41,38 @@ def report(table: int, h: float, drive: Array, n: int) -> None:
     """Write the impulses into the tables of their elements."""
     unknown = at.unknowns(table)[3]
     report_springs(table, h)
-    report_cords(table, h)
+    report_cables(table, h)
     slipped(table, h)
     joints = at.joints(table)
     for i in range(len(joints)):
-        if acts(table, joints[i]["tie"]):
+        if acts(table, joints[i]["bond"]):
             joint_force(h, joints[i], unknown)
         _change_flank(joints[i], unknown)
     _report_bounded(table, h, n)
-    tied(table, h)
+    report_bonds(table, h)
     report_lines(table, h, drive)
 
 
 @kernel
 def _report_bounded(table: int, h: float, n: int) -> None:
     rows, touches, motors = at.rows(table), at.touches(table), at.motors(table)
-    limits, rubs = at.limits(table), at.dry_friction(table)
+    limits, frictions = at.limits(table), at.dry_friction(table)
     slips, joints = at.slips(table), at.joints(table)
     for i in range(len(slips)):
         slips[i]["impulse"] = slips[i]["pressed"] = slips[i]["mode"] = 0
     for i in range(len(limits)):
-        if acts(table, joints[limits[i]["joint"]]["tie"]):
+        if acts(table, joints[limits[i]["joint"]]["bond"]):
             limits[i]["impulse"] = 0.0
     for i in range(len(motors)):
-        tie = motors[i]["tie"]
-        if not holds(table, tie):
+        bond = motors[i]["bond"]
+        if not holds(table, bond):
             motors[i]["target"] = math.nan
-            if acts(table, tie):
+            if acts(table, bond):
                 motors[i]["impulse"] = 0.0
-    for i in range(len(rubs)):
-        tie = joints[at.dry_friction(table)[i]["joint"]]["tie"]
-        if not holds(table, tie):
-            release_friction(table, h, i, 0.0 if acts(table, tie) else rubs[i]["impulse"])
+    for i in range(len(frictions)):
+        bond = joints[at.dry_friction(table)[i]["joint"]]["bond"]
+        if not holds(table, bond):
+            release_friction(table, h, i, 0.0 if acts(table, bond) else frictions[i]["impulse"])
     for i in range(at.touching(table)[0]):
         t = touches[i]
         if t["listed"] == PILED:
@@ -96,7 +96,7 @@ def _report_bounded(table: int, h: float, n: int) -> None:
         elif row["source"] == CABLE_FRICTION:
             slips[i]["impulse"], slips[i]["mode"] = p, row["mode"]
         elif row["source"] == JOINT_LOAD:
-            rubs[i]["pressed"] = p
+            frictions[i]["pressed"] = p
         elif row["source"] == JOINT_FRICTION:
             mode, bound = row["mode"], math.nan
             if row["phase"] == HOLDS:
@@ -185,7 +185,7 @@ def add_work(table: int, h: float) -> None:
         action["step_work"] = h * power
         action["work"] += h * power
     add_spring_work(table, h, v)
-    add_cord_work(table, h, v)
+    add_cable_work(table, h, v)
     add_friction_work(table, h, v)
     add_fluid_work(table, h, v)
     add_load_work(table, h, v)
@@ -197,5 +197,5 @@ def _tangential_impulse(table: int, body: int) -> float:
     touches, p = at.touches(table), 0.0
     for i in range(at.touching(table)[0]):
         if touches[i]["a"] == body or touches[i]["b"] == body:
-            p += touches[i]["tangent"] + touches[i]["rub"]
+            p += touches[i]["tangent"] + touches[i]["drag"]
     return p

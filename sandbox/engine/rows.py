@@ -18,6 +18,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.bonds import joint_holds, remaining_gap
 from sandbox.engine.coordinates import (
     ends,
     flank,
@@ -37,7 +38,6 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.narrow_phase import CONFORMING, nearest_start
 from sandbox.engine.plan import backward, forward
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
-from sandbox.engine.ties import joint_holds, remaining_gap
 from sandbox.numeric import Array, Records
 
 LEAST = 1e-100
@@ -250,7 +250,7 @@ def joint_gaps(table: int, h: float) -> float:
         if joint["row"] < 0 or not joint_holds(table, k):
             continue
         a, b = joint["a"], joint["b"]
-        left_x, left_y, _ = remaining_gap(table, joint["tie"], h)
+        left_x, left_y, _ = remaining_gap(table, joint["bond"], h)
         if toothed(joint):
             gap = wheel_gap(table, h, k)
             gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"]) - kept[joint["row"]]

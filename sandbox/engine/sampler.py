@@ -16,7 +16,7 @@ from sandbox.engine.snapshot import list_contacts, make_snapshot
 from sandbox.engine.state import CONTACT
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
-from sandbox.model.ties import held_one
+from sandbox.model.bonds import held_one
 from sandbox.numeric import Array, Integers, Records
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts, merge_contacts
@@ -117,7 +117,7 @@ class Sampler:
         arrays["load_torque"][:, number] = loads["torque"]
         arrays["load_work"][:, number] = self._work("loads", n)
         self._write_drives(arrays, n)
-        arrays["held"][:] = self._of("ties", n)["held"]
+        arrays["held"][:] = self._of("bonds", n)["held"]
         self.builder.put(self.done, arrays)
         each = np.diff(kept.fill[:n], prepend=0)
         sample = np.repeat(np.arange(self.done, self.done + n), each)
@@ -187,8 +187,8 @@ class Sampler:
     def _write_tendons(self, arrays: Arrays, n: int) -> None:
         whole = slice(len(self.model.tendons.name))  # spans come after these
         for name in ("length", "tension"):
-            arrays[f"tendon_{name}"][:] = self._of("cords", n)[name][:, whole]
-        arrays["tendon_work"][:] = self._work("cords", n)[:, whole]
+            arrays[f"tendon_{name}"][:] = self._of("cables", n)[name][:, whole]
+        arrays["tendon_work"][:] = self._work("cables", n)[:, whole]
         arrays["guide_friction"][:] = self._of("slips", n)["force"]
         arrays["guide_slip"][:] = self._of("slips", n)["way"]
         arrays["guide_lifted"][:] = (
@@ -210,7 +210,7 @@ class Sampler:
 
     def _write_drives(self, arrays: Arrays, n: int) -> None:
         elements = self.tables.elements
-        actions, cords, pumps = elements.actions, elements.cords, elements.pumps["drive"]
+        actions, cables, pumps = elements.actions, elements.cables, elements.pumps["drive"]
         torque, work = self._of("actions", n)["torque"], arrays["drive_work"]
         arrays["drive_value"][:] = self.kept.drive[:n]
         limited, runs = actions["motor"] >= 0, actions["runs"] == 1
@@ -218,11 +218,11 @@ class Sampler:
             actions["sense"][limited] * torque[:, limited])
         arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
         arrays["drive_flow"][:, pumps] = self._of("pumps", n)["flow"]
-        pulled = cords["kind"] == PULL
+        pulled = cables["kind"] == PULL
         work[:] = 0.0
         work[:, actions["drive"]] = self._work("actions", n)
         work[:, pumps] = self._work("pumps", n)
-        work[:, cords["drive"][pulled]] = self._work("cords", n)[:, pulled]
+        work[:, cables["drive"][pulled]] = self._work("cables", n)[:, pulled]
 
     def _write_springs(self, arrays: Arrays, n: int) -> None:
         """Springs and the damping of hinges, which springs with a rotary damper share."""
@@ -241,7 +241,7 @@ class Sampler:
         arrays["spring_work"][:, own] = work[:, straight]
         for k in np.flatnonzero(~straight & ~damped).tolist():
             i, j = int(springs["number"][k]), int(springs["joint"][k])
-            holds = held_one(self.model.ties.joint[j], self._of("ties", n)["held"])
+            holds = held_one(self.model.bonds.joint[j], self._of("bonds", n)["held"])
             arrays["spring_work"][:, i] = work[:, k]
             arrays["spring_length"][:, i] = arrays["joint_angle"][:, j]
             arrays["spring_force"][:, i] = (

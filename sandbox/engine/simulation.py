@@ -18,6 +18,7 @@ import pymunk
 from sandbox import __version__
 from sandbox.elements.controllers.custom import Custom, customs
 from sandbox.engine.advance import advance
+from sandbox.engine.bonds import taken_breaks
 from sandbox.engine.divergence import diverged
 from sandbox.engine.inputs import Clock, Inputs, make_clock
 from sandbox.engine.inspect_control import Checked, Runnable, checked
@@ -29,7 +30,6 @@ from sandbox.engine.sampler import Sampler
 from sandbox.engine.start import Beginning, start
 from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables, enlarged, make_tables
-from sandbox.engine.ties import taken_breaks
 from sandbox.engine.touching import rows_for
 from sandbox.engine.world import World
 from sandbox.errors import (
@@ -78,7 +78,7 @@ class Simulation:
 
     Raises:
         SceneError: a controller or an event that reads or writes what the mechanism does
-            not have; a joint along a line, or a cord between guides, that has no direction.
+            not have; a joint along a line, or a tendon between guides, that has no direction.
     """
 
     def __init__(
@@ -266,7 +266,7 @@ class Simulation:
                 due = every - (done + made) % every
                 new = advance(address, h, drive[made:], speeds[made:], due, every)
                 self._broke += taken_breaks(
-                    self._tables, self._model.ties.name, done + made, clock.step)
+                    self._tables, self._model.bonds.name, done + made, clock.step)
                 sampler.record_impacts(done + made)
                 made += new
                 if made == count:
@@ -428,8 +428,8 @@ class Simulation:
         tendons = len(self._model.tendons.name)
         return {"body_centre": bodies.centre, "body_mass": bodies.mass,
                 "body_inertia": bodies.inertia,
-                "tendon_initial": tables.elements.cords["length"][:tendons].copy(),
-                "tendon_rest": tables.elements.cords["rest"][:tendons].copy()}
+                "tendon_initial": tables.elements.cables["length"][:tendons].copy(),
+                "tendon_rest": tables.elements.cables["rest"][:tendons].copy()}
 
 
 def _whole(number: object, path: str) -> int:

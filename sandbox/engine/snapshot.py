@@ -35,7 +35,7 @@ def make_snapshot(samples: int, tables: Tables, contacts: int) -> Snapshot:
         copies.append((records.ctypes.data + offset, copied[name].ctypes.data, len(records),
                        records.itemsize // 8, tail.itemsize // 8))
     drives = len(tables.state.last_drive)
-    tendons = int(np.count_nonzero(elements.cords["whole"] < 0))
+    tendons = int(np.count_nonzero(elements.cables["whole"] < 0))
     sizes = {
         "samples": samples, "bodies": len(tables.constants.bodies), "drives": drives,
         "contacts": contacts, "mean_contacts": 2 * contacts,
@@ -123,12 +123,12 @@ def list_contacts(touches: Records, count: int, body: Array, out: Records, m: in
             c["a"], c["b"], c["gap"] = t["a"], t["b"], t["gap"]
             c["x"], c["y"] = body[t["a"], 0] + t["ax"], body[t["a"], 1] + t["ay"]
             c["nx"], c["ny"] = t["nx"], t["ny"]
-            c["normal"], c["tangent"] = normal, t["tangent"] + t["rub"]
+            c["normal"], c["tangent"] = normal, t["tangent"] + t["drag"]
             c["twist"] = 0.0
             if t["bounce"] != 0.0:  # an impact is where both surfaces will be when it happens
                 x = body[t["b"], 0] + t["bx"] - body[t["a"], 0] - t["ax"]
                 y = body[t["b"], 1] + t["by"] - body[t["a"], 1] - t["ay"]
-                tangent = t["tangent"] + t["rub"]
+                tangent = t["tangent"] + t["drag"]
                 c["twist"] = (x * (normal * t["ny"] + tangent * t["nx"])
                               - y * (normal * t["nx"] - tangent * t["ny"]))
             m += 1
@@ -203,14 +203,14 @@ def add_forces(table: int, h: float) -> None:
             j = limits[i]["joint"]
             torque = joints[j]["sense"] * limits[i]["side"] * limits[i]["impulse"] / h
             sums[FORCES * j + 3] += share * torque
-    rubs = at.dry_friction(table)
-    for i in range(len(rubs)):
-        sums[FORCES * rubs[i]["joint"] + 4] += share * rubs[i]["force"]
+    frictions = at.dry_friction(table)
+    for i in range(len(frictions)):
+        sums[FORCES * frictions[i]["joint"] + 4] += share * frictions[i]["force"]
     k = FORCES * len(joints)
-    cords, slips = at.cords(table), at.slips(table)
+    cables, slips = at.cables(table), at.slips(table)
     tendons = len(sums) - k - len(slips) - len(at.last_drive(table))
-    for i in range(tendons):  # spans of cords come after these
-        sums[k + i] += share * cords[i]["tension"]
+    for i in range(tendons):  # spans of tendons come after these
+        sums[k + i] += share * cables[i]["tension"]
     k += tendons
     for i in range(len(slips)):
         sums[k + i] += share * slips[i]["force"]
@@ -250,7 +250,7 @@ def _add_contacts(table: int, share: float) -> None:
 @kernel
 def _impulse(touch: Any) -> tuple[float, float]:
     """Of a contact on its first body in the step just made [N s]."""
-    normal, tangent = touch["normal"] + touch["bounce"], touch["tangent"] + touch["rub"]
+    normal, tangent = touch["normal"] + touch["bounce"], touch["tangent"] + touch["drag"]
     return (tangent * touch["ny"] - normal * touch["nx"],
             -tangent * touch["nx"] - normal * touch["ny"])
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 
 from sandbox.engine import memory as at
+from sandbox.engine.bonds import release_rows
 from sandbox.engine.bounded import (
     SEARCHED,
     columns,
@@ -57,13 +58,12 @@ from sandbox.engine.rows import (
     right_side,
 )
 from sandbox.engine.state import COARSE, STILL, STILL_TURNING
-from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array, Records
 
 HARD = 1e-12
 """Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
 ROUNDS = 12
-"""Most times in one step that cords are let go and taken up, or laws of springs linearised."""
+"""Most times in one step that tendons are let go and taken up, or laws of springs linearised."""
 PRESSED = 60
 """The same of loads: a drag that grows with the square of the speed, and stops what is fast in one
 step, halves the speed each time."""

@@ -26,13 +26,13 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.bonds import acts, spring_holds
 from sandbox.engine.coordinates import add_effort, measure_angle, measure_distance, put_row, rate
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import DAMPED, SOFT
 from sandbox.engine.rows import LEAST, NOTHING
-from sandbox.engine.ties import acts, spring_holds
 from sandbox.numeric import Array, Matrix
 
 SAME = 1e-10
@@ -177,7 +177,7 @@ def report_springs(table: int, h: float) -> None:
     springs, unknown = at.springs(table), at.unknowns(table)[3]
     for i in range(len(springs)):
         s = springs[i]
-        if s["row"] >= 0 and acts(table, s["tie"]) and acts(table, s["hinge_tie"]):
+        if s["row"] >= 0 and acts(table, s["bond"]) and acts(table, s["hinge_bond"]):
             effort = unknown[s["row"]] / h
             # the row of a released spring has an impulse of next to nothing
             s["effort"] = effort if abs(effort) > LEAST else 0.0

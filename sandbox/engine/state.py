@@ -30,7 +30,7 @@ COARSE = 1e-8
 NORMAL, TANGENT, LIMITED, DRIVEN = 0, 1, 2, 3
 CABLE_FRICTION, CABLE_LOAD, JOINT_FRICTION, JOINT_LOAD = 4, 5, 6, 7
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
-guide and its cord, and what that is measured by: the sum of the tensions on either side; friction
+guide and its tendon, and what that is measured by: the sum of the tensions on either side; friction
 in a joint, and its measure: what the joint carries."""
 SLIDES, HOLDS, TRIED = 0, 1, 2
 """Phases of a row with static friction in a step: it has sliding friction; static friction; or it
@@ -105,7 +105,7 @@ TOUCH = np.dtype([
     ("acceleration", float),    # of the gap while the bodies keep their velocities [m/s^2]
     ("friction", float), ("static", float), ("restitution", float),
     ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
-    ("bounce", float), ("rub", float),      # the same, of impacts, which come before
+    ("bounce", float), ("drag", float),      # the same, of impacts, which come before
     ("mode", np.int64),     # of the tangential row: -1 and 1 slide, 0 sticks
     ("listed", np.int64),   # whether its rows are among those solved
     ("late", np.int64),     # whether it is hit only because of the forces of this step
@@ -183,7 +183,7 @@ class Constants(NamedTuple):
     """1 / mass and 1 / inertia; 0 for bodies that do not move freely."""
     bodies: Annotated[Records, BODY]
     scheduled: Integers  # numbers of the bodies that move as a schedule has it
-    wheels: Integers  # guides whose wheels a cord can lift off, [nw]
+    wheels: Integers  # guides whose wheels a tendon can lift off, [nw]
     sides: Annotated[Array, "sides 5"]  # outlines of what liquids lift, from centres of mass
     shapes: Annotated[Records, SHAPE]
     faces: Annotated[Records, FACE]  # those of a shape side by side
@@ -207,7 +207,7 @@ class Elements(NamedTuple):
 
     actions: Annotated[Records, records.ACTION]
     springs: Annotated[Records, records.SPRING]
-    cords: Annotated[Records, records.CORD]
+    cables: Annotated[Records, records.CABLE]
     guides: Annotated[Records, records.GUIDE]
     slips: Annotated[Records, records.SLIP]
     joints: Annotated[Records, records.JOINT]
@@ -220,7 +220,7 @@ class Elements(NamedTuple):
     pumps: Annotated[Records, records.PUMP]
     loads: Annotated[Records, records.LOAD]  # those of a body side by side
     loaded: Annotated[Records, records.LOADED]
-    ties: Annotated[Records, records.TIE]
+    bonds: Annotated[Records, records.BOND]
 
 
 class State(NamedTuple):

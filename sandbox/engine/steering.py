@@ -15,10 +15,10 @@ from typing import Any
 from sandbox.elements.controllers.controller import Law, every
 from sandbox.elements.controllers.custom import Custom, StopRun
 from sandbox.elements.registry import Controller
+from sandbox.engine.bonds import hold
 from sandbox.engine.control_loop import ANY, Bound, ControlLoop, Desk, Setpoint
 from sandbox.engine.inputs import Clock
 from sandbox.engine.readings import Readings
-from sandbox.engine.ties import hold
 from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array
@@ -166,9 +166,9 @@ class Steering:
         self.happened.append({"event": event.name, "time_s": done * self.clock.step})
         ends = [self._set(name, value) for name, value in event.set.items()]
         for names, held in ((event.release, False), (event.take_up, True)):
-            for tie in map(self.model.ties.name.index, names):
-                hold(self.readings.tables, tie, held=held)
-                ends.append(partial(hold, self.readings.tables, tie, held=not held))
+            for bond in map(self.model.bonds.name.index, names):
+                hold(self.readings.tables, bond, held=held)
+                ends.append(partial(hold, self.readings.tables, bond, held=not held))
         if event.lasts is not None:
             def end() -> None:
                 for one in ends:

@@ -43,13 +43,13 @@ def stiff_servos(model: Model, h: float) -> Flags:
     return found
 
 
-def stiff_cords(model: Model, h: float) -> Flags:
+def stiff_cables(model: Model, h: float) -> Flags:
     """Whether each tendon, if no drive pulls it, is solved at the end of a step h [s], [nt].
 
     By its largest stiffness, as springs are.
     """
-    k = largest_cord_stiffness(model)
-    return np.asarray((k >= RIGID) | (h * h * k * cord_responses(model) > SOFT))
+    k = largest_cable_stiffness(model)
+    return np.asarray((k >= RIGID) | (h * h * k * cable_responses(model) > SOFT))
 
 
 def responses(model: Model) -> Array:
@@ -71,11 +71,11 @@ def responses(model: Model) -> Array:
     return np.array(found, dtype=float)
 
 
-def cord_responses(model: Model) -> Array:
+def cable_responses(model: Model) -> Array:
     """A bound of J M^-1 J^T [1/kg] over all poses, [nt]: each guide feels at most two pulls."""
     tendons, found = model.tendons, []
-    for cord in range(len(tendons.name)):
-        guides, pushes = tendons.guides(cord), []
+    for cable in range(len(tendons.name)):
+        guides, pushes = tendons.guides(cable), []
         for n in range(guides.start, guides.stop):
             body, pulls = int(tendons.guide_body[n]), 1 + (guides.start < n < guides.stop - 1)
             lever = _lever(model, body, tendons.guide_at[n]) + abs(float(tendons.guide_radius[n]))
@@ -161,7 +161,7 @@ def largest_stiffness(model: Model) -> Array:
     return found
 
 
-def largest_cord_stiffness(model: Model) -> Array:
+def largest_cable_stiffness(model: Model) -> Array:
     """The largest stiffness [N/m] of every tendon, shape [nt]; as :func:`largest_stiffness`."""
     return _largest_set(model, model.tendons.stiffness, model.tendons.stiffener)
 

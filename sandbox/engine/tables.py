@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.engine.blocks import BITS
-from sandbox.engine.cables import cord_tables
+from sandbox.engine.cables import cable_tables
 from sandbox.engine.element_tables import (
     JOINT_ROWS,
     Rows,
     add_paths,
+    bond_table,
     drive_tables,
     dry_friction_table,
     fluid_tables,
@@ -22,7 +23,6 @@ from sandbox.engine.element_tables import (
     load_tables,
     place_bodies,
     spring_table,
-    tie_table,
 )
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
@@ -73,16 +73,16 @@ def make_tables(world: World) -> Tables:
     rigid = len(rows.bodies)
     programs, stack, codes = law_tables(model)
     springs = spring_table(places, h, codes, rows)
-    cords = cord_tables(places, h, rows)
-    rubs, sums = dry_friction_table(joints, model, count + 2 * len(cords.slips))
+    cables = cable_tables(places, h, rows)
+    frictions, sums = dry_friction_table(joints, model, count + 2 * len(cables.slips))
     fluids, meet = fluid_tables(places, h, rows)
     loads, loaded, sides = load_tables(places, codes, rows)
-    pattern = make_pattern(rows.bodies, places.inverse_mass, rigid, slips=len(cords.slips),
-                           sums=[*cords.sums, *sums], joined=meet)
-    cords.slips["row"] = pattern.hubs[cords.slips["slide"], 0]
+    pattern = make_pattern(rows.bodies, places.inverse_mass, rigid, slips=len(cables.slips),
+                           sums=[*cables.sums, *sums], joined=meet)
+    cables.slips["row"] = pattern.hubs[cables.slips["slide"], 0]
     valves = fluids["valves"]
     valves["slot"][(valves["a"] >= 0) & (valves["b"] >= 0)] = pattern.joined
-    for table, names in ((joints, JOINT_ROWS), (springs, ("row",)), (cords.cords, ("row",)),
+    for table, names in ((joints, JOINT_ROWS), (springs, ("row",)), (cables.cables, ("row",)),
                          (fluids["fluids"], ("row",)), (loaded, JOINT_ROWS)):
         for name in names:  # the numbers of rows become those of their unknowns
             if len(pattern.unknown):
@@ -102,12 +102,12 @@ def make_tables(world: World) -> Tables:
         loose=_loose_bodies(pattern, places.inverse_mass, joints, shapes.shapes),
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
         **programs)
-    ties = tie_table(model, springs, cords.cords)
+    bonds = bond_table(model, springs, cables.cables)
     motors["target"] = math.nan
     elements = Elements(
-        actions=actions, springs=springs, cords=cords.cords, guides=cords.guides,
-        slips=cords.slips, joints=joints, limits=limit_table(places), motors=motors,
-        dry_friction=rubs, loads=loads, loaded=loaded, ties=ties, **fluids)
+        actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
+        slips=cables.slips, joints=joints, limits=limit_table(places), motors=motors,
+        dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
     piles, unknowns = int(np.count_nonzero(constants.loose >= 0)), len(pattern.starts) - 1
     sizes = {name: len(array) for name, array in constants._asdict().items() if name != "h"}
     sizes |= _sizes_of_room(world.room) | {
@@ -116,7 +116,7 @@ def make_tables(world: World) -> Tables:
         "values": len(pattern.below) + unknowns, "piles": piles, "words": piles // BITS + 1,
         # room for all pairs: the system gives memory only to what is used of it
         "slots": piles * (piles - 1) // 2}
-    breaking = int(np.isfinite(model.ties.breaks_at).sum())
+    breaking = int(np.isfinite(model.bonds.breaks_at).sum())
     piled = np.zeros(piles, PILE_BODY)
     piled["number"], piled["place"] = np.flatnonzero(constants.loose >= 0), -1
     state: State = allocate(
@@ -128,7 +128,7 @@ def make_tables(world: World) -> Tables:
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
-    result.unknowns[1][cords.slips["row"]] = -cords.drag
+    result.unknowns[1][cables.slips["row"]] = -cables.drag
     return Tables(constants, elements, state, result, pattern)
 
 

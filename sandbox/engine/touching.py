@@ -37,9 +37,9 @@ ASKEW = 1e-6
 
 
 @kernel
-def rows_for(limits: int, motors: int, slips: int, rubs: int, contacts: int) -> int:
+def rows_for(limits: int, motors: int, slips: int, frictions: int, contacts: int) -> int:
     """How many bounded rows there may be of so many elements and points that are near."""
-    return limits + motors + 2 * (slips + rubs + contacts)
+    return limits + motors + 2 * (slips + frictions + contacts)
 
 
 @kernel
@@ -196,7 +196,7 @@ def _contact(
     out["bx"] = (found["bx"] + body[a, 0] + found["ax"] - body[b, 0]) / 2
     out["by"] = (found["by"] + body[a, 1] + found["ay"] - body[b, 1]) / 2
     out["friction"], out["restitution"] = friction[a, b], restitution[a, b]
-    out["normal"] = out["tangent"] = out["bounce"] = out["rub"] = out["led"] = 0.0
+    out["normal"] = out["tangent"] = out["bounce"] = out["drag"] = out["led"] = 0.0
     out["mode"] = out["listed"] = out["late"] = out["phase"] = 0
     out["sums"] = -1
     out["stretch"] = out["want"] = out["soft"] = out["want_along"] = out["soft_along"] = 0.0

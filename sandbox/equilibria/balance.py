@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.engine.stiffness import stiff_cords, stiff_servos, too_stiff
+from sandbox.engine.stiffness import stiff_cables, stiff_servos, too_stiff
 from sandbox.engine.still import Still
 from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording
@@ -87,7 +87,7 @@ class PoseBalance:
             stiff = law or bool(too_stiff(model, h)[each.number])
         elif each.kind == "tendon":
             c = float(model.tendons.damping[each.number])
-            stiff = bool(stiff_cords(model, h)[each.number])
+            stiff = bool(stiff_cables(model, h)[each.number])
         else:
             c, stiff = 0.0, bool(stiff_servos(model, h)[each.number])
         return h * (c + h * each.stiffness) if stiff else h * c / 2

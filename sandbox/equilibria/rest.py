@@ -102,7 +102,7 @@ class AtRest:
         names, contacts = model.bodies.name, self.recording.contacts
         found = [f"{names[a['contact_body'][row]]}/{names[a['contact_other'][row]]}"
                  for row in np.flatnonzero(np.abs(contacts.tangential) > TOUCH).tolist()]
-        return (*found, *(model.joints.name[j] for j in model.joints.rubbed.tolist()
+        return (*found, *(model.joints.name[j] for j in model.joints.frictional.tolist()
                           if abs(a["joint_friction"][0, j]) > TOUCH))
 
     def stiffness(self, body: str) -> Yield:

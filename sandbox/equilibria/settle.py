@@ -254,8 +254,8 @@ def _has_friction(model: Model) -> bool:
     tendons, bodies = model.tendons, model.mechanism.bodies
     shaped = [i for i, body in enumerate(bodies) if body.shapes]
     return bool(
-        len(model.joints.rubbed)
-        or any(len(tendons.gripped(cord)) for cord in range(len(tendons.name)))
+        len(model.joints.frictional)
+        or any(len(tendons.gripped(cable)) for cable in range(len(tendons.name)))
         or any(friction_of(model.mechanism, i, k) > 0 for i in shaped for k in shaped
                if i < k and (model.bodies.free[i] or model.bodies.free[k])))
 
@@ -263,7 +263,7 @@ def _has_friction(model: Model) -> bool:
 def _no_stiffness(model: Model) -> str:
     """Why the stiffness of a mechanism is unknown; empty if it is known."""
     tendons = model.tendons
-    if any(len(tendons.gripped(cord)) for cord in range(len(tendons.name))):
+    if any(len(tendons.gripped(cable)) for cable in range(len(tendons.name))):
         return "tendons with friction in their guides"
     why = without_stiffness(model)
     if why == "loads by laws" and not any(

@@ -20,7 +20,7 @@ from sandbox.export.tree import Freedom, anchors, angle_sum, grow, pose, stops, 
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE, Bodies
 from sandbox.numeric import Array
-from sandbox.samples.cords import Stretches, pulls_at_start, rest_lengths, stretches_at_start
+from sandbox.samples.cables import Stretches, pulls_at_start, rest_lengths, stretches_at_start
 from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Role, Shape, Solid
 from sandbox.scene.geometry import Vec, core, corners, count_solids, solids
 from sandbox.scene.mechanism import Mechanism
@@ -232,10 +232,10 @@ def add_links(draft: Draft) -> None:
             _close(draft, joint)
 
 
-def route(draft: Draft, cord: ET.Element, name: str, ends: tuple[tuple[int, Vec], ...]) -> None:
+def route(draft: Draft, cable: ET.Element, name: str, ends: tuple[tuple[int, Vec], ...]) -> None:
     """Route a spatial tendon through points of bodies."""
     for i, (body, at) in enumerate(ends):
-        add(cord, "site", site=draft.site(body, f"{name}.{i}", at))
+        add(cable, "site", site=draft.site(body, f"{name}.{i}", at))
 
 
 def _distance(draft: Draft, joint: int) -> None:
@@ -245,9 +245,9 @@ def _distance(draft: Draft, joint: int) -> None:
     on_a, on_b = anchors(draft.model, joint)
     low, high = draft.model.joints.reach[joint].tolist()
     stiff, free = low == high, low == 0.0 and high == math.inf
-    cord = add(draft.sections["tendon"], "spatial", name=name,
+    cable = add(draft.sections["tendon"], "spatial", name=name,
                range=None if stiff or free else (low, min(high, FAR)), width=0.0005)
-    route(draft, cord, name, ((a, on_a), (b, on_b)))
+    route(draft, cable, name, ((a, on_a), (b, on_b)))
     draft.sense("tendonpos", f"{name}.length", tendon=name)
     if stiff:
         start = math.dist(draft.assembled(a, on_a), draft.assembled(b, on_b))
@@ -296,11 +296,11 @@ def _add_closing_angle(draft: Draft, joint: int) -> None:
     if not factors or not (law or joint in draft.driven or limits):
         return
     rest = law.pop("springref", None)
-    cord = add(draft.sections["tendon"], "fixed", name=draft.model.joints.name[joint], **law,
+    cable = add(draft.sections["tendon"], "fixed", name=draft.model.joints.name[joint], **law,
                springlength=None if rest is None else rest - offset,
                range=None if limits is None else tuple(x - offset for x in limits))
     for name, factor in factors.items():
-        add(cord, "joint", joint=name, coef=factor)
+        add(cable, "joint", joint=name, coef=factor)
 
 
 FRACTION = 0.2
@@ -322,11 +322,11 @@ def _between_points(draft: Draft, spring: int) -> None:
     name, (a, b) = springs.name[spring], springs.bodies[spring].tolist()
     (on_a, on_b), law, rest = springs.anchor[spring], springs.law[spring], springs.rest[spring]
     free = rest if law is None else (0.0, rest) if law.side > 0 else (rest, FAR)
-    cord = add(draft.sections["tendon"], "spatial", name=name, springlength=free,
+    cable = add(draft.sections["tendon"], "spatial", name=name, springlength=free,
                stiffness=float(springs.stiffness[spring]) or None,
                damping=float(springs.damping[spring]) or None,
                rgba="0.6 0.6 0.3 1", width=0.0005)
-    route(draft, cord, name, ((a, vec(on_a)), (b, vec(on_b))))
+    route(draft, cable, name, ((a, vec(on_a)), (b, vec(on_b))))
     draft.sense("tendonpos", f"{name}.length", tendon=name)
 
 
@@ -350,9 +350,9 @@ def add_tendons(draft: Draft) -> float:
                     _pulling_only(draft, tendon, rest)
                 else:
                     law["stiffness"], law["springlength"] = stiffness, (0.0, rest)
-        cord = add(draft.sections["tendon"], "spatial", name=name, width=0.0005,
+        cable = add(draft.sections["tendon"], "spatial", name=name, width=0.0005,
                    rgba="0.75 0.25 0.2 1", **law)
-        _thread(draft, cord, tendon, start)
+        _thread(draft, cable, tendon, start)
         draft.sense("tendonpos", f"{name}.length", tendon=name)
     if stiff:
         draft.notes.append(
@@ -382,14 +382,14 @@ def _pulling_only(draft: Draft, tendon: int, rest: float) -> None:
     draft.sense("actuatorfrc", f"{name}.tension", actuator=name)
 
 
-def _thread(draft: Draft, cord: ET.Element, tendon: int, start: Stretches) -> None:
+def _thread(draft: Draft, cable: ET.Element, tendon: int, start: Stretches) -> None:
     tendons = draft.model.tendons
     path = tendons.guides(tendon)
     for i, guide in enumerate(range(path.start, path.stop)):
         body, at = int(tendons.guide_body[guide]), vec(tendons.guide_at[guide])
         name, radius = f"{tendons.name[tendon]}.{i}", abs(float(tendons.guide_radius[guide]))
         if not radius:
-            add(cord, "site", site=draft.site(body, name, at))
+            add(cable, "site", site=draft.site(body, name, at))
             continue
         middle = Arc(draft.model, start, guide).middle - float(draft.model.bodies.pose[body, 2])
         beside = (at[0] + 1.5 * radius * math.cos(middle), at[1] + 1.5 * radius * math.sin(middle))
@@ -397,7 +397,7 @@ def _thread(draft: Draft, cord: ET.Element, tendon: int, start: Stretches) -> No
         draft.on_body[body].append(element(
             "geom", name=wheel, type="cylinder", size=(radius, radius / 4),
             pos=(*at, 0.0), rgba=WHEEL))
-        add(cord, "geom", geom=wheel, sidesite=draft.site(body, f"{name}.side", beside))
+        add(cable, "geom", geom=wheel, sidesite=draft.site(body, f"{name}.side", beside))
 
 
 def add_drives(draft: Draft) -> None:

@@ -15,7 +15,7 @@ from sandbox.model.model import Joints, Model, Springs
 from sandbox.model.pairs import allowed_pairs, friction_of
 from sandbox.model.tendons import lifted_at_start
 from sandbox.numeric import Array
-from sandbox.samples.cords import Stretches, stretches_at_start, wraps_at_start
+from sandbox.samples.cables import Stretches, stretches_at_start, wraps_at_start
 from sandbox.scene.bodies import Material, Polyline
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import ContactRule
@@ -115,7 +115,7 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
         yield name, FLUID
     for load in model.mechanism.loads:
         yield load.name, "a load by a law of a body's own motion"
-    for name in model.ties.name:
+    for name in model.bonds.name:
         yield name, RELEASED
     for drive, kind in zip(model.mechanism.drives, model.drives.kind, strict=True):
         varies = not isinstance(drive.signal(model.mechanism), Constant)
@@ -124,7 +124,7 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
 
 
 def _friction(joints: Joints, joint: int) -> str:
-    if joints.rubbing[joint]:
+    if joints.coefficient[joint]:
         return "joint friction that depends on the reaction"
     return STATIC if joints.static[joint] > 1 else ""
 

@@ -133,12 +133,12 @@ def grasp_isotropy(
     The arguments are those of :func:`contact_wrenches`.
     """
     n = points("normals", normals, unit="1")
-    rubs = np.broadcast_to(np.asarray(friction, dtype=np.float64) > 0, n.shape[:-1])
+    frictions = np.broadcast_to(np.asarray(friction, dtype=np.float64) > 0, n.shape[:-1])
     along = contact_wrenches(contacts, n, 0.0, centre=centre, length=length)
     t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
     across = contact_wrenches(contacts, t, 0.0, centre=centre, length=length)
     m = n.shape[-2]
-    G = np.concatenate([along[..., :m, :], across[..., :m, :] * rubs[..., None]], axis=-2)
+    G = np.concatenate([along[..., :m, :], across[..., :m, :] * frictions[..., None]], axis=-2)
     if 2 * m < 3:
         return np.zeros(n.shape[:-2])
     values = np.linalg.svd(G, compute_uv=False)

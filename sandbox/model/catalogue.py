@@ -19,9 +19,9 @@ from functools import cached_property
 
 from sandbox.elements.element import NAMED, RELEASABLE, Element
 from sandbox.elements.quantities import (
+    BOND_QUANTITIES,
     GRASP,
     QUANTITIES,
-    TIED,
     USUAL,
     by_telling,
     grasp_quantities,
@@ -205,7 +205,7 @@ class Catalogue:
                 continue
             quantity = name[len(head) + 1:]
             need = self._spec(element).needed(quantity)
-            if quantity in TIED and f"{element.kind}s" in RELEASABLE:
+            if quantity in BOND_QUANTITIES and f"{element.kind}s" in RELEASABLE:
                 need = "'breaks_at', or an event that releases it"
             if need:
                 return f"{quoted(head)} has it only with {need}"
@@ -297,7 +297,8 @@ class Catalogue:
 
 
 def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
-    ties = {name: {key: row.unit for key, row in TIED.items()} for name in mechanism.releasable}
+    units = {key: row.unit for key, row in BOND_QUANTITIES.items()}
+    bonds = dict.fromkeys(mechanism.releasable, units)
     for i, body in enumerate(mechanism.bodies):
         yield body.name, CatalogueEntry("body", i, quantities_of("body") | grasp_of(body))
     for kind in KINDS:
@@ -308,7 +309,7 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
         elif NAMED[kind].axis:
             for i, element in enumerate(getattr(mechanism, kind)):
                 yield element.name, CatalogueEntry(NAMED[kind].one, i, element.quantities(
-                    mechanism) | ties.get(element.name, {}))
+                    mechanism) | bonds.get(element.name, {}))
     for i, group in enumerate(mechanism.groups):
         yield group.name, CatalogueEntry("group", i, quantities_of("group"))
     for i, meter in enumerate(mechanism.meters):

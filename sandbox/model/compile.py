@@ -11,6 +11,7 @@ import numpy as np
 
 from sandbox.elements.element import NAMED, RELEASABLES, Vec
 from sandbox.elements.joint import Anchors
+from sandbox.model.bonds import compile_bonds
 from sandbox.model.laws import SpringLaw, law_of
 from sandbox.model.loads import compile_loads
 from sandbox.model.model import (
@@ -27,7 +28,6 @@ from sandbox.model.model import (
     Valves,
     columns_of,
 )
-from sandbox.model.ties import compile_ties
 from sandbox.numeric import Integers
 from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
@@ -48,7 +48,7 @@ def compile_mechanism(mechanism: Mechanism) -> Model:
     drives = _drives(scope)
     parts = (bodies, joints, _springs(scope), _tendons(scope),
              _lines(scope, drives), _valves(scope),
-             compile_loads(mechanism, bodies), drives, compile_ties(mechanism))
+             compile_loads(mechanism, bodies), drives, compile_bonds(mechanism))
     for part in parts:
         for field in fields(part):
             if isinstance(array := getattr(part, field.name), np.ndarray):

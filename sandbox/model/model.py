@@ -20,8 +20,8 @@ from sandbox.elements.drive import DriveKind, Gives
 from sandbox.elements.element import NO_POINT
 from sandbox.elements.joint import JointKind, Keeps
 from sandbox.elements.springs import SpringKind
+from sandbox.model.bonds import Bonds
 from sandbox.model.laws import LoadLaw, SpringLaw
-from sandbox.model.ties import Ties
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.geometry import Vec, to_world
 from sandbox.scene.mechanism import Mechanism
@@ -124,7 +124,7 @@ class Joints:
     nan of others."""
     friction: Annotated[Array, Column(0.0)]
     """Dry friction that does not depend on the load, [N m] of a pin, [N] of a slot, [nj]; or 0."""
-    rubbing: Annotated[Array, Column(0.0)]
+    coefficient: Annotated[Array, Column(0.0)]
     """Dry friction by what the joint carries, [N m/N] of a pin, 1 of a slot, [nj]; 0 without."""
     static: Annotated[Array, Column(1.0)]
     """How many times as much friction holds as slides, [nj]."""
@@ -152,9 +152,9 @@ class Joints:
         return np.flatnonzero(np.isfinite(self.stops).all(axis=1))
 
     @cached_property
-    def rubbed(self) -> Integers:
+    def frictional(self) -> Integers:
         """Numbers of the joints with dry friction."""
-        return np.flatnonzero((self.friction > 0) | (self.rubbing > 0))
+        return np.flatnonzero((self.friction > 0) | (self.coefficient > 0))
 
     def keeping(self, *what: Keeps) -> Integers:
         """Numbers of the joints that keep a ``point``, a ``groove``, a ``distance``, ..."""
@@ -213,15 +213,15 @@ class Tendons:
     guide_radius: Array
     """Of the wheel, positive where its centre lies right of the path [m], [ng]; 0 of an eye."""
     guide_turns: Integers
-    """Whole turns round the wheel at t = 0, besides, [ng]; 0 where a cord is tied."""
+    """Whole turns round the wheel at t = 0, besides, [ng]; 0 where a tendon is tied."""
     closed: Annotated[Flags, Column(False)]
     """Which are loops, [nt]."""
     grips: Integers
-    """The guides, of all, that hold a cord by friction, [nf]; of a loop its first, not its last."""
+    """Guides that hold a tendon by friction, [nf]; of a loop its first, not its last."""
     friction: Array
     """Coefficients of these, [nf]."""
     wheels: Integers
-    """The guides, of all, that a cord can lift off, [nw]."""
+    """The guides, of all, that a tendon can lift off, [nw]."""
     pretension: Annotated[Array, Column(NAN)]
     """Tension at t = 0 [N], [nt]; nan where the length at rest says it."""
     stiffness: Annotated[Array, Column(NAN)]
@@ -428,7 +428,7 @@ class Model:
     valves: Valves
     loads: BodyLoads
     drives: Drives
-    ties: Ties
+    bonds: Bonds
 
     def at_start(self, body: int, point: Array) -> Vec:
         """A point of a body's frame [m] in the world at t = 0."""

@@ -15,8 +15,8 @@ from sandbox.numeric import Flags
 from sandbox.scene.geometry import Vec
 
 
-class CordSpan(NamedTuple):
-    """A piece of a cord from one guide that holds it to the next, or to an end."""
+class CableSpan(NamedTuple):
+    """A piece of a tendon from one guide that holds it to the next, or to an end."""
 
     tendon: int
     guides: tuple[int, ...]
@@ -27,26 +27,26 @@ class CordSpan(NamedTuple):
     """Which takes from it; -1 at an end."""
 
 
-def spans_of(tendons: Tendons, tendon: int) -> list[CordSpan]:
+def spans_of(tendons: Tendons, tendon: int) -> list[CableSpan]:
     """The spans of a tendon in its order, of a loop from its first guide that holds it; or none."""
     grips = tendons.gripped(tendon).tolist()
     if not grips:
         return []
     path = tendons.guides(tendon)
     held = tendons.grips[grips].tolist()
-    between = [CordSpan(tendon, tuple(range(a, b + 1)), grips[k], grips[k + 1])
+    between = [CableSpan(tendon, tuple(range(a, b + 1)), grips[k], grips[k + 1])
                for k, (a, b) in enumerate(itertools.pairwise(held))]
     if tendons.closed[tendon]:
         on = (*range(held[-1], path.stop - 1), *range(path.start, held[0] + 1))
-        return [*between, CordSpan(tendon, on, grips[-1], grips[0])]
-    return [CordSpan(tendon, tuple(range(path.start, held[0] + 1)), -1, grips[0]), *between,
-            CordSpan(tendon, tuple(range(held[-1], path.stop)), grips[-1], -1)]
+        return [*between, CableSpan(tendon, on, grips[-1], grips[0])]
+    return [CableSpan(tendon, tuple(range(path.start, held[0] + 1)), -1, grips[0]), *between,
+            CableSpan(tendon, tuple(range(held[-1], path.stop)), grips[-1], -1)]
 
 
 def lifted_at_start(model: Model) -> Flags:
-    """Of every guide whether its cord is off it at t = 0, [ng].
+    """Of every guide whether its tendon is off it at t = 0, [ng].
 
-    The cord is off a wheel that stands clear of the straight way past it, on its own side: to lie
+    The tendon is off a wheel that stands clear of the straight way past it, on its own side: to lie
     on it, it would have to go round it and cross itself, which it does only where its author says
     so. A loop lies on its wheels unless that is said.
     """
@@ -74,7 +74,7 @@ def lifted_at_start(model: Model) -> Flags:
 
 
 def passes_by(centres: list[Vec], radii: Sequence[float]) -> float:
-    """How far a cord from the first to the last of three wheels goes straight past the second [m].
+    """The distance at which a tendon between two wheels passes a third one in between [m].
 
     Below 0 if it has to bend there. ``radii`` are positive right of the path, 0 of eyes.
     """

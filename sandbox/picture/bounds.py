@@ -236,9 +236,9 @@ def body_box(run: RunData, view: View | None = None,
     if body is None:
         return motion.machine()
     groups, boxes = groups_of(run), motion.boxes()
-    tied = [k for k, group in enumerate(groups) if group == groups[body]]
-    group = Rectangle.around(boxes[:, tied], motion.ways())
-    if not anchored(run)[tied].any():
+    connected = [k for k, group in enumerate(groups) if group == groups[body]]
+    group = Rectangle.around(boxes[:, connected], motion.ways())
+    if not anchored(run)[connected].any():
         return group
     still = view.model_copy(update={"follow": None})
     machine = _Motion(run, still, motion.samples).machine()
@@ -310,22 +310,22 @@ def groups_of(run: RunData) -> list[int]:
     What does not move freely is a group of its own each and connects nothing.
     """
     still = _held(run)
-    return components(len(still), [pair for bodies in _tied(run) for pair in pairwise(
+    return components(len(still), [pair for bodies in _connected(run) for pair in pairwise(
         body for body in bodies if not still[body])])
 
 
-def _tied(run: RunData) -> Iterable[set[int]]:
+def _connected(run: RunData) -> Iterable[set[int]]:
     """Sets of connected bodies, without connections that are released at the end."""
     model, held = run.model, run.arrays["held"]
     tendons, lines = model.tendons, model.lines
     connected: list[tuple[Integers, list[list[int]]]] = [
-        (model.ties.joint, model.joints.bodies.tolist()),
-        (model.ties.spring, model.springs.bodies.tolist()),
-        (model.ties.tendon, [tendons.guide_body[tendons.guides(k)].tolist()
+        (model.bonds.joint, model.joints.bodies.tolist()),
+        (model.bonds.spring, model.springs.bodies.tolist()),
+        (model.bonds.tendon, [tendons.guide_body[tendons.guides(k)].tolist()
                              for k in range(len(tendons.name))])]
-    for ties, sets in connected:
-        for tie, bodies in zip(ties.tolist(), sets, strict=True):
-            if tie == NONE or not len(held) or held[-1, tie]:
+    for bonds, sets in connected:
+        for bond, bodies in zip(bonds.tolist(), sets, strict=True):
+            if bond == NONE or not len(held) or held[-1, bond]:
                 yield set(bodies)
     yield from map(set, lines.bodies[lines.joint == NONE].tolist())
 
@@ -336,7 +336,7 @@ def anchored(run: RunData) -> Flags:
     A scheduled body that holds nothing, such as a shelf that goes away, does not.
     """
     still, groups = _held(run), groups_of(run)
-    fast = {groups[b] for bodies in _tied(run) if still[list(bodies)].any() for b in bodies}
+    fast = {groups[b] for bodies in _connected(run) if still[list(bodies)].any() for b in bodies}
     return np.asarray(run.model.bodies.fixed | np.isin(groups, list(fast)), dtype=bool)
 
 

@@ -28,7 +28,7 @@ from sandbox.picture.elements.notes import (
     add_traces,
     round_interval,
 )
-from sandbox.picture.elements.tendons import add_cords, add_fluids, largest_pressure
+from sandbox.picture.elements.tendons import add_cables, add_fluids, largest_pressure
 from sandbox.picture.listing import Listing
 from sandbox.picture.palette import DRIVE, PUSH, SLACK, SPRING, TENSION, css, glyph, mixed
 from sandbox.picture.run_data import RunData
@@ -90,7 +90,7 @@ RAMPS = {"load": [[css(c) for c in PUSH], [css(c) for c in TENSION]],
 """The ramps of loads (push and pull) and of driven stiffness."""
 ELEMENTS: tuple[Callable[[Subject], None], ...] = (
     add_liquids, add_bodies, add_stalks, add_wheels, add_joints, add_links, add_grounds,
-    add_stops, add_latches, add_springs, add_bars, add_belts, add_fluids, add_cords, add_traces,
+    add_stops, add_latches, add_springs, add_bars, add_belts, add_fluids, add_cables, add_traces,
     add_axes, add_pressure, add_contacts, add_loads, add_vectors, add_drives, add_names,
 )
 """What adds items to a list; a new kind of element is a function here."""
@@ -170,7 +170,7 @@ def _painted(s: Subject) -> Any:
 def _seen(s: Subject) -> set[str]:
     """Rows for what comes and goes: slack tendons, stops, latches, arrows that are cut."""
     some, pieces = _painted(s), s.carried.pieces
-    held = s.run.arrays["held"][some] != 0 if s.run.model.ties.name else np.zeros(0, dtype=bool)
+    held = s.run.arrays["held"][some] != 0 if s.run.model.bonds.name else np.zeros(0, dtype=bool)
     found = {
         "slack": bool((pieces[some] <= SLACK_FRACTION * s.carried.largest).any()),
         "stop": bool(stopping(s)[some].any()),

@@ -18,7 +18,7 @@ from sandbox.model.joints import link_tensions
 from sandbox.numeric import Array, Integers
 from sandbox.picture.palette import PUSH, TENSION, Colour
 from sandbox.picture.run_data import RunData
-from sandbox.samples.cords import piece_tensions
+from sandbox.samples.cables import piece_tensions
 from sandbox.scene.settings import View
 
 OFTEN = 0.95

@@ -132,9 +132,9 @@ class Subject:
         self.out.close()
         return self.out
 
-    def held(self, *ties: int) -> list[int] | None:
+    def held(self, *bonds: int) -> list[int] | None:
         """A column that is 1 while all of these hold; None if nothing of them can be released."""
-        found = [tie for tie in ties if tie != NONE]
+        found = [bond for bond in bonds if bond != NONE]
         return self.out.column((self.run.arrays["held"][:, found] != 0).all(axis=1),
                                steady=True) if found else None
 

@@ -163,7 +163,7 @@ class Grasp:
         values = np.array([self._stiffness_at(sample)[STIFFNESS.index(name)]
                            for sample in asked[held[at]].tolist()])
         result[held] = np.repeat(values, np.diff(at, append=len(held)))
-        if len(self.run.model.tendons.grips):  # friction of cords at guides only adds to what holds
+        if len(self.run.model.tendons.grips):  # friction at guides adds to what holds
             result[np.isfinite(result)] = np.nan
         return result
 

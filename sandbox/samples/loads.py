@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.model.bonds import held_of
 from sandbox.model.joints import meeting
 from sandbox.model.model import NONE
-from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cords import Frames, Stretches, piece_tensions, stretches
+from sandbox.samples.cables import Frames, Stretches, piece_tensions, stretches
 from sandbox.samples.outcome import Stored
 
 Pair = tuple[Array, Array]
@@ -87,7 +87,7 @@ class Loads:
         self.frames = Frames(run)
 
     @cached_property
-    def cords(self) -> Stretches:
+    def cables(self) -> Stretches:
         """The straight pieces of all tendons."""
         return stretches(self.frames)
 
@@ -155,7 +155,7 @@ class Loads:
         model, a = self.model, self.run.arrays
         joints, springs = model.joints, model.springs
         if model.tendons.name:
-            yield self.cord_loads
+            yield self.cable_loads
         if model.lines.name:
             yield self.line_efforts.times(a["line_pressure"].T)
         if any(model.mechanism.gravity):
@@ -171,7 +171,7 @@ class Loads:
             acts = joints.hinges[torque[joints.hinges].any(axis=1)]
             if len(acts):
                 yield self._turning(kind, acts, acts).times(torque)
-        if len(joints.rubbed):
+        if len(joints.frictional):
             yield self.friction_efforts.times(np.nan_to_num(a["joint_friction"].T))
         if model.loads.name:
             yield Batch("load", np.arange(len(model.loads.name)), model.loads.body,
@@ -241,7 +241,7 @@ class Loads:
         a, springs = self.run.arrays, self.model.springs
         force, rotary = a["spring_force"].T.copy(), np.flatnonzero(~springs.straight)
         joints = springs.joint[rotary]
-        holds = held_of(self.model.ties.joint[joints], a["held"])
+        holds = held_of(self.model.bonds.joint[joints], a["held"])
         rates = np.nan_to_num(a["joint_rate"].T[joints])
         force[rotary] -= holds * springs.damping[rotary, None] * rates
         return np.asarray(force)
@@ -278,7 +278,7 @@ class Loads:
     @cached_property
     def friction_efforts(self) -> Batch:
         """Efforts of 1 N m about every pin with dry friction, and 1 N along every such slot."""
-        joints, which = self.model.joints, self.model.joints.rubbed
+        joints, which = self.model.joints, self.model.joints.frictional
         slots = np.array([joints.kind[j].keeps == "groove" for j in which], dtype=bool)
         x, y, couple = np.zeros((3, len(which), self.frames.samples))
         couple[~slots] = joints.sense[which[~slots], None]
@@ -320,31 +320,31 @@ class Loads:
         return found._replace(moment=found.moment + np.concatenate([twist_b, twist_a]))
 
     @cached_property
-    def cord_efforts(self) -> Batch:
+    def cable_efforts(self) -> Batch:
         """The effect of -1 N in every straight piece of a tendon: efforts along its length."""
-        tendons, cords = self.model.tendons, self.cords
+        tendons, cables = self.model.tendons, self.cables
         one, two = tendons.stretch_first, tendons.stretch_first + 1
         moments = []
-        for nodes, end in ((one, cords.start), (two, cords.end)):
-            moment = end.arm_x * cords.y - end.arm_y * cords.x
+        for nodes, end in ((one, cables.start), (two, cables.end)):
+            moment = end.arm_x * cables.y - end.arm_y * cables.x
             moment -= tendons.guide_radius[nodes, None]  # n x u = -1
             moments.append(moment)
         return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
                      np.concatenate([tendons.guide_body[one], tendons.guide_body[two]]),
-                     np.concatenate([-cords.x, cords.x]), np.concatenate([-cords.y, cords.y]),
+                     np.concatenate([-cables.x, cables.x]), np.concatenate([-cables.y, cables.y]),
                      np.concatenate([-moments[0], moments[1]]))
 
     @property
     def piece_efforts(self) -> Batch:
         """The same with the number of the straight piece as element."""
         count = len(self.model.tendons.stretch_first)
-        return self.cord_efforts._replace(element=np.tile(np.arange(count), 2))
+        return self.cable_efforts._replace(element=np.tile(np.arange(count), 2))
 
     @cached_property
-    def cord_loads(self) -> Batch:
+    def cable_loads(self) -> Batch:
         """The loads of tendons, piece by piece, at either end."""
         loads = self.piece_efforts.times(-piece_tensions(self.model, self.run.arrays))
-        return loads._replace(element=self.cord_efforts.element)
+        return loads._replace(element=self.cable_efforts.element)
 
     @cached_property
     def given(self) -> Array:
@@ -357,7 +357,7 @@ class Loads:
         given = np.where(limited, a["drive_torque"], a["drive_value"]).T
         joined = drives.giving("torque", "push")
         joined = joined[~limited[joined]]
-        given[joined] *= held_of(self.model.ties.joint[drives.target[joined]], a["held"])
+        given[joined] *= held_of(self.model.bonds.joint[drives.target[joined]], a["held"])
         return np.asarray(given)
 
     def _forces(self, which: Integers) -> Batch:

@@ -19,15 +19,15 @@ from sandbox.elements.arrays import (
     has_numbers,
 )
 from sandbox.elements.element import NAMED
-from sandbox.elements.quantities import GRASP, QUANTITIES, TIED, numbered
+from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, QUANTITIES, numbered
 from sandbox.model import meters
+from sandbox.model.bonds import held_one
 from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, unit_of
 from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels, slot_length
 from sandbox.model.model import Model
-from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Integers
+from sandbox.samples.cables import Frames, piece_tensions, stretches, wound_up
 from sandbox.samples.contacts import Contacts, mean_arrays, mean_contact_rows
-from sandbox.samples.cords import Frames, piece_tensions, stretches, wound_up
 from sandbox.samples.grasps import STIFFNESS, Grasp
 from sandbox.samples.loads import Loads
 from sandbox.samples.outcome import Outcome, Stored
@@ -285,8 +285,8 @@ class Samples(Stored):
         elif quantity.startswith("contact."):
             what = quantity.removeprefix("contact.")
             result = self._of_contacts(lambda c: c.of_body(index, what))
-        elif quantity in TIED:
-            result = self.arrays["held"][:, self.model.ties.of(kind)[index]]
+        elif quantity in BOND_QUANTITIES:
+            result = self.arrays["held"][:, self.model.bonds.of(kind)[index]]
         elif kind == "drive" and quantity == "power":
             result = self._power(index)
         elif quantity == "shortening":
@@ -335,7 +335,7 @@ class Samples(Stored):
         rate = a["joint_speed" if kind.gives == "push" else "joint_rate"][:, joint]
         if kind.limited:
             return np.asarray(a["drive_torque"][:, drive] * rate)
-        holds = held_one(self.model.ties.joint[joint], a["held"])
+        holds = held_one(self.model.bonds.joint[joint], a["held"])
         return np.asarray(holds * a["drive_value"][:, drive] * rate)
 
     def _shortening(self, tendon: int) -> Array:
@@ -355,9 +355,9 @@ MOST = 8
 
 def broken(run: Stored) -> Iterator[str]:
     """A note on each joint, spring and tendon that broke, in order of time."""
-    ties, springs = run.model.ties, run.model.springs
-    turning = {ties.name[tie] for tie in ties.spring[~springs.straight].tolist() if tie >= 0}
-    known = {name: float(most) for name, most in zip(ties.name, ties.breaks_at, strict=True)}
+    bonds, springs = run.model.bonds, run.model.springs
+    turning = {bonds.name[bond] for bond in bonds.spring[~springs.straight].tolist() if bond >= 0}
+    known = {name: float(most) for name, most in zip(bonds.name, bonds.breaks_at, strict=True)}
     broke = [one for one in run.info.broke if one.event in known]
     for one in broke[:MOST]:
         unit = "N m" if one.event in turning else "N"

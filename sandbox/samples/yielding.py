@@ -18,10 +18,10 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.elements.arrays import CONTACT, LAYOUT, PER_SAMPLE
+from sandbox.model.bonds import held_of
 from sandbox.model.joints import rotated
 from sandbox.model.model import NONE, Model
 from sandbox.model.pairs import friction_of, pair_skins
-from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.loads import Batch, Loads
@@ -199,7 +199,7 @@ class Yielding:
         for i in range(len(springs.name)):
             yield Elastic("spring", i, self._slope(i), efforts[i])
         taut = np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist()
-        efforts = self._rows(self.loads.cord_efforts, len(tendons.name)) if taut else efforts
+        efforts = self._rows(self.loads.cable_efforts, len(tendons.name)) if taut else efforts
         for i in taut:
             by = int(tendons.stiffener[i])
             k = float(tendons.stiffness[i] if by == NONE else a["drive_value"][s, by])
@@ -240,11 +240,11 @@ class Yielding:
             if not np.isfinite(self.model.drives.stiffness[i]):
                 self._held.append(_KeptRow(u))
         stopped = joints.stopped[a["joint_stop"][s, joints.stopped] != 0.0]
-        stuck = joints.rubbed[a["joint_sticks"][s, joints.rubbed] == 1.0]
+        stuck = joints.frictional[a["joint_sticks"][s, joints.frictional] == 1.0]
         for efforts, held in ((self.loads.joint_efforts, stopped),
                               (self.loads.friction_efforts, stuck)):
             self._held += map(_KeptRow, self._rows(efforts, len(joints.name))[held])
-        for j in np.flatnonzero(held_of(self.model.ties.joint, a["held"])[:, s]).tolist():
+        for j in np.flatnonzero(held_of(self.model.bonds.joint, a["held"])[:, s]).tolist():
             if not joints.turns[j]:
                 one, two = joints.bodies[j].tolist()
                 self._held.append(_KeptRow(

@@ -73,7 +73,7 @@ PASSES: Mapping[str, str] = {
     "grooves": "joints", "wheels": "tendons", "belts": "drives", "bars": "bars",
     "traces": "traces", "fluids": "tendons", "springs": "springs", "stops": "joints",
     "grounds": "joints", "marks": "drives", "latches": "joints", "pins": "joints",
-    "cords": "tendons", "axes": "axes", "pressure": "pressure", "contacts": "contacts",
+    "cables": "tendons", "axes": "axes", "pressure": "pressure", "contacts": "contacts",
     "told": "joints", "loads": "loads", "velocity": "velocity", "acceleration": "acceleration",
     "reactions": "reactions", "drives": "drives", "body_names": "body_names",
 }

@@ -21,7 +21,7 @@ from pydantic_core import PydanticUndefined
 
 from sandbox.elements import fluids, loads, springs, tendons
 from sandbox.elements.controllers.equilibrium import FingerGeometry
-from sandbox.elements.quantities import GRASP, QUANTITIES, TIED
+from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, QUANTITIES
 from sandbox.elements.registry import KINDS, Controller, Drive, Joint, members
 from sandbox.elements.tendons import NUMBERED
 from sandbox.scene import bodies, layers, settings
@@ -253,7 +253,7 @@ def quantity_rows() -> Iterator[QuantityRow]:
     for word, (name, holder) in GUIDED.items():
         each = NUMBERED[word]
         yield QuantityRow("tendon", holder, name, each.unit, each.about)
-    for name, each in TIED.items():
+    for name, each in BOND_QUANTITIES.items():
         yield QuantityRow("", "joint, spring, tendon", name, each.unit, each.about)
 
 
@@ -268,7 +268,7 @@ def _drive_units() -> str:
 
 def _joint_units(quantity: str) -> str:
     """The units of a joint quantity that depends on the type, with the types."""
-    return "; ".join(f"{each.rubs} ({tag})" for tag, each in kinds_of("joint").items()
+    return "; ".join(f"{each.friction_unit} ({tag})" for tag, each in kinds_of("joint").items()
                      if quantity in each.more.get("friction", ()))
 
 

@@ -83,7 +83,7 @@ def cornered() -> Recording:
 
 
 @cache
-def rubbing() -> Recording:
+def sliding() -> Recording:
     """An arm that is held, one that swings on its journal, a block on a groove of a turning rod.
 
     The rod is turned by a motor with a line.
@@ -234,8 +234,8 @@ STIFF = [
     ("scene.numbers tendon.law", number(lambda _, size: size, "tendons", 0, "slack"), 1e-6),
 ]
 HELD, SLIPS, GROOVE = 0, 1, 2
-"""Joints of :func:`rubbing`."""
-RUBBING = [
+"""Joints of :func:`sliding`."""
+SLIDING = [
     ("joint.friction momentum.moment", array("joint_friction", (EVERY, SLIPS), more), 0.01),
     ("joint.friction momentum.moment", array("joint_friction", (EVERY, SLIPS), more), -200.0),
     ("joint.friction momentum.moment", array("joint_friction", (EVERY, HELD), more), 200.0),
@@ -286,7 +286,7 @@ def looks(run: Recording) -> set[str]:
 
 @pytest.mark.parametrize("run", [
     lambda: sound(2000.0), lambda: sound(1000.0), coiled, stiff, cornered,
-    rubbing, loaded], ids=["finger", "finger_rate", "coiled", "stiff", "cornered", "rubbing",
+    sliding, loaded], ids=["finger", "finger_rate", "coiled", "stiff", "cornered", "sliding",
                            "loaded"])
 def test_without_a_fault_nothing_is_noticed(run):
     assert not looks(run())
@@ -295,7 +295,7 @@ def test_without_a_fault_nothing_is_noticed(run):
 @pytest.mark.parametrize(("run", "figures", "plant", "size"), [
     (run, *row) for run, table in (
         (lambda: sound(1000.0), FINGER), (lambda: sound(2000.0), EVERY_STEP), (coiled, COILED),
-        (stiff, STIFF), (cornered, CORNERED), (rubbing, RUBBING), (loaded, LOADED))
+        (stiff, STIFF), (cornered, CORNERED), (sliding, SLIDING), (loaded, LOADED))
     for row in table])
 def test_a_fault_is_noticed_at_a_hundredth_of_its_size(run, figures, plant, size):
     assert set(figures.split()) <= looks(plant(run(), 0.01 * size))

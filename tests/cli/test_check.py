@@ -9,7 +9,7 @@ from sandbox.values.messages import ELEMENTS
 from .conftest import BALL
 
 ROPE = {"type": "rope", "name": "rope", "a": "floor", "b": "ball", "longest": 0.001}
-CORD = {"name": "cord", "guides": [{"body": "floor"}, {"body": "floor"}, {"body": "ball"}]}
+CABLE = {"name": "cord", "guides": [{"body": "floor"}, {"body": "floor"}, {"body": "ball"}]}
 
 
 def test_good_scenes_and_what_a_run_costs(sandbox, scene):
@@ -47,7 +47,7 @@ def test_a_warning_has_its_place_and_fails_with_strict(sandbox, scene):
 
 
 def test_an_error_has_its_place_in_text_and_json(sandbox, scene):
-    text = json.dumps(BALL | {"tendons": [CORD]}, indent=1)
+    text = json.dumps(BALL | {"tendons": [CABLE]}, indent=1)
     path = scene(text)
     line = next(i for i, row in enumerate(text.splitlines(), 1) if "tendons" in row) + 1
     message = ("its guides 0 and 1 coincide; move one of them: the tendon between them has no "
@@ -58,7 +58,7 @@ def test_an_error_has_its_place_in_text_and_json(sandbox, scene):
                        "column": 3, "element": "cord",
                        "code": "coincident-points",
                        "fields": f"{ELEMENTS}#tendon"}
-    assert sandbox("check", scene(tendons=[CORD], gravty=[0, 1])).pages == (
+    assert sandbox("check", scene(tendons=[CABLE], gravty=[0, 1])).pages == (
         f"see docs/messages.md#unknown-key, {ELEMENTS}#scene\n")
 
 

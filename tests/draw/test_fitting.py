@@ -108,10 +108,10 @@ def test_what_a_view_names_has_to_be_there():
         sandbox.render(run, "never.png", show="trace")
 
 
-def test_a_picture_of_some_bodies_shows_these_and_not_their_cords_or_others_traces():
+def test_a_picture_of_some_bodies_shows_these_and_not_their_cables_or_others_traces():
     """By name or by role; a window of the scene's and what is traced elsewhere do not count."""
     far = {"body": "floor", "at": [-30, 0]}
-    cord = {"name": "cord", "guides": [far, {"body": "ball", "at": [20, 0]}]}
+    cable = {"name": "cord", "guides": [far, {"body": "ball", "at": [20, 0]}]}
     run = world(body("ball", [0, 0.1], role="object"), body("other", [9, 9]), ways={}, view={
         "traces": [{"body": "other"}], "centre": [5, 5], "width": 50})
     view = run.mechanism.view
@@ -121,7 +121,8 @@ def test_a_picture_of_some_bodies_shows_these_and_not_their_cords_or_others_trac
         found = view_of(view, {"bodies": pattern})
         assert (found.centre, found.width) == (None, None)
     mechanism = Mechanism.model_validate({
-        "bodies": [FLOOR, body("ball", [0, 0.1])], "tendons": [cord], "view": {"bodies": ["ball"]}})
+        "bodies": [FLOOR, body("ball", [0, 0.1])], "tendons": [cable],
+        "view": {"bodies": ["ball"]}})
     pose = np.zeros((N, 2, 3))
     pose[:, 1, :2] = 0, 0.1
     assert body_box(recording(mechanism, TIME, pose)).width == pytest.approx(0.1)

@@ -41,7 +41,7 @@ def disc(name: str, radius: float, at: tuple[float, float], **more: Any) -> dict
             **weight, **more}
 
 
-def cord(name: str, *guides: tuple[Any, ...], **more: Any) -> dict[str, Any]:
+def cable(name: str, *guides: tuple[Any, ...], **more: Any) -> dict[str, Any]:
     """A tendon through (body, at, radius, side), cut short where the rest is plain."""
     keys = ("body", "at", "radius", "side")
     return {"name": name, "guides": [dict(zip(keys, g, strict=False)) for g in guides], **more}

@@ -149,10 +149,10 @@ def test_permitted_overlaps_are_not_reported(scene):
 # --- tendons
 
 def test_guides_that_coincide_block():
-    cord = {"name": "cord", "guides": [
+    cable = {"name": "cord", "guides": [
         {"body": "ground", "at": [-0.02, 0.01]}, {"body": "ground", "at": [0.01, 0.01]},
         {"body": "bar", "at": [0.01, 0.01]}]}
-    mechanism = Mechanism.model_validate(PINNED | {"tendons": [cord]})
+    mechanism = Mechanism.model_validate(PINNED | {"tendons": [cable]})
     finding, = inspect(mechanism)
     assert (finding.element, finding.blocks) == ("cord", True)
     assert "guides 1 and 2 coincide" in finding.message
@@ -182,8 +182,8 @@ BELT: dict[str, Any] = {
      "is too large for a tendon"),
 ])
 def test_useless_friction_turns_and_loops_of_tendons_are_reported(
-        cord: dict[str, Any], finding: str):
-    assert finding in the_one(BELT, tendons=[{"name": "cord", **cord}])[2]
+        cable: dict[str, Any], finding: str):
+    assert finding in the_one(BELT, tendons=[{"name": "cord", **cable}])[2]
 
 
 def test_a_loop_has_no_end_to_pull_at():
@@ -277,9 +277,9 @@ def test_a_step_that_does_not_divide_the_sampling_interval():
     ({"type": "pull", "tendon": "cord", "value": 1}, "acts on 'ground'"),
 ])
 def test_a_drive_that_moves_nothing(drive, words):
-    cord = {"name": "cord", "guides": [{"body": "ground"}, {"body": "ground", "at": [0.1, 0]}]}
+    cable = {"name": "cord", "guides": [{"body": "ground"}, {"body": "ground", "at": [0.1, 0]}]}
     text = [message for _, element, message in found(
-        PINNED | {"tendons": [cord], "drives": [{"name": "d", **drive}]}) if element == "d"]
+        PINNED | {"tendons": [cable], "drives": [{"name": "d", **drive}]}) if element == "d"]
     assert len(text) == 1
     assert words in text[0]
 
@@ -381,12 +381,12 @@ def mass_warnings(scene: dict[str, Any]) -> list[str]:
 
 
 PIN = {"joints": [{"type": "pin", "name": "j", "a": "heavy", "b": "light", "on_b": [0, 0]}]}
-CORD = {"contacts": APART, "tendons": [{"name": "cord", "guides": [
+CABLE = {"contacts": APART, "tendons": [{"name": "cord", "guides": [
     {"body": "heavy"}, {"body": "light"}]}]}
 TOUCH: dict[str, Any] = {}
 
 
-@pytest.mark.parametrize("links", [PIN, CORD, TOUCH], ids=["joint", "cord", "contact"])
+@pytest.mark.parametrize("links", [PIN, CABLE, TOUCH], ids=["joint", "cord", "contact"])
 def test_a_large_mass_ratio_is_reported_with_both_bodies(links):
     assert mass_warnings(unlike_pair(2.1e-6, links=links)) == []
     line, = mass_warnings(unlike_pair(1.9e-6, links=links))

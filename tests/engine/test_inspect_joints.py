@@ -112,7 +112,7 @@ def test_the_length_that_would_do(
     assert problems_of(scene) == []
 
 
-def cord(*guides: dict[str, Any], **more: Any) -> dict[str, Any]:
+def cable(*guides: dict[str, Any], **more: Any) -> dict[str, Any]:
     return {"bodies": [GROUND, {"name": "a", "mass": 1, "inertia": 1e-3}],
             "tendons": [{"name": "cord", "guides": list(guides), **more}]}
 
@@ -120,32 +120,32 @@ def cord(*guides: dict[str, Any], **more: Any) -> dict[str, Any]:
 def test_a_point_within_a_wheel() -> None:
     point, wheel = {"body": "a", "at": [0.03, 0.04]}, {"body": "ground", "radius": 0.08}
     for one, other, k in ((point, wheel, 0), (wheel, point, 1)):
-        (problem,) = problems_of(cord(one, other))
+        (problem,) = problems_of(cable(one, other))
         assert problem.message == (f"its guide {k} is inside the wheel of its guide {1 - k}, 50 mm "
                                    "from its centre and 30 mm deep")
         assert problem.advice.startswith(f"move guide {k} out by this depth")
-    assert problems_of(cord({**point, "at": [0.048, 0.064]}, wheel)) == []
+    assert problems_of(cable({**point, "at": [0.048, 0.064]}, wheel)) == []
 
 
 def test_a_wheel_within_a_wheel() -> None:
-    (problem,) = problems_of(cord({"body": "a", "at": [0.02, 0], "radius": 0.01},
+    (problem,) = problems_of(cable({"body": "a", "at": [0.02, 0], "radius": 0.01},
                            {"body": "ground", "radius": 0.05}))
     assert problem.message == ("the wheel of its guide 0 is inside that of its guide 1: they are "
                                "20 mm apart, a tangent needs 40 mm")
     assert problem.advice.startswith("move one of them 20 mm further out")
 
 
-def test_overlapping_pulleys_are_the_only_problem_reported_of_a_cord() -> None:
+def test_overlapping_pulleys_are_the_only_problem_reported_of_a_cable() -> None:
     """It has no length, of which nothing that is said could be right."""
     ends = {"radius": 0.05, "friction": 0.3}
     belt = {"closed": True, "pretension": "10 N"}
-    (problem,) = problems_of(cord({"body": "ground", **ends},
+    (problem,) = problems_of(cable({"body": "ground", **ends},
                            {"body": "a", "at": [0.08, 0], "side": "right", **ends}, **belt))
     assert problem.message == ("the wheels of its guides 0 and 1 are 80 mm apart, a crossed "
                                "tangent needs 100 mm")
     assert problem.advice.startswith("put them 20 mm further apart")
     assert "give both the same 'side'" in problem.advice
-    assert problems_of(cord({"body": "ground", **ends}, {"body": "a", "at": [0.08, 0], **ends},
+    assert problems_of(cable({"body": "ground", **ends}, {"body": "a", "at": [0.08, 0], **ends},
                      **belt)) == []
 
 

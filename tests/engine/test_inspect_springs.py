@@ -87,9 +87,9 @@ def weight(name: str, mass: float, at: tuple[float, float] = (0.0, -0.1), **more
 
 def hanging(mass: float, *, step: float = 5e-4, duration: float = 0.1, **more: Any) -> Any:
     """A weight on a cord of 1e5 N/m, released where the cord is not stretched."""
-    cord = {"name": "cord", "guides": [{"body": "weight"}, {"body": "beam"}], **more}
+    cable = {"name": "cord", "guides": [{"body": "weight"}, {"body": "beam"}], **more}
     return mechanism(duration=duration, step=step, gravity=(0.0, -G),
-                     bodies=[BEAM, weight("weight", mass)], tendons=[cord])
+                     bodies=[BEAM, weight("weight", mass)], tendons=[cable])
 
 
 def ringing_of(machine: Any) -> list[tuple[float, float, float, float]]:
@@ -142,14 +142,14 @@ def test_damped_tendons_are_not_reported(mass, more):
 
 @pytest.mark.parametrize("more", [{"rest_length": 0.09}, {"rest_length": 0.1},
                                   {"rest_length": 0.09, "slack": 0.01}])
-def test_a_cord_that_is_taut_from_the_start_is_named(more):
+def test_a_cable_that_is_taut_from_the_start_is_named(more):
     assert len(ringing_of(hanging(20.0, **more))) == 1
     assert " Hz: it decays" in str(next(ringing_problems(compile_mechanism(hanging(20.0, **more)))))
 
 
 @pytest.mark.parametrize("more", [{"slack": 1e-6}, {"slack": 0.01}, {"rest_length": 0.11},
                                   {"rest_length": 0.09, "slack": 0.011}])
-def test_a_slack_cord_rings_once_it_is_taut_as_if_it_were_from_the_start(more):
+def test_a_slack_cable_rings_once_it_is_taut_as_if_it_were_from_the_start(more):
     """It is the one that gets the jolt."""
     assert ringing_of(hanging(20.0, **more)) == ringing_of(hanging(20.0))
     found, = ringing_problems(compile_mechanism(hanging(20.0, **more)))

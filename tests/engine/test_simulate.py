@@ -18,7 +18,7 @@ from sandbox.samples.outcome import Status
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
 
-from .machines import G, H, cord, disc, fixed, mass, mechanism
+from .machines import G, H, cable, disc, fixed, mass, mechanism
 
 # -- what a recording holds ----------------------------------------------------------
 
@@ -166,7 +166,7 @@ def arms_with_everything() -> dict[str, Any]:
                "on_b": (-0.05, -0.02)}]
     drives = [{"type": "motor", "name": "motor", "joint": "elbow", "value": 3.0, "torque": 0.05}]
     return {"bodies": bodies, "joints": joints, "drives": drives,
-            "tendons": [cord("line", ("wall", (0.3, 0.2)), ("bob", (0, 0)), stiffness=5e3,
+            "tendons": [cable("line", ("wall", (0.3, 0.2)), ("bob", (0, 0)), stiffness=5e3,
                              slack=0.01)]}
 
 

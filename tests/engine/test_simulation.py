@@ -28,7 +28,7 @@ from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene, read_scene
 
-from .machines import G, H, cord, disc, fixed, mass, mechanism
+from .machines import G, H, cable, disc, fixed, mass, mechanism
 
 SCENES = ["adaptive_grasp", "shape_change", "finger_dual_control", "finger_joint_locks"]
 
@@ -49,7 +49,7 @@ def weight(**more: object) -> Mechanism:
         gravity=(0.0, -G),
         bodies=[fixed("floor", shapes=[{"type": "box", "size": (1, 0.02)}]),
                 mass("load", 1.0, (0.3, 0.1)), disc("ball", 0.01, (0.0, 0.03))],
-        tendons=[cord("rope", ("load",), ("floor", (0.3, 1.0)))],
+        tendons=[cable("rope", ("load",), ("floor", (0.3, 1.0)))],
         drives=drives, **more)
 
 
@@ -119,7 +119,7 @@ def test_a_signal_below_its_minimum_is_recorded_as_the_minimum(kind: str) -> Non
         bodies=[fixed("floor"), mass("load", 1.0, (0.3, 0.1))],
         joints=[{"type": "pin", "name": "hinge", "a": "floor", "b": "load", "on_b": [0, 0]}],
         springs=[{"type": "rotary", "name": "coil", "joint": "hinge", "stiffness": 1.0}],
-        tendons=[cord("rope", ("load",), ("floor", (0.3, 1.0)))],
+        tendons=[cable("rope", ("load",), ("floor", (0.3, 1.0)))],
         drives=[{"type": kind, "name": "d", "value": signal, **drive}])
     run = simulate(machine)
     np.testing.assert_allclose(

@@ -17,7 +17,7 @@ from sandbox.model.tendons import lifted_at_start
 from sandbox.recording.recording import Recording
 from tests.support.mechanisms import guide
 
-from .machines import G, H, cord, fixed, mass, mechanism, sound
+from .machines import G, H, cable, fixed, mass, mechanism, sound
 
 FAR, RADIUS = 0.1, 0.02
 
@@ -73,7 +73,7 @@ def test_a_tendon_too_stiff_for_the_step_is_damped(path: list[Any], response: fl
     for share, rings in ((0.9, True), (1.1, False)):
         run = simulate(mechanism(
             duration=0.1, gravity=(0.0, -G), bodies=[fixed("beam"), mass("m", 0.01, (0.0, -0.1))],
-            tendons=[cord("cord", *path, stiffness=share * 0.01 / (H**2 * response))]))
+            tendons=[cable("cord", *path, stiffness=share * 0.01 / (H**2 * response))]))
         assert (np.ptp(run["cord.tension"][-20:]) > 0.01) == rings
 
 
@@ -96,7 +96,7 @@ def test_a_tendon_without_stiffness_carries_nothing(most: float) -> None:
     weight, values = 0.1 * G, [(0.0, 40.0), (0.1, -5.0), (0.2, 40.0), (0.35, most)]
     run = simulate(mechanism(
         duration=0.4, gravity=(0.0, -G), bodies=[fixed("wall"), mass("m", 0.1, (0.0, -0.5))],
-        tendons=[cord("c", ("wall",), ("m",), stiffness=40.0, pretension=weight)],
+        tendons=[cable("c", ("wall",), ("m",), stiffness=40.0, pretension=weight)],
         drives=[{"type": "stiffness", "name": "k", "tendon": "c",
                  "value": {"table": values, "between": "step"}}]))
     falls = (run.time > 0.1) & (run.time < 0.2)
@@ -193,7 +193,7 @@ def shortest_paths(ends: tuple[complex, complex], wheels: list[tuple[complex, fl
 
 
 @pytest.mark.parametrize("stiffness", [500.0, 1e5])
-def test_a_cord_over_three_moving_pulleys_takes_the_shortest_path(stiffness: float) -> None:
+def test_a_cable_over_three_moving_pulleys_takes_the_shortest_path(stiffness: float) -> None:
     """From above and below, so that they lay the cord on each other and lift it off."""
     phases, rates, radii = (0.3, 2.0, 4.1), (9.0, 7.0, 11.0), (0.05, 0.08, 0.06)
     signs, xs = (-1, 1, -1), (-0.4, 0.05, 0.45)
@@ -221,7 +221,7 @@ def test_a_cord_over_three_moving_pulleys_takes_the_shortest_path(stiffness: flo
     sound(run, "tendon.slack")
 
 
-def test_a_wheel_that_comes_round_an_end_of_the_cord_is_not_caught_from_its_other_side() -> None:
+def test_a_wheel_that_comes_round_an_end_of_the_cable_is_not_caught_from_its_other_side() -> None:
     """It begins above the cord, goes round its right end and up through it from below."""
     turn = "2 * pi * t"
     path = ("=0.7 + 0.6 * sin({0})", "=0.35 * cos({0})")
@@ -260,7 +260,7 @@ def test_a_loop_begins_on_its_wheels() -> None:
 
 
 @pytest.mark.parametrize(("side", "off"), [("right", True), ("left", False)])
-def test_a_cord_begins_off_a_wheel_that_is_clear_of_it_on_its_side(side: str, off: bool) -> None:
+def test_a_cable_begins_off_a_wheel_that_is_clear_of_it_on_its_side(side: str, off: bool) -> None:
     mechanism = sandbox.expand(sandbox.load_scene(pendulum_with_peg(side=side)))
     assert lifted_at_start(compile_mechanism(mechanism)).tolist() == [False, off, False]
     problems = [p for p in inspect(mechanism) if "off its wheel" in p.message]
@@ -284,7 +284,7 @@ def test_wrong_starts_on_a_pulley_are_reported() -> None:
     assert (path, severity) == ("$.tendons[0].guides[1].begins", "warning")
 
 
-def test_a_cord_that_begins_on_a_pulley_may_cross_itself() -> None:
+def test_a_cable_that_begins_on_a_pulley_may_cross_itself() -> None:
     scene = sandbox.load_scene(pendulum_with_peg(begins="on", radius=0.05))
     run = sandbox.simulate(sandbox.expand(scene))
     assert run["cord.lifted_1"][0] == 0

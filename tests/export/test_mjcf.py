@@ -36,25 +36,25 @@ def has(found: dict[str, str], **wanted: str) -> bool:
     return {key: found.get(key) for key in wanted} == wanted
 
 
-def cord(**more: Any) -> dict[str, Any]:
+def cable(**more: Any) -> dict[str, Any]:
     return {"name": "cord", "guides": [{"body": "frame"}, {"body": "load"}], **more}
 
 
 def test_a_pretension_shortens_the_rest_length() -> None:
-    root, _ = write(tendons=[cord(stiffness=100.0, pretension=2.0)])
+    root, _ = write(tendons=[cable(stiffness=100.0, pretension=2.0)])
     assert has(one(root, "tendon/spatial"), stiffness="100", springlength="0 0.08")
 
 
 def test_an_elastic_tendon_only_pulls_and_takes_its_step() -> None:
     """omega^2 = k / m: 0.2 / sqrt(9e4 / 0.2) is 0.298 ms, below the scene's 0.5 ms."""
-    root, export = write(tendons=[cord(stiffness=9e4, rest_length=0.08)])
+    root, export = write(tendons=[cable(stiffness=9e4, rest_length=0.08)])
     assert has(one(root, "tendon/spatial"), stiffness="90000", springlength="0 0.08")
     assert float(one(root, "option")["timestep"]) == pytest.approx(0.2 / (9e4 / 0.2) ** 0.5)
     assert "time step" in export.notes[-1]
 
 
 def test_a_damped_tendon_is_an_actuator_that_never_pushes() -> None:
-    root, _ = write(tendons=[cord(stiffness=100.0, damping=2.0)])
+    root, _ = write(tendons=[cable(stiffness=100.0, damping=2.0)])
     assert has(one(root, "actuator/general"), gear="-1", biasprm="-10 -100 -2",
                forcerange="0 1000000")
     assert one(root, "keyframe/key")["ctrl"] == "0"

@@ -156,7 +156,7 @@ def test_a_double_pendulum_with_everything_on_it() -> None:
     np.testing.assert_allclose(np.degrees(second), np.degrees(first), atol=DEGREES)
 
 
-def test_a_cord_round_a_wheel() -> None:
+def test_a_cable_round_a_wheel() -> None:
     """Atwood's machine, half a turn of wrap: a = g / 3, T = 2 m1 m2 g / (m1 + m2) = 1.308 N."""
     scene = mechanism(
         duration=0.2, step=5e-4, gravity=GRAVITY,

@@ -35,7 +35,7 @@ def named(**scene: Any) -> list[str]:
     return []
 
 
-def cord(
+def cable(
     *guides: tuple[str, float, float, float], side: str = "left", **keys: Any,
 ) -> list[dict[str, Any]]:
     return [{"name": "cord", "guides": [
@@ -58,15 +58,15 @@ def cord(
     ({"joints": [HINGE], "drives": [
         {"type": "brake", "name": "b", "joint": "hinge", "value": 1.0}]}, []),
     ({"joints": [{"name": "one", **GROOVE}, {"name": "two", **GROOVE}]}, ["two"]),
-    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01))}, ["cord"]),
-    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0))}, []),
-    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0.01),
+    ({"tendons": cable(("frame", 0, 0, 0), ("block", 0, 0, 0.01))}, ["cord"]),
+    ({"tendons": cable(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0))}, []),
+    ({"tendons": cable(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0.01),
                       ("frame", 0.2, 0, 0))}, ["cord"]),
-    ({"tendons": cord(("frame", 0, 0, 0), ("frame", 0.01, 0, 0.02), ("block", 0, 0, 0))},
+    ({"tendons": cable(("frame", 0, 0, 0), ("frame", 0.01, 0, 0.02), ("block", 0, 0, 0))},
      ["cord"]),
-    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0),
+    ({"tendons": cable(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0),
                       side="right", begins="on")}, ["cord"]),
-    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0),
+    ({"tendons": cable(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0),
                       side="right")}, []),
     ({"materials": {"ball": {"restitution": 0.5}, "floor": {"restitution": 0.5}},
       "bodies": [{"name": "ground", "motion": "fixed", "material": "floor",

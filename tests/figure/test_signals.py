@@ -83,11 +83,11 @@ def test_a_path_in_the_plane_has_one_scale(
     wide: float, capsys: pytest.CaptureFixture[str],
 ) -> None:
     run, body = moved(wide, 1.0)
-    x, y, cord = f"{body}.x", f"{body}.y", "finger.tendon.length"
+    x, y, cable = f"{body}.x", f"{body}.y", "finger.tendon.length"
     figure = draw(plotted(run), [y], x=x)
     assert drawn(figure) == [pytest.approx(1.0)]
     assert [figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()] == [f"{x} [m]", f"{y} [m]"]
-    path, other = drawn(draw(plotted(run), [y, cord, "k1.value"], x=x))
+    path, other = drawn(draw(plotted(run), [y, cable, "k1.value"], x=x))
     assert path == pytest.approx(1.0)
     assert other != pytest.approx(1.0, rel=0.5)
     assert drawn(draw(plotted(run, run), [y, x], x=x)) == pytest.approx([1.0, 1.0])

@@ -18,14 +18,14 @@ from sandbox.mechanics.tendon import route
 L = (0.045, 0.030)
 STOPS = {"lower": (-1.5, 0.0), "upper": (1.5, 1.6)}
 GUIDES = [(-0.022, -0.014), (0.024, -0.005), (0.008, -0.003)]
-CORD = route(GUIDES, L)
+CABLE = route(GUIDES, L)
 SPRINGS = spring_set([(-0.008, 0.008)] * 2, [(0.008, 0.008)] * 2)
 TENSION, STIFFNESS = 5.0, (300.0, 200.0)
 
 
 def driven(apart: float = 0.0, **changes: object) -> TwoPhalanges:
     """A finger with a tendon and springs."""
-    torques = tendon_torques(TENSION, CORD, springs=SPRINGS, stiffness=STIFFNESS)
+    torques = tendon_torques(TENSION, CABLE, springs=SPRINGS, stiffness=STIFFNESS)
     return TwoPhalanges(L, torques, apart=apart, **(STOPS | changes))
 
 
@@ -52,7 +52,7 @@ def test_every_slide_keeps_the_object_and_gives_energy(apart: float) -> None:
         np.testing.assert_allclose(
             centre, _object(path.theta[0], np.array(k_2), apart), rtol=0, atol=1e-15)
         energy = (0.5 * SPRINGS.elongations(path.theta)**2 @ np.array(STIFFNESS)
-                  - TENSION * CORD.shortening(path.theta))
+                  - TENSION * CABLE.shortening(path.theta))
         steps = np.diff(energy)
         assert (steps <= 1e-15).all()
         if path.state == GraspState.EQUILIBRIUM:  # a minimum: the last step is of second order

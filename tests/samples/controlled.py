@@ -55,11 +55,11 @@ def recording(
     """The joints go to their targets, or a share of them; stiffness goes with them."""
     mechanism = expand(load_scene(content or scene()))
     t = (np.arange(round(mechanism.run.duration / H)) + 0.5) * H
-    size, cords = len(mechanism.bodies), len(mechanism.tendons)
+    size, cables = len(mechanism.bodies), len(mechanism.tendons)
     builder = RecordingBuilder(mechanism, len(t), {
         "body_centre": np.zeros((size, 2)), "body_mass": np.ones(size),
-        "body_inertia": np.ones(size), "tendon_initial": np.full(cords, 0.1),
-        "tendon_rest": np.full(cords, 0.1)})
+        "body_inertia": np.ones(size), "tendon_initial": np.full(cables, 0.1),
+        "tendon_rest": np.full(cables, 0.1)})
     arrays = builder.blank(len(t))
     for array in arrays.values():
         array[:] = 0.0

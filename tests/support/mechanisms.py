@@ -64,7 +64,7 @@ def guide(body: str, at: tuple[float, float] = (0.0, 0.0), radius: float = 0.0,
     return {"body": body, "at": at, "radius": radius, "side": side, "friction": friction}
 
 
-def cord(name: str, *guides: tuple[Any, ...], **more: Any) -> Json:
+def cable(name: str, *guides: tuple[Any, ...], **more: Any) -> Json:
     """Tendon through guides given as (body, at, radius, side)."""
     return {"name": name, "guides": [guide(*each) for each in guides], **more}
 

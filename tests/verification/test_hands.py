@@ -21,7 +21,7 @@ from sandbox.mechanics.transmission import two_phalanx_forces
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene
-from tests.support.mechanisms import Json, cord, fixed, mechanism, pin
+from tests.support.mechanisms import Json, cable, fixed, mechanism, pin
 
 from .case import Check, case
 
@@ -60,7 +60,7 @@ def pulled(duration: float, pull: float, tendon: Json, parts: Mapping[str, Any],
 
 def wound(arms: Sequence[float]) -> Json:
     """Tendon on wheels of two hinges: its arms are the wheels' radii in every pose."""
-    return cord("tendon", ("phalanx2", (0.0, 0.0), arms[1], "right"),
+    return cable("tendon", ("phalanx2", (0.0, 0.0), arms[1], "right"),
                 ("palm", (0.0, 0.0), arms[0], "right"), ("palm", (-0.03, 0.03)))
 
 
@@ -237,7 +237,7 @@ def test_hands_of_others() -> Iterator[Check]:
             before, at = (f"phalanx{i}", MCGRIP_LENGTHS[i - 1]) if i else ("palm", 0.0)
             guides += [(f"phalanx{i + 1}", (MCGRIP_SIDE, -MCGRIP_HEIGHTS[i])),
                        (before, (at - MCGRIP_SIDE, -MCGRIP_HEIGHTS[i]))]
-        run = pulled(0.05, pull, wound(F3_ARMS) if f3 else cord(
+        run = pulled(0.05, pull, wound(F3_ARMS) if f3 else cable(
             "tendon", *guides, ("palm", (-0.02, -MCGRIP_HEIGHTS[0]))), parts)
         arms = np.array(F3_ARMS) if f3 else (
             MCGRIP_HEIGHTS * np.cos(theta / 2) + MCGRIP_SIDE * np.sin(theta / 2))

@@ -15,7 +15,7 @@ import numpy as np
 
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from tests.support.mechanisms import G, Json, cord, fixed, mass, pin, simulated, spring
+from tests.support.mechanisms import G, Json, cable, fixed, mass, pin, simulated, spring
 from tests.support.reference import integrate, stick_slip
 
 from .case import STEPS, Check, case, order_check
@@ -137,16 +137,16 @@ def test_order_pulled_tendon() -> Iterator[Check]:
     pull, half, start = 2.0, 0.05, 0.04
     yield from second_order(load(
         0.3, (start, 0.0),
-        tendons=[cord("cord", ("wall", (0.0, half)), ("load",), ("wall", (0.0, -half)))],
+        tendons=[cable("cord", ("wall", (0.0, half)), ("load",), ("wall", (0.0, -half)))],
         drives=[{"type": "pull", "name": "pull", "tendon": "cord", "value": pull}]),
         {"load.x": oscillated(lambda x: -2 * pull / 0.05 * x / float(np.hypot(x, half)), start)})
 
 
-def on_cord(damping: float) -> tuple[Run, dict[str, Truth]]:
+def on_cable(damping: float) -> tuple[Run, dict[str, Truth]]:
     """Weight that falls into a soft cord and bounces, never slack."""
     k, sag = 200.0, 0.05 * G / 200.0
     swing = damped(0.05, k, damping, sag)
-    return load(0.3, (0.0, -0.1), g=G, tendons=[cord(
+    return load(0.3, (0.0, -0.1), g=G, tendons=[cable(
         "cord", ("load",), ("wall", (0.0, 0.0)), stiffness=k, damping=damping)]), {
             "load.y": lambda t: -0.1 - sag + swing(t)}
 
@@ -154,13 +154,13 @@ def on_cord(damping: float) -> tuple[Run, dict[str, Truth]]:
 @case("Order of accuracy: elastic tendon", "m y″ = k s − m g: s = (m g/k)(1 − cos ωt)",
       f"{RUN}order 2: a cord softer than 100 kN/m is a spring that only pulls")
 def test_order_elastic_tendon() -> Iterator[Check]:
-    yield from second_order(*on_cord(0.0))
+    yield from second_order(*on_cable(0.0))
 
 
 @case("Order of accuracy: elastic tendon with damper", "m y″ = k s + c s′ − m g, under-damped",
       DAMPED)
 def test_order_elastic_tendon_with_damper() -> Iterator[Check]:
-    yield from second_order(*on_cord(0.8))
+    yield from second_order(*on_cable(0.8))
 
 
 @case("Order of accuracy: joint limit", "θ = min(ω t, limit), no rebound",

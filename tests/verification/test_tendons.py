@@ -13,7 +13,7 @@ from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
 from sandbox.scene.read.load import load_scene
-from tests.support.mechanisms import G, cord, fixed, guide, mass, pin, simulated, spring
+from tests.support.mechanisms import G, cable, fixed, guide, mass, pin, simulated, spring
 from tests.support.reference import integrate
 
 from .case import Check, case
@@ -30,7 +30,7 @@ def test_pulley_wheel() -> Iterator[Check]:
             {"name": "wheel", "motion": "scheduled",
              "path": {"angle": {"expression": f"=-{angle} * (1 - cos(pi * clip(t, 0, 1))) / 2"}}},
             mass("load", m, (radius, -0.5))],
-        tendons=[cord("cord", ("wheel", (0.0, 0.0), radius, "right"), ("load",), stiffness=RIGID,
+        tendons=[cable("cord", ("wheel", (0.0, 0.0), radius, "right"), ("load",), stiffness=RIGID,
                       damping=20.0)])
     yield Check("lift of the load", "m", radius * angle,
                 abs(run["load.y"][-1] + 0.5 + m * G / RIGID), 2e-6,
@@ -68,8 +68,8 @@ def test_rocker_arms() -> Iterator[Check]:
                          {"name": "rocker", "mass": 0.05, "inertia": 2e-5, "at": (0.0, 0.5)}],
             springs=[spring(f"damper{i}", "wall", "rocker", on_a=far, stiffness=0.0, damping=6.0)
                      for i, far in enumerate([(1.0, 0.5), (0.0, 1.5)])],
-            tendons=[cord("main", ("rocker",), ("wall", (0.0, 1.0))),
-                     *(cord(name, ("rocker", (x, 0.0)), ("wall", (x, 0.0)), stiffness=k,
+            tendons=[cable("main", ("rocker",), ("wall", (0.0, 1.0))),
+                     *(cable(name, ("rocker", (x, 0.0)), ("wall", (x, 0.0)), stiffness=k,
                             damping=3.0)
                        for name, x, k in (("first", -a, 900.0), ("second", b, 700.0)))],
             drives=[{"type": "pull", "name": "pull", "tendon": "main", "value": pull}])
@@ -102,7 +102,7 @@ def test_atwood() -> Iterator[Check]:
         run = simulated(
             0.3, g=G, bodies=[fixed("beam"), mass("heavy", 0.2, (0.0, -0.5)),
                               mass("light", m, (0.1, -0.9))],
-            tendons=[cord("cord", ("heavy",), ("beam", (0.0, 0.0)), ("beam", (0.1, 0.0)),
+            tendons=[cable("cord", ("heavy",), ("beam", (0.0, 0.0)), ("beam", (0.1, 0.0)),
                           ("light",), stiffness=RIGID)])
         tension, a = 2 * 0.2 * m * G / (0.2 + m), (0.2 - m) * G / (0.2 + m)
         yield Check(f"tension with {1e3 * m:g} g", "N", tension, run["cord.tension"][-1],
@@ -121,7 +121,7 @@ def test_movable_pulley() -> Iterator[Check]:
         run = simulated(
             0.25, g=G, bodies=[fixed("beam"), mass("pulley", 0.15, (0.0, -0.8)),
                                mass("weight", 0.1, (0.3, -0.4))],
-            tendons=[cord("cord", ("beam", (-gap, 0.0)), ("pulley", (0.0, 0.0), radius, "left"),
+            tendons=[cable("cord", ("beam", (-gap, 0.0)), ("pulley", (0.0, 0.0), radius, "left"),
                           ("beam", (gap, 0.0)), ("beam", (0.3, 0.0)), ("weight",),
                           stiffness=RIGID)])
         a = (0.1 - 0.15 / 2) / (0.1 + 0.15 / 4) * G
@@ -267,7 +267,7 @@ def test_swinging_guide() -> Iterator[Check]:
 
 @case("Weight whose cord becomes stiffer", "x = m g/k₂ + (m g/k₁ − m g/k₂) cos √(k₂/m) t",
       "100 g at rest on a cord of 40 N/m that a drive changes to 70 N/m")
-def test_stiffened_cord() -> Iterator[Check]:
+def test_stiffened_cable() -> Iterator[Check]:
     own, more, m, begins, h = 40.0, 70.0, 0.1, 0.1, 5e-4
     short, rests = m * G / own, m * G / more
     run = simulated(

@@ -95,7 +95,8 @@ def _hinge(model: Model, drive: int, end: int = 1) -> Point:
 
 def signs_of(model: Model) -> set[str]:
     """Rows of the legend for drives and for dry friction."""
-    found = {"rubs", "slides"} if model.joints.rubbed.size or model.tendons.grips.size else set()
+    friction = model.joints.frictional.size or model.tendons.grips.size
+    found = {"rubs", "slides"} if friction else set()
     for kind in model.drives.kind:
         if kind.limited and not kind.target.line:
             found |= set(_states(kind)[0]) - {"motor_back", "motor_rest"}
@@ -135,10 +136,10 @@ def add_drives(s: Subject) -> None:
         if kind.limited or kind.gives not in (*ARROWS, "torque"):
             continue
         size = max(usual(run, name) for run in (s.run, *s.beside))
-        ties = {"joints": model.ties.joint, "tendons": model.ties.tendon}.get(kind.target.among)
+        bonds = {"joints": model.bonds.joint, "tendons": model.bonds.tendon}.get(kind.target.among)
         there = np.abs(value) > NEGLIGIBLE * size
-        if ties is not None and (tie := int(ties[model.drives.target[k]])) >= 0:
-            there &= s.run.arrays["held"][:, tie] != 0
+        if bonds is not None and (bond := int(bonds[model.drives.target[k]])) >= 0:
+            there &= s.run.arrays["held"][:, bond] != 0
         if not there.any() and not s.out.fixed_columns:
             continue
         if kind.gives == "torque":

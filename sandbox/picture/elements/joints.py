@@ -49,10 +49,10 @@ def add_joints(s: Subject) -> None:
     model, joints = s.run.model, s.run.model.joints
     for k, kind in enumerate(joints.kind):
         (a, b), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
-        where: dict[str, Any] = {"plane": s.plane(a, b), "shown": s.held(int(model.ties.joint[k]))}
+        where: dict[str, Any] = {"plane": s.plane(a, b), "shown": s.held(int(model.bonds.joint[k]))}
         if k in joints.grooved:
             _groove(s, k, where)
-        if k in joints.rubbed:
+        if k in joints.frictional:
             s.add("pins", "mark", joints.name[k], rank=-1, at=s.on(b, on_b), g=["slides", "rubs"],
                   state=s.steady(s.run.arrays["joint_sticks"][:, k] == 1.0), **where)
         places = [("end", a, on_a), ("end", b, on_b)] if kind.along_line else (
@@ -131,20 +131,20 @@ def add_stops(s: Subject) -> None:
 
 def add_latches(s: Subject) -> None:
     """A diamond at what may be released: full while it holds."""
-    model, ties = s.run.model, s.run.model.ties
+    model, bonds = s.run.model, s.run.model.bonds
     joints, springs, tendons = model.joints, model.springs, model.tendons
-    places: list[Any] = [(ties.joint[k], joints.bodies[k, 0], joints.anchor[k, 0])
-                         for k in np.flatnonzero(ties.joint != NONE).tolist()]
-    for k in np.flatnonzero(ties.spring != NONE).tolist():
+    places: list[Any] = [(bonds.joint[k], joints.bodies[k, 0], joints.anchor[k, 0])
+                         for k in np.flatnonzero(bonds.joint != NONE).tolist()]
+    for k in np.flatnonzero(bonds.spring != NONE).tolist():
         table: Any = springs if springs.straight[k] else joints
         of = k if springs.straight[k] else springs.joint[k]
-        places.append((ties.spring[k], table.bodies[of, 0], table.anchor[of, 0]))
-    for k in np.flatnonzero(ties.tendon != NONE).tolist():
+        places.append((bonds.spring[k], table.bodies[of, 0], table.anchor[of, 0]))
+    for k in np.flatnonzero(bonds.tendon != NONE).tolist():
         first = tendons.guides(k).start
-        places.append((ties.tendon[k], tendons.guide_body[first], tendons.guide_at[first]))
-    for tie, body, at in places:
+        places.append((bonds.tendon[k], tendons.guide_body[first], tendons.guide_at[first]))
+    for bond, body, at in places:
         s.add("latches", "mark", plane=s.plane(body), at=s.on(body, at), g=["gone", "holds"],
-              state=s.steady(s.run.arrays["held"][:, tie] != 0))
+              state=s.steady(s.run.arrays["held"][:, bond] != 0))
 
 
 def reach_of(run: RunData, joint: int) -> XY:
@@ -193,7 +193,7 @@ class _Link:
         joints = s.run.model.joints
         self.s, self.name, self.plane = s, joints.name[k], s.plane(*joints.bodies[k].tolist())
         self.ends = [s.on(*end) for end in zip(joints.bodies[k], joints.anchor[k], strict=True)]
-        self.shown = s.held(int(s.run.model.ties.joint[k]))
+        self.shown = s.held(int(s.run.model.bonds.joint[k]))
         self.holds: Any = True if self.shown is None else s.out.columns[self.shown[0]] != 0
         self.way = s.out.between(*self.ends)
         self.length = self.way.length
@@ -283,7 +283,7 @@ def add_springs(s: Subject) -> None:
         law, rest = springs.law[k], float(springs.rest[k])
         side = 0 if law is None else law.side
         where: dict[str, Any] = {"plane": s.plane(a, b), "shown": s.held(
-            int(model.ties.spring[k]), int(model.ties.joint[joint]) if joint >= 0 else NONE)}
+            int(model.bonds.spring[k]), int(model.bonds.joint[joint]) if joint >= 0 else NONE)}
         if not springs.straight[k]:
             sense, wind = int(joints.sense[joint]), pose[:, b, 2] - pose[:, a, 2]
             now = sense * wind - joints.zero[joint]

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.model.bonds import held_one
 from sandbox.model.model import NONE
-from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.elements.joints import made_stiffer
 from sandbox.picture.listing import Between, Number, Point, flat, short
 from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import SLACK_FRACTION, round_up
 from sandbox.picture.subject import Subject
-from sandbox.samples.cords import off_wheels
+from sandbox.samples.cables import off_wheels
 
-CORD = 2.4
+CABLE = 2.4
 """Width of a tendon [points]."""
 WOUND = 1.5
 """Length of a tendon that is shown on the wheel on which it ends [rad]."""
@@ -90,28 +90,28 @@ def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int],
     return meets, leaves
 
 
-def add_cords(s: Subject) -> None:
+def add_cables(s: Subject) -> None:
     """Every tendon with its eyes, and collars where guides have friction."""
     off, slips = off_wheels(s.run.arrays), slipping(s.run.arrays["guide_slip"])
     for k, spec in enumerate(s.run.mechanism.tendons):
-        cord = _Cord(s, k, off[:, s.run.model.tendons.loose(k)])
+        cable = _Cable(s, k, off[:, s.run.model.tendons.loose(k)])
         gripped = s.run.model.tendons.gripped(k).tolist()
         own = np.flatnonzero(s.run.model.tendons.stretch_tendon == k)
-        last = len(cord.points) - spec.closed
+        last = len(cable.points) - spec.closed
         if not gripped:
-            cord.line([cord.guide(g, cord.meets[:, g], cord.leaves[:, g]) for g in range(last)],
+            cable.line([cable.guide(g, cable.meets[:, g], cable.leaves[:, g]) for g in range(last)],
                       own[-1], 1 if spec.closed else None)
         else:
-            cord.pieces(own)
+            cable.pieces(own)
             for guide, grip in zip(spec.gripping, gripped, strict=True):
-                cord.collar(guide, slips[:, grip])
+                cable.collar(guide, slips[:, grip])
         for g in range(last):
-            if not cord.radii[g]:
-                s.add("cords", "mark", plane=cord.plane, rank=2, at=cord.points[g], g="eye",
-                      **cord.shown)
+            if not cable.radii[g]:
+                s.add("cables", "mark", plane=cable.plane, rank=2, at=cable.points[g], g="eye",
+                      **cable.shown)
 
 
-class _Cord:
+class _Cable:
     """Adds the items of one tendon."""
 
     def __init__(self, s: Subject, k: int, off: Flags) -> None:
@@ -123,7 +123,7 @@ class _Cord:
         self.senses = [1 if guide.side == "right" else -1 for guide in path]
         self.points = [s.on(*at) for at in zip(bodies, tendons.guide_at[where], strict=True)]
         self.plane = s.plane(*bodies)
-        self.hold = held_one(int(s.run.model.ties.tendon[k]), s.run.arrays["held"])
+        self.hold = held_one(int(s.run.model.bonds.tendon[k]), s.run.arrays["held"])
         self.shown: dict[str, Any] = {} if self.hold.all() else {"shown": s.steady(self.hold)}
         self.on = np.ones((len(s.run.time), len(path)), dtype=bool)
         self.on[:, list(spec.lifting)] = ~off
@@ -156,8 +156,8 @@ class _Cord:
         slack, shown = share <= SLACK_FRACTION, self.shown
         if there is not None and not there.all():
             shown = {"shown": s.steady(there & self.hold)}
-        s.add("cords", "taut", self.name, plane=self.plane, rank=float(np.mean(share)) - 1,
-              p=guides, c=closed, s=[s.style("", "@load", CORD), s.style("", "slack", 1.8, 5)],
+        s.add("cables", "taut", self.name, plane=self.plane, rank=float(np.mean(share)) - 1,
+              p=guides, c=closed, s=[s.style("", "@load", CABLE), s.style("", "slack", 1.8, 5)],
               state=s.steady(slack), by=s.steady(np.where(slack, 0.0, share)), **self.wide, **shown)
 
     def pieces(self, stretches: Integers) -> None:
@@ -184,7 +184,7 @@ class _Cord:
             angle = self.middle[:, guide]
             at = s.out.spot(self.places[guide] + radius * np.column_stack(
                 (np.cos(angle), np.sin(angle))))
-        s.add("cords", "mark", plane=self.plane, rank=1, at=at, state=s.steady(~slips),
+        s.add("cables", "mark", plane=self.plane, rank=1, at=at, state=s.steady(~slips),
               g=["slides", "rubs"], shown=None if there.all() else s.steady(there))
 
 

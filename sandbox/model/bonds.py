@@ -13,7 +13,7 @@ from sandbox.values.signals import values
 
 
 @dataclass(frozen=True)
-class Ties:
+class Bonds:
     """nr joints, springs and tendons that can be released, in this order."""
 
     name: tuple[str, ...]
@@ -48,7 +48,7 @@ class Ties:
         return bool(number < 0 or self.held[number])
 
 
-def compile_ties(mechanism: Mechanism) -> Ties:
+def compile_bonds(mechanism: Mechanism) -> Bonds:
     """The releasable elements of a mechanism."""
     place = {name: number for number, name in enumerate(mechanism.releasable)}
     specs = [each for each in mechanism.holding if each.name in place]
@@ -66,7 +66,7 @@ def compile_ties(mechanism: Mechanism) -> Ties:
         return np.array([place.get(each.name, -1) for each in getattr(mechanism, among)],
                         dtype=np.int64)
 
-    return Ties(
+    return Bonds(
         tuple(place), of("joints"), of("springs"), of("tendons"),
         np.array([np.inf if each.breaks_at is None else each.breaks_at for each in specs],
                  dtype=float),
@@ -77,17 +77,17 @@ def compile_ties(mechanism: Mechanism) -> Ties:
         np.array([getattr(each, "takes_up_in", 0.0) for each in specs], dtype=float))
 
 
-def held_of(ties: Integers, held: Array | Integers) -> Flags:
+def held_of(bonds: Integers, held: Array | Integers) -> Flags:
     """Which elements hold in which samples, [elements, n].
 
     Args:
-        ties: their numbers in :class:`Ties`, or -1.
+        bonds: their numbers in :class:`Bonds`, or -1.
         held: as recorded, [n, nr]; an element that was not recorded holds.
     """
-    return np.array([held_one(tie, held) for tie in ties.tolist()], dtype=bool).reshape(
-        len(ties), len(held))
+    return np.array([held_one(bond, held) for bond in bonds.tolist()], dtype=bool).reshape(
+        len(bonds), len(held))
 
 
-def held_one(tie: int, held: Array | Integers) -> Flags:
+def held_one(bond: int, held: Array | Integers) -> Flags:
     """In which samples one element holds, [n]; arguments as of :func:`held_of`."""
-    return np.asarray(held[:, tie] != 0.0 if tie >= 0 else np.ones(len(held), dtype=bool))
+    return np.asarray(held[:, bond] != 0.0 if bond >= 0 else np.ones(len(held), dtype=bool))

@@ -35,51 +35,51 @@ CLOSED_AFTER = 40.0
 
 
 @kernel
-def holds(table: int, tie: int) -> bool:
+def holds(table: int, bond: int) -> bool:
     """Whether what has this number, or none, holds."""
-    return bool(tie < 0 or at.ties(table)[tie]["held"] == 1)
+    return bool(bond < 0 or at.bonds(table)[bond]["held"] == 1)
 
 
 @kernel
 def joint_holds(table: int, joint: int) -> bool:
     """Whether a joint holds."""
-    return holds(table, at.joints(table)[joint]["tie"])
+    return holds(table, at.joints(table)[joint]["bond"])
 
 
 @kernel
 def spring_holds(table: int, spring: Any) -> bool:
     """Whether a spring acts: neither it nor its hinge is released."""
-    return holds(table, spring["tie"]) and holds(table, spring["hinge_tie"])
+    return holds(table, spring["bond"]) and holds(table, spring["hinge_bond"])
 
 
 @kernel
-def acts(table: int, tie: int) -> bool:
+def acts(table: int, bond: int) -> bool:
     """Whether it holds and has, or broke in this very step with a force that is noted already."""
-    return bool(tie < 0 or (at.ties(table)[tie]["held"] == 1
-                            or at.ties(table)[tie]["broke"] == 0))
+    return bool(bond < 0 or (at.bonds(table)[bond]["held"] == 1
+                            or at.bonds(table)[bond]["broke"] == 0))
 
 
-@entry_point("ties")
+@entry_point("bonds")
 def release_and_engage(table: int, drive: Array) -> None:
     """Do what events wish, and what drives [nd] want that want something else than before."""
-    ties = at.ties(table)
-    for i in range(len(ties)):
-        wish, ties[i]["wish"] = ties[i]["wish"], records.NONE
-        if ties[i]["drive"] >= 0:
-            driven = 1 if drive[ties[i]["drive"]] > HELD_ABOVE else 0
-            if driven != ties[i]["driven"]:
-                wish = ties[i]["driven"] = driven
-        if wish == records.NONE or wish == ties[i]["held"]:
+    bonds = at.bonds(table)
+    for i in range(len(bonds)):
+        wish, bonds[i]["wish"] = bonds[i]["wish"], records.NONE
+        if bonds[i]["drive"] >= 0:
+            driven = 1 if drive[bonds[i]["drive"]] > HELD_ABOVE else 0
+            if driven != bonds[i]["driven"]:
+                wish = bonds[i]["driven"] = driven
+        if wish == records.NONE or wish == bonds[i]["held"]:
             continue
-        ties[i]["held"], what, index = wish, ties[i]["what"], ties[i]["index"]
+        bonds[i]["held"], what, index = wish, bonds[i]["what"], bonds[i]["index"]
         if wish == 1 and what == records.JOINED:
-            ties[i]["age"] = records.TAKEN
-        elif wish == 1 and ties[i]["as_is"]:  # its length now is the one at rest
+            bonds[i]["age"] = records.TAKEN
+        elif wish == 1 and bonds[i]["as_is"]:  # its length now is the one at rest
             if what == records.SPRINGY and not at.springs(table)[index]["turning"]:
                 at.springs(table)[index]["rest"] = at.springs(table)[index]["way"]
-            for k in range(len(at.cords(table)) if what == records.CORDED else 0):
-                if at.cords(table)[k]["tie"] == i:
-                    at.cords(table)[k]["rest"] = at.cords(table)[k]["length"]
+            for k in range(len(at.cables(table)) if what == records.PULLING else 0):
+                if at.cables(table)[k]["bond"] == i:
+                    at.cables(table)[k]["rest"] = at.cables(table)[k]["length"]
 
 
 @kernel
@@ -91,12 +91,12 @@ def empty_rows(table: int, entry: int, count: int) -> None:
         unknowns[0, entry_row[e]], unknowns[1, entry_row[e]] = 0.0, 1.0
 
 
-@entry_point("ties")
+@entry_point("bonds")
 def release_rows(table: int, h: float) -> None:
     """Empty the rows of what is let go; ask joints that were taken up for less."""
-    if len(at.ties(table)) == 0:
+    if len(at.bonds(table)) == 0:
         return
-    results = at.ties(table)
+    results = at.bonds(table)
     for i in range(len(results)):
         results[i]["broke"] = 0
     joints, springs, rhs = at.joints(table), at.springs(table), at.unknowns(table)[0]
@@ -104,15 +104,15 @@ def release_rows(table: int, h: float) -> None:
         joint = joints[k]
         if not joint_holds(table, k):
             empty_rows(table, joint["entry"], joint["entries"])
-        if joint["tie"] < 0 or not joint_holds(table, k):
+        if joint["bond"] < 0 or not joint_holds(table, k):
             continue
-        state, teeth = at.ties(table)[joint["tie"]], toothed(joint)
+        state, teeth = at.bonds(table)[joint["bond"]], toothed(joint)
         for row in (joint["row"], joint["row_y"], joint["row_turn"]):
             if row >= 0 and not teeth:
                 at.unknowns(table)[1][row] = 0.0
         if state["age"] == records.TAKEN:
             _look(table, k)
-        x, y, t = remaining_gap(table, joint["tie"], h)
+        x, y, t = remaining_gap(table, joint["bond"], h)
         if joint["row"] >= 0 and not teeth:
             rhs[joint["row"]] += x / h
         if joint["keeps"] == records.POINT and joint["row_y"] >= 0:
@@ -126,11 +126,11 @@ def release_rows(table: int, h: float) -> None:
 
 
 @kernel
-def remaining_gap(table: int, tie: int, ahead: float) -> tuple[float, float, float]:
+def remaining_gap(table: int, bond: int, ahead: float) -> tuple[float, float, float]:
     """The gaps [m, m, rad] that a joint may have so much later than now [s]."""
-    if tie < 0:
+    if bond < 0:
         return 0.0, 0.0, 0.0
-    state, over = at.ties(table)[tie], at.ties(table)[tie]["over"]
+    state, over = at.bonds(table)[bond], at.bonds(table)[bond]["over"]
     if state["age"] < 0.0:
         return 0.0, 0.0, 0.0
     t = state["age"] + ahead
@@ -145,7 +145,7 @@ def _look(table: int, k: int) -> None:
     """Note the gaps of a joint that is taken up, and how they change."""
     joint, body, before, turn = (
         at.joints(table)[k], at.body(table), at.before(table), at.turn(table))
-    state = at.ties(table)[joint["tie"]]
+    state = at.bonds(table)[joint["bond"]]
     a, b = joint["a"], joint["b"]
     ax, ay, bx, by, px, py = ends(joint, body, turn)
     wa, wb = before[a, 2], before[b, 2]
@@ -170,16 +170,16 @@ def _look(table: int, k: int) -> None:
     state["age"] = 0.0
 
 
-@entry_point("ties")
-def tied(table: int, h: float) -> None:
+@entry_point("bonds")
+def report_bonds(table: int, h: float) -> None:
     """What the next step has to know of this one."""
-    ties = at.ties(table)
-    for i in range(len(ties)):
-        ties[i]["last_load"] = ties[i]["load"] if ties[i]["held"] == 1 else math.nan
-        if ties[i]["age"] >= 0.0:
-            ties[i]["age"] += h
-            if ties[i]["age"] > CLOSED_AFTER * ties[i]["over"]:
-                ties[i]["age"] = records.SETTLED
+    bonds = at.bonds(table)
+    for i in range(len(bonds)):
+        bonds[i]["last_load"] = bonds[i]["load"] if bonds[i]["held"] == 1 else math.nan
+        if bonds[i]["age"] >= 0.0:
+            bonds[i]["age"] += h
+            if bonds[i]["age"] > CLOSED_AFTER * bonds[i]["over"]:
+                bonds[i]["age"] = records.SETTLED
 
 
 def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:
@@ -189,11 +189,11 @@ def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) ->
     for one in broken[:made[2]]:
         time = (before + float(one["row"]) - 0.5 + float(one["when"])) * h
         # what breaks by what another leaves to it does so no earlier
-        found.append(Happened(names[one["tie"]], max(time, found[-1].time if found else time)))
+        found.append(Happened(names[one["bond"]], max(time, found[-1].time if found else time)))
     made[2] = 0
     return found
 
 
-def hold(tables: Tables, tie: int, *, held: bool) -> None:
+def hold(tables: Tables, bond: int, *, held: bool) -> None:
     """Let go of something, or take it up, with the next step."""
-    tables.elements.ties[tie]["wish"], tables.state.standing[1] = held, 0
+    tables.elements.bonds[bond]["wish"], tables.state.standing[1] = held, 0

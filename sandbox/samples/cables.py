@@ -19,7 +19,7 @@ import numpy as np
 from sandbox.elements.element import GRAZE
 from sandbox.model.joints import Place, place_in_slot
 from sandbox.model.model import Model, Tendons
-from sandbox.model.tendons import CordSpan, lifted_at_start
+from sandbox.model.tendons import CableSpan, lifted_at_start
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.outcome import Stored
 
@@ -125,7 +125,7 @@ def off_wheels(arrays: Mapping[str, Array]) -> Flags:
     return np.asarray(arrays["guide_lifted"] > 0)
 
 
-def _past(cords: Stretches, tendons: Tendons, off: Flags) -> Stretches:
+def _past(cables: Stretches, tendons: Tendons, off: Flags) -> Stretches:
     """The same where tendons are off wheels, ``off`` [n, nw], and go straight past them."""
     for tendon in np.flatnonzero(np.diff(tendons.first)).tolist() if off.any() else ():
         loose = tendons.loose(tendon)
@@ -137,19 +137,19 @@ def _past(cords: Stretches, tendons: Tendons, off: Flags) -> Stretches:
             on = np.setdiff1d(np.arange(len(own) + 1), tendons.wheels[loose[pattern]] - begin)
             for i, j in itertools.pairwise(on.tolist()):
                 if j > i + 1:
-                    _lay_straight(cords, tendons, own[i:j], begin + np.array([i, j]), when)
-    return cords
+                    _lay_straight(cables, tendons, own[i:j], begin + np.array([i, j]), when)
+    return cables
 
 
 def _lay_straight(
-    cords: Stretches, tendons: Tendons, pieces: Integers, ends: Integers, when: Integers,
+    cables: Stretches, tendons: Tendons, pieces: Integers, ends: Integers, when: Integers,
 ) -> None:
     """Put the straight way between two guides in the place of all ``pieces`` between them."""
-    dx = cords.end.x[pieces[-1], when] - cords.start.x[pieces[0], when]
-    dy = cords.end.y[pieces[-1], when] - cords.start.y[pieces[0], when]
+    dx = cables.end.x[pieces[-1], when] - cables.start.x[pieces[0], when]
+    dy = cables.end.y[pieces[-1], when] - cables.start.y[pieces[0], when]
     length, x, y = _tangent(dx, dy, float(np.subtract(*tendons.guide_radius[ends])))
     rows = np.ix_(pieces, when)
-    cords.length[rows], cords.x[rows], cords.y[rows] = length / len(pieces), x, y
+    cables.length[rows], cables.x[rows], cables.y[rows] = length / len(pieces), x, y
 
 
 def _tangent(dx: Array, dy: Array, offset: Array | float) -> tuple[Array, Array, Array]:
@@ -213,25 +213,25 @@ def stretches_at_start(model: Model) -> Stretches:
 
 
 class _Course:
-    """One tendon at t = 0, and in all samples where ``frames`` and ``cords`` are given.
+    """One tendon at t = 0, and in all samples where ``frames`` and ``cables`` are given.
 
     Args:
         model: the mechanism.
         first: all stretches at t = 0.
         tendon: its number.
         frames: poses of the bodies.
-        cords: all stretches in them.
+        tendons: all stretches in them.
     """
 
     def __init__(
         self, model: Model, first: Stretches, tendon: int, frames: Frames | None = None,
-        cords: Stretches | None = None,
+        cables: Stretches | None = None,
     ) -> None:
         self.model, self.frames, tendons = model, frames, model.tendons
         self.path, self.closed = tendons.guides(tendon), bool(tendons.closed[tendon])
         self.radii = tendons.guide_radius[self.path].tolist()
         self.own = np.flatnonzero(tendons.stretch_tendon == tendon)
-        both = [first] if cords is None else [first, cords]
+        both = [first] if cables is None else [first, cables]
         self.length = np.concatenate([each.length[self.own] for each in both], axis=1)
         """Of its stretches [m], [stretches, 1 + n], from t = 0."""
         self.angle = np.concatenate(
@@ -265,15 +265,15 @@ class _Course:
         return self.wound(place, -1 if place else 0, 1.0 if place else -1.0)
 
 
-def _course(frames: Frames, cords: Stretches, tendon: int) -> _Course:
-    return _Course(frames.model, stretches_at_start(frames.model), tendon, frames, cords)
+def _course(frames: Frames, cables: Stretches, tendon: int) -> _Course:
+    return _Course(frames.model, stretches_at_start(frames.model), tendon, frames, cables)
 
 
 def _tendon_of(tendons: Tendons, guide: int) -> int:
     return int(np.searchsorted(tendons.first, guide, side="right")) - 1
 
 
-def lengths(frames: Frames, cords: Stretches) -> Array:
+def lengths(frames: Frames, cables: Stretches) -> Array:
     """Length of every tendon along its path [m], [nt, n], as the poses have it.
 
     How often a tendon goes around its wheels is counted from t = 0 through all samples, between
@@ -282,13 +282,13 @@ def lengths(frames: Frames, cords: Stretches) -> Array:
     tendons = frames.model.tendons
     total = np.zeros((len(tendons.name), frames.samples))
     for row, tendon in enumerate(tendons.stretch_tendon):
-        total[tendon] += cords.length[row]
-    first = stretches_at_start(frames.model) if tendons.guide_radius.any() else cords
+        total[tendon] += cables.length[row]
+    first = stretches_at_start(frames.model) if tendons.guide_radius.any() else cables
     for tendon in range(len(tendons.name)):
         places = np.flatnonzero(tendons.guide_radius[tendons.guides(tendon)]).tolist()
         if not places:
             continue
-        course = _Course(frames.model, first, tendon, frames, cords)
+        course = _Course(frames.model, first, tendon, frames, cables)
         on_wheels = np.zeros(frames.samples)
         for place in places:
             if place or not course.closed:  # else it comes last again
@@ -297,17 +297,17 @@ def lengths(frames: Frames, cords: Stretches) -> Array:
     return total
 
 
-def bends(frames: Frames, cords: Stretches, grip: int) -> Array:
+def bends(frames: Frames, cables: Stretches, grip: int) -> Array:
     """By how much a tendon bends at a guide with friction [rad], [n]; below 0 off its wheel."""
     tendons = frames.model.tendons
     guide = int(tendons.grips[grip])
-    course = _course(frames, cords, _tendon_of(tendons, guide))
+    course = _course(frames, cables, _tendon_of(tendons, guide))
     place = (guide - course.path.start) or len(course.radii) - 1
     if tendons.guide_radius[guide]:
         return np.asarray(course.wrap(place)[1:])
     one, two = course.own[place - 1], course.own[place % len(course.own)]
-    across = cords.x[one] * cords.y[two] - cords.y[one] * cords.x[two]
-    along = cords.x[one] * cords.x[two] + cords.y[one] * cords.y[two]
+    across = cables.x[one] * cables.y[two] - cables.y[one] * cables.x[two]
+    along = cables.x[one] * cables.x[two] + cables.y[one] * cables.y[two]
     return np.asarray(np.abs(np.arctan2(across, along)))
 
 
@@ -320,21 +320,21 @@ class Lying(NamedTuple):
     """How far it passes it [m], [n]; below 0 if it is in its way, nan where it is on."""
 
 
-def lying(frames: Frames, cords: Stretches, wheel: int) -> Lying:
+def lying(frames: Frames, cables: Stretches, wheel: int) -> Lying:
     """The same of one of :attr:`sandbox.model.model.Tendons.wheels`.
 
     A wheel that is beyond an end of the straight piece is not in its way.
     """
     tendons, off = frames.model.tendons, off_wheels(frames.run.arrays)
     guide = int(tendons.wheels[wheel])
-    course = _course(frames, cords, _tendon_of(tendons, guide))
+    course = _course(frames, cables, _tendon_of(tendons, guide))
     place, own = guide - course.path.start, course.own
 
     def edge(which: int) -> Array:
         """Where the straight piece begins or ends, [2, n], if the tendon lies on that guide."""
-        piece, at = (own[which], cords.start) if which < place else (own[which - 1], cords.end)
-        return np.array([at.x[piece] - course.radii[which] * cords.y[piece],
-                         at.y[piece] + course.radii[which] * cords.x[piece]])
+        piece, at = (own[which], cables.start) if which < place else (own[which - 1], cables.end)
+        return np.array([at.x[piece] - course.radii[which] * cables.y[piece],
+                         at.y[piece] + course.radii[which] * cables.x[piece]])
 
     ends = [edge(0), edge(len(own))]
     for side, places in ((0, range(1, place)), (1, range(len(own) - 1, place, -1))):
@@ -342,8 +342,8 @@ def lying(frames: Frames, cords: Stretches, wheel: int) -> Lying:
             passed = off[:, tendons.wheels == course.path.start + which].any(axis=1)
             ends[side] = np.where(passed, ends[side], edge(which))
     begin, end = ends
-    u = np.array([cords.x[own[place]], cords.y[own[place]]])
-    centre = np.array([cords.start.x[own[place]], cords.start.y[own[place]]])
+    u = np.array([cables.x[own[place]], cables.y[own[place]]])
+    centre = np.array([cables.start.x[own[place]], cables.start.y[own[place]]])
     radius = course.radii[place]
     across = u[0] * (centre - begin)[1] - u[1] * (centre - begin)[0]
     clear = -np.sign(radius) * across - abs(radius)
@@ -352,12 +352,12 @@ def lying(frames: Frames, cords: Stretches, wheel: int) -> Lying:
         off[:, wheel], np.where(beside, clear, np.inf), np.nan))
 
 
-def span_length(frames: Frames, cords: Stretches, span: CordSpan) -> tuple[Array, Array]:
+def span_length(frames: Frames, cables: Stretches, span: CableSpan) -> tuple[Array, Array]:
     """Length of a span [m], [1 + n], from t = 0: as if fixed to both its guides, and free.
 
     The first counts what wheels there have wound up since t = 0.
     """
-    course = _course(frames, cords, span.tendon)
+    course = _course(frames, cables, span.tendon)
     places = [guide - course.path.start for guide in span.guides]
     total = np.zeros(1 + frames.samples)
     for place in places[:-1]:
@@ -423,11 +423,11 @@ def rest_lengths(model: Model) -> Array:
     return np.where(np.isnan(tendons.pretension), rest + tendons.slack, pulled)
 
 
-def wound_up(frames: Frames, cords: Stretches, tendon: int, *, last: bool = False) -> Array:
+def wound_up(frames: Frames, cables: Stretches, tendon: int, *, last: bool = False) -> Array:
     """Length that the wheels at a tendon's ends have wound up since t = 0 [m], [n].
 
     With ``last`` only that at its last guide.
     """
-    course = _course(frames, cords, tendon)
+    course = _course(frames, cables, tendon)
     end = len(course.radii) - 1
     return np.asarray(sum(course.on_wheel(place)[1:] for place in ((end,) if last else (0, end))))
