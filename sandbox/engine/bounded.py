@@ -8,8 +8,9 @@ a contact's tangential row with the bounds -mu p_n and mu p_n, and that of a gui
 tendon likewise, by the sum of the tensions on either side; that sum is a row of its own, which acts
 on nothing: y = p - sum, without bounds; the load of a joint, which bounds its friction, is
 another. G is the response of the rows to one another through the mechanism, f their state without
-them. A row's *mode* says which of the three holds; modes given, p follows from one linear system. Where that
-breaks a bound or leaves a rate of the wrong sign the mode changes, and so on until nothing does:
+them. A row's *mode* says which of the three holds; modes given, p follows from one linear system.
+Where that breaks a bound or leaves a rate of the wrong sign the mode changes, and so on until
+nothing does:
 
 - a row goes from one bound to the other by way of y = 0 only;
 - a sticking contact that would pull slides first, and opens only if it pulls sliding;
