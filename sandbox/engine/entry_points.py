@@ -14,6 +14,10 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import multiprocessing
+import os
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -24,6 +28,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from llvmlite import ir
 from numba import cfunc, config, njit, types
+from numba.core.caching import FunctionCache
 from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
@@ -43,10 +48,13 @@ _TYPES: dict[str, Any] = {
     "Stack": types.Array(types.float64, 3, "C")}
 """Numba's types of the annotations that entry points may have."""
 _numba_config: Any = config
+_function_cache: Any = FunctionCache
 _options: dict[str, Any] = {"error_model": "numpy", "pipeline_class": entry_point_compiler}
 _WORD = ir.IntType(64)
 _OBSOLETE = 7 * 86400
 """Cached code of other versions of an entry point is deleted after this time [s]."""
+_PROCESSES, _SHARE = 4, 5
+"""Maximum number of processes that compile, and minimum number of entry points of each."""
 _entry_points: dict[str, EntryPoint] = {}
 _everything = False
 
@@ -83,6 +91,11 @@ class EntryPoint:
         return f"{self.name} {self.place} {self.signature} {self.default}"
 
     @cached_property
+    def source(self) -> Any:
+        """The function under a name that ends with the hash of its sources."""
+        return cacheable(self.py_func)
+
+    @cached_property
     def call(self) -> Any:
         """An intrinsic that calls the function at the address in the table, if there is one."""
         def typing(context: Any, *args: Any) -> Any:
@@ -115,7 +128,7 @@ class EntryPoint:
     @cached_property
     def compiled(self) -> Any:
         """Numba's C callback, compiled now or loaded from the cache."""
-        made = _cached(self.py_func, lambda function, cache: cfunc(
+        made = _cached(self.py_func, self.source, lambda function, cache: cfunc(
             self.signature, cache=cache, **_options)(function))
         if not made.cache_hits:
             _remove_obsolete(made, self.name)
@@ -152,7 +165,7 @@ class CalledFromPython:
 
     @cached_property
     def _dispatcher(self) -> Any:
-        return _cached(self.py_func, lambda function, cache: njit(
+        return _cached(self.py_func, cacheable(self.py_func), lambda function, cache: njit(
             cache=cache, **_options)(function))
 
 
@@ -183,13 +196,61 @@ def prepare(constants: Constants, elements: Elements, main: CalledFromPython) ->
               if _everything or not one.feature or FEATURES[one.feature](constants, elements)]
     addresses = np.zeros(len(_entry_points), dtype=np.int64)
     began = time.perf_counter()
-    with fast_compilation():
-        for done, one in enumerate(wanted, 1):
-            addresses[one.place - TABLE_WORDS] = one.compiled.address
-            report_progress(done / len(wanted))
+    with fast_compilation(), _other_processes(wanted) as (others, own):
         main.compiled  # noqa: B018
+        for done, one in enumerate(own, 1):
+            one.compiled  # noqa: B018
+            report_progress(done / len(wanted))
+        while any(other.poll() is None for other in others) and (missing := _missing(wanted)):
+            report_progress(1.0 - len(missing) / len(wanted))
+            time.sleep(0.2)
+        for one in wanted:
+            addresses[one.place - TABLE_WORDS] = one.compiled.address
     report_compiled(time.perf_counter() - began)
     return addresses
+
+
+@contextmanager
+def _other_processes(
+    wanted: list[EntryPoint],
+) -> Iterator[tuple[list[subprocess.Popen[bytes]], list[EntryPoint]]]:
+    """Processes that compile parts of what is not in the cache, and the part left to this one."""
+    missing = _missing(wanted)
+    count = min(_PROCESSES, os.cpu_count() or 1, len(missing) // _SHARE)
+    if (count < 2 or multiprocessing.parent_process() is not None
+            or not Path(sys.executable).name.startswith("python")):
+        yield [], wanted
+        return
+    program = ("import sys; from sandbox.engine import simulate, entry_points; "
+               "entry_points.compile_named(sys.argv[1:])")
+    path = os.pathsep.join(part or str(Path.cwd()) for part in sys.path)
+    quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+    others = [subprocess.Popen(
+        [sys.executable, "-c", program, *(one.name for one in missing[i::count])],
+        env={**os.environ, "PYTHONPATH": path}, **quiet) for i in range(1, count)]
+    try:
+        yield others, missing[::count]
+    finally:
+        for other in others:
+            other.kill()
+            other.wait()
+
+
+def compile_named(names: list[str]) -> None:
+    """Compile entry points into the cache."""
+    with fast_compilation():
+        for name in names:
+            _entry_points[name].compiled  # noqa: B018
+
+
+def _missing(wanted: list[EntryPoint]) -> list[EntryPoint]:
+    """The entry points whose code is not in the cache; none if there is no cache."""
+    try:
+        folder = Path(_function_cache(wanted[0].source).cache_path)
+    except (RuntimeError, OSError):  # no place for a cache
+        return []
+    found = {path.name.split(".")[1].rpartition("-")[0] for path in folder.glob("*.nbi")}
+    return [one for one in wanted if one.source.__qualname__ not in found]
 
 
 def _signature(function: Callable[..., Any]) -> Any:
@@ -198,16 +259,16 @@ def _signature(function: Callable[..., Any]) -> Any:
 
 
 def _cached(
-    function: Callable[..., Any], compiled: Callable[[Callable[..., Any], bool], Any],
+    function: Callable[..., Any], source: Any, compiled: Callable[[Callable[..., Any], bool], Any],
 ) -> Any:
-    """Compile with a cache if one can be written to."""
+    """Compile with a cache, found by the name of ``source``, if one can be written to."""
     try:
-        return compiled(cacheable(function), True)
+        return compiled(source, True)
     except NumbaError:
         compiled(function, False)  # raises the error with the place in the source
         raise
     except (RuntimeError, OSError):  # no place for a cache; no room left
-        return compiled(cacheable(function), False)
+        return compiled(source, False)
 
 
 def _remove_obsolete(made: Any, name: str) -> None:

@@ -106,6 +106,35 @@ def test_two_processes_with_different_sources_share_a_cache(tmp_path: Path):
     assert [program.run() for program in programs] == [(2, 2, 1), (3, 3, 1)]
 
 
+FIRST_RUN = """
+import sandbox
+from sandbox.engine import entry_points
+
+if {alone}:
+    entry_points._PROCESSES = 1
+run = sandbox.simulate("four_bar")
+made = [one.compiled for one in entry_points._entry_points.values() if "compiled" in vars(one)]
+print(float(run.arrays["body_pose"].sum()).hex(), sum(bool(one.cache_hits) for one in made), len(made))
+"""
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(os.cpu_count() == 1, reason="one process compiles everything")
+def test_processes_share_the_compilation_of_a_first_run(tmp_path: Path):
+    found = []
+    for alone in (True, False):
+        done = subprocess.run(
+            [sys.executable, "-c", FIRST_RUN.format(alone=alone)], check=True, text=True,
+            stdout=subprocess.PIPE,
+            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / str(alone))})
+        result, loaded, count = done.stdout.split()
+        found.append((result, int(loaded) / int(count)))
+    (alone_result, none), (result, share) = found
+    assert result == alone_result
+    assert none == 0.0
+    assert 0.4 < share < 0.8
+
+
 def other_version(**changes: object) -> str:
     """The hash of ``outer`` after changes of what ``inner`` is made of."""
     source_hash.__globals__["_describe"].cache_clear()
