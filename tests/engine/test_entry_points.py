@@ -114,7 +114,8 @@ if {alone}:
     entry_points._PROCESSES = 1
 run = sandbox.simulate("four_bar")
 made = [one.compiled for one in entry_points._entry_points.values() if "compiled" in vars(one)]
-print(float(run.arrays["body_pose"].sum()).hex(), sum(bool(one.cache_hits) for one in made), len(made))
+loaded = sum(bool(one.cache_hits) for one in made)
+print(float(run.arrays["body_pose"].sum()).hex(), loaded, len(made))
 """
 
 
