@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 
 from sandbox.elements.element import NAMED
 
-PIECE = 1 << 18
-"""Numbers that are looked at at a time."""
+PIECE = 1 << 18  # Numbers that are looked at at a time
 Arrays = dict[str, NDArray[Any]]
 Axes = tuple[str | int, ...]
 
@@ -32,8 +31,7 @@ class Recorded:
 
     name: str
     axes: Axes
-    unit: str
-    """Empty for numbers of rows and elements."""
+    unit: str  # Empty for numbers of rows and elements
     about: str
     when: Literal[
         "sample", "once", "contact", "meters", "mean", "mean contact", "impact"] = "sample"
@@ -44,8 +42,7 @@ class Recorded:
     also: Literal["", "nan", "inf"] = ""
     """What its numbers may be besides finite: nan, where something has no value, or infinite, of
     what is greater than 0."""
-    points: str = ""
-    """The axis whose rows or elements its numbers name."""
+    points: str = ""  # The axis whose rows or elements its numbers name
     late: bool = False
     """Not in the first recordings: where it is missing it reads as nan. Every new array is."""
 
@@ -196,10 +193,8 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("meter_value", ("n", "nm"), "the meter's", "if the scene has meters", "meters",
              also="nan"),
 )
-METERS = "meter_value"
-"""Optional: the meters, once they were evaluated."""
-FORCES = 5
-"""Means of each joint."""
+METERS = "meter_value"  # Optional: the meters, once they were evaluated
+FORCES = 5  # Means of each joint
 LARGEST = 1e30
 """Nothing that is simulated comes near it, and products of a few numbers below it are numbers."""
 _BY_NAME = {row.name: row for row in ARRAYS}
@@ -217,8 +212,7 @@ OPTIONAL = ((METERS,), (*MEAN, *MEAN_CONTACT), tuple(IMPACT))
 """Sets of arrays of which a file has all or none."""
 IN_ORDER = ("contact_sample", "mean_sample", "mean_contact_sample", "impact_time")
 """Arrays whose numbers never fall."""
-LATE = tuple(row.name for row in ARRAYS if row.late)
-"""What files of older recordings may lack."""
+LATE = tuple(row.name for row in ARRAYS if row.late)  # What files of older recordings may lack
 
 
 def dtype_of(key: str) -> type[np.float64] | type[np.int64]:

@@ -35,19 +35,15 @@ QUANTITIES: Mapping[str, Quantity] = {
 class DriveKind:
     """Facts about a kind of drive."""
 
-    target: Reference
-    """The mark of the field that names what it acts on."""
+    target: Reference  # The mark of the field that names what it acts on
     gives: Gives
     """A force on a body, a torque between the two bodies of a hinge, a push between the two points
     of an actuator, and so on."""
-    unit: str
-    """Of its value; empty where that is its spring's."""
+    unit: str  # Of its value; empty where that is its spring's
     dimension: str
     records: tuple[str, ...] = ("value", "work")
-    floor: float = -math.inf
-    """Lower bound of its value; smaller values count as this."""
-    sole: str = ""
-    """What only one drive may set of a target; empty where several add up."""
+    floor: float = -math.inf  # Lower bound of its value; smaller values count as this
+    sole: str = ""  # What only one drive may set of a target; empty where several add up
     limited: bool = False
     """Whether the solver computes its effort, within a limit of torque or force."""
     places: bool = False
@@ -57,12 +53,9 @@ class DriveKind:
     """Whether pymunk keeps its value from step to step, so that only changes are set."""
     timely: Literal["pose", "end"] = "pose"
     """The time in a step at which its value is evaluated: that of the pose, or the step's end."""
-    twin: str = ""
-    """The same drive of an actuator for one of a hinge, and the other way round."""
-    mujoco: str = ""
-    """Why MuJoCo has no counterpart; empty where it has one."""
-    mujoco_varied: str = ""
-    """Why MuJoCo has no counterpart if the value varies."""
+    twin: str = ""  # The same drive of an actuator for one of a hinge, and the other way round
+    mujoco: str = ""  # Why MuJoCo has no counterpart; empty where it has one
+    mujoco_varied: str = ""  # Why MuJoCo has no counterpart if the value varies
 
 
 class DriveSpec(Element):

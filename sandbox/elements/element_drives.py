@@ -22,7 +22,6 @@ from sandbox.elements.element import (
     Direction,
     Turn,
     Vec,
-    direction_problems,
     no_mesh,
 )
 from sandbox.elements.tendons import RIGID
@@ -46,8 +45,7 @@ if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
     from sandbox.scene.parts.placement import Mover
 
-SMALLEST_RADIUS = 1e-9
-"""Of a circle that a drive makes smaller [m]."""
+SMALLEST_RADIUS = 1e-9  # Of a circle that a drive makes smaller [m]
 
 
 class ForceDrive(DriveSpec):
@@ -77,10 +75,6 @@ class ForceDrive(DriveSpec):
         """Its direction, of length 1."""
         x, y = self.direction / np.hypot(*self.direction)
         return float(x), float(y)
-
-    def range_problems(self, path: str) -> Iterator[Problem]:
-        """A direction without a length that can be computed with."""
-        return direction_problems(self.direction, f"{path}.direction")
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
         """Fields that are ``kept`` and that a placement changes all the same, with new values."""

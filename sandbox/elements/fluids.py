@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -32,13 +32,10 @@ from sandbox.values.units import size_fault
 from sandbox.wording import WrongValueError, quoted
 
 if TYPE_CHECKING:
-    from sandbox.model.compile import Scope
     from sandbox.scene.mechanism import Mechanism
 
-FLUID = "fluid under pressure in lines"
-"""Why MuJoCo has none of these."""
-OIL = 1.4e9
-"""Modulus of oil with a little air in it [Pa]."""
+FLUID = "fluid under pressure in lines"  # Why MuJoCo has none of these
+OIL = 1.4e9  # Modulus of oil with a little air in it [Pa]
 LineName = Annotated[of.Name, LINE]
 LINE_QUANTITIES: Mapping[str, Quantity] = {
     "pressure": recorded("line_pressure", "Pa", "gauge pressure", live=True),
@@ -77,11 +74,10 @@ class Cylinder(Spec):
         """Distance of its two points at t = 0 [m]; ``world`` gives points of bodies."""
         return math.dist(world(self.a, self.on_a), world(self.b, self.on_b))
 
-    def columns(self, scope: Scope) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Lines`."""
-        return {"bodies": (scope.number("bodies", self.a), scope.number("bodies", self.b)),
-                "anchor": (self.on_a, self.on_b), "gain": -self.area if self.pulls else self.area,
-                "start": self.length(scope.world)}
+    @property
+    def gain(self) -> float:
+        """Volume per distance of the points [m^2]."""
+        return -self.area if self.pulls else self.area
 
 
 class Vane(Spec):
@@ -100,12 +96,6 @@ class Vane(Spec):
             raise WrongValueError("out-of-range", "must not be 0: give a volume per angle such as "
                                   "2 ml/rad; a negative one reverses the direction")
         return self
-
-    def columns(self, scope: Scope) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Lines`."""
-        joint = scope.number("joints", self.joint)
-        return {"bodies": scope.joints.bodies[joint], "joint": joint, "gain": self.displacement,
-                "start": scope.joints.start[joint]}
 
 
 Chamber = Annotated[Cylinder | Vane, Field(discriminator="type")]

@@ -1,14 +1,14 @@
-"""The base of joints. Anchors are in the frames of their bodies [m]."""
+"""The base of joints."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.element import BodyName, Element, Quantity, Vec, recorded
+from sandbox.elements.element import BodyName, Element, Quantity, recorded
 from sandbox.errors import Problem
 from sandbox.values.numbers import POSITIVE, Duration, Flag, Force, Name, Point, Ratio
 from sandbox.wording import WrongValueError, quoted
@@ -23,24 +23,17 @@ Keeps = Literal["point", "groove", "distance", "range", "gear", "rack", "roll"]
 class JointKind:
     """Facts about a kind of joint."""
 
+    # two coinciding points; a point of b on a line of a; a distance of two points, or a range of
+    # it; meshing teeth of two gears, or of a gear and a rack; rolling circles
     keeps: Keeps
-    """Its constraint: two coinciding points; a point of ``b`` on a line of ``a``; a distance of two
-    points, or a range of it; meshing teeth of two gears, or of a gear and a rack; rolling
-    circles."""
-    records: tuple[str, ...]
-    """The quantities that every joint of the kind records."""
-    line: bool = False
-    """Whether it has a length, which drives can push and set."""
-    angle: bool = False
-    """Whether it has an angle, for stops, rotary springs, torques, brakes and motors."""
-    friction_unit: str = ""
-    """Unit of its dry friction; empty where it has none."""
+    records: tuple[str, ...]  # The quantities that every joint of the kind records
+    line: bool = False  # Whether it has a length, which drives can push and set
+    angle: bool = False  # Whether it has an angle, for stops, rotary springs, torques, motors
+    friction_unit: str = ""  # Unit of its dry friction; empty where it has none
+    # additional quantities with limits, backlash, friction or a path
     more: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Additional quantities with ``limits``, ``backlash``, ``friction`` or a ``path``."""
-    mujoco: str = ""
-    """Why MuJoCo has no counterpart; empty where it has one."""
-    mujoco_loop: str = ""
-    """Why MuJoCo has no counterpart of such a joint that closes a loop."""
+    mujoco: str = ""  # Why MuJoCo has no counterpart; empty where it has one
+    mujoco_loop: str = ""  # Why MuJoCo has no counterpart of such a joint that closes a loop
 
     @property
     def forces(self) -> int:
@@ -106,19 +99,6 @@ QUANTITIES: Mapping[str, Quantity] = {
 }
 
 
-@dataclass(frozen=True)
-class Anchors:
-    """The two points of a joint at t = 0 [m]."""
-
-    on_a: Vec
-    """In the frame of ``a``."""
-    on_b: Vec
-    """In the frame of ``b``."""
-    a_in_b: Vec
-    """The first one in the frame of ``b``."""
-    distance: float
-
-
 class JointSpec(Element):
     """The base of all joints."""
 
@@ -179,14 +159,6 @@ class JointSpec(Element):
             yield Problem("no-effect",
                           f"neither {quoted(self.a)} nor {quoted(self.b)} can move freely",
                           path, allowed="a joint of at least one dynamic body")
-
-    def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
-        return {}
-
-    def path_points(self) -> tuple[tuple[Vec, ...] | None, bool]:
-        """Points of its path in the frame of ``a`` [m], if it has one; whether the path closes."""
-        return None, False
 
 
 class ClosingJoint(JointSpec):

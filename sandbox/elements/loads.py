@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
 
 MOTION = ("x", "y", "angle", "vx", "vy", "omega", "speed", "ax", "ay", "alpha", "t", "mass",
-          "inertia")
-"""What the law of a load may read, in the order in which programs number it."""
+          "inertia")  # What the law of a load may read, in the order in which programs number it
 MOST_PATTERNS = 100
 
 
@@ -81,10 +80,6 @@ class LoadSpec(Element):
         """The two components of the force and the torque, as expressions; None without a law."""
         return None
 
-    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
-        return {}
-
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """A name that would mean two things."""
         names = {each.name for kind in NAMED for each in getattr(mechanism, kind)}
@@ -137,7 +132,7 @@ class LawLoad(LoadSpec):
         return *(self.force or self.acceleration or (None, None)), self.torque
 
     def columns(self, mechanism: Mechanism) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
+        """Its numbers in columns of the model that are no attributes of it."""
         return {"at": self.at, "turning": self.frame == "body",
                 "per_mass": self.acceleration is not None}
 
@@ -197,7 +192,7 @@ class BuoyancyLoad(LoadSpec):
     """Of the liquid [kg/m^3]; by default that of water."""
 
     def columns(self, mechanism: Mechanism) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
+        """Its numbers in columns of the model that are no attributes of it."""
         return {"level": self.level, "weight": -self.density * mechanism.gravity[1]}
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:

@@ -47,8 +47,7 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
             "N", "friction force on the first body by the second, positive along its normal force "
                  "turned by +90°; `b/a` has the same value", live=True),
     },
-}
-"""By what an element is called (:class:`sandbox.elements.element.Named`), then by name."""
+}  # By what an element is called (:class:`sandbox.elements.element.Named`), then by name
 USUAL: Mapping[str, str] = {"meter": "", "tendon": "tension", "joint": "angle", "drive": "value",
                             "spring": "length", "body": "y"}
 """The quantity shown first, by kind of element, the most informative kinds first."""
@@ -59,14 +58,11 @@ BOND_QUANTITIES: Mapping[str, Quantity] = {
     "held": recorded("held", "1", "of elements that can be released: 1 while engaged, 0 while "
                                   "released",
                   live=True, yes_no=True),
-}
-"""Additional quantities of joints, springs and tendons that can be released."""
+}  # Additional quantities of joints, springs and tendons that can be released
 MOST_PRESSING = 24
 """Contacts of an object beyond which closure, epsilon and isotropy are not worked out."""
-WINDOW = 0.1
-"""So long [s] an object has to be at rest in a hand to be held."""
-STRAY = 0.01
-"""By less than so much of its size it moves and slides meanwhile."""
+WINDOW = 0.1  # So long [s] an object has to be at rest in a hand to be held
+STRAY = 0.01  # By less than so much of its size it moves and slides meanwhile
 _MANY = f"more than {MOST_PRESSING} bodies press on it"
 NOT_HELD = "it is not held"
 _LIMP = (f"{NOT_HELD}, or its stiffness is not defined: with fluids, teeth, loads by laws, tendons "
@@ -98,8 +94,7 @@ GRASP: Mapping[str, Quantity] = {
                             "it: 0 if equal", nothing="no finger presses on it"),
     "spread_bodies": Quantity("1", "the same, of all bodies that press on it, such as phalanges",
                               nothing="no finger presses on it"),
-}
-"""Additional quantities of bodies with the role ``object``; docs/grasp.md."""
+}  # Additional quantities of bodies with the role ``object``; docs/grasp.md
 LIVE: Mapping[str, tuple[str, ...]] = {
     element: tuple(name for name, quantity in rows.items() if quantity.live)
     for element, rows in QUANTITIES.items()} | {"meter": ("",)}

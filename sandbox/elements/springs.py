@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
-import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, recorded
@@ -16,7 +15,6 @@ from sandbox.wording import WrongValueError
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
-    from sandbox.model.compile import Scope
     from sandbox.scene.mechanism import Mechanism
 
 TakenUp = Literal["natural", "as_is"]
@@ -35,12 +33,10 @@ QUANTITIES: Mapping[str, Quantity] = {
 class SpringKind:
     """How springs of a kind act."""
 
-    unit: str
-    """Of its stiffness."""
+    unit: str  # Of its stiffness
     dimension: str
     records: tuple[str, ...]
-    straight: bool
-    """From point to point; otherwise about a hinge."""
+    straight: bool  # From point to point; otherwise about a hinge
 
 
 class SpringSpec(Element):
@@ -121,14 +117,6 @@ class LinearSpring(SpringSpec):
 
     _law = field_validator("force")(_read_law)
 
-    def columns(self, scope: Scope) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Springs`, besides those of all."""
-        p, q = scope.world(self.a, self.on_a), scope.world(self.b, self.on_b)
-        start = float(np.hypot(q[0] - p[0], q[1] - p[1]))
-        return {"bodies": (scope.number("bodies", self.a), scope.number("bodies", self.b)),
-                "anchor": (self.on_a, self.on_b), "start": start,
-                "rest": start if self.rest_length is None else self.rest_length}
-
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A DampedSpring."""
         draft.add("constraint", self.name, "DampedSpring", self.a, self.b, self.on_a, self.on_b,
@@ -169,12 +157,6 @@ class RotarySpring(SpringSpec):
     is not released."""
 
     _law = field_validator("torque")(_read_law)
-
-    def columns(self, scope: Scope) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Springs`, besides those of all."""
-        joint = scope.number("joints", self.joint)
-        return {"bodies": scope.joints.bodies[joint], "start": float(scope.joints.start[joint]),
-                "rest": self.rest_angle, "joint": joint}
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A DampedRotarySpring, whose angle is that of ``a`` against ``b``, and a damper."""

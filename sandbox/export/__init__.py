@@ -21,10 +21,8 @@ class Export:
     """A model in another program's format."""
 
     text: str
-    notes: tuple[str, ...] = ()
-    """Differences from the scene, a sentence each."""
-    left_out: tuple[str, ...] = ()
-    """Names of the elements that the model lacks."""
+    notes: tuple[str, ...] = ()  # Differences from the scene, a sentence each
+    left_out: tuple[str, ...] = ()  # Names of the elements that the model lacks
 
 
 def export_mechanism(

@@ -83,8 +83,7 @@ class UniqueNames:
 
 SECTIONS = ("compiler", "option", "default", "asset", "worldbody", "contact", "equality", "tendon",
             "actuator", "sensor", "keyframe")
-WORLD = "world"
-"""MuJoCo's name of the fixed frame."""
+WORLD = "world"  # MuJoCo's name of the fixed frame
 
 
 class Draft:
@@ -104,22 +103,17 @@ class Draft:
         self.on_body: dict[int, list[ET.Element]] = {
             body: [] for body in (NONE, *range(len(model.bodies.name)))}
         """Sites and pulleys, until the bodies are written."""
-        self.coils: dict[int, list[int]] = defaultdict(list)
-        """Rotary springs of a hinge."""
-        self.brakes: dict[int, float] = {}
-        """Torque of a hinge's brake [N m]."""
-        self.driven: set[int] = set()
-        """Hinges with a torque."""
-        self.controls: list[float] = []
-        """Value of every actuator at the end of the run."""
+        self.coils: dict[int, list[int]] = defaultdict(list)  # Rotary springs of a hinge
+        self.brakes: dict[int, float] = {}  # Torque of a hinge's brake [N m]
+        self.driven: set[int] = set()  # Hinges with a torque
+        self.controls: list[float] = []  # Value of every actuator at the end of the run
         self.notes: list[str] = []
         self.body_names = [
             self.names.made("body", name) if name == WORLD else name for name in model.bodies.name]
         self.moves = {body: [
             dataclasses.replace(move, name=self.names.made("joint", move.name))
             if move.made else move for move in freedoms(model, link)
-        ] for body, link in tree.links.items()}
-        """Coordinates of every body, with unique names."""
+        ] for body, link in tree.links.items()}  # Coordinates of every body, with unique names
         self._world_frame = ""
 
     def coordinates(self) -> list[Freedom]:

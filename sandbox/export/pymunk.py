@@ -25,8 +25,7 @@ ALWAYS = ("Scene", "__init__", "step", "contacts")
 FORMULAS = """from math import *
 sign = lambda x: (x > 0) - (x < 0)
 clip = lambda x, low, high: min(max(x, low), high)
-"""
-"""What formulas of a scene call besides Python's own functions."""
+"""  # What formulas of a scene call besides Python's own functions
 MAIN = '''
 
 def draw(scene):

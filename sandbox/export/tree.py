@@ -30,14 +30,11 @@ class Link:
     """A body in the tree."""
 
     body: int
-    parent: int
-    """``NONE`` for the world."""
+    parent: int  # ``NONE`` for the world
     pose: Pose
     """Pose in the parent's frame at t = 0, with the joint assembled: x, y [m], angle [rad]."""
-    joint: int = NONE
-    """The joint that carries it; ``NONE`` for a body that is fixed or free."""
-    backwards: bool = False
-    """Whether the body is the joint's ``a``, its parent ``b``."""
+    joint: int = NONE  # The joint that carries it; ``NONE`` for a body that is fixed or free
+    backwards: bool = False  # Whether the body is the joint's ``a``, its parent ``b``
 
 
 @dataclass(frozen=True)
@@ -142,20 +139,13 @@ class Freedom:
     name: str
     kind: Literal["hinge", "slide"]
     axis: Vec3
-    at: Vec = (0.0, 0.0)
-    """A point of its axis [m]."""
-    start: float = 0.0
-    """Value at t = 0 [rad or m]."""
-    rate: float = 0.0
-    """Rate at t = 0 [rad/s or m/s]."""
-    limits: tuple[float, float] | None = None
-    """Hard stops [rad or m]."""
-    joint: int = NONE
-    """Index of the hinge, if it is one."""
-    loss: float = 0.0
-    """Dry friction of a slide [N]."""
-    made: bool = False
-    """Whether the name is not that of an element of the scene."""
+    at: Vec = (0.0, 0.0)  # A point of its axis [m]
+    start: float = 0.0  # Value at t = 0 [rad or m]
+    rate: float = 0.0  # Rate at t = 0 [rad/s or m/s]
+    limits: tuple[float, float] | None = None  # Hard stops [rad or m]
+    joint: int = NONE  # Index of the hinge, if it is one
+    loss: float = 0.0  # Dry friction of a slide [N]
+    made: bool = False  # Whether the name is not that of an element of the scene
 
 
 def freedoms(model: Model, link: Link) -> list[Freedom]:

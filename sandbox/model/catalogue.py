@@ -61,23 +61,19 @@ class CatalogueEntry:
     kind: str
     """``body``, ``joint``, ``spring``, ``tendon``, ``line``, ``valve``, ``load``, ``drive``,
     ``group``, ``meter``."""
-    index: int
-    """Its place among its kind in the mechanism; of a load among those on each body."""
-    quantities: Mapping[str, str]
-    """Quantity to unit; a meter's only quantity is the empty name."""
+    index: int  # Its place among its kind in the mechanism; of a load among those on each body
+    quantities: Mapping[str, str]  # Quantity to unit; a meter's only quantity is the empty name
 
 
 @dataclass(frozen=True)
 class Source:
     """Where a quantity comes from."""
 
-    kind: str
-    """That of an :class:`CatalogueEntry`, or ``pair``."""
+    kind: str  # That of an :class:`CatalogueEntry`, or ``pair``
     index: int
     quantity: str
     unit: str
-    other: int = -1
-    """The other body of a pair."""
+    other: int = -1  # The other body of a pair
 
 
 class Catalogue:
@@ -88,8 +84,7 @@ class Catalogue:
         self.elements: dict[str, CatalogueEntry] = {}
         for name, element in _elements(mechanism):
             self.elements.setdefault(name, element)
-        self.hinted = 0
-        """Number of problems so far of unknown names."""
+        self.hinted = 0  # Number of problems so far of unknown names
         self._bodies = {body.name: index for index, body in enumerate(mechanism.bodies)}
 
     @cached_property
@@ -323,8 +318,7 @@ def grasp_of(body: Body) -> dict[str, str]:
     return grasp_quantities(free=body.motion == "dynamic")
 
 
-MOST_SHOWN = 4
-"""Units that a refusal gives an example of."""
+MOST_SHOWN = 4  # Units that a refusal gives an example of
 
 
 class MixedUnitsError(SandboxError, ValueError):

@@ -29,8 +29,7 @@ from sandbox.values.expressions import Expression, parse_expression
 from sandbox.values.tables import Tables
 from sandbox.wording import WrongValueError
 
-STRETCH, RATE, STIFFNESS = 0, 1, 2
-"""What a law's program reads."""
+STRETCH, RATE, STIFFNESS = 0, 1, 2  # What a law's program reads
 FULL = ("pull", "above")
 
 
@@ -38,12 +37,9 @@ FULL = ("pull", "above")
 class SpringLaw:
     """The law of one spring."""
 
-    own: Expression | None
-    """Of its stretch and rate; None for k s."""
-    names: tuple[str, ...]
-    """What it calls these."""
-    damping: float
-    """[N s/m, N m s/rad]"""
+    own: Expression | None  # Of its stretch and rate; None for k s
+    names: tuple[str, ...]  # What it calls these
+    damping: float  # [N s/m, N m s/rad]
     side: int
     """+1 for one that acts only where it is stretched, -1 only where it is not; 0 for both."""
     program: Program

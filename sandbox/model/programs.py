@@ -34,8 +34,7 @@ _FUNCTIONS: dict[str, int] = {
     "sqrt": SQRT, "exp": EXP, "log": LOG, "tanh": TANH, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
     "floor": FLOOR, "ceil": CEIL, "min": MIN, "max": MAX}
 
-LARGEST_EXPONENT = MAX_EXPONENT
-"""As expressions have it; compiled code takes it from here."""
+LARGEST_EXPONENT = MAX_EXPONENT  # As expressions have it; compiled code takes it from here
 STEP = np.dtype([
     ("op", np.int64),
     ("value", float),
@@ -47,8 +46,7 @@ CURVE = np.dtype([
 KNOT = np.dtype([
     ("x", float),           # where its piece begins; a curve's first piece ends there
     ("y", float), ("b", float), ("c", float), ("d", float),     # of the piece
-])
-"""A curve of n knots has n + 1 pieces, the one before its first knot in a row before that."""
+])  # A curve of n knots has n + 1 pieces, the one before its first knot in a row before that
 
 Step = tuple[int, float]
 
@@ -57,8 +55,7 @@ class Program(NamedTuple):
     """What an expression does, step by step."""
 
     steps: tuple[Step, ...]
-    depth: int
-    """Most numbers that wait on the stack."""
+    depth: int  # Most numbers that wait on the stack
 
 
 def compile_expression(

@@ -21,10 +21,8 @@ class CableSpan(NamedTuple):
     tendon: int
     guides: tuple[int, ...]
     """Numbers of the model's guides, in order; its first and last one hold it, or are ends."""
-    into: int
-    """Which of :attr:`sandbox.model.model.Tendons.grips` feeds it; -1 at an end."""
-    out_of: int
-    """Which takes from it; -1 at an end."""
+    into: int  # Which of :attr:`sandbox.model.model.Tendons.grips` feeds it; -1 at an end
+    out_of: int  # Which takes from it; -1 at an end
 
 
 def spans_of(tendons: Tendons, tendon: int) -> list[CableSpan]:

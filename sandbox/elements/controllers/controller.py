@@ -57,8 +57,7 @@ Range = Annotated[Pair[Quantity], AfterValidator(_ordered)]
 Positive = Annotated[Quantity, POSITIVE]
 Matrix = Items[Items[Quantity]]
 Reading = Annotated[str, AfterValidator(bound)]
-Row = Sequence[float]
-"""A number for each reading, target or drive."""
+Row = Sequence[float]  # A number for each reading, target or drive
 
 
 def every(rate: float | None, step: float) -> int:

@@ -228,20 +228,13 @@ def _guides(tendon: Tendon, pin: Pin) -> tuple[Guide, Guide] | None:
 class JointGeometry:
     """A joint in the law: two triangles at the hinge, of the tendon and of the spring."""
 
-    product: float
-    """dt rt of the tendon's triangle [m^2]."""
-    squares: float
-    """dt^2 + rt^2 [m^2]."""
-    beta_0: float
-    """[rad], equation (12)."""
-    spring_product: float
-    """dm rm of the spring's triangle [m^2]."""
-    spring_squares: float
-    """dm^2 + rm^2 [m^2]."""
-    delta_0: float
-    """[rad], equation (24)."""
-    rest: float
-    """Length of the slack spring [m]."""
+    product: float  # dt rt of the tendon's triangle [m^2]
+    squares: float  # dt^2 + rt^2 [m^2]
+    beta_0: float  # [rad], equation (12)
+    spring_product: float  # dm rm of the spring's triangle [m^2]
+    spring_squares: float  # dm^2 + rm^2 [m^2]
+    delta_0: float  # [rad], equation (24)
+    rest: float  # Length of the slack spring [m]
 
     def tendon_arm(self, theta: float) -> float:
         """The arm h = dt rt sin(beta) / lt [m], from (17)."""

@@ -84,11 +84,9 @@ class Gains:
     kp: float = 0.0
     ki: float = 0.0
     kd: float = 0.0
-    filter: float = 0.0
-    """Time constant of the low-pass on the derivative [s]; 0 is none."""
+    filter: float = 0.0  # Time constant of the low-pass on the derivative [s]; 0 is none
     anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
-    tracking: float | None = None
-    """Time constant of the back-calculation [s]; None is |kp / ki|."""
+    tracking: float | None = None  # Time constant of the back-calculation [s]; None is |kp / ki|
 
     def fraction_back(self, period: float) -> float:
         """How much of what was cut off comes off the integral at the next act, 0 to 1.
@@ -192,8 +190,7 @@ RULES: dict[str, tuple[float, float, float]] = {
     "tyreus_luyben_pi": (1 / 3.2, 2.2, 0.0),
     "tyreus_luyben_pid": (1 / 2.2, 2.2, 1 / 6.3),
     "no_overshoot_pid": (0.2, 1 / 2, 1 / 3),
-}
-"""kp / Ku, integral time / Tu, derivative time / Tu of each rule."""
+}  # kp / Ku, integral time / Tu, derivative time / Tu of each rule
 FILTER = 0.1
 """Low-pass on the derivative, as a fraction of the derivative time; 1/20 to 1/3 is usual."""
 
