@@ -5,7 +5,7 @@ a recording of every step has of step k, and what it writes holds from step k + 
 it acts again; its first act is before the first step. The value of a drive
 that a controller writes is where that drive begins.
 
-Limits and rate limits are applied outside of the laws; a law is given what was in force, so that
+Limits and rate limits are applied outside of the laws; a law is given what was applied, so that
 it does not wind up. Readings, targets and drive values come in the order of ``reads`` and
 ``writes``, SI. Laws are plain Python on floats, which is faster than arrays of so few numbers.
 """
@@ -57,7 +57,7 @@ Range = Annotated[Pair[Quantity], AfterValidator(_ordered)]
 Positive = Annotated[Quantity, POSITIVE]
 Matrix = Items[Items[Quantity]]
 Reading = Annotated[str, AfterValidator(bound)]
-Row = Sequence[float]  # A number for each reading, target or drive
+Row = Sequence[float]  # a number for each reading, target or drive
 
 
 def every(rate: float | None, step: float) -> int:
@@ -69,29 +69,17 @@ class Law:
     """Computes drive values from readings; the base of laws is one without memory."""
 
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Begin, or begin anew after having been switched on.
-
-        A law that is switched on during a run goes on from what its drives
-        have, as far as it has a memory that can hold the difference.
-
-        Args:
-            readings: what the controller reads now, [number of readings].
-            targets: what its signals say now, [number of targets].
-            inputs: what its drives have now, [number of drives].
-        """
+        """Begin, or begin anew after being switched on during a run, from the drives' values."""
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """What the law wants of its drives until it acts again.
+        """A value for each drive, in its unit, until the next act.
 
         Args:
-            t: the instant [s]; one period after the last act.
+            t: time [s]; one period after the last act.
             readings: as in :meth:`begin`; at the first act after it the same.
             targets: as in :meth:`begin`.
-            applied: what was in force since the last act, [number of drives]. It equals what
-                was wanted, to the last bit, unless a limit or a rate limit cut it.
-
-        Returns:
-            One value for each drive, in its unit.
+            applied: values in force since the last act. They equal those that the law returned,
+                to the last bit, unless a limit or a rate limit cut them.
         """
         raise NotImplementedError
 
@@ -100,21 +88,24 @@ class Law:
         return {}
 
 
+def integrated(integral: float, step: float, cut: float) -> float:
+    """An integral after a step, which is left out if it would increase a ``cut`` of the output."""
+    return integral if cut and step * cut >= 0 else integral + step
+
+
 class ControllerSpec(Element):
     """The base of all controllers."""
 
     PYMUNK = "a controller"
 
+    LAW: ClassVar[Any]  # the class of its law, of the controller and its period [s]
     # fields with numbers in the unit of its drives, of its readings, of a force
     of_drive: ClassVar[tuple[str, ...]] = ()
     of_reading: ClassVar[tuple[str, ...]] = ()
     of_force: ClassVar[tuple[str, ...]] = ()
-    # the field that has its targets
-    target_key: ClassVar[str] = "target"
-    # the field that has its readings
-    reads_key: ClassVar[str] = "reads"
-    # whether it sets its drive to its target
-    sets_target: ClassVar[bool] = False
+    target_key: ClassVar[str] = "target"  # the field that has its targets
+    reads_key: ClassVar[str] = "reads"  # the field that has its readings
+    sets_target: ClassVar[bool] = False  # whether it sets its drive to its target
 
     name: Name
     """Its name, by which events set ``<name>.target`` and ``<name>.active``."""
@@ -136,7 +127,8 @@ class ControllerSpec(Element):
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
         """Lowest and highest value of each drive; empty without limits."""
-        return ()
+        limits: Any = getattr(self, "limits", None)
+        return (limits,) if limits and isinstance(limits[0], float) else limits or ()
 
     @property
     def readings(self) -> tuple[str, ...]:
@@ -159,7 +151,8 @@ class ControllerSpec(Element):
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
-        raise NotImplementedError
+        law: Law = self.LAW(self, period)
+        return law
 
 
 class SingleController(ControllerSpec):
@@ -171,11 +164,6 @@ class SingleController(ControllerSpec):
     """[lowest, highest] that it sets, in the drive's unit; none by default."""
     slew: Positive | None = None
     """Maximum change per second, in the drive's unit; none by default."""
-
-    @property
-    def ranges(self) -> tuple[tuple[float, float], ...]:
-        """Lowest and highest value of its drive."""
-        return () if self.limits is None else (self.limits,)
 
 
 class ReadingController(SingleController):
@@ -203,8 +191,3 @@ class SeveralController(ControllerSpec):
                 raise WrongValueError("wrong-type", f"'{key}': expected {len(self.writes)} "
                                       f"entries, one a drive, got {len(given)}")
         return self
-
-    @property
-    def ranges(self) -> tuple[tuple[float, float], ...]:
-        """Lowest and highest value of each drive."""
-        return self.limits or ()

@@ -1,9 +1,9 @@
 """The equilibrium law: the stiffness that balances the tendon at the target, and feedback on it.
 
 At rest T h = k s with s = dlm hm (equations (17), (29), (30)). So k = T h / s at the target holds
-it without any feedback, as far as the law knows the finger; and an additional torque tau against a
-joint is an additional stiffness tau / s, s at the joint's present rotation. Near the straight
-finger s goes to 0: there springs have no effect, and the law uses the s of a small rotation.
+an ideal finger without any feedback; and an additional torque tau against a joint is an additional
+stiffness tau / s, s at the joint's present rotation. Near the straight finger s goes to 0: there
+springs have no effect, and the law uses the s of a small rotation.
 
 Geometry is in the frames of the paper's section 4: x along the straight finger, the
 joint closing clockwise, so that a joint that counts counter-clockwise is mirrored.
@@ -13,15 +13,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from sandbox.elements.controllers.controller import Law, Positive, Row, SeveralController
+from sandbox.elements.controllers.controller import (
+    Law,
+    Positive,
+    Row,
+    SeveralController,
+    integrated,
+)
 from sandbox.elements.element import Vec
 from sandbox.elements.element_drives import StiffnessDrive
 from sandbox.elements.points import Pin
@@ -144,7 +149,7 @@ class EquilibriumController(SeveralController):
 
 
 class Fingers:
-    """The tendons, hinges, springs and drives that equilibrium laws work with, by name."""
+    """Tendons, hinges, springs and drives by name."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self._mechanism = mechanism
@@ -161,7 +166,7 @@ class Fingers:
                 if isinstance(found, StiffnessDrive) and found.spring is not None else None)
 
     def crossed(self, spec: EquilibriumController, i: int) -> JointGeometry:
-        """The tendon and the spring across a hinge, of a controller without :meth:`problems`."""
+        """The geometry of a hinge of a controller without :meth:`problems`."""
         pin, spring = self.pins[spec.joints[i]], self.spring_of(spec.writes[i])
         guides = _guides(self.tendons[spec.tendon], pin)
         if guides is None or not isinstance(spring, LinearSpring):
@@ -170,9 +175,8 @@ class Fingers:
         side = 1.0 if pin.positive == "clockwise" else -1.0
         c, s = math.cos(pin.zero), math.sin(pin.zero)
 
-        def before(point: Vec) -> Vec:
+        def before(point: Vec) -> Vec:  # at rotation 0 the frame after it is turned by ``zero``
             x, y = point[0] - on_a[0], side * (point[1] - on_a[1])
-            # at rotation 0 the frame after the hinge is turned by ``zero`` the joint's way
             return c * x - s * y, s * x + c * y
 
         def after(point: Vec) -> Vec:
@@ -224,8 +228,7 @@ def _guides(tendon: Tendon, pin: Pin) -> tuple[Guide, Guide] | None:
     return None
 
 
-@dataclass(frozen=True)
-class JointGeometry:
+class JointGeometry(NamedTuple):
     """A joint in the law: two triangles at the hinge, of the tendon and of the spring."""
 
     product: float  # dt rt of the tendon's triangle [m^2]
@@ -234,7 +237,7 @@ class JointGeometry:
     spring_product: float  # dm rm of the spring's triangle [m^2]
     spring_squares: float  # dm^2 + rm^2 [m^2]
     delta_0: float  # [rad], equation (24)
-    rest: float  # Length of the slack spring [m]
+    rest: float  # length of the slack spring [m]
 
     def tendon_arm(self, theta: float) -> float:
         """The arm h = dt rt sin(beta) / lt [m], from (17)."""
@@ -271,12 +274,12 @@ def _joints(tendon: TendonRoute, springs: SpringSet, rest: ArrayLike) -> list[Jo
 class Equilibrium(Law):
     """k = T h / s at the target + (kp e + kd rate + I) / s, with e = rotation - reference.
 
-    - The reference goes from where the joint was at the beginning to the target along a
-      straight line, within ``rise``; the feedforward is that of the target itself.
+    - The reference moves linearly from the joint's first rotation to the target within
+      ``rise``; the feedforward is that of the target itself.
     - I, a torque, integrates ki e over straight lines between acts once the reference has
-      arrived: on the way there the joint lags behind, which is no error of the model. It is
-      left as it is while its drive's value is cut and it would lead further out.
-    - s is taken no smaller than it is at the guard's rotation, and so never 0.
+      arrived: before, the lag of the joint is no error of the model. It stops while its
+      drive's value is cut and it would increase the cut.
+    - s is at least that at the guard's rotation, and so never 0.
     """
 
     def __init__(
@@ -295,10 +298,10 @@ class Equilibrium(Law):
         self._balancing: list[float] = []
 
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Start the reference where the joints are.
+        """Start the reference at the joints' rotations.
 
-        In the middle of a run the integrals take up the difference to what the drives have;
-        joints without an integral gain could never get rid of it, and begin at 0.
+        During a run the integrals take up the difference to the drives' values; without an
+        integral gain the difference would stay, so these joints begin at 0.
         """
         n = len(self._joints)
         self._starts = list(readings[:n])
@@ -326,7 +329,9 @@ class Equilibrium(Law):
             angle, start = readings[i], starts[i]
             error = angle - start - fraction * (targets[i] - start)
             if self._arrived:
-                self._integrate(i, error, applied[i])
+                self._integrals[i] = integrated(
+                    self._integrals[i], self._half_ki[i] * (error + self._errors[i]),
+                    self._wanted[i] - applied[i])
             torque = self._kp[i] * error + self._kd[i] * readings[n + i] + self._integrals[i]
             errors.append(error)
             wanted.append(ahead[i] + torque / self._moment(i, angle))
@@ -334,7 +339,7 @@ class Equilibrium(Law):
         return list(wanted)
 
     def _ahead(self, readings: Sequence[float], targets: Sequence[float]) -> list[float]:
-        """T h / s at the targets; worked out anew when one of them or T has changed."""
+        """T h / s at the targets; computed anew when one of them or T has changed."""
         pull = readings[-1] if self._pull is None else self._pull
         balanced_at = (pull, list(targets))
         if balanced_at != self._balanced_at:
@@ -346,13 +351,4 @@ class Equilibrium(Law):
 
     def _moment(self, i: int, theta: float) -> float:
         """The spring moment s of a joint, no less than the guard's."""
-        moment = self._joints[i].spring_moment(theta)
-        guard = self._guards[i]
-        return moment if moment > guard else guard
-
-    def _integrate(self, i: int, error: float, applied: float) -> None:
-        """Add one period, where it does not lead further out of what can be set."""
-        step = self._half_ki[i] * (error + self._errors[i])
-        cut = self._wanted[i] - applied
-        if not cut or step * cut < 0:
-            self._integrals[i] += step
+        return max(self._guards[i], self._joints[i].spring_moment(theta))
