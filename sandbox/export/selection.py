@@ -167,13 +167,7 @@ def _wheel(model: Model, tendon: int) -> str:
 
 
 class Arc:
-    """The arc of a tendon at t = 0 on a wheel between two eyes.
-
-    Args:
-        model: the mechanism.
-        start: all straight pieces at t = 0.
-        wheel: number of the guide.
-    """
+    """The arc at t = 0 of a tendon with pieces ``start`` on a wheel (a guide) between two eyes."""
 
     def __init__(self, model: Model, start: Stretches, wheel: int) -> None:
         tendons, (one, two) = model.tendons, (
