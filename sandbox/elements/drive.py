@@ -1,4 +1,4 @@
-"""The base of drives: what the world outside does to the mechanism, as a signal over time."""
+"""The base of drives: inputs of the mechanism, as signals over time."""
 
 from __future__ import annotations
 
@@ -36,23 +36,19 @@ class DriveKind:
     """Facts about a kind of drive."""
 
     target: Reference  # The mark of the field that names what it acts on
+    # a force on a body, a torque between the two bodies of a hinge, a push between the two points
+    # of an actuator, and so on
     gives: Gives
-    """A force on a body, a torque between the two bodies of a hinge, a push between the two points
-    of an actuator, and so on."""
     unit: str  # Of its value; empty where that is its spring's
     dimension: str
     records: tuple[str, ...] = ("value", "work")
     floor: float = -math.inf  # Lower bound of its value; smaller values count as this
     sole: str = ""  # What only one drive may set of a target; empty where several add up
-    limited: bool = False
-    """Whether the solver computes its effort, within a limit of torque or force."""
-    places: bool = False
-    """Whether its value is a target position; otherwise the value of a limited drive is a rate or a
-    limit."""
-    latched: bool = False
-    """Whether pymunk keeps its value from step to step, so that only changes are set."""
-    timely: Literal["pose", "end"] = "pose"
-    """The time in a step at which its value is evaluated: that of the pose, or the step's end."""
+    limited: bool = False  # whether the solver computes its effort, within a limit
+    places: bool = False  # whether its value is a target position
+    latched: bool = False  # whether pymunk keeps its value, so that only changes are set
+    timely: Literal["pose", "end"] = "pose"  # at which time in a step its value is evaluated
+    positive: bool = False  # whether its value must stay greater than 0
     twin: str = ""  # The same drive of an actuator for one of a hinge, and the other way round
     mujoco: str = ""  # Why MuJoCo has no counterpart; empty where it has one
     mujoco_varied: str = ""  # Why MuJoCo has no counterpart if the value varies
@@ -84,11 +80,6 @@ class DriveSpec(Element):
     def owned(self) -> tuple[object, ...]:
         """What no other drive may set."""
         return self.kind.sole, self.target[1]
-
-    @property
-    def positive_value(self) -> bool:
-        """Whether its value must stay greater than 0."""
-        return False
 
     def unit(self, mechanism: Mechanism) -> str:
         """The unit of its value."""

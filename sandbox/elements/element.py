@@ -145,7 +145,7 @@ class Element(Spec):
         return {}
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
-        """Fields that are ``kept`` and that a placement changes all the same, with new values."""
+        """New values of ``kept`` fields that a placement changes."""
         return {}
 
     def without_pymunk(self, mechanism: Mechanism) -> str:

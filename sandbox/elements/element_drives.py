@@ -26,16 +26,8 @@ from sandbox.elements.element import (
 )
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import Problem
+from sandbox.values import signals
 from sandbox.values.numbers import Name, Point
-from sandbox.values.signals import (
-    AnySignal,
-    Constant,
-    ForceSignal,
-    LengthSignal,
-    RateSignal,
-    ShareSignal,
-    StiffnessSignal,
-)
 from sandbox.values.spec import TYPE
 from sandbox.wording import MOST_NAMED, WrongValueError, quoted
 
@@ -62,7 +54,7 @@ class ForceDrive(DriveSpec):
     """[x, y] of any length except zero: only its direction counts; a negative value reverses it."""
     frame: Literal["world", "body"] = "world"
     """Whether the direction is fixed in the world or in the body."""
-    value: ForceSignal
+    value: signals.ForceSignal
     """The force over time [N]."""
 
     @property
@@ -77,7 +69,7 @@ class ForceDrive(DriveSpec):
         return float(x), float(y)
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
-        """Fields that are ``kept`` and that a placement changes all the same, with new values."""
+        """New values of ``kept`` fields that a placement changes."""
         return {"direction": mover.placement.vector(self.direction) if self.frame == "world"
                 else mover.direction(self.body, self.direction)}
 
@@ -99,20 +91,15 @@ class RadiusDrive(DriveSpec):
 
     facts = DriveKind(
         BODY, "radius", "m", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
-        mujoco="a changing radius")
+        positive=True, mujoco="a changing radius")
 
     type: Literal["radius"] = TYPE
     body: BodyName
     """Name of the body; mass and inertia stay as they are."""
     shape: int = Field(default=0, ge=0)
     """Which of the body's shapes, counted from 0; it has to be a circle."""
-    value: LengthSignal
+    value: signals.LengthSignal
     """The radius over time [m]."""
-
-    @property
-    def positive_value(self) -> bool:
-        """Whether its value must stay greater than 0."""
-        return True
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A radius that is set before each step."""
@@ -158,7 +145,7 @@ class SurfaceDrive(DriveSpec):
     """Name of the body, all of whose shapes run; its mass and pose are not changed by that."""
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
     """Positive direction of the speed around the body: with ``clockwise`` its top moves right."""
-    value: RateSignal
+    value: signals.RateSignal
     """The speed along the surface over time [m/s], seen from the body."""
 
     @property
@@ -175,7 +162,7 @@ class PullDrive(DriveSpec):
     type: Literal["pull"] = TYPE
     tendon: Annotated[Name, TENDON]
     """Name of a tendon, or of a finger or tree: then its own tendon is pulled."""
-    value: ForceSignal
+    value: signals.ForceSignal
     """The tension over time [N]; below 0 counts as 0."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
@@ -205,7 +192,7 @@ class StiffnessDrive(DriveSpec):
     """In place of ``spring``, the name of a tendon below 100 kN/m without pull drive and guide
     friction, or of a finger or tree for its own tendon. Damping and rest length do not change; a
     ``pretension`` sets the rest length by the tendon's own stiffness."""
-    value: StiffnessSignal | None = None
+    value: signals.StiffnessSignal | None = None
     """Stiffness over time, [N/m] of a linear spring or a tendon, [N m/rad] of a rotary spring; by
     default the element's own, which a controller may change."""
 
@@ -232,15 +219,15 @@ class StiffnessDrive(DriveSpec):
 
     def dimension(self, mechanism: Mechanism) -> str | None:
         """The dimension of its value; None where no element has the name."""
-        if self.kind.dimension:
+        if self.tendon is not None:
             return self.kind.dimension
         spring = self._spring(mechanism)
-        return None if spring is None else str(spring.facts.dimension)
+        return spring and str(spring.facts.dimension)
 
-    def signal(self, mechanism: Mechanism) -> AnySignal:
+    def signal(self, mechanism: Mechanism) -> signals.AnySignal:
         """Its value over time: by default the stiffness of its spring or tendon."""
-        return (Constant(constant=self._spring(mechanism).stiffness) if self.value is None
-                else self.value)
+        return (signals.Constant(constant=self._spring(mechanism).stiffness)
+                if self.value is None else self.value)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """The stiffness of its spring or tendon, set before each step."""
@@ -287,7 +274,7 @@ class HoldDrive(DriveSpec):
     type: Literal["hold"] = TYPE
     element: Annotated[Name, HELD]
     """Name of the joint, spring or tendon. A joint closes its gap in its ``takes_up_in``."""
-    value: ShareSignal
+    value: signals.ShareSignal
     """Value over time: above 0.5 engages, otherwise releases. An event that releases or engages the
     same element overrides it until the value next crosses 0.5."""
 

@@ -19,13 +19,14 @@ if TYPE_CHECKING:
     from sandbox.scene.bodies import Body
     from sandbox.scene.mechanism import Mechanism
 
+# names in the law of a load, in the order in which programs number them
 MOTION = ("x", "y", "angle", "vx", "vy", "omega", "speed", "ax", "ay", "alpha", "t", "mass",
-          "inertia")  # What the law of a load may read, in the order in which programs number it
+          "inertia")
 MOST_PATTERNS = 100
 
 
 def _law(dimension: str) -> Any:
-    """What reads a law: an expression of a body's motion, or a number of a dimension."""
+    """Reads an expression of a body's motion, or a number of a dimension."""
     def read(value: Any, info: ValidationInfo) -> str:
         if isinstance(value, str) and value.lstrip().startswith("="):
             return of.law_of(value, MOTION, "body", info)
@@ -48,7 +49,6 @@ Patterns = Annotated[
     BeforeValidator(lambda value: (value,) if isinstance(value, str) else value),
     WithJsonSchema({"anyOf": [_PATTERN, {"type": "array", "items": _PATTERN, "minItems": 1,
                                          "maxItems": MOST_PATTERNS}]})]
-EVERY = ("*",)
 QUANTITIES: Mapping[str, Quantity] = {
     "fx": recorded("load_force", "N", "force on the body, in the world", 0, live=True),
     "fy": recorded("load_force", "N", "the same, upwards", 1, live=True),
@@ -66,7 +66,7 @@ class LoadSpec(Element):
     type: str
     name: of.Name
     """Its name; quantities are ``<name>.<body>.fx`` and so on."""
-    bodies: Patterns = EVERY
+    bodies: Patterns = ("*",)
     """Bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By default
     every body that moves freely; fixed and scheduled bodies are skipped."""
 

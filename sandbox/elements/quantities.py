@@ -47,27 +47,28 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
             "N", "friction force on the first body by the second, positive along its normal force "
                  "turned by +90°; `b/a` has the same value", live=True),
     },
-}  # By what an element is called (:class:`sandbox.elements.element.Named`), then by name
+}
+# the quantity shown first, by kind of element, the most informative kinds first
 USUAL: Mapping[str, str] = {"meter": "", "tendon": "tension", "joint": "angle", "drive": "value",
                             "spring": "length", "body": "y"}
-"""The quantity shown first, by kind of element, the most informative kinds first."""
+# the order in which quantities of one element are shown; others follow
 TELLING = ("value", "x", "y", "contact.normal", "force", "torque", "angle", "length", "tension",
            "reaction", "pressure", "flow", "fx", "fy", "power")
-"""Order in which quantities of one element are shown; others follow."""
+# additional quantities of joints, springs and tendons that can be released
 BOND_QUANTITIES: Mapping[str, Quantity] = {
     "held": recorded("held", "1", "of elements that can be released: 1 while engaged, 0 while "
                                   "released",
                   live=True, yes_no=True),
-}  # Additional quantities of joints, springs and tendons that can be released
-MOST_PRESSING = 24
-"""Contacts of an object beyond which closure, epsilon and isotropy are not worked out."""
-WINDOW = 0.1  # So long [s] an object has to be at rest in a hand to be held
-STRAY = 0.01  # By less than so much of its size it moves and slides meanwhile
+}
+MOST_PRESSING = 24  # contacts of an object up to which closure, epsilon, isotropy are computed
+WINDOW = 0.1  # time [s] at rest in a hand after which an object is held
+STRAY = 0.01  # maximum motion and sliding in that time over its size
 _MANY = f"more than {MOST_PRESSING} bodies press on it"
 NOT_HELD = "it is not held"
 _LIMP = (f"{NOT_HELD}, or its stiffness is not defined: with fluids, teeth, loads by laws, tendons "
          "with friction, contacts in a notch")
 _NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
+# additional quantities of bodies with the role ``object``; docs/grasp.md
 GRASP: Mapping[str, Quantity] = {
     "held": Quantity("1", "1 while a hand holds it: the hand pressed on it for the last "
                           f"{WINDOW:g} s, it moved and slid by less than {100 * STRAY:g} % of its "
@@ -94,16 +95,15 @@ GRASP: Mapping[str, Quantity] = {
                             "it: 0 if equal", nothing="no finger presses on it"),
     "spread_bodies": Quantity("1", "the same, of all bodies that press on it, such as phalanges",
                               nothing="no finger presses on it"),
-}  # Additional quantities of bodies with the role ``object``; docs/grasp.md
+}
+# quantities that can be read during a run; the one quantity of a meter has no name
 LIVE: Mapping[str, tuple[str, ...]] = {
     element: tuple(name for name, quantity in rows.items() if quantity.live)
     for element, rows in QUANTITIES.items()} | {"meter": ("",)}
-"""What can be read while a run goes on; the one quantity of a meter has no name."""
+# columns of ``contacts.csv`` and ``impacts.csv`` with their units
 CONTACT_COLUMNS: Mapping[str, str] = {
     "x": "m", "y": "m", "fx": "N", "fy": "N", "normal": "N", "tangential": "N"}
-"""The numbers of a contact's row in ``contacts.csv`` and their units."""
 IMPACT_COLUMNS: Mapping[str, str] = {"x": "m", "y": "m", "px": "N s", "py": "N s"}
-"""The numbers of a row in ``impacts.csv`` and their units."""
 
 
 def numbered(element: str, quantity: str) -> tuple[str, int] | None:
@@ -128,7 +128,7 @@ def about(element: str, quantity: str) -> str:
 
 
 def is_yes_no(element: str, quantity: str) -> bool:
-    """Whether an element's quantity is 1 or 0 and nothing between."""
+    """Whether an element's quantity is only 1 or 0."""
     row = row_of(element, quantity)
     return row is not None and row.yes_no
 
@@ -146,11 +146,7 @@ def is_live(element: str, quantity: str) -> bool:
 
 
 def reserved(kind: str) -> frozenset[str]:
-    """What may not follow the name of an element of a list and a dot in another's name.
-
-    ``contact`` and ``contact.normal``, of bodies: whole names of quantities, and what
-    those begin with.
-    """
+    """What may not follow an element's name and a dot: ``contact.normal`` of a body."""
     names = [*QUANTITIES.get(NAMED[kind].one, {}),
              *(BOND_QUANTITIES if kind in RELEASABLE else ())]
     return frozenset(".".join(name.split(".")[:count]) for name in names
@@ -158,16 +154,16 @@ def reserved(kind: str) -> frozenset[str]:
 
 
 def grasp_quantities(*, free: bool) -> dict[str, str]:
-    """Quantity to unit of what an object has besides; ``free`` where it moves freely."""
+    """Additional quantities of an object, with units; ``free`` where it moves freely."""
     return {name: row.unit for name, row in GRASP.items() if free or not row.of_free}
 
 
 def quantities_of(element: str) -> dict[str, str]:
-    """Quantity to unit of a ``body``, ``tendon``, ``group`` or ``pair``: of all of its kind."""
+    """All quantities of a kind such as ``body`` or ``pair``, with units."""
     return {name: quantity.unit for name, quantity in QUANTITIES[element].items()}
 
 
 def by_telling(quantities: Iterable[str]) -> list[str]:
-    """Quantities of an element, those first that are looked at first."""
+    """Quantities of an element in the order in which they are shown."""
     rank = {name: place for place, name in enumerate(TELLING)}
     return sorted(quantities, key=lambda name: rank.get(name, len(rank)))

@@ -138,7 +138,7 @@ class Rack(ToothedJoint):
         return {"along": (x / length, y / length)}
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
-        """Fields that are ``kept`` and that a placement changes all the same, with new values."""
+        """New values of ``kept`` fields that a placement changes."""
         return {"along": mover.direction(self.b, self.along)}
 
 

@@ -53,7 +53,7 @@ def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
     for i, drive in enumerate(mechanism.drives):
         if drive.value is not None:
             yield from _signal(drive.value, mechanism, f"$.drives[{i}].value",
-                               drive.kind.dimension or "stiffness", positive=drive.positive_value)
+                               drive.kind.dimension or "stiffness", positive=drive.kind.positive)
     for i, controller in enumerate(mechanism.controllers):
         for j, signal in enumerate(controller.signals):
             place = f"[{j}]" if controller.target_key == "targets" else ""
