@@ -99,7 +99,7 @@ class LinearSpring(SpringSpec):
     minus rest length, and of the ``rate`` of the stretch [m/s]: ``"=1e3 * stretch + 4e6 * stretch
     ** 3"``, ``"=bumper(stretch)"``. Positive in tension."""
     only: Literal["pull", "push"] | None = None
-    """One-sided: ``pull`` acts above the rest length only, as a bungee tendon; ``push`` below it
+    """One-sided: ``pull`` acts above the rest length only, as a bungee cord; ``push`` below it
     only, as a bump stop."""
     damping: of.Damping = 0.0
     """Force per rate of length [N s/m], against it; of a one-sided spring only while it acts."""
