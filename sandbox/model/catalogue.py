@@ -12,7 +12,6 @@ import difflib
 import fnmatch
 import itertools
 import re
-from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -34,8 +33,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import MOST_COMPARED, is_pattern, listed, nearest, quoted
 
 PAIR = quantities_of("pair")
-MOST_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)
-"""Of an element that a refusal names: all of an object."""
+MOST_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)  # in a message: all of an object
 
 
 class UnknownQuantityError(SandboxError, KeyError):
@@ -58,9 +56,7 @@ class UnknownQuantityError(SandboxError, KeyError):
 class CatalogueEntry:
     """A named part of a mechanism and its quantities."""
 
-    kind: str
-    """``body``, ``joint``, ``spring``, ``tendon``, ``line``, ``valve``, ``load``, ``drive``,
-    ``group``, ``meter``."""
+    kind: str  # ``body``, ``joint``, ... as in NAMED
     index: int  # Its place among its kind in the mechanism; of a load among those on each body
     quantities: Mapping[str, str]  # Quantity to unit; a meter's only quantity is the empty name
 
@@ -98,24 +94,20 @@ class Catalogue:
 
     @cached_property
     def telling(self) -> list[str]:
-        """The same names, of each element what is looked at first before its others."""
+        """The same names, the quantities of each element in the order in which they are shown."""
         return [f"{name}.{quantity}" if quantity else name
                 for name, element in self.elements.items()
                 for quantity in by_telling(element.quantities)]
 
     @cached_property
     def usual(self) -> dict[str, list[str]]:
-        """What is looked at first, by kind: a quantity of each meter, of each tendon, and so on."""
+        """The quantities shown first, by kind: one of each meter, of each tendon, and so on."""
         return {kind: [f"{name}.{quantity}" if quantity else name
                        for name, element in self.elements.items()
                        if element.kind == kind and quantity in element.quantities
                        and not (kind == "body"
                                 and self.mechanism.bodies[element.index].motion == "fixed")]
                 for kind, quantity in USUAL.items()}
-
-    @cached_property
-    def _sorted(self) -> list[str]:
-        return sorted(self.units)
 
     def find(self, name: str) -> Source:
         """Where the quantity ``name`` comes from.
@@ -138,29 +130,18 @@ class Catalogue:
         with ``/`` only: each pair that can touch once, spelled moving body
         first, or the other way round if only that fits.
         """
-        if not is_pattern(pattern):
-            return [pattern] if pattern in self else []
-        if "/" in pattern:
-            return list(self._match_pairs(pattern))
-        fits = re.compile(fnmatch.translate(pattern)).match
-        return [name for name in self.units if fits(name)]
+        return list(self._matching(pattern))
 
     def fits(self, pattern: str) -> bool:
-        """Whether a name or a pattern has any :meth:`match`; found without listing them."""
+        """Whether a name or a pattern has any :meth:`match`."""
+        return next(self._matching(pattern), None) is not None
+
+    def _matching(self, pattern: str) -> Iterator[str]:
         if not is_pattern(pattern):
-            return pattern in self
-        fits = re.compile(fnmatch.translate(pattern)).match
-        if "/" not in pattern:
-            head = re.split(r"[*?\[]", pattern, maxsplit=1)[0]
-            first = bisect_left(self._sorted, head)
-            names = map(self._sorted.__getitem__, range(first, len(self._sorted)))
-            return any(map(fits, itertools.takewhile(lambda name: name.startswith(head), names)))
-        bodies, begins, ends = self._halves(pattern)
-        firsts = {i for i, has in enumerate(begins) if has}
-        seconds = {i for i, has in enumerate(ends) if any(has)}
-        return any(len(others) > (i in others)
-                   for some, others in ((firsts, seconds), (seconds, firsts))
-                   for i in some if bodies[i].motion == "dynamic")
+            return iter([pattern] if pattern in self else [])
+        if "/" in pattern:
+            return self._match_pairs(pattern)
+        return filter(re.compile(fnmatch.translate(pattern)).match, self.units)
 
     @cached_property
     def _words(self) -> list[str]:
@@ -168,7 +149,7 @@ class Catalogue:
         return list(itertools.islice(words, MOST_COMPARED))
 
     def near(self, name: str) -> str:
-        """A quantity or a pattern that fits, with a word mended; quick on large mechanisms."""
+        """A quantity or a pattern that fits, with one word corrected."""
         if "/" in name and not is_pattern(name):
             return self._near_pair(name)
         for head, element in () if is_pattern(name) else self._prefixes(name):
@@ -183,7 +164,7 @@ class Catalogue:
         return ""
 
     def _near_pair(self, name: str) -> str:
-        """A pair's name with each of its three words mended that is none."""
+        """A pair's name with its unknown words corrected."""
         first, _, rest = name.partition("/")
         second, _, quantity = rest.rpartition(".")
         mended = [word if word in known else nearest(word, known) for word, known in (
@@ -192,7 +173,7 @@ class Catalogue:
         return candidate if candidate in self else ""
 
     def lacking(self, name: str) -> str:
-        """Why an element has not the quantity that others of its kind have, or nothing."""
+        """Why an element lacks a quantity that others of its kind have; empty of other names."""
         if unheld := self._unheld(name):
             return unheld
         for head, element in self._prefixes(name):
@@ -215,7 +196,7 @@ class Catalogue:
         return found
 
     def _unheld(self, name: str) -> str:
-        """Why a body has no measure of how it is held; empty of other names."""
+        """Why a body has no grasp quantities; empty of other names."""
         head, _, quantity = name.rpartition(".")
         if head not in self._bodies or quantity not in GRASP:
             return ""
@@ -230,7 +211,7 @@ class Catalogue:
         return f"{quoted(head)} does not move freely, so it has no grasp quantities" * free
 
     def allowed(self, name: str) -> str:
-        """What the element has that an unknown name begins with, or which elements there are."""
+        """Quantities of the element that an unknown name begins with, or all elements."""
         if "/" in name or is_pattern(name):
             return ""
         for head, element in self._prefixes(name):
@@ -261,34 +242,29 @@ class Catalogue:
             return None
         return Source("pair", body, quantity, PAIR[quantity], other)
 
-    def _halves(self, pattern: str) -> tuple[list[Body], list[bool], list[list[bool]]]:
-        """Bodies with shapes, whether a pair's name may begin with each, and end with which.
-
-        The one ``/`` of a name is that of its pattern, so that the halves decide.
-        """
-        left, _, right = pattern.partition("/")
-        first = re.compile(fnmatch.translate(left)).match
-        second = re.compile(fnmatch.translate(right)).match
-        bodies = [body for body in self.mechanism.bodies if body.shapes]
-        return (bodies, [first(body.name) is not None for body in bodies],
-                [[second(f"{body.name}.{quantity}") is not None for quantity in PAIR]
-                 for body in bodies])
-
     def _match_pairs(self, pattern: str) -> Iterator[str]:
         """Names of pairs in the order of their bodies, each pair spelled one way."""
-        bodies, begins, ends = self._halves(pattern)
-        some = [i for i in range(len(bodies)) if begins[i] or any(ends[i])]
-        for place, i in enumerate(some):
-            for j in some[place + 1:]:
-                a, b = bodies[i], bodies[j]
+        # the one / of a name is that of its pattern, so the halves match separately
+        first, second = (re.compile(fnmatch.translate(half)).match
+                         for half in pattern.split("/", maxsplit=1))
+        bodies = [body for body in self.mechanism.bodies if body.shapes]
+        begins = {body.name for body in bodies if first(body.name)}
+        ends = {(body.name, quantity) for body in bodies for quantity in PAIR
+                if second(f"{body.name}.{quantity}")}
+        if not begins or not ends:
+            return
+        names = begins | {name for name, _ in ends}
+        some = [body for body in bodies if body.name in names]
+        for place, a in enumerate(some):
+            for b in some[place + 1:]:
                 if "dynamic" not in (a.motion, b.motion):
                     continue
-                one, other = (j, i) if a.motion == "fixed" else (i, j)
-                for k, quantity in enumerate(PAIR):
-                    if begins[one] and ends[other][k]:
-                        yield f"{bodies[one].name}/{bodies[other].name}.{quantity}"
-                    elif begins[other] and ends[one][k]:
-                        yield f"{bodies[other].name}/{bodies[one].name}.{quantity}"
+                pair = (b.name, a.name) if a.motion == "fixed" else (a.name, b.name)
+                for quantity in PAIR:
+                    for one, other in (pair, pair[::-1]):
+                        if one in begins and (other, quantity) in ends:
+                            yield f"{one}/{other}.{quantity}"
+                            break
 
 
 def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:

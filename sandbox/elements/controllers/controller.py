@@ -68,6 +68,9 @@ def every(rate: float | None, step: float) -> int:
 class Law:
     """Computes drive values from readings; the base of laws is one without memory."""
 
+    def __init__(self, spec: Any, period: float) -> None:
+        """The law of a controller that acts every ``period`` [s]."""
+
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Begin, or begin anew after being switched on during a run, from the drives' values."""
 
