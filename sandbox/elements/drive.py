@@ -106,8 +106,9 @@ class DriveSpec(Element):
     def without_pymunk(self, mechanism: Mechanism) -> str:
         """Why pymunk has no counterpart; empty where it has one."""
         signal = self.signal(mechanism)
-        return self.PYMUNK or ("a formula that calls a table" if isinstance(signal, Formula)
-                               and parse_expression(signal.expression).tables else "")
+        return super().without_pymunk(mechanism) or (
+            "a formula that calls a table" if isinstance(signal, Formula)
+            and parse_expression(signal.expression).tables else "")
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""

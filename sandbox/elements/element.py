@@ -127,6 +127,7 @@ class Element(Spec):
 
     RECORDED: ClassVar[Mapping[str, Quantity]] = {}
     PYMUNK: ClassVar[str] = ""  # why pymunk has no counterpart of the kind, if it has none
+    LACKS: ClassVar[Mapping[str, str]] = {}  # why it has none if a field is not the default
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
@@ -150,7 +151,9 @@ class Element(Spec):
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
         """Why pymunk has no counterpart of the element; empty where it has one."""
-        return self.PYMUNK
+        fields = type(self).model_fields
+        return next((why for field, why in self.LACKS.items()
+                     if getattr(self, field) != fields[field].default), self.PYMUNK)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """Add the calls that the element is in plain pymunk."""

@@ -172,6 +172,10 @@ class ClosingJoint(JointSpec):
 class FrictionJoint(ClosingJoint):
     """A joint that may have dry friction."""
 
+    LACKS: ClassVar[Mapping[str, str]] = {
+        "friction_coefficient": "joint friction that depends on the reaction",
+        "static": "static friction above that of sliding"}
+
     friction_coefficient: Ratio = 0.0
     """Coefficient of dry friction: friction is this times the reaction; none by default."""
     static: Ratio = Field(default=1.0, ge=1)
@@ -186,12 +190,6 @@ class FrictionJoint(ClosingJoint):
     def constant_friction(self) -> float:
         """Dry friction that does not depend on the load [N m, N]."""
         return float(getattr(self, "friction", 0.0))
-
-    def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
-        if self.friction_coefficient:
-            return "joint friction that depends on the reaction"
-        return "static friction above that of sliding" if self.static > 1 else ""
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -153,7 +154,10 @@ class BrakeDrive(HingeDrive):
 
 
 class PlaceDrive(DriveSpec):
-    """Brings something to a place: as a spring would, or as hard as a limit allows."""
+    """Moves something to a position: as a spring, or rigidly within a limit."""
+
+    LACKS: ClassVar[Mapping[str, str]] = {
+        "stiffness": "a spring towards a position with a largest force"}
 
     if TYPE_CHECKING:
         stiffness: float | None
@@ -177,11 +181,6 @@ class PlaceDrive(DriveSpec):
     def without_mujoco(self, mechanism: Mechanism) -> str:
         """Why MuJoCo has no counterpart; empty where it has one."""
         return "a rigid servo or length" if self.stiffness is None else ""
-
-    def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
-        return ("a spring towards a position with a largest force" if self.stiffness
-                else super().without_pymunk(mechanism))
 
     def write_spring(self, draft: Draft, index: int, where: str, offset: float) -> None:
         """Add an actuator of force k (value - q) - c q'; MuJoCo's q is less by ``offset``."""

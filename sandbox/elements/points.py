@@ -111,6 +111,8 @@ class Slot(FrictionJoint):
         "groove", REACTION, friction_unit="N",
         more={"friction": FRICTION, "path": ("position", "speed", "normal")},
         mujoco_loop="a groove that closes a loop")
+    LACKS: ClassVar[Mapping[str, str]] = {
+        "path": "a groove along a path", "friction": "friction in a groove", **FrictionJoint.LACKS}
 
     type: Literal["slot"] = TYPE
     start: of.Point | None = None
@@ -155,12 +157,6 @@ class Slot(FrictionJoint):
         """Its numbers in columns of the model that are no attributes of it."""
         return {"coefficient": self.friction_coefficient,
                 "groove": None if self.path else (self.start, self.end)}
-
-    def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
-        if self.path:
-            return "a groove along a path"
-        return "friction in a groove" if self.friction else super().without_pymunk(mechanism)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A GrooveJoint; a GearJoint keeps the angle."""

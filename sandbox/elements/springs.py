@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
 
 TakenUp = Literal["natural", "as_is"]
+LACKS_LAW = "a spring with a law, or one that acts on one side only"  # in pymunk
 QUANTITIES: Mapping[str, Quantity] = {
     "length": recorded("spring_length", "m", "between its two points", live=True),
     "force": recorded("spring_force", "N", "positive in tension; damper included", live=True),
@@ -55,11 +56,6 @@ class SpringSpec(Element):
         """The quantities that it records, with their units."""
         return {name: QUANTITIES[name].unit for name in self.facts.records}
 
-    def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
-        return "a spring with a law, or one that acts on one side only" \
-            if self.law is not None or getattr(self, "only", None) else ""
-
     @model_validator(mode="after")
     def _one_law(self) -> Self:
         if (getattr(self, "stiffness", None) is None) == (self.law is None):
@@ -78,6 +74,7 @@ class LinearSpring(SpringSpec):
 
     facts = SpringKind("N/m", "stiffness", ("length", "force", "work"), straight=True)
 
+    LACKS = dict.fromkeys(("force", "only"), LACKS_LAW)
     LOCAL = ("force",)
     OWN = ("stretch", "rate")
 
@@ -128,6 +125,7 @@ class RotarySpring(SpringSpec):
 
     facts = SpringKind("N m/rad", "rotary stiffness", ("angle", "torque", "work"), straight=False)
 
+    LACKS = dict.fromkeys(("torque", "only"), LACKS_LAW)
     LOCAL = ("torque",)
     OWN = ("twist", "rate")
 

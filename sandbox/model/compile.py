@@ -87,10 +87,11 @@ def _setters(mechanism: Mechanism, among: str, gives: str) -> Integers:
 def _bodies(mechanism: Mechanism) -> Bodies:
     bodies = mechanism.bodies
     weights = [mass_properties(body) if body.motion == "dynamic" else None for body in bodies]
+    motions = [body.motion for body in bodies]
     return Bodies(
-        name=_names(bodies),
-        free=_flags(body.motion == "dynamic" for body in bodies),
-        fixed=_flags(body.motion == "fixed" for body in bodies),
+        name=_names(bodies), free=_flags(motion == "dynamic" for motion in motions),
+        fixed=_flags(motion == "fixed" for motion in motions),
+        scheduled=_flags(motion not in ("dynamic", "fixed") for motion in motions),
         pose=_floats((pose_of(body) for body in bodies), 3),
         centre=_floats((w.centre if w else (0.0, 0.0) for w in weights), 2),
         mass=_floats(w.mass if w else math.inf for w in weights),
@@ -104,11 +105,18 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
     columns = columns_of(Joints, joints, [joint.columns(mechanism) for joint in joints])
     kinds = tuple(joint.facts for joint in joints)
     paths = [(getattr(joint, "path", None), getattr(joint, "closed", False)) for joint in joints]
+    angle = _flags(kind.angle for kind in kinds)
+    keeps = np.array([kind.keeps for kind in kinds], dtype=str)
     return Joints(
         name=_names(joints), kind=kinds, bodies=_ints(numbers, 2),
         anchor=_floats((anchors(joint, *pair) for joint, pair in zip(joints, ends, strict=True)),
                        2, 2),
-        angle=_flags(kind.angle for kind in kinds),
+        angle=angle, hinges=np.flatnonzero(angle),
+        pivots=np.flatnonzero(angle & (keeps == "point")),
+        grooved=np.flatnonzero(keeps == "groove"),
+        stopped=np.flatnonzero(np.isfinite(columns["stops"]).all(axis=1)),
+        frictional=np.flatnonzero((columns["friction"] > 0) | (columns["coefficient"] > 0)),
+        unknowns=_ints(kind.forces for kind in kinds) + ~columns["turns"],
         start=columns["sense"] * _floats(b.angle - a.angle for a, b in ends) - columns["zero"],
         path=tuple(points and path_through(points, closed=closed) for points, closed in paths),
         **columns)
@@ -162,6 +170,7 @@ def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
     tendons = mechanism.tendons
     guides = [guide for tendon in tendons for guide in tendon.path]
     first = _first(len(tendon.path) for tendon in tendons)
+    pieces = np.delete(np.arange(len(guides)), first[1:] - 1)
     each = list(zip(first.tolist(), tendons, strict=False))
     return Tendons(
         name=_names(tendons), first=first,
@@ -176,7 +185,8 @@ def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
         friction=_floats(tendon.guides[k].friction for tendon in tendons for k in tendon.gripping),
         wheels=_ints(start + k for start, tendon in each for k in tendon.lifting),
         drive=_setters(mechanism, "tendons", "tension"),
-        stiffener=_setters(mechanism, "tendons", "stiffness"),
+        stiffener=_setters(mechanism, "tendons", "stiffness"), stretch_first=pieces,
+        stretch_tendon=np.repeat(np.arange(len(tendons)), np.diff(first) - 1),
         **columns_of(Tendons, tendons))
 
 
@@ -197,8 +207,10 @@ def _lines(mechanism: Mechanism, names: Names, joints: Joints, drives: Drives) -
     volume = _floats(line.volume_at(mechanism.world) for line in lines)
     given = {int(drives.target[i]): i for i in drives.giving("pressure").tolist()
              if drives.resistance[i] == 0.0}
+    counts = [len(line.chambers) for line in lines]
     return Lines(
-        name=_names(lines), first=_first(len(line.chambers) for line in lines), volume=volume,
+        name=_names(lines), first=_first(counts), volume=volume,
+        of=np.repeat(np.arange(len(lines)), np.array(counts, dtype=np.int64)),
         compliance=_floats(line.compliance(v) for line, v in zip(lines, volume, strict=True)),
         drive=_ints(given.get(i, NONE) for i in range(len(lines))),
         **columns_of(Lines, lines), **columns_of(Chambers, chambers),

@@ -65,11 +65,7 @@ class Bodies:
     centre: Array  # [nb, 2] centre of mass in the body's frame [m]; 0 unless free
     mass: Array  # [nb] [kg]; infinite unless free
     inertia: Array  # [nb] about the centre of mass [kg m^2]; infinite unless free
-
-    @cached_property
-    def scheduled(self) -> Flags:
-        """Which move on a schedule, [nb]."""
-        return ~self.free & ~self.fixed
+    scheduled: Flags  # [nb] which are neither free nor fixed
 
 
 @dataclass(frozen=True)
@@ -101,41 +97,19 @@ class Joints:
     coefficient: OrZero  # [nj] dry friction per reaction [m of a pin, 1 of a slot]
     static: Annotated[Array, Column(1.0)]  # [nj] static over sliding friction
     collide: Flag  # [nj] whether the two bodies may touch
-
-    @cached_property
-    def hinges(self) -> Integers:
-        """Numbers of the joints with an angle."""
-        return np.flatnonzero(self.angle)
-
-    @cached_property
-    def pivots(self) -> Integers:
-        """Numbers of the hinges that turn about one point of both bodies."""
-        return np.intersect1d(self.hinges, self.keeping("point"))
-
-    @cached_property
-    def grooved(self) -> Integers:
-        """Numbers of the slots."""
-        return self.keeping("groove")
-
-    @cached_property
-    def stopped(self) -> Integers:
-        """Numbers of the joints with stops."""
-        return np.flatnonzero(np.isfinite(self.stops).all(axis=1))
-
-    @cached_property
-    def frictional(self) -> Integers:
-        """Numbers of the joints with dry friction."""
-        return np.flatnonzero((self.friction > 0) | (self.coefficient > 0))
+    # numbers of those with an angle; of hinges about one point of both bodies; of slots; of those
+    # with stops; of those with dry friction
+    hinges: Integers
+    pivots: Integers
+    grooved: Integers
+    stopped: Integers
+    frictional: Integers
+    unknowns: Integers  # [nj] number of unknown components of force and couple
 
     def keeping(self, *what: Keeps) -> Integers:
         """Numbers of the joints that keep a ``point``, a ``groove``, a ``distance``, ..."""
         return np.array([j for j, kind in enumerate(self.kind) if kind.keeps in what],
                         dtype=np.int64)
-
-    @cached_property
-    def unknowns(self) -> Integers:
-        """Number of unknown components of force and couple of a joint, [nj]."""
-        return np.array([kind.forces for kind in self.kind], dtype=np.int64) + ~self.turns
 
 
 @dataclass(frozen=True)
@@ -177,6 +151,8 @@ class Tendons:
     slack: OrZero  # [nt] added to the rest length [m]
     drive: Integers  # [nt] the drive that pulls it, or -1
     stiffener: Integers  # [nt] the drive that sets its stiffness, or -1
+    stretch_first: Integers  # [ng - nt] guide where each straight piece begins
+    stretch_tendon: Integers  # [ng - nt] tendon of each straight piece
 
     def guides(self, tendon: int) -> slice:
         """Where the guides of a tendon stand among all."""
@@ -193,16 +169,6 @@ class Tendons:
     def _of(self, tendon: int, guides: Integers) -> Integers:
         first, end = self.first[tendon:tendon + 2]
         return np.flatnonzero((guides >= first) & (guides < end))
-
-    @cached_property
-    def stretch_first(self) -> Integers:
-        """Of every straight piece the guide where it begins, [ng - nt]; it ends at the next one."""
-        return np.delete(np.arange(len(self.guide_body)), self.first[1:] - 1)
-
-    @cached_property
-    def stretch_tendon(self) -> Integers:
-        """Tendon of every straight piece, [ng - nt]."""
-        return np.repeat(np.arange(len(self.name)), np.diff(self.first) - 1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -230,15 +196,11 @@ class Lines(Chambers):
     least: Number  # [nl] minimum [Pa]
     most: Annotated[Array, Column(math.inf, ("relief",))]  # [nl] maximum [Pa]
     drive: Integers  # [nl] the drive that sets its pressure, without resistance, or -1
+    of: Integers  # [nc] line of each chamber
 
     def chambers(self, line: int) -> slice:
         """Where the chambers of a line stand among all."""
         return slice(int(self.first[line]), int(self.first[line + 1]))
-
-    @cached_property
-    def of(self) -> Integers:
-        """Line of every chamber, [nc]."""
-        return np.repeat(np.arange(len(self.name)), np.diff(self.first))
 
 
 @dataclass(frozen=True)
