@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from sandbox.elements.element import Element, Quantity, Reference, recorded, references
+from sandbox.elements.element import Element, Quantity, Reference, live, recorded, references
 from sandbox.values.expressions import parse_expression
 from sandbox.values.numbers import Name
 from sandbox.values.signals import AnySignal, Formula
@@ -19,13 +19,11 @@ if TYPE_CHECKING:
 Gives = Literal["force", "torque", "push", "tension", "radius", "stiffness", "flow", "pressure",
                 "opening", "surface", "hold"]
 QUANTITIES: Mapping[str, Quantity] = {
-    "value": recorded("drive_value", "", "current value", live=True),
+    "value": live("drive_value", "", "current value"),
     "work": recorded("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
-    "flow": recorded("drive_flow", "m^3/s", "flow into its line", live=True),
-    "torque": recorded("drive_torque", "N m", "torque on its hinge, in the hinge's positive sense",
-                       live=True),
-    "force": recorded("drive_torque", "N", "force on its actuator; positive extends it",
-                      live=True),
+    "flow": live("drive_flow", "m^3/s", "flow into its line"),
+    "torque": live("drive_torque", "N m", "torque on its hinge, in the hinge's positive sense"),
+    "force": live("drive_torque", "N", "force on its actuator; positive extends it"),
     "power": Quantity("W", "power on the bodies: torque or force times the rate of its hinge or "
                            "actuator; of a conveyor surface, friction force times its speed"),
 }

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args, get_origin
 
 from pydantic import AfterValidator
@@ -115,11 +115,13 @@ class Quantity:
 
 
 def recorded(
-    array: str, unit: str, about: str, component: int | None = None, *,
-    live: bool = False, yes_no: bool = False,
+    array: str, unit: str, about: str, component: int | None = None, **facts: Any,
 ) -> Quantity:
     """A quantity that a recorded array has."""
-    return Quantity(unit, about, array, component, live, yes_no=yes_no)
+    return Quantity(unit, about, array, component, **facts)
+
+
+live = partial(recorded, live=True)
 
 
 class Element(Spec):

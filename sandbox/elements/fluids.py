@@ -22,6 +22,7 @@ from sandbox.elements.element import (
     HingeName,
     Quantity,
     Vec,
+    live,
     recorded,
 )
 from sandbox.errors import Problem
@@ -38,15 +39,15 @@ FLUID = "fluid under pressure in lines"  # Why MuJoCo has none of these
 OIL = 1.4e9  # Modulus of oil with a little air in it [Pa]
 LineName = Annotated[of.Name, LINE]
 LINE_QUANTITIES: Mapping[str, Quantity] = {
-    "pressure": recorded("line_pressure", "Pa", "gauge pressure", live=True),
-    "volume": recorded("line_volume", "m^3", "of its chambers and hoses", live=True),
-    "flow": recorded("line_flow", "m^3/s", "into it, through valves and from drives; of a gas, at "
-                                           "ambient pressure", live=True),
+    "pressure": live("line_pressure", "Pa", "gauge pressure"),
+    "volume": live("line_volume", "m^3", "of its chambers and hoses"),
+    "flow": live("line_flow", "m^3/s", "into it, through valves and from drives; of a gas, at "
+                                       "ambient pressure"),
     "spilled": recorded("line_spilled", "m^3", "volume through its relief since t = 0"),
     "work": recorded("line_work", "J", "done on the bodies since t = 0"),
 }
 VALVE_QUANTITIES: Mapping[str, Quantity] = {
-    "flow": recorded("valve_flow", "m^3/s", "flow from its `a` to its `b`", live=True),
+    "flow": live("valve_flow", "m^3/s", "flow from its `a` to its `b`"),
     "loss": recorded("valve_loss", "J", "energy lost to throttling since t = 0"),
 }
 

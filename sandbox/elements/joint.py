@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.element import BodyName, Element, Quantity, recorded
+from sandbox.elements.element import BodyName, Element, Quantity, live, recorded
 from sandbox.errors import Problem
 from sandbox.values.numbers import POSITIVE, Duration, Flag, Force, Name, Point, Ratio
 from sandbox.wording import WrongValueError, quoted
@@ -59,43 +59,37 @@ class JointKind:
 REACTION = ("reaction", "reaction_x", "reaction_y")
 FRICTION = ("friction", "friction_work", "sticks")
 QUANTITIES: Mapping[str, Quantity] = {
-    "angle": recorded("joint_angle", "rad", "of `b` against `a`, in the hinge's positive sense",
-                      live=True),
-    "rate": recorded("joint_rate", "rad/s", "rate of the angle", live=True),
-    "length": recorded("joint_length", "m", "of an actuator, between its two points", live=True),
-    "position": recorded("joint_length", "m", "of a slot with a path: arc length from the path's "
-                                              "first point; it counts on over rounds of a closed "
-                                              "path", live=True),
-    "speed": recorded("joint_speed", "m/s", "rate of the length of an actuator, or of the position "
-                                            "on a path", live=True),
+    "angle": live("joint_angle", "rad", "of `b` against `a`, in the hinge's positive sense"),
+    "rate": live("joint_rate", "rad/s", "rate of the angle"),
+    "length": live("joint_length", "m", "of an actuator, between its two points"),
+    "position": live("joint_length", "m", "of a slot with a path: arc length from the path's first "
+                                          "point; it counts on over rounds of a closed path"),
+    "speed": live("joint_speed", "m/s", "rate of the length of an actuator, or of the position on "
+                                        "a path"),
     "normal": Quantity("N", "of a slot with a path: force on `b` across the path, positive to its "
                             "left"),
-    "reaction": recorded("joint_reaction", "N",
-                         "magnitude of the reaction force", live=True),
-    "reaction_x": recorded("joint_force", "N",
-                           "force on its body `b` by its body `a`, in the world", 0, live=True),
-    "reaction_y": recorded("joint_force", "N", "the same, upwards", 1, live=True),
-    "tension": Quantity(
-        "N", "of rods and ropes: signed reaction, positive in tension, negative in "
-             "compression", live=True),
-    "tangential": Quantity(
-        "N", "of wheels: force on `b` along the pitch circles, positive as `a` pushes by turning "
-             "counter-clockwise"),
-    "radial": Quantity(
-        "N", "of wheels: force along the line of centres, positive if it pushes them apart"),
-    "gap": Quantity(
-        "m", "of teeth with backlash: distance along the pitch circles to the nearer flank"),
+    "reaction": live("joint_reaction", "N", "magnitude of the reaction force"),
+    "reaction_x": live("joint_force", "N", "force on its body `b` by its body `a`, in the world",
+                       0),
+    "reaction_y": live("joint_force", "N", "the same, upwards", 1),
+    "tension": Quantity("N", "of rods and ropes: signed reaction, positive in tension, negative in "
+                             "compression", live=True),
+    "tangential": Quantity("N", "of wheels: force on `b` along the pitch circles, positive as `a` "
+                                "pushes by turning counter-clockwise"),
+    "radial": Quantity("N", "of wheels: force along the line of centres, positive if it pushes "
+                            "them apart"),
+    "gap": Quantity("m", "of teeth with backlash: distance along the pitch circles to the nearer "
+                         "flank"),
     "damping": recorded("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
     "damping_work": recorded("joint_damping_work", "J", "work of all its dampers since t = 0"),
     "stop": recorded("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
-    "friction": recorded("joint_friction", "", "dry friction: of a pin the torque on `b`, in the "
-                                               "hinge's sense; of a slot the force on `b`, "
-                                               "positive towards the `end` of the groove or path",
-                         live=True),
+    "friction": live("joint_friction", "", "dry friction: of a pin the torque on `b`, in the "
+                                           "hinge's sense; of a slot the force on `b`, positive "
+                                           "towards the `end` of the groove or path"),
     "friction_work": recorded("joint_friction_work", "J", "work of dry friction since t = 0, at "
                                                           "most 0"),
-    "sticks": recorded("joint_sticks", "1", "1 while dry friction holds it, 0 while it "
-                                            "slides", live=True, yes_no=True),
+    "sticks": live("joint_sticks", "1", "1 while dry friction holds it, 0 while it slides",
+                   yes_no=True),
 }
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
-from sandbox.elements.element import KEPT, NAMED, Element, Quantity, recorded
+from sandbox.elements.element import KEPT, NAMED, Element, Quantity, live, recorded
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
@@ -50,9 +50,9 @@ Patterns = Annotated[
     WithJsonSchema({"anyOf": [_PATTERN, {"type": "array", "items": _PATTERN, "minItems": 1,
                                          "maxItems": MOST_PATTERNS}]})]
 QUANTITIES: Mapping[str, Quantity] = {
-    "fx": recorded("load_force", "N", "force on the body, in the world", 0, live=True),
-    "fy": recorded("load_force", "N", "the same, upwards", 1, live=True),
-    "torque": recorded("load_torque", "N m", "about the body's centre of mass", live=True),
+    "fx": live("load_force", "N", "force on the body, in the world", 0),
+    "fy": live("load_force", "N", "the same, upwards", 1),
+    "torque": live("load_torque", "N m", "about the body's centre of mass"),
     "work": recorded("load_work", "J", "done on the body since t = 0"),
 }
 

@@ -9,25 +9,24 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from sandbox.elements import drive, fluids, joint, loads, springs, tendons
-from sandbox.elements.element import NAMED, RELEASABLE, Quantity, recorded
+from sandbox.elements.element import NAMED, RELEASABLE, Quantity, live
 from sandbox.elements.tendons import NUMBERED
 
 QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     "body": {
-        "x": recorded("body_pose", "m", "origin of its frame in the world, x", 0, live=True),
-        "y": recorded("body_pose", "m", "the same, upwards", 1, live=True),
-        "angle": recorded("body_pose", "rad", "of its frame, counter-clockwise", 2, live=True),
-        "vx": recorded("body_velocity", "m/s", "velocity of its centre of mass", 0, live=True),
-        "vy": recorded("body_velocity", "m/s", "the same, upwards", 1, live=True),
-        "omega": recorded("body_velocity", "rad/s", "angular velocity", 2, live=True),
-        "ax": recorded("body_acceleration", "m/s^2",
-                       "acceleration of its centre of mass", 0, live=True),
-        "ay": recorded("body_acceleration", "m/s^2", "the same, upwards", 1, live=True),
-        "alpha": recorded("body_acceleration", "rad/s^2", "angular acceleration", 2, live=True),
-        "contact.normal": Quantity(
-            "N", "sum of the magnitudes of all normal forces on it", live=True),
-        "contact.tangential": Quantity(
-            "N", "sum of the magnitudes of all friction forces on it", live=True),
+        "x": live("body_pose", "m", "origin of its frame in the world, x", 0),
+        "y": live("body_pose", "m", "the same, upwards", 1),
+        "angle": live("body_pose", "rad", "of its frame, counter-clockwise", 2),
+        "vx": live("body_velocity", "m/s", "velocity of its centre of mass", 0),
+        "vy": live("body_velocity", "m/s", "the same, upwards", 1),
+        "omega": live("body_velocity", "rad/s", "angular velocity", 2),
+        "ax": live("body_acceleration", "m/s^2", "acceleration of its centre of mass", 0),
+        "ay": live("body_acceleration", "m/s^2", "the same, upwards", 1),
+        "alpha": live("body_acceleration", "rad/s^2", "angular acceleration", 2),
+        "contact.normal": Quantity("N", "sum of the magnitudes of all normal forces on it",
+                                   live=True),
+        "contact.tangential": Quantity("N", "sum of the magnitudes of all friction forces on it",
+                                       live=True),
         "contact.fx": Quantity("N", "resultant of all contact forces on it"),
         "contact.fy": Quantity("N", "the same, upwards"),
     },
@@ -38,14 +37,13 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "contact.count": Quantity("1", "number of its bodies with a contact from outside",
                                   live=True, count=True),
         "contact.normal": Quantity("N", "sum of the magnitudes of all normal forces on it from "
-                                        "outside",
-                                   live=True),
+                                        "outside", live=True),
     },
     "pair": {
         "normal": Quantity("N", "normal force between the two bodies", live=True),
-        "tangential": Quantity(
-            "N", "friction force on the first body by the second, positive along its normal force "
-                 "turned by +90°; `b/a` has the same value", live=True),
+        "tangential": Quantity("N", "friction force on the first body by the second, positive "
+                                    "along its normal force turned by +90°; `b/a` has the same "
+                                    "value", live=True),
     },
 }
 # the quantity shown first, by kind of element, the most informative kinds first
@@ -56,9 +54,8 @@ TELLING = ("value", "x", "y", "contact.normal", "force", "torque", "angle", "len
            "reaction", "pressure", "flow", "fx", "fy", "power")
 # additional quantities of joints, springs and tendons that can be released
 BOND_QUANTITIES: Mapping[str, Quantity] = {
-    "held": recorded("held", "1", "of elements that can be released: 1 while engaged, 0 while "
-                                  "released",
-                  live=True, yes_no=True),
+    "held": live("held", "1", "of elements that can be released: 1 while engaged, 0 while released",
+                 yes_no=True),
 }
 MOST_PRESSING = 24  # contacts of an object up to which closure, epsilon, isotropy are computed
 WINDOW = 0.1  # time [s] at rest in a hand after which an object is held
@@ -76,19 +73,17 @@ GRASP: Mapping[str, Quantity] = {
     "drift": Quantity("m", "displacement since it was first held, of its farthest point",
                       nothing=NOT_HELD, of_free=True),
     "closure": Quantity("1", "1 with force closure, else 0: contacts at these points could balance "
-                             "any load",
-                        nothing=_MANY, yes_no=True),
+                             "any load", nothing=_MANY, yes_no=True),
     "epsilon": Quantity("1", "Ferrari-Canny measure: minimum load at the limit of contact forces "
-                             "of sum 1; 0 without force closure",
-                        nothing=_NO_HAND),
+                             "of sum 1; 0 without force closure", nothing=_NO_HAND),
     "stiffness": Quantity("N/m", "force per displacement for a small push at its centre of mass in "
                                  "the softest direction; inf if no push moves it, 0 without "
                                  "restoring force", nothing=_LIMP, of_free=True),
     "stiffness_x": Quantity("N/m", "of a small push along x: force per displacement along x",
                             nothing=_LIMP, of_free=True),
     "stiffness_y": Quantity("N/m", "the same of a push upwards", nothing=_LIMP, of_free=True),
-    "stiffness_turn": Quantity("N m/rad", "of a small couple: moment per rotation", nothing=_LIMP,
-                               of_free=True),
+    "stiffness_turn": Quantity("N m/rad", "of a small couple: moment per rotation",
+                               nothing=_LIMP, of_free=True),
     "isotropy": Quantity("1", "minimum over maximum singular value of the grasp map: 1 if all "
                               "directions are alike", nothing=_NO_HAND),
     "spread": Quantity("1", "standard deviation over mean of the normal forces of the fingers on "

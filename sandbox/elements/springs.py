@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, recorded
+from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, live, recorded
 from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
@@ -20,12 +20,10 @@ if TYPE_CHECKING:
 TakenUp = Literal["natural", "as_is"]
 LACKS_LAW = "a spring with a law, or one that acts on one side only"  # in pymunk
 QUANTITIES: Mapping[str, Quantity] = {
-    "length": recorded("spring_length", "m", "between its two points", live=True),
-    "force": recorded("spring_force", "N", "positive in tension; damper included", live=True),
-    "angle": recorded("spring_length", "rad", "of its hinge, in the hinge's positive sense",
-                      live=True),
-    "torque": recorded("spring_force", "N m",
-                       "positive against a positive angle; damper included"),
+    "length": live("spring_length", "m", "between its two points"),
+    "force": live("spring_force", "N", "positive in tension; damper included"),
+    "angle": live("spring_length", "rad", "of its hinge, in the hinge's positive sense"),
+    "torque": recorded("spring_force", "N m", "positive against a positive angle; damper included"),
     "work": recorded("spring_work", "J", "done on the bodies since t = 0"),
 }
 

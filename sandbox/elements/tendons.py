@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, recorded
+from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, live, recorded
 from sandbox.elements.springs import TakenUp
 from sandbox.values import numbers as of
 from sandbox.values.spec import Spec
@@ -21,25 +21,20 @@ RIGID = 1e5
 """Stiffness [N/m] from which a tendon counts as inextensible: 0.04 mm under a finger's pull."""
 
 QUANTITIES: Mapping[str, Quantity] = {
-    "length": recorded("tendon_length", "m",
-                       "along its path, including the length wound up on wheels at its ends since "
-                       "t = 0",
-                       live=True),
-    "shortening": Quantity(
-        "m", "path length at t = 0 minus the current one, between the wheels at its ends: positive "
-             "if wound up", live=True),
-    "tension": recorded("tendon_tension", "N", "along the whole path, never below 0; with friction "
-                                               "at guides, of the last span", live=True),
+    "length": live("tendon_length", "m", "along its path, including the length wound up on wheels "
+                                         "at its ends since t = 0"),
+    "shortening": Quantity("m", "path length at t = 0 minus the current one, between the wheels at "
+                                "its ends: positive if wound up", live=True),
+    "tension": live("tendon_tension", "N", "along the whole path, never below 0; with friction at "
+                                           "guides, of the last span"),
     "work": recorded("tendon_work", "J", "done on the bodies since t = 0"),
 }
 NUMBERED: Mapping[str, Quantity] = {
-    "tension": Quantity("N", "`tension_0` and so on: tension of each span, in order",
-                        live=True),
+    "tension": Quantity("N", "`tension_0` and so on: tension of each span, in order", live=True),
     "slip": Quantity("m", "`slip_1` and so on: length that has slid over that guide since t = 0, "
                           "towards the last guide; guides count from 0", live=True),
     "lifted": Quantity("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel, "
-                            "else 0; guides count from 0", live=True,
-                       yes_no=True),
+                            "else 0; guides count from 0", live=True, yes_no=True),
 }
 """What tendons have besides, with a number each: where guides hold them by friction the tensions of
 their pieces and what slid over such a guide; ``lifted`` of each wheel that one can lift off."""
