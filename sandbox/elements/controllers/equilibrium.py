@@ -30,8 +30,8 @@ from sandbox.elements.controllers.controller import (
 from sandbox.elements.element import Vec
 from sandbox.elements.element_drives import StiffnessDrive
 from sandbox.elements.points import Pin
-from sandbox.elements.springs import LinearSpring, Spring
-from sandbox.elements.tendons import Guide, Tendon
+from sandbox.elements.springs import LinearSpring
+from sandbox.elements.tendons import Guide
 from sandbox.errors import Problem
 from sandbox.mechanics.springs import SpringSet, spring_set
 from sandbox.mechanics.tendon import TendonRoute, route
@@ -123,15 +123,38 @@ class EquilibriumController(SeveralController):
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """Joints, tendon and springs that are not there, or do not belong to each other."""
-        return Fingers(mechanism).problems(self, path)
+        near, drives = NearMisses(), {drive.name for drive in mechanism.drives}
+        tendons = [tendon.name for tendon in mechanism.tendons]
+        pins = [joint.name for joint in mechanism.joints if isinstance(joint, Pin)]
+        if self.tendon not in tendons:
+            yield Problem("name-not-found",
+                          f"there is no tendon named {quoted(self.tendon)}", f"{path}.tendon",
+                          allowed=listed(tendons) or "none: the scene has no tendons",
+                          hint=near(self.tendon, tendons))
+        for i, (pin, guides, spring) in enumerate(crossings(self, mechanism)):
+            name, drive = self.joints[i], self.writes[i]
+            if pin is None:
+                yield Problem("name-not-found",
+                              f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
+                              allowed=listed(pins) or "none: the scene has no hinges",
+                              hint=near(name, pins))
+                continue
+            if self.tendon in tendons and (guides is None or guides[0].radius or guides[1].radius):
+                yield Problem("bad-control-law", f"the tendon {quoted(self.tendon)} does not run "
+                              f"straight from a guide on one side of {quoted(name)} to a guide on "
+                              "the other", f"{path}.joints[{i}]")
+            if drive in drives and (
+                    spring is None or {spring.a, spring.b} != {pin.a, pin.b}):
+                yield Problem("bad-control-law", f"{quoted(drive)} does not set the stiffness of a "
+                              f"linear spring across {quoted(name)}", f"{path}.writes[{i}]",
+                              allowed="a stiffness drive for each joint, in the joints' order")
 
     def law_problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """Springs without a moment at the rotation that the law falls back on."""
-        fingers = Fingers(mechanism)
-        if next(fingers.problems(self, ""), None) is not None:
+        if next(self.problems(mechanism, ""), None) is not None:
             return
         try:
-            joints = joint_model(self, fingers)
+            joints = joint_model(self, mechanism)
         except ValueError as error:
             yield Problem("bad-control-law", f"the law cannot use this finger: {error}", path,
                           allowed="guides and springs' ends away from the hinges")
@@ -145,87 +168,46 @@ class EquilibriumController(SeveralController):
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
-        return Equilibrium(self, joint_model(self, Fingers(mechanism)), period)
+        return Equilibrium(self, joint_model(self, mechanism), period)
 
 
-class Fingers:
-    """Tendons, hinges, springs and drives by name."""
-
-    def __init__(self, mechanism: Mechanism) -> None:
-        self._mechanism = mechanism
-        self.tendons = {tendon.name: tendon for tendon in reversed(mechanism.tendons)}
-        self.pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
-        self._springs = {spring.name: spring for spring in reversed(mechanism.springs)}
-        self._drives = {drive.name: drive for drive in mechanism.drives}
-        self._near = NearMisses()
-
-    def spring_of(self, drive: str) -> Spring | None:
-        """The spring whose stiffness a drive sets."""
-        found = self._drives.get(drive)
-        return (self._springs.get(found.spring)
-                if isinstance(found, StiffnessDrive) and found.spring is not None else None)
-
-    def crossed(self, spec: EquilibriumController, i: int) -> JointGeometry:
-        """The geometry of a hinge of a controller without :meth:`problems`."""
-        pin, spring = self.pins[spec.joints[i]], self.spring_of(spec.writes[i])
-        guides = _guides(self.tendons[spec.tendon], pin)
-        if guides is None or not isinstance(spring, LinearSpring):
-            raise ValueError(f"no guides or no linear spring across {spec.joints[i]}")
-        on_a, on_b = self._mechanism.anchors(pin)
-        side = 1.0 if pin.positive == "clockwise" else -1.0
-        c, s = math.cos(pin.zero), math.sin(pin.zero)
-
-        def before(point: Vec) -> Vec:  # at rotation 0 the frame after it is turned by ``zero``
-            x, y = point[0] - on_a[0], side * (point[1] - on_a[1])
-            return c * x - s * y, s * x + c * y
-
-        def after(point: Vec) -> Vec:
-            return point[0] - on_b[0], side * (point[1] - on_b[1])
-
-        ends = {spring.a: spring.on_a, spring.b: spring.on_b}
-        rest = spring.rest_length
-        if rest is None:
-            rest = math.dist(*(self._mechanism.world(name, at) for name, at in ends.items()))
-        # one joint as a finger of one phalanx: its length moves no guide
-        return _joints(route([before(guides[0].at), after(guides[1].at)], [1.0]),
-                       spring_set([before(ends[pin.a])], [after(ends[pin.b])]), [rest])[0]
-
-    def problems(self, spec: EquilibriumController, path: str) -> Iterator[Problem]:
-        """Joints, tendon and springs that are not there, or do not belong to each other."""
-        tendons, pins, near = self.tendons, self.pins, self._near
-        if spec.tendon not in tendons:
-            yield Problem("name-not-found",
-                          f"there is no tendon named {quoted(spec.tendon)}", f"{path}.tendon",
-                          allowed=listed(tendons) or "none: the scene has no tendons",
-                          hint=near(spec.tendon, tendons))
-        for i, (name, drive) in enumerate(zip(spec.joints, spec.writes, strict=False)):
-            if name not in pins:
-                yield Problem("name-not-found",
-                              f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
-                              allowed=listed(pins) or "none: the scene has no hinges",
-                              hint=near(name, pins))
-                continue
-            guides = _guides(tendons[spec.tendon], pins[name]) if spec.tendon in tendons else ()
-            if guides is None or any(guide.radius for guide in guides):
-                yield Problem("bad-control-law", f"the tendon {quoted(spec.tendon)} does not run "
-                              f"straight from a guide on one side of {quoted(name)} to a guide on "
-                              "the other", f"{path}.joints[{i}]")
-            spring = self.spring_of(drive)
-            if drive in self._drives and (
-                    not isinstance(spring, LinearSpring)
-                    or {spring.a, spring.b} != {pins[name].a, pins[name].b}):
-                yield Problem("bad-control-law", f"{quoted(drive)} does not set the stiffness of a "
-                              f"linear spring across {quoted(name)}", f"{path}.writes[{i}]",
-                              allowed="a stiffness drive for each joint, in the joints' order")
+def crossings(spec: EquilibriumController, mechanism: Mechanism) -> Iterator[
+        tuple[Pin | None, tuple[Guide, Guide] | None, LinearSpring | None]]:
+    """Of each joint the hinge, the guides before and after it, and the spring across it."""
+    springs = {drive.name: drive.spring for drive in mechanism.drives
+               if isinstance(drive, StiffnessDrive)}
+    guides = next((each.guides for each in mechanism.tendons if each.name == spec.tendon), ())
+    spans = [pair for one, other in pairwise(guides) for pair in ((one, other), (other, one))]
+    for name, drive in zip(spec.joints, spec.writes, strict=False):
+        pin = next((each for each in mechanism.joints
+                    if each.name == name and isinstance(each, Pin)), None)
+        span = next((span for span in spans if pin is not None
+                     and (span[0].body, span[1].body) == (pin.a, pin.b)), None)
+        spring = next((each for each in mechanism.springs if each.name == springs.get(drive)), None)
+        yield pin, span, spring if isinstance(spring, LinearSpring) else None
 
 
-def _guides(tendon: Tendon, pin: Pin) -> tuple[Guide, Guide] | None:
-    """The guides that the tendon runs between across a hinge: before it, after it."""
-    for one, other in pairwise(tendon.guides):
-        for before, after in ((one, other), (other, one)):
-            if (before.body, after.body) == (pin.a, pin.b):
-                return before, after
-    return None
+def _crossed(
+    mechanism: Mechanism, pin: Pin, guides: tuple[Guide, Guide], spring: LinearSpring,
+) -> JointGeometry:
+    """The geometry of one joint as a finger of one phalanx, whose length moves no guide."""
+    on_a, on_b = mechanism.anchors(pin)
+    side = 1.0 if pin.positive == "clockwise" else -1.0
+    c, s = math.cos(pin.zero), math.sin(pin.zero)
+
+    def before(point: Vec) -> Vec:  # at rotation 0 the frame after it is turned by ``zero``
+        x, y = point[0] - on_a[0], side * (point[1] - on_a[1])
+        return c * x - s * y, s * x + c * y
+
+    def after(point: Vec) -> Vec:
+        return point[0] - on_b[0], side * (point[1] - on_b[1])
+
+    ends = {spring.a: spring.on_a, spring.b: spring.on_b}
+    rest = spring.rest_length
+    if rest is None:
+        rest = math.dist(*(mechanism.world(name, at) for name, at in ends.items()))
+    return _joints(route([before(guides[0].at), after(guides[1].at)], [1.0]),
+                   spring_set([before(ends[pin.a])], [after(ends[pin.b])]), [rest])[0]
 
 
 class JointGeometry(NamedTuple):
@@ -252,11 +234,12 @@ class JointGeometry(NamedTuple):
         return (length - self.rest) * self.spring_product * math.sin(delta) / length
 
 
-def joint_model(spec: EquilibriumController, fingers: Fingers) -> list[JointGeometry]:
-    """The joints in the law: as given, or as they are in the mechanism."""
+def joint_model(spec: EquilibriumController, mechanism: Mechanism) -> list[JointGeometry]:
+    """The joints in the law, of a controller without :meth:`problems`."""
     given = spec.geometry
     if given is None:
-        return [fingers.crossed(spec, i) for i in range(len(spec.joints))]
+        return [_crossed(mechanism, pin, guides, spring)
+                for pin, guides, spring in crossings(spec, mechanism) if pin and guides and spring]
     springs = spring_set(given.on_previous, given.on_phalanx)
     return _joints(route(given.guides, given.lengths), springs,
                    springs.lengths(np.zeros(len(given.lengths))))
