@@ -11,6 +11,8 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
+import numpy as np
+
 import sandbox
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import SceneError
@@ -20,7 +22,7 @@ from sandbox.export.tree import anchors, angle_sum, grow, pose, stops, vec
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE
 from sandbox.samples.cables import Stretches, pulls_at_start, rest_lengths, stretches_at_start
-from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Role, Shape, Solid
+from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Role, Shape, Solid
 from sandbox.scene.geometry import Vec, core, corners, count_solids, solids
 from sandbox.scene.mechanism import Mechanism
 
@@ -175,16 +177,6 @@ def depth(shape: Shape) -> float:
     return max(math.dist(p, q) for p in points for q in points) / 2
 
 
-def enclosing(body: Body) -> tuple[Vec, float]:
-    """Centre and radius [m] of a ball around all shapes of a body, with the depth of prisms."""
-    points = [(point, grown) for shape in body.shapes for solid, _ in solids(shape)
-              for ring, grown in [core(solid)] for point in ring]
-    xs, ys = [p[0] for p, _ in points], [p[1] for p, _ in points]
-    centre = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
-    return centre, math.hypot(max(math.dist(centre, p) + r for p, r in points),
-                              max(map(depth, body.shapes)))
-
-
 def sense_bodies(draft: Draft) -> None:
     """Add sensors for the quantities of bodies and hinges, and sites for contact forces."""
     for index, body in enumerate(draft.mechanism.bodies):
@@ -196,7 +188,12 @@ def sense_bodies(draft: Draft) -> None:
         draft.sense("framelinvel", f"{body.name}.velocity", objtype="body", objname=own)
         draft.sense("frameangvel", f"{body.name}.omega", objtype="body", objname=own)
         if body.shapes:
-            centre, radius = enclosing(body)
+            points = [(point, grown) for shape in body.shapes for solid, _ in solids(shape)
+                      for ring, grown in [core(solid)] for point in ring]
+            xs, ys = [p[0] for p, _ in points], [p[1] for p, _ in points]
+            centre = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
+            radius = math.hypot(  # of a ball around all shapes, with the depth of prisms [m]
+                max(math.dist(centre, p) + r for p, r in points), max(map(depth, body.shapes)))
             site = draft.site(index, f"{body.name}.skin", centre, size=MARGIN * radius,
                               group="5")
             draft.sense("touch", f"{body.name}.contact.normal", site=site)
@@ -213,50 +210,39 @@ def sense_bodies(draft: Draft) -> None:
 FAR = 1e6  # A length that no spring reaches [m], as MuJoCo needs closed ranges
 
 
-def add_links(draft: Draft) -> None:
-    """Add rods and ropes, then the joints that close loops."""
-    for joint, kind in enumerate(draft.model.joints.kind):
-        if kind.along_line:
-            _distance(draft, joint)
-    for joint in draft.tree.loops:
-        _close(draft, joint)
-
-
 def route(draft: Draft, cable: ET.Element, name: str, ends: tuple[tuple[int, Vec], ...]) -> None:
     """Route a spatial tendon through points of bodies."""
     for i, (body, at) in enumerate(ends):
         add(cable, "site", site=draft.site(body, f"{name}.{i}", at))
 
 
-def _distance(draft: Draft, joint: int) -> None:
-    """Add a tendon of fixed, limited or free length: a rod, a rope or an actuator."""
-    name = draft.model.joints.name[joint]
-    a, b = draft.model.joints.bodies[joint].tolist()
-    on_a, on_b = anchors(draft.model, joint)
-    low, high = draft.model.joints.reach[joint].tolist()
-    stiff, free = low == high, low == 0.0 and high == math.inf
-    cable = add(draft.sections["tendon"], "spatial", name=name,
-               range=None if stiff or free else (low, min(high, FAR)), width=0.0005)
-    route(draft, cable, name, ((a, on_a), (b, on_b)))
-    draft.sense("tendonpos", f"{name}.length", tendon=name)
-    if stiff:
-        start = math.dist(draft.assembled(a, on_a), draft.assembled(b, on_b))
-        add(draft.sections["equality"], "tendon", name=name, tendon1=name,
-            polycoef=(high - start, 0, 0, 0, 0))
-    elif not free:
-        draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
-
-
-def _close(draft: Draft, joint: int) -> None:
-    """Add an equality constraint of two sites; of a weld that on ``a`` is rotated."""
-    turns = draft.model.joints.turns[joint]
-    name = draft.model.joints.name[joint]
-    a, b = draft.model.joints.bodies[joint].tolist()
-    on_a, on_b = anchors(draft.model, joint)
-    angle = 0.0 if turns else pose(draft.model, b)[2] - pose(draft.model, a)[2]
-    more = {"euler": f"0 0 {angle:.12g}"} if angle else {}
-    add(draft.sections["equality"], "connect" if turns else "weld", name=name,
-        site1=draft.site(a, f"{name}.a", on_a, **more), site2=draft.site(b, f"{name}.b", on_b))
+def add_links(draft: Draft) -> None:
+    """Add rods, ropes and actuators as tendons, then the joints that close loops as sites."""
+    model, joints = draft.model, draft.model.joints
+    for joint in np.flatnonzero([kind.along_line for kind in joints.kind]).tolist():
+        name, (a, b), (on_a, on_b) = joints.name[joint], joints.bodies[joint].tolist(), anchors(
+            model, joint)
+        low, high = joints.reach[joint].tolist()
+        stiff, free = low == high, low == 0.0 and high == math.inf
+        cable = add(draft.sections["tendon"], "spatial", name=name,
+                    range=None if stiff or free else (low, min(high, FAR)), width=0.0005)
+        route(draft, cable, name, ((a, on_a), (b, on_b)))
+        draft.sense("tendonpos", f"{name}.length", tendon=name)
+        if stiff:
+            start = math.dist(draft.assembled(a, on_a), draft.assembled(b, on_b))
+            add(draft.sections["equality"], "tendon", name=name, tendon1=name,
+                polycoef=(high - start, 0, 0, 0, 0))
+        elif not free:
+            draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
+    for joint in draft.tree.loops:  # of a weld the site on a is rotated
+        name, (a, b), (on_a, on_b) = joints.name[joint], joints.bodies[joint].tolist(), anchors(
+            model, joint)
+        turns = joints.turns[joint]
+        angle = 0.0 if turns else pose(model, b)[2] - pose(model, a)[2]
+        more = {"euler": f"0 0 {angle:.12g}"} if angle else {}
+        add(draft.sections["equality"], "connect" if turns else "weld", name=name,
+            site1=draft.site(a, f"{name}.a", on_a, **more),
+            site2=draft.site(b, f"{name}.b", on_b))
 
 
 def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
@@ -300,24 +286,20 @@ WHEEL = "0.45 0.6 0.75 0.4"
 
 def add_springs(draft: Draft) -> None:
     """Add all springs; those of hinges are kept until their hinge is written."""
-    for index, straight in enumerate(draft.model.springs.straight):
-        if straight:
-            _between_points(draft, index)
-        else:
-            draft.coils[int(draft.model.springs.joint[index])].append(index)
-
-
-def _between_points(draft: Draft, spring: int) -> None:
     springs = draft.model.springs
-    name, (a, b) = springs.name[spring], springs.bodies[spring].tolist()
-    (on_a, on_b), law, rest = springs.anchor[spring], springs.law[spring], springs.rest[spring]
-    free = rest if law is None else (0.0, rest) if law.side > 0 else (rest, FAR)
-    cable = add(draft.sections["tendon"], "spatial", name=name, springlength=free,
-               stiffness=float(springs.stiffness[spring]) or None,
-               damping=float(springs.damping[spring]) or None,
-               rgba="0.6 0.6 0.3 1", width=0.0005)
-    route(draft, cable, name, ((a, vec(on_a)), (b, vec(on_b))))
-    draft.sense("tendonpos", f"{name}.length", tendon=name)
+    for spring, name in enumerate(springs.name):
+        if not springs.straight[spring]:
+            draft.coils[int(springs.joint[spring])].append(spring)
+            continue
+        (a, b), (on_a, on_b) = springs.bodies[spring].tolist(), springs.anchor[spring]
+        law, rest = springs.law[spring], springs.rest[spring]
+        free = rest if law is None else (0.0, rest) if law.side > 0 else (rest, FAR)
+        cable = add(draft.sections["tendon"], "spatial", name=name, springlength=free,
+                    stiffness=float(springs.stiffness[spring]) or None,
+                    damping=float(springs.damping[spring]) or None,
+                    rgba="0.6 0.6 0.3 1", width=0.0005)
+        route(draft, cable, name, ((a, vec(on_a)), (b, vec(on_b))))
+        draft.sense("tendonpos", f"{name}.length", tendon=name)
 
 
 def add_tendons(draft: Draft) -> float:

@@ -11,7 +11,7 @@ from sandbox.elements.element import RELEASED, references
 from sandbox.elements.fluids import FLUID
 from sandbox.errors import Problem, SceneError
 from sandbox.export.tree import Tree
-from sandbox.model.model import Joints, Model, Springs
+from sandbox.model.model import Model
 from sandbox.model.pairs import allowed_pairs, friction_of
 from sandbox.model.tendons import lifted_at_start
 from sandbox.numeric import Array
@@ -106,9 +106,15 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
     for joint, (name, joints) in enumerate(zip(model.joints.name, model.joints.kind, strict=True)):
         curved = "a slot with a path" if model.joints.path[joint] else ""
         yield name, (joints.mujoco or curved or (joints.mujoco_loop if joint in tree.loops else "")
-                     or _friction(model.joints, joint))
-    for spring, name in enumerate(model.springs.name):
-        yield name, _law(model.springs, spring)
+                     or ("joint friction that depends on the reaction"
+                         if model.joints.coefficient[joint] else
+                         STATIC if model.joints.static[joint] > 1 else ""))
+    for name, law, straight in zip(
+            model.springs.name, model.springs.law, model.springs.straight, strict=True):
+        yield name, "" if law is None else (
+            "a spring with a force law" if law.own is not None else
+            "a damper that acts on one side only" if law.damping else
+            "" if straight else "a spring about a hinge that acts on one side only")
     for tendon, name in enumerate(model.tendons.name):
         yield name, _wheel(model, tendon)
     for name in (*model.lines.name, *model.valves.name):
@@ -121,23 +127,6 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
         varies = not isinstance(drive.signal(model.mechanism), Constant)
         yield drive.name, (kind.mujoco or (kind.mujoco_varied if varies else "")
                            or drive.without_mujoco(model.mechanism))
-
-
-def _friction(joints: Joints, joint: int) -> str:
-    if joints.coefficient[joint]:
-        return "joint friction that depends on the reaction"
-    return STATIC if joints.static[joint] > 1 else ""
-
-
-def _law(springs: Springs, spring: int) -> str:
-    law = springs.law[spring]
-    if law is None:
-        return ""
-    if law.own is not None:
-        return "a spring with a force law"
-    if law.damping:
-        return "a damper that acts on one side only"
-    return "" if springs.straight[spring] else "a spring about a hinge that acts on one side only"
 
 
 def _wheel(model: Model, tendon: int) -> str:

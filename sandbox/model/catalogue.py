@@ -151,7 +151,11 @@ class Catalogue:
     def near(self, name: str) -> str:
         """A quantity or a pattern that fits, with one word corrected."""
         if "/" in name and not is_pattern(name):
-            return self._near_pair(name)
+            first, _, rest = name.partition("/")
+            second, _, quantity = rest.rpartition(".")
+            one, other, last = (word if word in known else nearest(word, known) for word, known in (
+                (first, self._bodies), (second, self._bodies), (quantity, PAIR)))
+            return pair if (pair := f"{one}/{other}.{last}") in self else ""
         for head, element in () if is_pattern(name) else self._prefixes(name):
             if close := nearest(name[len(head) + 1:], element.quantities):
                 return f"{head}.{close}"
@@ -162,15 +166,6 @@ class Catalogue:
                 if self.fits(mended):
                     return mended
         return ""
-
-    def _near_pair(self, name: str) -> str:
-        """A pair's name with its unknown words corrected."""
-        first, _, rest = name.partition("/")
-        second, _, quantity = rest.rpartition(".")
-        mended = [word if word in known else nearest(word, known) for word, known in (
-            (first, self._bodies), (second, self._bodies), (quantity, PAIR))]
-        candidate = f"{mended[0]}/{mended[1]}.{mended[2]}"
-        return candidate if candidate in self else ""
 
     def lacking(self, name: str) -> str:
         """Why an element lacks a quantity that others of its kind have; empty of other names."""

@@ -119,24 +119,20 @@ def _steps(
             yield _COMPARE[type(op)] + (NEXT_LT - LT if i else 0), 0.0
         yield DROP, 0.0
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-        yield from _call(node.func.id, [list(of(part)) for part in node.args], tables)
+        first, *others = node.args
+        yield from of(first)
+        if node.func.id == "clip":
+            low, high = others
+            yield from (*of(low), (MAX, 0.0), *of(high), (MIN, 0.0))
+        elif node.func.id not in _FUNCTIONS:
+            yield TABLE, tables[node.func.id]
+        elif not others:
+            yield _FUNCTIONS[node.func.id], 0.0
+        else:
+            for part in others:
+                yield from (*of(part), (_FUNCTIONS[node.func.id], 0.0))
     else:
         raise TypeError(f"{type(node).__name__} has no place in a checked expression")
-
-
-def _call(
-    name: str, arguments: list[list[Step]], tables: Mapping[str, int],
-) -> Iterator[Step]:
-    yield from arguments[0]
-    if name == "clip":
-        yield from (*arguments[1], (MAX, 0.0), *arguments[2], (MIN, 0.0))
-    elif name not in _FUNCTIONS:
-        yield TABLE, tables[name]
-    elif len(arguments) == 1:
-        yield _FUNCTIONS[name], 0.0
-    else:
-        for argument in arguments[1:]:
-            yield from (*argument, (_FUNCTIONS[name], 0.0))
 
 
 def curve_tables(functions: Sequence[Function]) -> tuple[Records, Records]:
