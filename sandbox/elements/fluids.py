@@ -57,16 +57,15 @@ class Cylinder(Spec):
 
     type: Literal["cylinder"] = TYPE
     a: BodyName
-    """The body that its tube is tied to."""
+    """The body that its tube is fixed to."""
     b: BodyName
-    """The body that its rod is tied to."""
+    """The body that its rod is fixed to."""
     on_a: of.Point = (0.0, 0.0)
-    """Where it is tied, in the frame of ``a`` [m]."""
+    """Point of the tube, in the frame of ``a`` [m]."""
     on_b: of.Point = (0.0, 0.0)
-    """Where it is tied, in the frame of ``b`` [m]."""
+    """Point of the rod, in the frame of ``b`` [m]."""
     area: of.Area
-    """Of the piston that the fluid presses [m^2]; the force along the line through the two points
-    is this times the pressure."""
+    """Of the piston [m^2]; the force along the line through the points is area times pressure."""
     pulls: of.Flag = False
     """Whether the fluid is on the rod side: its volume then grows as the points approach, and
     pressure pulls them together, as in an artificial muscle."""
@@ -117,8 +116,7 @@ class Line(Element):
     chambers: of.Items[Chamber] = Field(default=(), max_length=64)
     """What the fluid moves; none where the line only stores some, as an accumulator does."""
     volume: of.Volume | None = None
-    """Of all the fluid at t = 0, in chambers and hoses [m^3]; by default that of its cylinders that
-    push, area times distance."""
+    """Of all fluid at t = 0 [m^3], hoses included; by default that of the cylinders that push."""
     modulus: of.Modulus | None = None
     """Pressure per share by which the fluid is pressed together, walls of hoses included [Pa]; by
     default 1.4 GPa, that of oil. Not of a gas."""
@@ -130,8 +128,7 @@ class Line(Element):
     least: of.Pressure = -ATMOSPHERE
     """Minimum pressure [Pa]; below it the line cavitates. By default -101325 Pa, a vacuum."""
     relief: of.Pressure | None = None
-    """Maximum pressure [Pa]; above it a relief valve opens to the tank. By default there is
-    none."""
+    """Maximum pressure [Pa], at which a relief valve opens to the tank; none by default."""
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -233,8 +230,7 @@ class FlowDrive(DriveSpec):
     line: LineName
     """Name of the line that it feeds."""
     value: FlowSignal
-    """The flow over time [m^3/s], of a gas as it would be at the pressure of the surroundings;
-    below 0 it is sucked out."""
+    """The flow over time [m^3/s], of a gas at ambient pressure; below 0 out of the line."""
 
 
 class PressureDrive(DriveSpec):

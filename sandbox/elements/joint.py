@@ -101,8 +101,7 @@ class JointSpec(Element):
     name: Name
     """Its name; quantities are ``<name>.reaction`` and so on."""
     a: BodyName
-    """The body that is counted from: a hinge's angle is that of ``b`` against it, a slot's groove
-    moves with it."""
+    """The reference body: a hinge's angle is that of ``b`` against it, a groove moves with it."""
     b: BodyName
     """The other body; ``reaction_x`` and ``reaction_y`` are the force on it by ``a``."""
     on_a: Point | None = None
@@ -110,8 +109,7 @@ class JointSpec(Element):
     on_b: Point | None = None
     """Anchor in the frame of ``b`` [m]; by default where ``on_a`` is at t = 0."""
     collide: Flag = False
-    """Whether the two bodies may touch each other; by default they pass through each other, also
-    while the joint is released."""
+    """Whether the two bodies may touch; by default they never do, even if the joint is released."""
     breaks_at: Annotated[Force, POSITIVE] | None = None
     """Magnitude of its ``reaction`` above which it breaks [N]; it stays released unless an event
     engages it again. By default it never breaks."""

@@ -42,8 +42,7 @@ class TorqueDrive(HingeDrive):
 
     type: Literal["torque"] = TYPE
     value: signals.TorqueSignal
-    """The torque over time [N m], in the hinge's sense: on its body ``b``, and the opposite on
-    ``a``."""
+    """Torque on body ``b`` over time [N m], in the hinge's sense; the opposite acts on ``a``."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""
@@ -74,13 +73,11 @@ class MotorDrive(HingeDrive):
     with a line the speed without torque, ``no_load`` by default: half of it is half the voltage,
     minus it the full voltage reversed."""
     torque: of.Torque | None = Field(default=None, gt=0)
-    """Maximum torque in both directions [N m]; optional for a motor with a line, whose line then
-    sets no limit."""
+    """Maximum torque in both directions [N m]; optional for a motor with a line."""
     stall: of.Torque | None = Field(default=None, gt=0)
     """Of a motor with a line: its torque at rest [N m], while ``value`` is ``no_load``."""
     no_load: of.AngularSpeed | None = Field(default=None, gt=0)
-    """Of a motor with a line: the speed at which its torque is 0 [rad/s], while ``value`` is this,
-    as it is by default."""
+    """Of a motor with a line: the speed without torque [rad/s], while ``value`` is its default."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -205,8 +202,7 @@ class ServoDrive(HingeDrive, PlaceDrive):
 
     type: Literal["servo"] = TYPE
     value: signals.AngleSignal
-    """The angle to go to over time [rad], as the hinge counts it: in its own sense, from its
-    ``zero``."""
+    """Target angle over time [rad], in the hinge's sense from its ``zero``."""
     torque: of.Torque = Field(gt=0)
     """Maximum torque in both directions [N m]."""
     stiffness: of.RotaryStiffness | None = Field(default=None, gt=0)

@@ -106,8 +106,7 @@ class LawLoad(LoadSpec):
     force: of.Pair[ForceLaw] | None = None
     """The force [x, y] at the point ``at`` [N]: ``["=-0.2 * vx", "=-0.2 * vy"]``."""
     acceleration: of.Pair[AccelerationLaw] | None = None
-    """In place of ``force``, a force [x, y] per mass of the body [m/s^2]: ``[0, "-1.62
-    m/s^2"]``."""
+    """In place of ``force``, force [x, y] per mass [m/s^2]: ``[0, "-1.62 m/s^2"]``."""
     torque: TorqueLaw | None = None
     """An additional torque on the body [N m], positive counter-clockwise: ``"=-0.01 * omega"``."""
     at: of.Point | None = None

@@ -43,18 +43,15 @@ class Pin(FrictionJoint):
     """Sense of rotation of ``b`` against ``a`` that counts as positive: for angle, rate, limits,
     springs, torques and motors of this hinge."""
     zero: Annotated[of.Angle, KEPT] = 0.0
-    """Offset subtracted from the angle between the two frames [rad], after its sign is set by
-    ``positive``."""
+    """Subtracted from the angle between the frames, in the positive sense [rad]."""
     limits: Annotated[of.Pair[of.Angle] | None, KEPT] = None
     """Hard stops [lowest, highest] of the hinge's angle [rad]; none by default."""
     damping: of.RotaryDamping = 0.0
     """Viscous friction of the hinge [N m s/rad]: torque against the rate, per rate."""
     friction: of.Torque = Field(default=0.0, ge=0)
-    """Dry friction of the hinge [N m]: it resists torques up to this, and slips at this torque;
-    none by default."""
+    """Dry friction of the hinge [N m]: torque up to which it holds, and at which it slips."""
     pin_radius: of.Length | None = None
-    """Radius of a pin with a 'friction_coefficient' [m]: its friction torque is coefficient times
-    radius times reaction."""
+    """With a 'friction_coefficient' [m]: friction torque = coefficient * radius * reaction."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -127,15 +124,13 @@ class Slot(FrictionJoint):
     closed: of.Flag = False
     """Whether the path continues from its last point to the first; then it has no ends."""
     turns: of.Flag = True
-    """Whether ``b`` may rotate on the groove: false keeps the angle of the two bodies at t = 0, as
-    in a slider."""
+    """Whether ``b`` may rotate on the groove; false keeps its angle to ``a``, as in a slider."""
     on_a: of.Point | None = None
     """Not used: ``start`` and ``end``, or ``path``, define the groove."""
     on_b: of.Point | None = (0.0, 0.0)
     """The point of ``b`` that stays on the groove, in its frame [m]."""
     friction: of.Force = Field(default=0.0, ge=0)
-    """Dry friction along the groove [N]: it resists forces up to this, and slides at this force;
-    none by default."""
+    """Dry friction along the groove [N]: force up to which it holds, and at which it slides."""
 
     @model_validator(mode="after")
     def _along(self) -> Self:

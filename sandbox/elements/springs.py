@@ -94,13 +94,11 @@ class LinearSpring(SpringSpec):
     minus rest length, and of the ``rate`` of the stretch [m/s]: ``"=1e3 * stretch + 4e6 * stretch
     ** 3"``, ``"=bumper(stretch)"``. Positive in tension."""
     only: Literal["pull", "push"] | None = None
-    """One-sided: ``pull`` acts above the rest length only, as a bungee cord; ``push`` below it
-    only, as a bump stop."""
+    """One-sided: ``pull`` acts above the rest length only (bungee cord), ``push`` below it only."""
     damping: of.Damping = 0.0
     """Force per rate of length [N s/m], against it; of a one-sided spring only while it acts."""
     rest_length: of.Distance | None = None
-    """Length without force [m]; by default the length at t = 0. The ``stretch`` of its ``force``
-    counts from it."""
+    """Length without force [m], where ``stretch`` is 0; by default the length at t = 0."""
     breaks_at: Annotated[of.Force, of.POSITIVE] | None = None
     """Magnitude of its force above which it breaks [N]; it stays released unless an event engages
     it again. By default it never breaks."""
@@ -143,14 +141,12 @@ class RotarySpring(SpringSpec):
     damping: of.RotaryDamping = 0.0
     """Torque per rate [N m s/rad], against it; of a one-sided spring only while it acts."""
     rest_angle: Annotated[of.Angle, KEPT] = 0.0
-    """Hinge angle without torque [rad], in the hinge's positive sense; 0 by default, also if the
-    hinge starts elsewhere."""
+    """Hinge angle without torque [rad], in the hinge's sense; 0 by default."""
     breaks_at: Annotated[of.Torque, of.POSITIVE] | None = None
     """Magnitude of its torque without damping above which it breaks [N m]; it stays released unless
     an event engages it again. By default it never breaks."""
     released: of.Flag = False
-    """Whether it starts released, until an event engages it. Its damping belongs to the hinge and
-    is not released."""
+    """Whether it starts released, until an event engages it. Its damping is never released."""
 
     _law = field_validator("torque")(_read_law)
 

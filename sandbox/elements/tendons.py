@@ -61,8 +61,7 @@ class Guide(Spec):
     An end on the ``left`` is wound up by counter-clockwise rotation at the last guide, clockwise at
     the first. Without effect on a point."""
     turns: int = Field(default=0, ge=0, le=1000)
-    """Additional whole turns around the wheel at t = 0, as on a capstan. Without effect on a point
-    and at the ends."""
+    """Additional whole turns around the wheel at t = 0; without effect on a point, at the ends."""
     begins: Literal["on", "off"] | None = None
     """Whether the tendon lies on the wheel at t = 0 (``on``) or passes it straight (``off``), to
     meet it later. By default it is off if the straight path clears the wheel with its centre on
@@ -91,20 +90,17 @@ class Tendon(Element):
     guides: of.Items[Guide] = Field(min_length=2, max_length=64)
     """Path of the tendon from end to end; a pull drive acts at the last guide."""
     closed: of.Flag = False
-    """True: a loop, such as a belt. From the last guide it continues to the first; it has no tied
-    end."""
+    """True: a loop, such as a belt, from the last guide on to the first, without ends."""
     stiffness: of.Stiffness = Field(default=RIGID, gt=0)
     """Tension per stretch of the whole tendon [N/m]; from 100 kN/m on, the default, it is solved
     implicitly and counts as inextensible."""
     damping: of.Damping = 0.0
-    """Tension per rate of stretch [N s/m]; from 100 kN/m on the step adds damping of step *
-    stiffness."""
+    """Tension per rate of stretch [N s/m]; from 100 kN/m on, plus step * stiffness."""
     rest_length: of.Length | None = None
     """Rest length [m]; by default that of its path at t = 0. ``slack`` is added."""
     slack: of.Distance = 0.0
     """Added to the rest length [m], 0 or more: the path has to grow by this before the tendon
-    pulls. For tension from the start use a ``pretension``, or a ``rest_length`` shorter than the
-    path."""
+    pulls. The opposite is a ``pretension``."""
     pretension: Annotated[of.Force, of.NOT_NEGATIVE] | None = None
     """Tension along the whole tendon at t = 0 [N], in place of ``rest_length`` and ``slack``."""
     breaks_at: Annotated[of.Force, of.POSITIVE] | None = None

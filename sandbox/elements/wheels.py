@@ -65,8 +65,7 @@ class ToothedJoint(WheelJoint):
     """A joint of teeth."""
 
     pressure_angle: PressureAngle = math.radians(20.0)
-    """Between the line of action and the common tangent of the pitch circles, or the pitch line of
-    a rack, up to 45 deg."""
+    """Between the line of action and the tangent of the pitch circles, up to 45 deg."""
     backlash: Distance = 0.0
     """Backlash along the pitch circles or the pitch line; the teeth are centred at t = 0."""
     stiffness: Stiffness = Field(default=1e9, gt=0)

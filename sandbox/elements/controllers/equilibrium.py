@@ -82,8 +82,7 @@ class EquilibriumController(SeveralController):
     tendon: Name
     """Name of the tendon that turns the joints."""
     joints: Items[Name] = Field(min_length=1, max_length=32)
-    """Names of the hinges; ``writes`` are the stiffness drives of the springs across them, in this
-    order."""
+    """Names of the hinges, in the order of ``writes``, the stiffness drives of their springs."""
     targets: Items[AngleSignal]
     """Of the joints' rotations over time [rad], each in its hinge's sense."""
     pull: Positive | None = None

@@ -106,8 +106,7 @@ class PidController(ReadingController):
 
     type: Literal["pid"] = TYPE
     target: Signal
-    """What the reading shall be over time, in the reading's unit; an event may set
-    ``<name>.target``."""
+    """Target of the reading over time, in its unit; an event may set ``<name>.target``."""
     kp: Quantity = 0.0
     """Gain of the error [drive's unit per reading's unit]."""
     ki: Quantity = 0.0
@@ -117,14 +116,12 @@ class PidController(ReadingController):
     filter: Instant = 0.0
     """Time constant of the low-pass on the derivative [s]; 0 is none."""
     bias: Quantity | None = None
-    """What is added to the law, in the drive's unit; by default the drive's value when the
-    controller begins."""
+    """Added to the law, in the drive's unit; by default the drive's value at the beginning."""
     bumpless: Flag = False
     """Start with the integral that makes the first output equal the bias. A loop with an integral
     that is switched on during a run starts from the drive's current value in any case."""
     anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
-    """Integral while the output is saturated: ``clamp`` stops it, ``back_calculation`` drives it
-    back, ``none`` continues."""
+    """Integral during saturation: ``clamp`` stops it, ``back_calculation`` drives it back."""
     tracking: Duration | None = None
     """Time constant of the back-calculation [s]; by default |kp / ki|, and at once if kp is 0."""
 
@@ -254,21 +251,18 @@ class RelayController(ReadingController):
 
     type: Literal["relay"] = TYPE
     target: Signal
-    """What the reading shall swing about, and then be, in the reading's unit."""
+    """Target of the reading over time, in its unit; first the reading oscillates about it."""
     amplitude: Quantity
-    """Amplitude of the switching, in the drive's unit; not 0; negative if more input lowers the
-    reading."""
+    """Amplitude of the switching, in the drive's unit, not 0; negative if input lowers reading."""
     hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
     """How far the reading passes the target before the relay switches, in the reading's unit."""
     cycles: int = Field(default=4, ge=2, le=100)
     """Number of oscillations before the gains are computed; the first one is not measured."""
     rule: Literal["ziegler_nichols_pi", "ziegler_nichols_pid", "tyreus_luyben_pi",
                   "tyreus_luyben_pid", "no_overshoot_pid"] = "tyreus_luyben_pi"
-    """Tuning rule that gives the gains from the ultimate gain and period, and whether the law has a
-    derivative."""
+    """Tuning rule that gives the gains from the ultimate gain and period."""
     bias: Quantity | None = None
-    """Mean of the switching, in the drive's unit; by default the drive's value when the controller
-    starts."""
+    """Mean of the switching, in the drive's unit; by default the drive's value at the start."""
 
     @field_validator("amplitude")
     @classmethod

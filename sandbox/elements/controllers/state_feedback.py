@@ -95,15 +95,14 @@ class StateFeedbackController(SeveralController):
     reads: Items[Reading] = Field(min_length=1, max_length=64)
     """Quantities, or expressions of them, in the order of the columns of ``gains``."""
     targets: Items[Signal]
-    """What each reading shall be over time, in the reading's unit."""
+    """Target of each reading over time, in its unit."""
     gains: Matrix
     """A row for each drive, a column for each reading [drive's unit per reading's unit]."""
     integral_gains: Matrix | None = None
     """Gains of the errors' integrals, in the shape of ``gains``; none by default. The integral of a
     row stops while its drive is at its limit."""
     bias: Items[Quantity] | None = None
-    """What is added for each drive, in its unit; by default the drives' values when the controller
-    begins."""
+    """Added for each drive, in its unit; by default the drives' values at the beginning."""
 
     @model_validator(mode="after")
     def _shapes(self) -> Self:
