@@ -66,7 +66,7 @@ class DriveSpec(Element):
 
     @property
     def kind(self) -> DriveKind:
-        """What it sets, by what it names."""
+        """Facts, which may depend on its fields."""
         return self.facts
 
     @property
@@ -98,7 +98,7 @@ class DriveSpec(Element):
         return {name: QUANTITIES[name].unit or own for name in self.kind.records}
 
     def without_mujoco(self, mechanism: Mechanism) -> str:
-        """Why MuJoCo has no counterpart, besides what the facts of its kind say."""
+        """Why MuJoCo has no counterpart, besides the facts of its kind."""
         return ""
 
     def without_pymunk(self, mechanism: Mechanism) -> str:

@@ -205,7 +205,7 @@ class StiffnessDrive(DriveSpec):
 
     @property
     def kind(self) -> DriveKind:
-        """What it sets, by what it names."""
+        """Facts, by its target."""
         return self.facts if self.tendon is None else self.on_tendon
 
     def _spring(self, mechanism: Mechanism) -> Any:

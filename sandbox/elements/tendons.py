@@ -29,6 +29,7 @@ QUANTITIES: Mapping[str, Quantity] = {
                                            "guides, of the last span"),
     "work": recorded("tendon_work", "J", "done on the bodies since t = 0"),
 }
+# additional quantities of tendons with a number each: of spans, guides with friction, wheels
 NUMBERED: Mapping[str, Quantity] = {
     "tension": Quantity("N", "`tension_0` and so on: tension of each span, in order", live=True),
     "slip": Quantity("m", "`slip_1` and so on: length that has slid over that guide since t = 0, "
@@ -36,8 +37,6 @@ NUMBERED: Mapping[str, Quantity] = {
     "lifted": Quantity("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel, "
                             "else 0; guides count from 0", live=True, yes_no=True),
 }
-"""What tendons have besides, with a number each: where guides hold them by friction the tensions of
-their pieces and what slid over such a guide; ``lifted`` of each wheel that one can lift off."""
 
 
 class Guide(Spec):

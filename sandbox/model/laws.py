@@ -93,8 +93,7 @@ def law_of(spring: Spring, order: Sequence[str], tables: Tables) -> SpringLaw | 
     return SpringLaw(own, names, damping, side, Program(steps, depth + 3), tables)
 
 
-MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}
-"""What a step changes of what a law reads, apart from the time."""
+MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}  # these change in a step, besides the time
 
 
 @dataclass(frozen=True)

@@ -16,14 +16,11 @@ from sandbox.numeric import Array, Integers, Records
 from sandbox.values.expressions import CONSTANTS, MAX_EXPONENT, Expression, dotted, unknown_name
 from sandbox.values.tables import Function
 
+# operations; NAME and TABLE have the index of a name or table; NEXT_LT and so on are the second
+# comparisons of a chain (a < b < c), in the order of the first
 (NUMBER, NAME, TABLE, ADD, SUB, MUL, DIV, MOD, POW, NEG, SELECT, DROP, AND, OR, NOT, LT, LE, GT,
  GE, EQ, NE, NEXT_LT, NEXT_LE, NEXT_GT, NEXT_GE, NEXT_EQ, NEXT_NE, SIN, COS, TAN, ASIN, ACOS, ATAN,
  ATAN2, SQRT, EXP, LOG, TANH, ABS, HYPOT, SIGN, FLOOR, CEIL, MIN, MAX) = range(45)
-"""Operations; the number of NAME is which of the names, that of TABLE which of the tables.
-
-What is compared with what was compared before (``a < b < c``) has an operation of its own, in the
-same order as the first ones.
-"""
 
 _BINARY: dict[type[ast.operator], int] = {
     ast.Add: ADD, ast.Sub: SUB, ast.Mult: MUL, ast.Div: DIV, ast.Mod: MOD, ast.Pow: POW}

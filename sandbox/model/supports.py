@@ -28,8 +28,7 @@ class Shared(NamedTuple):
     """Redundant joints in a pose."""
 
     joints: set[int]  # Those whose reactions are not unique
-    asked: bool
-    """Whether any group of joints was examined: one of at most :data:`LARGEST_GROUP` rows."""
+    examined: bool  # whether any group of joints had at most LARGEST_GROUP rows
 
 
 def shared_joints(model: Model, pose: Array) -> Shared:
@@ -38,17 +37,17 @@ def shared_joints(model: Model, pose: Array) -> Shared:
     Unilateral ones, ropes and the ends of grooves, are left out.
     """
     found: set[int] = set()
-    asked = False
+    examined = False
     for joints in together(model):
         rows = [(joint, row) for joint in joints for row in joint_rows(model, pose, joint)]
         if not rows or len(rows) > LARGEST_GROUP:
             continue
-        asked = True
+        examined = True
         left, values, _ = np.linalg.svd(_matrix(model, joints, [row for _, row in rows]))
         rank = int(np.count_nonzero(values > RANK * values[0]))
         part = np.linalg.norm(left[:, rank:], axis=1) > PART
         found |= {joint for (joint, _), has in zip(rows, part, strict=True) if has}
-    return Shared(found, asked)
+    return Shared(found, examined)
 
 
 def parting_wheels(model: Model, pose: Array) -> set[int]:

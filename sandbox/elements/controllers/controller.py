@@ -1,13 +1,12 @@
 """The base of controllers, and the interface of their laws.
 
-A controller acts at a rate of its own. When it acts after step k it reads what
-a recording of every step has of step k, and what it writes holds from step k + 1 until
-it acts again; its first act is before the first step. The value of a drive
-that a controller writes is where that drive begins.
+A controller acts at its own rate. An act after step k reads the quantities of step k, and its
+values hold from step k + 1 to the next act; the first act is before the first step. The value of
+a drive that a controller writes is its initial value.
 
-Limits and rate limits are applied outside of the laws; a law is given what was applied, so that
-it does not wind up. Readings, targets and drive values come in the order of ``reads`` and
-``writes``, SI. Laws are plain Python on floats, which is faster than arrays of so few numbers.
+Limits and rate limits are applied outside of the laws, which get the applied values against
+windup. Readings, targets and drive values are in the order of ``reads`` and ``writes``, SI. Laws
+are plain Python on floats, which is faster than arrays of so few numbers.
 """
 
 from __future__ import annotations
