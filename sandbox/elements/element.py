@@ -133,7 +133,8 @@ class Element(Spec):
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
-        return {name: quantity.unit for name, quantity in self.RECORDED.items()}
+        names = getattr(getattr(self, "facts", None), "records", self.RECORDED)
+        return {name: self.RECORDED[name].unit for name in names}
 
     def needed(self, quantity: str) -> str:
         """The field that it needs to record a quantity; empty where no field adds it."""

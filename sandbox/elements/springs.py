@@ -15,7 +15,6 @@ from sandbox.wording import WrongValueError
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
-    from sandbox.scene.mechanism import Mechanism
 
 TakenUp = Literal["natural", "as_is"]
 LACKS_LAW = "a spring with a law, or one that acts on one side only"  # in pymunk
@@ -41,6 +40,7 @@ class SpringKind:
 class SpringSpec(Element):
     """The base of all springs."""
 
+    RECORDED = QUANTITIES
     facts: ClassVar[SpringKind]
     OWN: ClassVar[tuple[str, ...]]
 
@@ -49,10 +49,6 @@ class SpringSpec(Element):
         """Its law, an expression; None with a stiffness."""
         text: str | None = getattr(self, self.LOCAL[0])
         return text
-
-    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
-        """The quantities that it records, with their units."""
-        return {name: QUANTITIES[name].unit for name in self.facts.records}
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:

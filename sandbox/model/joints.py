@@ -153,29 +153,26 @@ def place_in_slot(model: Model, joint: int, pose: Array, along: Array | None = N
     """
     joints = model.joints
     a, b = joints.bodies[joint].tolist()
-    at_a, at_b, (x, y) = pose[..., a, :], pose[..., b, :], joints.anchor[joint, 1]
-    c, s = np.cos(at_b[..., 2]), np.sin(at_b[..., 2])
-    dx = at_b[..., 0] + c * x - s * y - at_a[..., 0]
-    dy = at_b[..., 1] + s * x + c * y - at_a[..., 1]
-    c, s = np.cos(at_a[..., 2]), np.sin(at_a[..., 2])
-    point = np.stack([c * dx + s * dy, c * dy - s * dx], axis=-1)
-    path = joints.path[joint]
+    at_a, path = pose[..., a, :], joints.path[joint]
+    point = rotated(placed(pose[..., b, :], joints.anchor[joint, 1]) - at_a[..., :2],
+                    -at_a[..., 2])
+    shape = point.shape[:-1]
     if path is None:
-        start, end = joints.groove[joint]
-        tangent = (end - start) / max(float(np.hypot(*(end - start))), 1e-300)
-        foot, bend = start, np.zeros_like(c)
-        begin = np.zeros_like(c)
+        foot, end = joints.groove[joint]
+        tangent = (end - foot) / max(float(np.hypot(*(end - foot))), 1e-300)
+        begin = bend = np.zeros(shape)
     else:
         if along is None:
-            along = np.reshape([path.nearest(one) for one in point.reshape(-1, 2)], c.shape)
+            along = np.reshape([path.nearest(one) for one in point.reshape(-1, 2)], shape)
         begin = along
-        foot, tangent, bend = (np.reshape(one, (*c.shape, *one.shape[1:]))
+        foot, tangent, bend = (np.reshape(one, (*shape, *one.shape[1:]))
                                for one in path.at(np.ravel(along)))
     tx, ty = tangent[..., 0], tangent[..., 1]
     ox, oy = np.moveaxis(point - foot, -1, 0)
     ahead, across = tx * ox + ty * oy, tx * oy - ty * ox
+    x, y = np.moveaxis(rotated(tangent, at_a[..., 2]), -1, 0)
     return Place(begin + ahead, across, np.abs(across) if path is None else np.hypot(ahead, across),
-                 c * tx - s * ty, s * tx + c * ty, bend)
+                 x, y, bend)
 
 
 def normal_in_slot(model: Model, arrays: Arrays, joint: int) -> Array:
@@ -217,20 +214,25 @@ def turning(model: Model, joint: int) -> float:
 
 def sliding(model: Model, joint: int) -> float:
     """Speed of the point of a slot along it at t = 0 [m/s]; 0 without length."""
-    there, place = place_in_slot(model, joint, model.bodies.pose), model.ends(joint)[1]
-    (ax, ay), (bx, by) = (_velocity(model, body, place)
-                          for body in model.joints.bodies[joint].tolist())
-    return float((bx - ax) * there.x + (by - ay) * there.y)
+    place, at = place_in_slot(model, joint, model.bodies.pose), model.ends(joint)[1]
+    vx, vy = _parting(model, joint, (at, at))
+    return float(vx * place.x + vy * place.y)
 
 
 def lengthening(model: Model, joint: int) -> float:
     """Speed at which the two points of a joint separate at t = 0 [m/s]; 0 if they coincide."""
     one, two = model.ends(joint)
-    (ax, ay), (bx, by) = (_velocity(model, body, place) for body, place in zip(
-        model.joints.bodies[joint].tolist(), (one, two), strict=True))
+    vx, vy = _parting(model, joint, (one, two))
     x, y = two[0] - one[0], two[1] - one[1]
     length = math.hypot(x, y)
-    return ((bx - ax) * x + (by - ay) * y) / length if length > 0 else 0.0
+    return (vx * x + vy * y) / length if length > 0 else 0.0
+
+
+def _parting(model: Model, joint: int, places: tuple[Vec, Vec]) -> Vec:
+    """Velocity of a point of ``b`` minus that of a point of ``a``, by their places at t = 0."""
+    (ax, ay), (bx, by) = (_velocity(model, body, place) for body, place in zip(
+        model.joints.bodies[joint].tolist(), places, strict=True))
+    return bx - ax, by - ay
 
 
 def _velocity(model: Model, body: int, place: Vec) -> Vec:

@@ -9,20 +9,8 @@ import numpy as np
 
 from sandbox.elements.loads import MOTION, LoadSpec
 from sandbox.elements.springs import Spring
-from sandbox.model.programs import (
-    ADD,
-    DROP,
-    GT,
-    LT,
-    MAX,
-    MIN,
-    MUL,
-    NAME,
-    NUMBER,
-    SELECT,
-    Program,
-    compile_expression,
-)
+from sandbox.model import programs as op
+from sandbox.model.programs import Program, compile_expression
 from sandbox.numeric import Array
 from sandbox.values.expressions import Expression, parse_expression
 from sandbox.values.tables import Tables
@@ -83,13 +71,15 @@ def law_of(spring: Spring, order: Sequence[str], tables: Tables) -> SpringLaw | 
         return None
     own = None if text is None else parse_expression(text)
     side = 0 if spring.only is None else 1 if spring.only in FULL else -1
-    steps, depth = (((NAME, STIFFNESS), (NAME, STRETCH), (MUL, 0)), 2) if own is None else (
-        compile_expression(own, names, order))
+    steps, depth = compile_expression(own, names, order) if own is not None else (
+        ((op.NAME, STIFFNESS), (op.NAME, STRETCH), (op.MUL, 0)), 2)
     if damping:
-        steps += ((NUMBER, damping), (NAME, RATE), (MUL, 0), (ADD, 0))
+        steps += ((op.NUMBER, damping), (op.NAME, RATE), (op.MUL, 0), (op.ADD, 0))
     if side:
-        steps = ((NAME, STRETCH), (NUMBER, 0.0), (GT if side > 0 else LT, 0), (DROP, 0), *steps,
-                 (NUMBER, 0.0), (MAX if side > 0 else MIN, 0), (NUMBER, 0.0), (SELECT, 0))
+        compare, bound = (op.GT, op.MAX) if side > 0 else (op.LT, op.MIN)
+        zero = op.NUMBER, 0.0
+        steps = ((op.NAME, STRETCH), zero, (compare, 0), (op.DROP, 0), *steps,
+                 zero, (bound, 0), zero, (op.SELECT, 0))
     return SpringLaw(own, names, damping, side, Program(steps, depth + 3), tables)
 
 

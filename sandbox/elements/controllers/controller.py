@@ -18,17 +18,7 @@ from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from sandbox.elements.element import Element
 from sandbox.errors import Problem
-from sandbox.values.numbers import (
-    POSITIVE,
-    Flag,
-    Frequency,
-    Items,
-    Name,
-    Pair,
-    Quantity,
-    checked_expression,
-    parameters_of,
-)
+from sandbox.values import numbers as of
 from sandbox.values.signals import AnySignal
 from sandbox.wording import WrongValueError
 
@@ -41,7 +31,7 @@ RATE = 1000.0
 
 def bound(text: str, info: ValidationInfo) -> str:
     """An expression of quantities with the scene's parameters put in; a plain name stays."""
-    expression = checked_expression(text, info).bind(parameters_of(info))
+    expression = of.checked_expression(text, info).bind(of.parameters_of(info))
     return f"={expression.text}" if text.lstrip().startswith("=") else text.strip()
 
 
@@ -52,9 +42,9 @@ def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
     return limits
 
 
-Range = Annotated[Pair[Quantity], AfterValidator(_ordered)]
-Positive = Annotated[Quantity, POSITIVE]
-Matrix = Items[Items[Quantity]]
+Range = Annotated[of.Pair[of.Quantity], AfterValidator(_ordered)]
+Positive = Annotated[of.Quantity, of.POSITIVE]
+Matrix = of.Items[of.Items[of.Quantity]]
 Reading = Annotated[str, AfterValidator(bound)]
 Row = Sequence[float]  # a number for each reading, target or drive
 
@@ -89,10 +79,10 @@ class Law:
         """Results of the law as plain JSON data for ``run.json``; {} if there are none."""
         return {}
 
-
-def integrated(integral: float, step: float, cut: float) -> float:
-    """An integral after a step, which is left out if it would increase a ``cut`` of the output."""
-    return integral if cut and step * cut >= 0 else integral + step
+    @staticmethod
+    def integrated(integral: float, step: float, cut: float) -> float:
+        """An integral after a step, which is left out if it would increase a ``cut`` of output."""
+        return integral if cut and step * cut >= 0 else integral + step
 
 
 class ControllerSpec(Element):
@@ -109,11 +99,11 @@ class ControllerSpec(Element):
     reads_key: ClassVar[str] = "reads"  # the field that has its readings
     sets_target: ClassVar[bool] = False  # whether it sets its drive to its target
 
-    name: Name
+    name: of.Name
     """Its name, by which events set ``<name>.target`` and ``<name>.active``."""
-    rate: Frequency | None = None
+    rate: of.Frequency | None = None
     """How often it acts [Hz]; by default 1 kHz or the nearest rate that the step divides."""
-    active: Flag = True
+    active: of.Flag = True
     """Whether it acts from the start; an event may switch it by setting ``<name>.active``."""
 
     def _all_of(self, field: str) -> tuple[Any, ...]:
@@ -160,7 +150,7 @@ class ControllerSpec(Element):
 class SingleController(ControllerSpec):
     """A controller of one drive."""
 
-    writes: Name
+    writes: of.Name
     """Name of the drive that it sets."""
     limits: Range | None = None
     """[lowest, highest] that it sets, in the drive's unit; none by default."""
@@ -178,11 +168,11 @@ class ReadingController(SingleController):
 class SeveralController(ControllerSpec):
     """A controller of several drives."""
 
-    writes: Items[Name] = Field(min_length=1, max_length=32)
+    writes: of.Items[of.Name] = Field(min_length=1, max_length=32)
     """Names of the drives that it sets."""
-    limits: Items[Range] | None = None
+    limits: of.Items[Range] | None = None
     """[lowest, highest] of each drive, in its unit; none by default."""
-    slew: Items[Positive] | None = None
+    slew: of.Items[Positive] | None = None
     """Maximum change per second of each drive, in its unit; none by default."""
 
     @model_validator(mode="after")

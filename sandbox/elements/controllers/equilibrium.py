@@ -20,13 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from sandbox.elements.controllers.controller import (
-    Law,
-    Positive,
-    Row,
-    SeveralController,
-    integrated,
-)
+from sandbox.elements.controllers.controller import Law, Positive, Row, SeveralController
 from sandbox.elements.element import Vec
 from sandbox.elements.element_drives import StiffnessDrive
 from sandbox.elements.points import Pin
@@ -311,7 +305,7 @@ class Equilibrium(Law):
             angle, start = readings[i], starts[i]
             error = angle - start - fraction * (targets[i] - start)
             if self._arrived:
-                self._integrals[i] = integrated(
+                self._integrals[i] = self.integrated(
                     self._integrals[i], self._half_ki[i] * (error + self._errors[i]),
                     self._wanted[i] - applied[i])
             torque = self._kp[i] * error + self._kd[i] * readings[n + i] + self._integrals[i]

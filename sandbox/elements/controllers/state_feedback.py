@@ -8,14 +8,7 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.controllers.controller import (
-    Law,
-    Matrix,
-    Reading,
-    Row,
-    SeveralController,
-    integrated,
-)
+from sandbox.elements.controllers.controller import Law, Matrix, Reading, Row, SeveralController
 from sandbox.values.numbers import Items, Quantity
 from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
@@ -69,7 +62,7 @@ class StateFeedback(Law):
             if not self._fresh:
                 sums = list(map(add, kept, self._errors))
                 self._integrals = [
-                    integrated(integral, sum(map(mul, half, sums)), wanted - value)
+                    self.integrated(integral, sum(map(mul, half, sums)), wanted - value)
                     for integral, half, wanted, value in zip(
                         self._integrals, self._half_gains, self._wanted, applied, strict=False)]
             self._fresh, self._errors = False, kept
