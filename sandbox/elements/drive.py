@@ -97,10 +97,6 @@ class DriveSpec(Element):
         own = self.unit(mechanism)
         return {name: QUANTITIES[name].unit or own for name in self.kind.records}
 
-    def without_mujoco(self, mechanism: Mechanism) -> str:
-        """Why MuJoCo has no counterpart, besides the facts of its kind."""
-        return ""
-
     def without_pymunk(self, mechanism: Mechanism) -> str:
         """Why pymunk has no counterpart; empty where it has one."""
         signal = self.signal(mechanism)

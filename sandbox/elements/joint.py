@@ -30,7 +30,7 @@ class JointKind:
     line: bool = False  # Whether it has a length, which drives can push and set
     angle: bool = False  # Whether it has an angle, for stops, rotary springs, torques, motors
     friction_unit: str = ""  # Unit of its dry friction; empty where it has none
-    # additional quantities with limits, backlash, friction or a path
+    # additional quantities with limits, backlash, has_friction or a path
     more: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     mujoco: str = ""  # Why MuJoCo has no counterpart; empty where it has one
     mujoco_loop: str = ""  # Why MuJoCo has no counterpart of such a joint that closes a loop
@@ -124,23 +124,18 @@ class JointSpec(Element):
             raise WrongValueError("conflicting-keys", "give 'on_a' or 'on_b'")
         return self
 
-    @property
-    def has_friction(self) -> bool:
-        """Whether it has dry friction."""
-        return False
-
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
         kind = self.facts
         names = [*kind.records, *(
             name for field, more in kind.more.items() for name in more
-            if (self.has_friction if field == "friction" else getattr(self, field, None)))]
+            if getattr(self, field, None))]
         return {name: QUANTITIES[name].unit or kind.friction_unit for name in names}
 
     def needed(self, quantity: str) -> str:
         """The field that it needs to record a quantity; empty where no field adds it."""
         field = next((field for field, more in self.facts.more.items() if quantity in more), "")
-        return "'friction' or 'friction_coefficient'" if field == "friction" else (
+        return "'friction' or 'friction_coefficient'" if field == "has_friction" else (
             field and f"'{field}'")
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
@@ -168,6 +163,9 @@ class FrictionJoint(ClosingJoint):
         "friction_coefficient": "joint friction that depends on the reaction",
         "static": "static friction above that of sliding"}
 
+    if TYPE_CHECKING:
+        friction: float
+
     friction_coefficient: Ratio = 0.0
     """Coefficient of dry friction: friction is this times the reaction; none by default."""
     static: Ratio = Field(default=1.0, ge=1)
@@ -176,17 +174,11 @@ class FrictionJoint(ClosingJoint):
     @property
     def has_friction(self) -> bool:
         """Whether it has dry friction."""
-        return bool(self.constant_friction or self.friction_coefficient)
-
-    @property
-    def constant_friction(self) -> float:
-        """Dry friction that does not depend on the load [N m, N]."""
-        return float(getattr(self, "friction", 0.0))
+        return bool(self.friction or self.friction_coefficient)
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:
-        constant = self.constant_friction
-        if constant and self.friction_coefficient:
+        if self.friction and self.friction_coefficient:
             raise WrongValueError("conflicting-keys", "give 'friction' or 'friction_coefficient', "
                                   "not both")
         if self.static > 1 and not self.has_friction:

@@ -175,10 +175,6 @@ class PlaceDrive(DriveSpec):
         """Maximum torque or force [N m, N]."""
         return float(getattr(self, self.facts.records[2]))
 
-    def without_mujoco(self, mechanism: Mechanism) -> str:
-        """Why MuJoCo has no counterpart; empty where it has one."""
-        return "a rigid servo or length" if self.stiffness is None else ""
-
     def write_spring(self, draft: Draft, index: int, where: str, offset: float) -> None:
         """Add an actuator of force k (value - q) - c q'; MuJoCo's q is less by ``offset``."""
         k, c = float(self.stiffness or 0.0), float(self.damping)

@@ -36,7 +36,7 @@ class Pin(FrictionJoint):
 
     facts = JointKind(
         "point", ("angle", "rate", *REACTION, "damping", "damping_work"), angle=True,
-        friction_unit="N m", more={"limits": ("stop",), "friction": FRICTION})
+        friction_unit="N m", more={"limits": ("stop",), "has_friction": FRICTION})
 
     type: Literal["pin"] = TYPE
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
@@ -106,7 +106,7 @@ class Slot(FrictionJoint):
 
     facts = JointKind(
         "groove", REACTION, friction_unit="N",
-        more={"friction": FRICTION, "path": ("position", "speed", "normal")},
+        more={"has_friction": FRICTION, "path": ("position", "speed", "normal")},
         mujoco_loop="a groove that closes a loop")
     LACKS: ClassVar[Mapping[str, str]] = {
         "path": "a groove along a path", "friction": "friction in a groove", **FrictionJoint.LACKS}

@@ -148,11 +148,6 @@ def reserved(kind: str) -> frozenset[str]:
                      for count in range(1, name.count(".") + 2))
 
 
-def grasp_quantities(*, free: bool) -> dict[str, str]:
-    """Additional quantities of an object, with units; ``free`` where it moves freely."""
-    return {name: row.unit for name, row in GRASP.items() if free or not row.of_free}
-
-
 def quantities_of(element: str) -> dict[str, str]:
     """All quantities of a kind such as ``body`` or ``pair``, with units."""
     return {name: quantity.unit for name, quantity in QUANTITIES[element].items()}

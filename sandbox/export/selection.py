@@ -123,10 +123,11 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
         yield load.name, "a load by a law of a body's own motion"
     for name in model.bonds.name:
         yield name, RELEASED
-    for drive, kind in zip(model.mechanism.drives, model.drives.kind, strict=True):
+    for drive, kind, stiffness in zip(
+            model.mechanism.drives, model.drives.kind, model.drives.stiffness, strict=True):
         varies = not isinstance(drive.signal(model.mechanism), Constant)
-        yield drive.name, (kind.mujoco or (kind.mujoco_varied if varies else "")
-                           or drive.without_mujoco(model.mechanism))
+        yield drive.name, kind.mujoco or (kind.mujoco_varied if varies else "") or (
+            "a rigid servo or length" if kind.places and np.isnan(stiffness) else "")
 
 
 def _wheel(model: Model, tendon: int) -> str:

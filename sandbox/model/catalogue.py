@@ -23,7 +23,6 @@ from sandbox.elements.quantities import (
     QUANTITIES,
     USUAL,
     by_telling,
-    grasp_quantities,
     quantities_of,
 )
 from sandbox.elements.registry import KINDS
@@ -283,10 +282,11 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
 
 
 def grasp_of(body: Body) -> dict[str, str]:
-    """What a body has because it is an object, quantity to unit."""
+    """Additional quantities of an object, with units."""
     if body.role != "object" or not body.shapes:
         return {}
-    return grasp_quantities(free=body.motion == "dynamic")
+    return {name: row.unit for name, row in GRASP.items()
+            if body.motion == "dynamic" or not row.of_free}
 
 
 MOST_SHOWN = 4  # Units that a refusal gives an example of
