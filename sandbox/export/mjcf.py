@@ -17,7 +17,7 @@ import sandbox
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import SceneError
 from sandbox.export.document import Draft, Value, add, comment, document, element, number
-from sandbox.export.selection import Arc, contact_pairs, leave_out, without_counterpart
+from sandbox.export.selection import arc_of, contact_pairs, leave_out, without_counterpart
 from sandbox.export.tree import anchors, angle_sum, grow, pose, stops, vec
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE
@@ -360,7 +360,7 @@ def _thread(draft: Draft, cable: ET.Element, tendon: int, start: Stretches) -> N
         if not radius:
             add(cable, "site", site=draft.site(body, name, at))
             continue
-        middle = Arc(draft.model, start, guide).middle - float(draft.model.bodies.pose[body, 2])
+        middle = arc_of(draft.model, start, guide).middle - float(draft.model.bodies.pose[body, 2])
         beside = (at[0] + 1.5 * radius * math.cos(middle), at[1] + 1.5 * radius * math.sin(middle))
         wheel = draft.unique("geom", name)
         draft.on_body[body].append(element(

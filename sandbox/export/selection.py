@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
+from typing import NamedTuple
 
 import numpy as np
 
@@ -148,7 +149,7 @@ def _wheel(model: Model, tendon: int) -> str:
         return "a tendon from wheel to wheel without a via point between them"
     start = stretches_at_start(model)
     for wheel in wheels:
-        body, arc = model.bodies.name[model.tendons.guide_body[wheel]], Arc(model, start, wheel)
+        body, arc = model.bodies.name[model.tendons.guide_body[wheel]], arc_of(model, start, wheel)
         if arc.inside:
             return f"a tendon with an eye inside its wheel, here {body!r}"
         if arc.crosses:
@@ -156,36 +157,33 @@ def _wheel(model: Model, tendon: int) -> str:
     return ""
 
 
-class Arc:
-    """The arc at t = 0 of a tendon with pieces ``start`` on a wheel (a guide) between two eyes."""
+class Arc(NamedTuple):
+    """The arc of a tendon at t = 0 on a wheel between two eyes."""
 
-    def __init__(self, model: Model, start: Stretches, wheel: int) -> None:
-        tendons, (one, two) = model.tendons, (
-            int(np.flatnonzero(model.tendons.stretch_first == wheel - k)[0]) for k in (1, 0))
-        radius = float(tendons.guide_radius[wheel])
-        tendon = int(tendons.stretch_tendon[one])
-        off = bool(lifted_at_start(model)[wheel])
-        before, centre, after = (np.array([at.x[row, 0], at.y[row, 0]]) for at, row in (
-            (start.start, one), (start.end, one), (start.end, two)))
-        normals = [np.array([-start.y[row, 0], start.x[row, 0]]) for row in (one, two)]
-        self.inside = not off and min(
-            np.hypot(*(before - centre)), np.hypot(*(after - centre))) <= abs(radius)
-        """Whether an eye lies inside the wheel."""
-        angle = wraps_at_start(model, tendon)[wheel - int(tendons.first[tendon])]
-        x, y = radius * normals[0]
-        self.middle = float(np.arctan2(y, x) - np.sign(radius) * angle / 2)
-        """Direction from the centre to the middle of the arc [rad]."""
-        self.crosses = not off and _cross(
-            before, centre + radius * normals[0], centre + radius * normals[1], after)
-        """Whether the two straight parts cross."""
+    inside: bool  # whether an eye lies inside the wheel
+    middle: float  # direction from the centre to the middle of the arc [rad]
+    crosses: bool  # whether the two straight parts cross
 
 
-def _cross(a: Array, b: Array, c: Array, d: Array) -> bool:
-    """Whether the segments ab and cd cross."""
+def arc_of(model: Model, start: Stretches, wheel: int) -> Arc:
+    """The arc on a wheel, a guide, of a tendon with straight pieces ``start``."""
+    tendons, (one, two) = model.tendons, (
+        int(np.flatnonzero(model.tendons.stretch_first == wheel - k)[0]) for k in (1, 0))
+    radius, tendon = float(tendons.guide_radius[wheel]), int(tendons.stretch_tendon[one])
+    on = not lifted_at_start(model)[wheel]
+    a, centre, d = (np.array([at.x[row, 0], at.y[row, 0]]) for at, row in (
+        (start.start, one), (start.end, one), (start.end, two)))
+    b, c = (centre + radius * np.array([-start.y[row, 0], start.x[row, 0]]) for row in (one, two))
+    angle = wraps_at_start(model, tendon)[wheel - int(tendons.first[tendon])]
+    x, y = radius * -start.y[one, 0], radius * start.x[one, 0]
+
     def side(p: Array, q: Array, r: Array) -> float:
         return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
 
-    return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
+    return Arc(
+        bool(on and min(np.hypot(*(a - centre)), np.hypot(*(d - centre))) <= abs(radius)),
+        float(np.arctan2(y, x) - np.sign(radius) * angle / 2),
+        bool(on and side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0))
 
 
 def _surfaces(model: Model) -> Iterator[tuple[str, str]]:

@@ -168,41 +168,31 @@ class Catalogue:
 
     def lacking(self, name: str) -> str:
         """Why an element lacks a quantity that others of its kind have; empty of other names."""
-        if unheld := self._unheld(name):
-            return unheld
-        for head, element in self._prefixes(name):
-            if f"{element.kind}s" not in KINDS:
+        head, _, quantity = name.rpartition(".")
+        if head in self._bodies and quantity in GRASP:
+            body = self.mechanism.bodies[self._bodies[head]]
+            if body.role != "object":
+                objects = [each.name for each in self.mechanism.bodies
+                           if quantity in grasp_of(each)]
+                return (f"only bodies with the role 'object' have it, {quoted(head)} has the role "
+                        f"{quoted(body.role)}"
+                        + (f"; there is {listed(objects)}" if objects else ""))
+            if not body.shapes:
+                return f"{quoted(head)} has no shapes, and nothing can touch it"
+            if GRASP[quantity].of_free:
+                return f"{quoted(head)} does not move freely, so it has no grasp quantities"
+        for head, entry in self._prefixes(name):
+            kind, index, quantity = f"{entry.kind}s", entry.index, name[len(head) + 1:]
+            if kind not in KINDS:
                 continue
-            quantity = name[len(head) + 1:]
-            need = self._spec(element).needed(quantity)
-            if quantity in BOND_QUANTITIES and f"{element.kind}s" in RELEASABLE:
-                need = "'breaks_at', or an event that releases it"
+            if kind == "loads":
+                index = self.mechanism.loaded[index][0]
+            element: Element = getattr(self.mechanism, kind)[index]
+            need = "'breaks_at', or an event that releases it" if (
+                quantity in BOND_QUANTITIES and kind in RELEASABLE) else element.needed(quantity)
             if need:
                 return f"{quoted(head)} has it only with {need}"
         return ""
-
-    def _spec(self, element: CatalogueEntry) -> Element:
-        """The element of an entry; of a load on a body the load."""
-        index = element.index
-        if element.kind == "load":
-            index = self.mechanism.loaded[index][0]
-        found: Element = getattr(self.mechanism, f"{element.kind}s")[index]
-        return found
-
-    def _unheld(self, name: str) -> str:
-        """Why a body has no grasp quantities; empty of other names."""
-        head, _, quantity = name.rpartition(".")
-        if head not in self._bodies or quantity not in GRASP:
-            return ""
-        body = self.mechanism.bodies[self._bodies[head]]
-        if body.role != "object":
-            objects = [each.name for each in self.mechanism.bodies if quantity in grasp_of(each)]
-            return (f"only bodies with the role 'object' have it, {quoted(head)} has the role "
-                    f"{quoted(body.role)}" + (f"; there is {listed(objects)}" if objects else ""))
-        if not body.shapes:
-            return f"{quoted(head)} has no shapes, and nothing can touch it"
-        free = GRASP[quantity].of_free
-        return f"{quoted(head)} does not move freely, so it has no grasp quantities" * free
 
     def allowed(self, name: str) -> str:
         """Quantities of the element that an unknown name begins with, or all elements."""

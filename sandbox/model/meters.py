@@ -249,19 +249,18 @@ def _check_units(
     ``units`` caches the units of patterns; of instants it is the second.
     """
     name = expect.quantity
-    numbers: list[tuple[str, object, str]] = [
-        (key, value, name) for key, value in (
-            ("is", expect.value), ("within", expect.within), ("above", expect.above),
-            ("below", expect.below),
-            *((f"between[{j}]", value) for j, value in enumerate(expect.between or ())))]
-    numbers += [(f"over[{j}]", instant, "") for j, instant in enumerate(expect.over)]
-    for place, number, quantity in numbers:
+    numbers: list[tuple[str, object]] = [
+        ("is", expect.value), ("within", expect.within), ("above", expect.above),
+        ("below", expect.below),
+        *((f"between[{j}]", value) for j, value in enumerate(expect.between or ())),
+        *((f"over[{j}]", instant) for j, instant in enumerate(expect.over))]
+    for place, number in numbers:
         if not isinstance(number, Measured):
             continue
-        if quantity and quantity not in units:
-            units[quantity] = sorted(set(PAIR.values()) if "/" in quantity else {
-                known.find(each).unit for each in known.match(quantity)})
-        for unit in units[quantity] if quantity else ["s"]:
+        if name not in units:
+            units[name] = sorted(set(PAIR.values()) if "/" in name else {
+                known.find(each).unit for each in known.match(name)})
+        for unit in ["s"] if place.startswith("over") else units[name]:
             if unit not in UNITS and unit != "1":  # a meter's own word for its unit
                 continue
             try:
