@@ -97,6 +97,11 @@ class Vane(Spec):
                                   "2 ml/rad; a negative one reverses the direction")
         return self
 
+    @property
+    def gain(self) -> float:
+        """Volume per angle [m^3/rad]."""
+        return self.displacement
+
 
 Chamber = Annotated[Cylinder | Vane, Field(discriminator="type")]
 

@@ -94,11 +94,6 @@ class MotorDrive(HingeDrive):
         return self
 
     @property
-    def most(self) -> float:
-        """Maximum torque [N m]."""
-        return math.inf if self.torque is None else self.torque
-
-    @property
     def slope(self) -> float | None:
         """With a line: torque per missing speed [N m s/rad]."""
         return None if self.stall is None or self.no_load is None else self.stall / self.no_load
@@ -170,16 +165,12 @@ class PlaceDrive(DriveSpec):
                                   "use 'damping'")
         return self
 
-    @property
-    def most(self) -> float:
-        """Maximum torque or force [N m, N]."""
-        return float(getattr(self, self.facts.records[2]))
-
     def write_spring(self, draft: Draft, index: int, where: str, offset: float) -> None:
         """Add an actuator of force k (value - q) - c q'; MuJoCo's q is less by ``offset``."""
-        k, c = float(self.stiffness or 0.0), float(self.damping)
-        draft.motor(index, "general", self.facts.records[2], gainprm=k, biastype="affine",
-                    biasprm=(-k * offset, -k, -c), forcerange=(-self.most, self.most),
+        k, c, effort = float(self.stiffness or 0.0), float(self.damping), self.facts.records[2]
+        most = float(getattr(self, effort))
+        draft.motor(index, "general", effort, gainprm=k, biastype="affine",
+                    biasprm=(-k * offset, -k, -c), forcerange=(-most, most),
                     **{where: draft.model.joints.name[draft.target(index)]})
 
 
@@ -255,11 +246,6 @@ class ExtendDrive(ActuatorDrive):
     """The speed over time [m/s]; positive makes the actuator longer."""
     force: of.Force = Field(gt=0)
     """Maximum force in both directions [N]."""
-
-    @property
-    def most(self) -> float:
-        """Maximum force [N]."""
-        return self.force
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A PinJoint whose distance changes in each step."""

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.scene.mechanism import Mechanism
 
-RIGID = 1e5
-"""Stiffness [N/m] from which a tendon counts as inextensible: 0.04 mm under a finger's pull."""
+RIGID = 1e5  # stiffness [N/m] from which a tendon counts as inextensible
 
 QUANTITIES: Mapping[str, Quantity] = {
     "length": live("tendon_length", "m", "along its path, including the length wound up on wheels "

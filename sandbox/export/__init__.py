@@ -13,7 +13,6 @@ from sandbox.wording import listed, or_near, quoted
 __all__ = ["FORMATS", "Export", "export_mechanism"]
 
 FORMATS = {"mjcf": write_mjcf, "pymunk": write_script}
-"""Each format's name and its writer: text, notes and names of elements left out."""
 
 
 @dataclass(frozen=True)

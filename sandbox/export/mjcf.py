@@ -279,8 +279,7 @@ def _add_closing_angle(draft: Draft, joint: int) -> None:
         add(cable, "joint", joint=name, coef=factor)
 
 
-FRACTION = 0.2
-"""Largest time step, relative to 1 / omega of an elastic tendon between its free bodies."""
+FRACTION = 0.2  # maximum time step times omega of an elastic tendon between its free bodies
 WHEEL = "0.45 0.6 0.75 0.4"
 
 

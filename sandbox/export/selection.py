@@ -23,10 +23,9 @@ from sandbox.scene.settings import ContactRule
 from sandbox.values.signals import Constant
 from sandbox.wording import listed, near, quoted
 
+# lists of elements, in an order in which each needs only those before it
 ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives")
-"""Lists of elements, in an order in which each needs only those before it."""
-MATERIAL = "materials."
-"""Prefix of a material. Leaving it out removes its restitution, static friction and skin."""
+MATERIAL = "materials."  # leaving one out removes its restitution, static friction and skin
 
 
 def rule_name(rule: ContactRule) -> str:

@@ -16,7 +16,6 @@ from sandbox.model.model import (
     NONE,
     Bodies,
     Bonds,
-    Chambers,
     Drives,
     Joints,
     Lines,
@@ -194,11 +193,13 @@ def _drives(mechanism: Mechanism, names: Names) -> Drives:
     drives = mechanism.drives
     kinds = tuple(drive.kind for drive in drives)
     targets = [(reference.among, name) for reference, name in (drive.target for drive in drives)]
+    columns = columns_of(Drives, drives)
+    columns["most"][np.isnan(columns["most"]) & ~np.isnan(columns["slope"])] = math.inf
     return Drives(
         name=_names(drives), kind=kinds, floor=_floats(kind.floor for kind in kinds),
         target=_ints(mechanism.releasable.index(name) if among == RELEASABLES
                      else getattr(names, NAMED[among].one)[name] for among, name in targets),
-        **columns_of(Drives, drives))
+        **columns)
 
 
 def _lines(mechanism: Mechanism, names: Names, joints: Joints, drives: Drives) -> Lines:
@@ -213,8 +214,8 @@ def _lines(mechanism: Mechanism, names: Names, joints: Joints, drives: Drives) -
         of=np.repeat(np.arange(len(lines)), np.array(counts, dtype=np.int64)),
         compliance=_floats(line.compliance(v) for line, v in zip(lines, volume, strict=True)),
         drive=_ints(given.get(i, NONE) for i in range(len(lines))),
-        **columns_of(Lines, lines), **columns_of(Chambers, chambers),
-        **_between(mechanism, names, joints, chambers))
+        gain=_floats(chamber.gain for chamber in chambers),
+        **columns_of(Lines, lines), **_between(mechanism, names, joints, chambers))
 
 
 def _valves(mechanism: Mechanism, names: Names) -> Valves:

@@ -171,20 +171,8 @@ class Tendons:
         return np.flatnonzero((guides >= first) & (guides < end))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Chambers:
-    """nc chambers of lines."""
-
-    bodies: Integers  # [nc, 2] a and b of a chamber; of one on a hinge those of the hinge
-    joint: Integers  # [nc] the hinge that it is on, or -1
-    anchor: Array  # [nc, 2, 2] its two points, in the frames of a and b [m]; nan on a hinge
-    start: Array  # [nc] distance of its points [m], or angle [rad], at t = 0
-    # volume per such distance [m^2], or per angle, [nc]
-    gain: Annotated[Array, Column(NAN, ("gain", "displacement"))]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Lines(Chambers):
+@dataclass(frozen=True)
+class Lines:
     """nl lines of fluid with nc chambers, those of one line side by side."""
 
     name: tuple[str, ...]
@@ -197,6 +185,11 @@ class Lines(Chambers):
     most: Annotated[Array, Column(math.inf, ("relief",))]  # [nl] maximum [Pa]
     drive: Integers  # [nl] the drive that sets its pressure, without resistance, or -1
     of: Integers  # [nc] line of each chamber
+    bodies: Integers  # [nc, 2] a and b of a chamber; of one on a hinge those of the hinge
+    joint: Integers  # [nc] the hinge that it is on, or -1
+    anchor: Array  # [nc, 2, 2] its two points, in the frames of a and b [m]; nan on a hinge
+    start: Array  # [nc] distance of its points [m], or angle [rad], at t = 0
+    gain: Array  # [nc] volume per such distance [m^2], or per angle
 
     def chambers(self, line: int) -> slice:
         """Where the chambers of a line stand among all."""
@@ -248,7 +241,7 @@ class Drives:
     at: Point  # [nd, 2] where a force acts, in its body's frame [m]
     direction: Annotated[Array, Column(NO_POINT, ("along",))]  # [nd, 2] unit vector of a force
     turning: Flag  # [nd] whether a force's direction turns with its body
-    most: Number  # [nd] maximum torque or force of a motor, servo or actuator [N m, N], or inf
+    most: Annotated[Array, Column(NAN, ("torque", "force"))]  # [nd] of a limited one [N m, N]
     slope: Number  # [nd] of a motor with a line: torque per missing speed [N m s/rad]
     sense: Number  # [nd] of a conveyor surface: +1 if counter-clockwise is positive, else -1
     stiffness: Number  # [nd] of an elastic servo or length [N m/rad, N/m]

@@ -25,8 +25,7 @@ from sandbox.wording import WrongValueError
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
 
-RATE = 1000.0
-"""How often a controller acts by default [Hz]; the nearest whole number of steps is used."""
+RATE = 1000.0  # default rate of acts [Hz]; the nearest whole number of steps is used
 
 
 def bound(text: str, info: ValidationInfo) -> str:

@@ -57,28 +57,22 @@ def customs(given: object) -> tuple[Custom, ...]:
 class Custom:
     """A controller made of a Python function.
 
-    ``act(t, readings)`` gets the instant [s] and a list of what ``reads`` names, and
-    returns what the drives of ``writes`` shall have: a number, or one for each drive.
-    If ``writes`` names none it only watches, and returns nothing; the run is the same as without
-    it. It may raise :class:`StopRun`. It is called in the order of time, once an act, so it may
-    remember. Arguments are put into their plain form: tuples, one entry a drive.
+    ``act(t, readings)`` gets the time [s] and the values of ``reads``, and returns the value of
+    the drive of ``writes``, or one for each drive. Without drives it only watches and returns
+    nothing; the run is the same as without it. It may raise :class:`StopRun`. It is called once an
+    act in the order of time, so it may keep a state. Arguments become tuples, one entry a drive.
 
     Raises:
-        ValueError: an argument of the wrong kind, or too few or many entries.
+        ValueError: an argument of another kind, or too few or many entries.
     """
 
     name: str
-    reads: Sequence[str]
-    """Quantities (``finger.mcp.angle``) or expressions of them (``"=a.angle - b.angle"``)."""
-    writes: Sequence[str]
-    """Drives; ``[]`` for a function that only watches."""
+    reads: Sequence[str]  #: quantities (``finger.mcp.angle``) or expressions (``"=2 * a.angle"``)
+    writes: Sequence[str]  #: drives; ``[]`` for a function that only watches
     act: Act
-    rate: float | None = None
-    """How often it acts [Hz]; by default 1 kHz, or the nearest rate that the step divides."""
-    limits: Sequence[Range] | Range | None = None
-    """(lowest, highest) of each drive; one pair will do for one drive."""
-    slew: Sequence[float] | float | None = None
-    """Largest change a second of each drive; one number will do for one drive."""
+    rate: float | None = None  #: of its acts [Hz]; by default 1 kHz or nearly, in whole steps
+    limits: Sequence[Range] | Range | None = None  #: (lowest, highest) of the drive or each drive
+    slew: Sequence[float] | float | None = None  #: maximum change per second, the same way
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not re.fullmatch(NAME, self.name):
