@@ -33,23 +33,23 @@ QUANTITIES: Mapping[str, Quantity] = {
 class DriveKind:
     """Facts about a kind of drive."""
 
-    target: Reference  # The mark of the field that names what it acts on
+    target: Reference  # mark of the field that names its target
     # a force on a body, a torque between the two bodies of a hinge, a push between the two points
     # of an actuator, and so on
     gives: Gives
-    unit: str  # Of its value; empty where that is its spring's
+    unit: str  # of its value; empty for that of its spring
     dimension: str
     records: tuple[str, ...] = ("value", "work")
-    floor: float = -math.inf  # Lower bound of its value; smaller values count as this
-    sole: str = ""  # What only one drive may set of a target; empty where several add up
+    floor: float = -math.inf  # smaller values count as this
+    sole: str = ""  # what only one drive may set of a target; empty where several add up
     limited: bool = False  # whether the solver computes its effort, within a limit
     places: bool = False  # whether its value is a target position
     latched: bool = False  # whether pymunk keeps its value, so that only changes are set
     timely: Literal["pose", "end"] = "pose"  # at which time in a step its value is evaluated
     positive: bool = False  # whether its value must stay greater than 0
-    twin: str = ""  # The same drive of an actuator for one of a hinge, and the other way round
-    mujoco: str = ""  # Why MuJoCo has no counterpart; empty where it has one
-    mujoco_varied: str = ""  # Why MuJoCo has no counterpart if the value varies
+    twin: str = ""  # the same drive of an actuator for one of a hinge, and the other way round
+    mujoco: str = ""  # why MuJoCo has no counterpart; empty where it has one
+    mujoco_varied: str = ""  # why MuJoCo has no counterpart if the value varies
 
 
 class DriveSpec(Element):

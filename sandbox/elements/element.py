@@ -27,10 +27,10 @@ if TYPE_CHECKING:
 
 Vec = tuple[float, float]
 Turn = Literal["counterclockwise", "clockwise"]
-RELEASED = "elements that are released, break or are engaged again"  # Why MuJoCo has none of these
-ATMOSPHERE = 101325.0  # Pressure of the surroundings [Pa]; recorded pressures are relative to it
-GRAZE = 1e-9  # An angle of wrap [rad] below which a tendon touches its wheel in one point
-HELD_ABOVE = 0.5  # The value above which a hold drive engages its element
+RELEASED = "elements that are released, break or are engaged again"  # why MuJoCo has none of these
+ATMOSPHERE = 101325.0  # ambient pressure [Pa], to which recorded pressures are relative
+GRAZE = 1e-9  # wrap angle [rad] below which a tendon touches its wheel in one point
+HELD_ABOVE = 0.5  # value above which a hold drive engages its element
 NO_POINT: Vec = (float("nan"), float("nan"))
 
 
@@ -38,8 +38,8 @@ NO_POINT: Vec = (float("nan"), float("nan"))
 class Named:
     """A list of a mechanism whose elements have names; all names are in one space."""
 
-    one: str  # The singular, such as ``body``
-    axis: str = ""  # The axis of recorded arrays that counts them; empty where no array has it
+    one: str  # singular, such as ``body``
+    axis: str = ""  # the axis of recorded arrays that counts them; empty where no array has it
 
 
 NAMED: Mapping[str, Named] = {
@@ -49,7 +49,7 @@ NAMED: Mapping[str, Named] = {
     "controllers": Named("controller"), "events": Named("event"), "groups": Named("group"),
     "meters": Named("meter", "nm"),
 }
-RELEASABLES = "releasables"  # In a :class:`Reference`: all lists of :data:`RELEASABLE`
+RELEASABLES = "releasables"  # in a :class:`Reference`: all lists of :data:`RELEASABLE`
 # all lists of a mechanism, in its order
 LISTS = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives",
          "controllers", "events", "contacts", "groups", "meters", "expect")
@@ -60,9 +60,9 @@ RELEASABLE = ("joints", "springs", "tendons")  # in the order in which recording
 class Reference:
     """Marks a field that names another element: ``Annotated[Name, Reference("bodies")]``."""
 
-    among: str  # The list of that element, or :data:`RELEASABLES`
-    hinge: bool = False  # Only a joint with an angle is allowed
-    line: bool = False  # Only a joint with a length that drives set is allowed
+    among: str  # the list of that element, or :data:`RELEASABLES`
+    hinge: bool = False  # only a joint with an angle is allowed
+    line: bool = False  # only a joint with a length that drives set is allowed
 
 
 BODY, HINGE, ACTUATOR = (Reference("bodies"), Reference("joints", hinge=True),
@@ -103,15 +103,15 @@ Direction = Annotated[Pair[Number], AfterValidator(_with_length), KEPT]
 class Quantity:
     """A number that an element has in every sample."""
 
-    unit: str  # Empty where the element's kind says it
+    unit: str  # empty where it depends on the element's kind
     about: str
-    array: str = ""  # The recorded array that has it; empty for what is computed from others
-    component: int | None = None  # Index in the array's last axis, where it has several components
-    live: bool = False  # Whether it can be read during a run; the rest is computed afterwards
-    nothing: str = ""  # When it has no value, if that can be
-    of_free: bool = False  # Whether only bodies that move freely have it
-    yes_no: bool = False  # Whether it is 1 or 0 and nothing between
-    count: bool = False  # Whether it is a whole number of things
+    array: str = ""  # the recorded array that has it; empty for what is computed from others
+    component: int | None = None  # index in the array's last axis, where it has several components
+    live: bool = False  # whether it can be read during a run; the rest is computed afterwards
+    nothing: str = ""  # when it has no value, if that can be
+    of_free: bool = False  # whether only bodies that move freely have it
+    yes_no: bool = False  # whether it is only 1 or 0
+    count: bool = False  # whether it is a whole number
 
 
 def recorded(

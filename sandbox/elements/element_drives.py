@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
     from sandbox.scene.parts.placement import Mover
 
-SMALLEST_RADIUS = 1e-9  # Of a circle that a drive makes smaller [m]
+SMALLEST_RADIUS = 1e-9  # of a circle whose radius a drive sets [m]
 
 
 class ForceDrive(DriveSpec):

@@ -35,8 +35,8 @@ from sandbox.wording import WrongValueError, quoted
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
 
-FLUID = "fluid under pressure in lines"  # Why MuJoCo has none of these
-OIL = 1.4e9  # Modulus of oil with a little air in it [Pa]
+FLUID = "fluid under pressure in lines"  # why MuJoCo has none of these
+OIL = 1.4e9  # modulus of oil with a little air in it [Pa]
 LineName = Annotated[of.Name, LINE]
 LINE_QUANTITIES: Mapping[str, Quantity] = {
     "pressure": live("line_pressure", "Pa", "gauge pressure"),

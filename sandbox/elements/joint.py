@@ -26,14 +26,14 @@ class JointKind:
     # two coinciding points; a point of b on a line of a; a distance of two points, or a range of
     # it; meshing teeth of two gears, or of a gear and a rack; rolling circles
     keeps: Keeps
-    records: tuple[str, ...]  # The quantities that every joint of the kind records
-    line: bool = False  # Whether it has a length, which drives can push and set
-    angle: bool = False  # Whether it has an angle, for stops, rotary springs, torques, motors
-    friction_unit: str = ""  # Unit of its dry friction; empty where it has none
+    records: tuple[str, ...]  # the quantities that every joint of the kind records
+    line: bool = False  # whether it has a length, which drives can push and set
+    angle: bool = False  # whether it has an angle, for stops, rotary springs, torques, motors
+    friction_unit: str = ""  # unit of its dry friction; empty where it has none
     # additional quantities with limits, backlash, has_friction or a path
     more: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    mujoco: str = ""  # Why MuJoCo has no counterpart; empty where it has one
-    mujoco_loop: str = ""  # Why MuJoCo has no counterpart of such a joint that closes a loop
+    mujoco: str = ""  # why MuJoCo has no counterpart; empty where it has one
+    mujoco_loop: str = ""  # why MuJoCo has no counterpart of such a joint that closes a loop
 
     @property
     def forces(self) -> int:

@@ -31,10 +31,10 @@ QUANTITIES: Mapping[str, Quantity] = {
 class SpringKind:
     """How springs of a kind act."""
 
-    unit: str  # Of its stiffness
+    unit: str  # of its stiffness
     dimension: str
     records: tuple[str, ...]
-    straight: bool  # From point to point; otherwise about a hinge
+    straight: bool  # between two points; otherwise about a hinge
 
 
 class SpringSpec(Element):

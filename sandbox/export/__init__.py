@@ -20,8 +20,8 @@ class Export:
     """A model in another program's format."""
 
     text: str
-    notes: tuple[str, ...] = ()  # Differences from the scene, a sentence each
-    left_out: tuple[str, ...] = ()  # Names of the elements that the model lacks
+    notes: tuple[str, ...] = ()  # differences from the scene, a sentence each
+    left_out: tuple[str, ...] = ()  # names of the elements that the model lacks
 
 
 def export_mechanism(

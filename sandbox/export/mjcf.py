@@ -105,7 +105,7 @@ COLOURS: dict[Role, str] = {
     "phalanx": "0.88 0.74 0.6 1", "rocker": "0.45 0.6 0.75 1", "pulley": "0.45 0.6 0.75 1",
     "object": "0.5 0.7 0.5 1",
 }
-MARGIN = 1.05  # Radius of the site of a touch sensor, relative to that of the body's shapes
+MARGIN = 1.05  # radius of the site of a touch sensor, relative to that of the body's shapes
 
 
 def add_bodies(draft: Draft) -> dict[int, list[str]]:

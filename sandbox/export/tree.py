@@ -32,8 +32,8 @@ class Link:
     body: int
     parent: int  # ``NONE`` for the world
     pose: Pose  # in the parent's frame at t = 0, with the joint assembled: x, y [m], angle [rad]
-    joint: int = NONE  # The joint that carries it; ``NONE`` for a body that is fixed or free
-    backwards: bool = False  # Whether the body is the joint's ``a``, its parent ``b``
+    joint: int = NONE  # the joint that carries it; ``NONE`` for a body that is fixed or free
+    backwards: bool = False  # whether the body is the joint's ``a``, its parent ``b``
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ from sandbox.numeric import Array, Flags, Integers
 
 # joint torques [N m], closing positive, of joint angles [rad]; shape [..., n] to [..., n]
 Torques = Callable[[Array], Array]
-_SCAN = 97  # Poses tried along a slide for its first end, before bisection to rounding
+_SCAN = 97  # poses tried along a slide for its first end, before bisection to rounding
 
 
 class GraspState(IntEnum):

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from sandbox.mechanics.checks import matrix, points, positive
 from sandbox.numeric import Array
 
-SINGULAR = 1e-12  # Compliance in one direction below this share of that in another counts as none
+SINGULAR = 1e-12  # compliance in one direction below this share of that in another counts as none
 
 
 def grasp_map(contacts: ArrayLike, centre: ArrayLike) -> Array:

@@ -56,19 +56,19 @@ class CatalogueEntry:
     """A named part of a mechanism and its quantities."""
 
     kind: str  # ``body``, ``joint``, ... as in NAMED
-    index: int  # Its place among its kind in the mechanism; of a load among those on each body
-    quantities: Mapping[str, str]  # Quantity to unit; a meter's only quantity is the empty name
+    index: int  # place among its kind in the mechanism; of a load in ``Mechanism.loaded``
+    quantities: Mapping[str, str]  # with units; a meter's only quantity has an empty name
 
 
 @dataclass(frozen=True)
 class Source:
     """Where a quantity comes from."""
 
-    kind: str  # That of an :class:`CatalogueEntry`, or ``pair``
+    kind: str  # that of a CatalogueEntry, or ``pair``
     index: int
     quantity: str
     unit: str
-    other: int = -1  # The other body of a pair
+    other: int = -1  # the other body of a pair
 
 
 class Catalogue:
@@ -79,7 +79,7 @@ class Catalogue:
         self.elements: dict[str, CatalogueEntry] = {}
         for name, element in _elements(mechanism):
             self.elements.setdefault(name, element)
-        self.hinted = 0  # Number of problems so far of unknown names
+        self.hinted = 0  # number of problems of unknown names so far
         self._bodies = {body.name: index for index, body in enumerate(mechanism.bodies)}
 
     @cached_property
@@ -279,7 +279,7 @@ def grasp_of(body: Body) -> dict[str, str]:
             if body.motion == "dynamic" or not row.of_free}
 
 
-MOST_SHOWN = 4  # Units that a refusal gives an example of
+MOST_SHOWN = 4  # units with an example in a message
 
 
 class MixedUnitsError(SandboxError, ValueError):

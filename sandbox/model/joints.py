@@ -14,7 +14,7 @@ from sandbox.numeric import Array, Integers
 from sandbox.scene.geometry import Vec
 from sandbox.scene.outlines.curves import flattened
 
-CHORDS = 1e-3  # Distance of a path from its chords in pictures, relative to its extent
+CHORDS = 1e-3  # distance of a path from its chords over its extent
 
 
 def rotated(vectors: Array, angle: Array | float) -> Array:
@@ -134,12 +134,12 @@ def link_tensions(model: Model, arrays: Arrays, joints: Integers) -> Array:
 class Place(NamedTuple):
     """The point of a slot in poses [..., nb, 3] of its bodies; each value has the shape [...]."""
 
-    along: Array  # From the start of the axis or path [m]
+    along: Array  # from the start of the axis or path [m]
     across: Array  # distance to the left of the axis or path [m]
-    off: Array  # Distance from the recorded place on a path; of an axis the size of ``across`` [m]
-    x: Array  # Direction of the axis or path in the world, a unit vector
+    off: Array  # distance from the recorded place on a path [m]; |across| on an axis
+    x: Array  # direction of the axis or path in the world, a unit vector
     y: Array
-    bend: Array  # Curvature of the path [1/m], positive where it turns to the left; 0 of an axis
+    bend: Array  # curvature of the path [1/m], positive where it turns to the left; 0 of an axis
 
 
 def place_in_slot(model: Model, joint: int, pose: Array, along: Array | None = None) -> Place:

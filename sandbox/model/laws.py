@@ -16,7 +16,7 @@ from sandbox.values.expressions import Expression, parse_expression
 from sandbox.values.tables import Tables
 from sandbox.wording import WrongValueError
 
-STRETCH, RATE, STIFFNESS = 0, 1, 2  # What a law's program reads
+STRETCH, RATE, STIFFNESS = 0, 1, 2  # inputs of a law's program
 FULL = ("pull", "above")
 
 
@@ -24,8 +24,8 @@ FULL = ("pull", "above")
 class SpringLaw:
     """The law of one spring."""
 
-    own: Expression | None  # Of its stretch and rate; None for k s
-    names: tuple[str, ...]  # What it calls these
+    own: Expression | None  # of stretch and rate; None for k s
+    names: tuple[str, ...]  # of stretch and rate in it
     damping: float  # [N s/m, N m s/rad]
     side: int  # +1 if it acts only while stretched, -1 only while compressed; 0 always
     program: Program

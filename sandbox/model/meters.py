@@ -109,7 +109,7 @@ def evaluate(
     return result, [notes[index] for index in sorted(notes)]
 
 
-MOST = 6  # Largest number of curves of a meter
+MOST = 6  # largest number of curves of a meter
 
 
 def is_expression(word: str) -> bool:

@@ -31,7 +31,7 @@ _FUNCTIONS: dict[str, int] = {
     "sqrt": SQRT, "exp": EXP, "log": LOG, "tanh": TANH, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
     "floor": FLOOR, "ceil": CEIL, "min": MIN, "max": MAX}
 
-LARGEST_EXPONENT = MAX_EXPONENT  # As expressions have it; compiled code takes it from here
+LARGEST_EXPONENT = MAX_EXPONENT  # of expressions, for compiled code
 STEP = np.dtype([
     ("op", np.int64),
     ("value", float),
@@ -52,7 +52,7 @@ class Program(NamedTuple):
     """What an expression does, step by step."""
 
     steps: tuple[Step, ...]
-    depth: int  # Most numbers that wait on the stack
+    depth: int  # maximum size of the stack
 
 
 def compile_expression(

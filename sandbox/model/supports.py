@@ -17,9 +17,9 @@ from sandbox.model.joints import flank_of, meeting, outward, place_in_slot, rota
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, connected_components
 
-LARGEST_GROUP = 300  # Largest number of connected rows that are examined
-RANK = 1e-9  # Singular values below this share of the largest count as none
-PART = 1e-6  # Least component of a joint in a unit vector of the null space
+LARGEST_GROUP = 300  # largest number of connected rows that are examined
+RANK = 1e-9  # singular values below this share of the largest count as none
+PART = 1e-6  # minimum component of a joint in a unit vector of the null space
 # bodies with coefficients of x, y and angle, or a force x, y and a moment, [3]
 Parts = Sequence[tuple[int, Array]]
 
@@ -27,7 +27,7 @@ Parts = Sequence[tuple[int, Array]]
 class Shared(NamedTuple):
     """Redundant joints in a pose."""
 
-    joints: set[int]  # Those whose reactions are not unique
+    joints: set[int]  # those whose reactions are not unique
     examined: bool  # whether any group of joints had at most LARGEST_GROUP rows
 
 

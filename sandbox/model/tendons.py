@@ -20,8 +20,8 @@ class CableSpan(NamedTuple):
 
     tendon: int
     guides: tuple[int, ...]  # numbers in order; the first and the last one hold it, or are ends
-    into: int  # Which of :attr:`sandbox.model.model.Tendons.grips` feeds it; -1 at an end
-    out_of: int  # Which takes from it; -1 at an end
+    into: int  # which of Tendons.grips feeds it; -1 at an end
+    out_of: int  # which of them takes from it; -1 at an end
 
 
 def spans_of(tendons: Tendons, tendon: int) -> list[CableSpan]:
