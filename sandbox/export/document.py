@@ -105,9 +105,9 @@ class Draft:
         self._taken.add((kind, name))
         return name
 
-    def coordinates(self, parent: int = NONE) -> Iterator[Freedom]:
+    def coordinates(self) -> Iterator[Freedom]:
         """All coordinates in MuJoCo's order, depth first."""
-        waiting = [parent]
+        waiting = [NONE]
         while waiting:
             body = waiting.pop()
             yield from self.moves.get(body, [])
