@@ -137,19 +137,19 @@ class Line(Element):
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        most = self.least if self.relief is None else self.relief
-        if self.least > 0 or self.least < -ATMOSPHERE:
-            raise WrongValueError("out-of-range", "the least pressure must be from -101325 Pa, a "
-                                  "vacuum, to 0")
-        if self.relief is not None and most <= 0:
-            raise WrongValueError("out-of-range", "the relief must open at more than 0 Pa")
-        if self.pressure < self.least or (self.relief is not None and self.pressure > most):
-            raise WrongValueError("out-of-range", "the pressure at t = 0 must lie between least "
-                                  "and relief")
+        relief = math.inf if self.relief is None else self.relief
+        for fault, what in (
+                (not -ATMOSPHERE <= self.least <= 0,
+                 "the least pressure must be from -101325 Pa, a vacuum, to 0"),
+                (relief <= 0, "the relief must open at more than 0 Pa"),
+                (not self.least <= self.pressure <= relief,
+                 "the pressure at t = 0 must lie between least and relief"),
+                (self.gas is not None and self.pressure <= -ATMOSPHERE,
+                 "a line with gas needs a pressure above a vacuum")):
+            if fault:
+                raise WrongValueError("out-of-range", what)
         if self.gas is not None and self.modulus is not None:
             raise WrongValueError("conflicting-keys", "'gas' and 'modulus' exclude each other")
-        if self.gas is not None and self.pressure <= -ATMOSPHERE:
-            raise WrongValueError("out-of-range", "a line with gas needs a pressure above a vacuum")
         return self
 
     def volume_at(self, world: Callable[[str, Vec], Vec]) -> float:

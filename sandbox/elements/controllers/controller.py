@@ -167,6 +167,8 @@ class ReadingController(SingleController):
 class SeveralController(ControllerSpec):
     """A controller of several drives."""
 
+    PER_DRIVE: ClassVar[tuple[str, ...]] = ("limits", "slew")  # fields with an entry for each
+
     writes: of.Items[of.Name] = Field(min_length=1, max_length=32)
     """Names of the drives that it sets."""
     limits: of.Items[Range] | None = None
@@ -176,7 +178,7 @@ class SeveralController(ControllerSpec):
 
     @model_validator(mode="after")
     def _one_each(self) -> Self:
-        for key in ("limits", "slew"):
+        for key in self.PER_DRIVE:
             given = getattr(self, key)
             if given is not None and len(given) != len(self.writes):
                 raise WrongValueError("wrong-type", f"'{key}': expected {len(self.writes)} "

@@ -69,6 +69,7 @@ class EquilibriumController(SeveralController):
     rotations. h is the tendon's arm, dlm the spring's elongation and hm its arm.
     """
 
+    PER_DRIVE = ("limits", "slew", "joints", "targets", "kp", "ki", "kd")
     of_force = ("pull",)
     target_key = "targets"
 
@@ -96,16 +97,11 @@ class EquilibriumController(SeveralController):
     """Finger geometry that the law uses; by default the finger's own."""
 
     @model_validator(mode="after")
-    def _per_joint(self) -> Self:
+    def _whole(self) -> Self:
         n = len(self.writes)
-        counts = {key: len(given) for key in ("joints", "targets", "kp", "ki", "kd")
-                  if (given := getattr(self, key)) is not None}
-        if self.geometry is not None:
-            counts["geometry"] = len(self.geometry.lengths)
-        for key, got in counts.items():
-            if got != n:
-                raise WrongValueError("wrong-type", f"'{key}': expected {n} entries, one a drive, "
-                                      f"got {got}")
+        if self.geometry is not None and len(self.geometry.lengths) != n:
+            raise WrongValueError("wrong-type", f"'geometry': expected {n} entries, one a drive, "
+                                  f"got {len(self.geometry.lengths)}")
         return self
 
     @property

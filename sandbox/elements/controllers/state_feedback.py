@@ -81,6 +81,7 @@ class StateFeedbackController(SeveralController):
     """
 
     LAW = StateFeedback
+    PER_DRIVE = ("limits", "slew", "bias")
     of_drive = ("bias",)
     target_key = "targets"
 
@@ -109,6 +110,4 @@ class StateFeedbackController(SeveralController):
         if len(self.targets) != columns:
             raise WrongValueError("wrong-type", f"'targets': expected {columns} entries, one a "
                                   "reading")
-        if self.bias is not None and len(self.bias) != rows:
-            raise WrongValueError("wrong-type", f"'bias': expected {rows} entries, one a drive")
         return self
