@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -117,16 +116,16 @@ class RadiusDrive(DriveSpec):
         if body is None:
             return
         kinds = [shape.type for shape in body.shapes]
-        if self.shape < len(kinds) and kinds[self.shape] == "circle":
+        if self.shape >= len(kinds):
+            what = f"{quoted(self.body)} has no shape {self.shape} (they count from 0)"
+        elif kinds[self.shape] != "circle":
+            what = (f"shape {self.shape} of {quoted(self.body)} is a {kinds[self.shape]}; only a "
+                    "circle has a radius to set")
+        else:
             return
-        circles = (str(i) for i, kind in enumerate(kinds) if kind == "circle")
-        allowed = ", ".join(islice(circles, MOST_NAMED)) \
-            or f"none: {quoted(self.body)} has no circle"
-        what = (f"{quoted(self.body)} has no shape {self.shape} (they count from 0)"
-                if self.shape >= len(kinds) else
-                f"shape {self.shape} of {quoted(self.body)} is a {kinds[self.shape]}; only a "
-                "circle has a radius to set")
-        yield Problem("not-settable", what, f"{path}.shape", allowed=allowed)
+        circles = [str(i) for i, kind in enumerate(kinds) if kind == "circle"][:MOST_NAMED]
+        yield Problem("not-settable", what, f"{path}.shape", allowed=", ".join(circles)
+                      or f"none: {quoted(self.body)} has no circle")
 
 
 class SurfaceDrive(DriveSpec):

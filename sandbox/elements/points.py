@@ -210,7 +210,7 @@ class Rod(BarJoint, ClosingJoint):
 
 
 class RangeJoint(BarJoint):
-    """A joint between a least and a largest distance."""
+    """A joint between a minimum and a maximum distance."""
 
     if TYPE_CHECKING:
         shortest: float
@@ -262,10 +262,6 @@ class Actuator(RangeJoint):
     """Distance of the two points with the rod drawn in [m]: a hard stop; none by default."""
     longest: of.Length | None = None
     """Distance of the two points with the rod out [m]: a hard stop; none by default."""
-    on_a: of.Point | None = (0.0, 0.0)
-    """Attachment of the cylinder, in the frame of ``a`` [m]."""
-    on_b: of.Point | None = (0.0, 0.0)
-    """Attachment of the rod, in the frame of ``b`` [m]."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
