@@ -73,7 +73,7 @@ def _shared(evidence: Evidence, worst: Worst) -> str:
         raise NotComputed("joints were released: others share the load")
     few = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), POSES)).astype(int))
     found = [shared_joints(model, poses[i]) for i in few]
-    if not found[0].asked:
+    if not found[0].examined:
         raise NotComputed(f"more than {LARGEST_GROUP} forces are connected")
     shared = [model.joints.name[j] for j in sorted(set.intersection(*(f.joints for f in found)))]
     worst.judge(len(shared), 0.0)

@@ -1,11 +1,11 @@
 """The arrays of a recording, one row each: axes, unit, one sentence. SI.
 
 Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves,
-nd drives, nm meters (each in the mechanism's order), nk loads, each as often as it
-has bodies, nf guides that hold a tendon by friction, nw wheels that one can lift off, nr
+nd drives, nm meters (each in the mechanism's order), nk pairs of a load and a body,
+nf guides that hold a tendon by friction, nw wheels that one can lift off, nr
 joints, springs and tendons that can be released, m contact rows, p rows of means, each of nc
-forces, q rows of mean contacts and k impacts. From here come the layout of recordings, the
-count of their bytes and the table in docs/files.md.
+forces, q rows of mean contacts and k impacts. Layout and size of recordings and the table in
+docs/files.md follow from it.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -20,188 +21,166 @@ from numpy.typing import NDArray
 
 from sandbox.elements.element import NAMED
 
-PIECE = 1 << 18
-"""Numbers that are looked at at a time."""
+PIECE = 1 << 18  # numbers that are examined at a time: arrays may be larger than memory
 Arrays = dict[str, NDArray[Any]]
 Axes = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
 class Recorded:
-    """An array of a recording."""
+    """An array of a recording; of 64-bit integers where ``points`` is set, else of floats."""
 
     name: str
-    axes: Axes
-    unit: str
-    """Empty for numbers of rows and elements."""
+    size: str  # names or lengths of its axes
+    unit: str  # empty for numbers of rows and elements
     about: str
+    # a row for each sample, once, for each contact, where there are meters; where samples are
+    # several steps apart: for each sample with means of its own, each contact in its interval;
+    # for each impact
     when: Literal[
         "sample", "once", "contact", "meters", "mean", "mean contact", "impact"] = "sample"
-    """A row for each sample, one for the run, one for each contact, or where there are meters;
-    where samples are several steps apart, a row for each sample with means of its own, and for
-    each point of touch in its interval; a row for each impact."""
-    element: type[np.float64] | type[np.int64] = np.float64
-    also: Literal["", "nan", "inf"] = ""
-    """What its numbers may be besides finite: nan, where something has no value, or infinite, of
-    what is greater than 0."""
-    points: str = ""
-    """The axis whose rows or elements its numbers name."""
-    late: bool = False
-    """Not in the first recordings: where it is missing it reads as nan. Every new array is."""
+    also: Literal["", "nan", "inf"] = ""  # values besides finite ones: no value, or infinite
+    points: str = ""  # the axis whose rows or elements its numbers name
+    late: bool = False  # absent from the first recordings, then nan; so is every new array
+
+    @cached_property
+    def axes(self) -> Axes:
+        """Names or lengths of its axes."""
+        return tuple(int(axis) if axis.isdecimal() else axis for axis in self.size.split())
 
 
 ARRAYS: tuple[Recorded, ...] = (
-    Recorded("time", ("n",), "s", "time of poses and forces of a sample"),
-    Recorded("body_pose", ("n", "nb", 3), "m, m, rad", "x, y, angle of the body's frame"),
-    Recorded("body_velocity", ("n", "nb", 3), "m/s, m/s, rad/s",
+    Recorded("time", "n", "s", "time of poses and forces of a sample"),
+    Recorded("body_pose", "n nb 3", "m, m, rad", "x, y, angle of the body's frame"),
+    Recorded("body_velocity", "n nb 3", "m/s, m/s, rad/s", "of the centre of mass, and about it"),
+    Recorded("body_acceleration", "n nb 3", "m/s^2, m/s^2, rad/s^2",
              "of the centre of mass, and about it"),
-    Recorded("body_acceleration", ("n", "nb", 3), "m/s^2, m/s^2, rad/s^2",
-             "of the centre of mass, and about it"),
-    Recorded("joint_angle", ("n", "nj"), "rad", "of `b` against `a`; nan unless a pin",
-             also="nan"),
-    Recorded("joint_rate", ("n", "nj"), "rad/s", "of that angle; nan unless a pin", also="nan"),
-    Recorded("joint_length", ("n", "nj"), "m", "of an actuator; nan of others", also="nan",
-             late=True),
-    Recorded("joint_speed", ("n", "nj"), "m/s", "rate of that length; nan of others", also="nan",
-             late=True),
-    Recorded("joint_reaction", ("n", "nj"), "N", "magnitude of the joint's reaction force",
-             also="nan"),
-    Recorded("joint_force", ("n", "nj", 2), "N",
-             "on its body `b` by its body `a`, in the world; ends of grooves and ropes included",
-             late=True),
-    Recorded("joint_couple", ("n", "nj"), "N m",
-             "on its body `b` by its body `a`, of welds and of what slides without turning; 0 of "
-             "others", late=True),
-    Recorded("joint_twist", ("n", "nj", 2), "N m",
+    Recorded("joint_angle", "n nj", "rad", "of `b` against `a`; nan unless a pin", also="nan"),
+    Recorded("joint_rate", "n nj", "rad/s", "of that angle; nan unless a pin", also="nan"),
+    Recorded("joint_length", "n nj", "m", "of an actuator; nan of others", also="nan", late=True),
+    Recorded("joint_speed", "n nj", "m/s",
+             "rate of that length; nan of others", also="nan", late=True),
+    Recorded("joint_reaction", "n nj", "N", "magnitude of the joint's reaction force", also="nan"),
+    Recorded("joint_force", "n nj 2", "N", "on its body `b` by its body `a`, in the world; ends of "
+                                           "grooves and ropes included", late=True),
+    Recorded("joint_couple", "n nj", "N m", "on its body `b` by its body `a`, of welds and of what "
+                                            "slides without turning; 0 of others", late=True),
+    Recorded("joint_twist", "n nj 2", "N m",
              "moment on `a` and `b` besides that of these in the pose of the sample: joints answer "
              "an impact where it happens", late=True),
-    Recorded("joint_stop", ("n", "nj"), "N m",
+    Recorded("joint_stop", "n nj", "N m",
              "torque of the hard stop, in the joint's sense; nan without limits", also="nan"),
-    Recorded("joint_damping", ("n", "nj"), "N m",
+    Recorded("joint_damping", "n nj", "N m",
              "torque of the dampers, in the joint's sense; nan unless a pin", also="nan"),
-    Recorded("joint_damping_work", ("n", "nj"), "J",
+    Recorded("joint_damping_work", "n nj", "J",
              "done by the dampers on the bodies since t = 0; nan unless a pin", also="nan"),
-    Recorded("joint_friction", ("n", "nj"), "N m",
+    Recorded("joint_friction", "n nj", "N m",
              "dry friction: of a pin its torque on `b`, in the joint's sense; of a slot its force "
              "on `b` [N], positive towards the groove's end; nan without", also="nan", late=True),
-    Recorded("joint_friction_work", ("n", "nj"), "J",
+    Recorded("joint_friction_work", "n nj", "J",
              "done by dry friction on the bodies since t = 0; nan without", also="nan", late=True),
-    Recorded("joint_sticks", ("n", "nj"), "1",
+    Recorded("joint_sticks", "n nj", "1",
              "1 where dry friction holds, 0 where it slides; nan without", also="nan", late=True),
-    Recorded("spring_length", ("n", "ns"), "m", "of a rotary spring its hinge's angle [rad]"),
-    Recorded("spring_force", ("n", "ns"), "N",
+    Recorded("spring_length", "n ns", "m", "of a rotary spring its hinge's angle [rad]"),
+    Recorded("spring_force", "n ns", "N",
              "positive pulls, damper included; of a rotary spring the torque [N m], which is "
              "positive against a positive angle"),
-    Recorded("spring_work", ("n", "ns"), "J", "done on the bodies since t = 0", also="nan"),
-    Recorded("tendon_length", ("n", "nt"), "m", "along the path"),
-    Recorded("tendon_tension", ("n", "nt"), "N",
+    Recorded("spring_work", "n ns", "J", "done on the bodies since t = 0", also="nan"),
+    Recorded("tendon_length", "n nt", "m", "along the path"),
+    Recorded("tendon_tension", "n nt", "N",
              "never below 0; where guides hold it by friction, before its last guide"),
-    Recorded("tendon_work", ("n", "nt"), "J", "done on the bodies since t = 0", also="nan"),
-    Recorded("guide_friction", ("n", "nf"), "N",
+    Recorded("tendon_work", "n nt", "J", "done on the bodies since t = 0", also="nan"),
+    Recorded("guide_friction", "n nf", "N",
              "tension after a guide with friction minus tension before it", late=True),
-    Recorded("guide_slip", ("n", "nf"), "m",
+    Recorded("guide_slip", "n nf", "m",
              "length that has slid over such a guide since t = 0, towards the last guide; at the "
              "end of the step, half a step after the sample", late=True),
-    Recorded("guide_lifted", ("n", "nw"), "",
+    Recorded("guide_lifted", "n nw", "",
              "1 while the tendon is off such a wheel, else 0", late=True),
-    Recorded("line_pressure", ("n", "nl"), "Pa", "gauge pressure", late=True),
-    Recorded("line_volume", ("n", "nl"), "m^3", "of its chambers and hoses, by the poses",
-             late=True),
-    Recorded("line_flow", ("n", "nl"), "m^3/s",
-             "into it, through valves and from drives; of a gas, at ambient pressure",
-             late=True),
-    Recorded("line_content", ("n", "nl"), "m^3",
+    Recorded("line_pressure", "n nl", "Pa", "gauge pressure", late=True),
+    Recorded("line_volume", "n nl", "m^3", "of its chambers and hoses, by the poses", late=True),
+    Recorded("line_flow", "n nl", "m^3/s",
+             "into it, through valves and from drives; of a gas, at ambient pressure", late=True),
+    Recorded("line_content", "n nl", "m^3",
              "content at ambient pressure, minus the volume at t = 0 at gauge pressure 0; at the "
              "end of the step", late=True),
-    Recorded("line_spilled", ("n", "nl"), "m^3", "volume through its relief since t = 0, at the "
-                                                 "end of the step", late=True),
-    Recorded("line_work", ("n", "nl"), "J", "done on the bodies since t = 0", late=True),
-    Recorded("line_ahead", ("n", "nl"), "s",
+    Recorded("line_spilled", "n nl", "m^3",
+             "volume through its relief since t = 0, at the end of the step", late=True),
+    Recorded("line_work", "n nl", "J", "done on the bodies since t = 0", late=True),
+    Recorded("line_ahead", "n nl", "s",
              "time after the sample at which volume and content match its pressure", late=True),
-    Recorded("valve_flow", ("n", "nv"), "m^3/s", "from `a` to `b`", late=True),
-    Recorded("valve_loss", ("n", "nv"), "J", "energy lost to throttling since t = 0", late=True),
-    Recorded("load_force", ("n", "nk", 2), "N",
+    Recorded("valve_flow", "n nv", "m^3/s", "from `a` to `b`", late=True),
+    Recorded("valve_loss", "n nv", "J", "energy lost to throttling since t = 0", late=True),
+    Recorded("load_force", "n nk 2", "N",
              "force of every load on every body that it acts on, in the world", late=True),
-    Recorded("load_torque", ("n", "nk"), "N m", "the same about the body's centre of mass",
-             late=True),
-    Recorded("load_work", ("n", "nk"), "J", "done on the body since t = 0", late=True),
-    Recorded("drive_value", ("n", "nd"), "the drive's",
+    Recorded("load_torque", "n nk", "N m", "the same about the body's centre of mass", late=True),
+    Recorded("load_work", "n nk", "J", "done on the body since t = 0", late=True),
+    Recorded("drive_value", "n nd", "the drive's",
              "current value; of a motor or `extend` that of the end of the step, half a step after "
              "the sample; of a rigid servo or `length` the target one step after it"),
-    Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0", also="nan"),
-    Recorded("drive_torque", ("n", "nd"), "N m",
+    Recorded("drive_work", "n nd", "J", "done on the bodies since t = 0", also="nan"),
+    Recorded("drive_torque", "n nd", "N m",
              "torque of a motor, brake or servo on its hinge, in the hinge's positive sense; force "
-             "of `extend` and `length` on their actuator [N]; nan for other drives", also="nan",
-             late=True),
-    Recorded("drive_flow", ("n", "nd"), "m^3/s",
-             "into its line by a drive of flow or pressure; nan for other drives", also="nan",
-             late=True),
-    Recorded("drive_power", ("n", "nd"), "W",
-             "friction force at a conveyor surface times its speed; nan for other drives",
+             "of `extend` and `length` on their actuator [N]; nan for other drives",
              also="nan", late=True),
-    Recorded("held", ("n", "nr"), "1",
+    Recorded("drive_flow", "n nd", "m^3/s", "into its line by a drive of flow or pressure; nan for "
+                                            "other drives", also="nan", late=True),
+    Recorded("drive_power", "n nd", "W", "friction force at a conveyor surface times its speed; "
+                                         "nan for other drives", also="nan", late=True),
+    Recorded("held", "n nr", "1",
              "1 while engaged, 0 while released: of joints, springs and tendons that can be "
              "released, in this order; 0 also in the step in which it breaks", late=True),
-    Recorded("body_centre", ("nb", 2), "m", "centre of mass in the body's frame", "once"),
-    Recorded("body_mass", ("nb",), "kg", "infinite for fixed and scheduled bodies", "once",
-             also="inf"),
-    Recorded("body_inertia", ("nb",), "kg m^2",
-             "about the centre of mass; infinite for fixed and scheduled bodies", "once",
-             also="inf"),
-    Recorded("tendon_initial", ("nt",), "m", "length at t = 0", "once"),
-    Recorded("tendon_rest", ("nt",), "m", "rest length", "once"),
-    Recorded("contact_sample", ("m",), "", "row of `time`", "contact", np.int64,
-             points="n"),
-    Recorded("contact_body", ("m",), "", "the body that the force acts on", "contact", np.int64,
-             points="nb"),
-    Recorded("contact_other", ("m",), "", "the other body", "contact", np.int64,
-             points="nb"),
-    Recorded("contact_point", ("m", 2), "m", "point, in the world", "contact"),
-    Recorded("contact_force", ("m", 2), "N", "on the body by the other", "contact"),
-    Recorded("contact_normal", ("m", 2), "1", "unit vector into the body", "contact"),
-    Recorded("contact_gap", ("m",), "m", "gap; negative where they overlap", "contact"),
-    Recorded("contact_merged", ("m",), "1",
+    Recorded("body_centre", "nb 2", "m", "centre of mass in the body's frame", when="once"),
+    Recorded("body_mass", "nb", "kg",
+             "infinite for fixed and scheduled bodies", when="once", also="inf"),
+    Recorded("body_inertia", "nb", "kg m^2", "about the centre of mass; infinite for fixed and "
+                                             "scheduled bodies", when="once", also="inf"),
+    Recorded("tendon_initial", "nt", "m", "length at t = 0", when="once"),
+    Recorded("tendon_rest", "nt", "m", "rest length", when="once"),
+    Recorded("contact_sample", "m", "", "row of `time`", when="contact", points="n"),
+    Recorded("contact_body", "m", "",
+             "the body that the force acts on", when="contact", points="nb"),
+    Recorded("contact_other", "m", "", "the other body", when="contact", points="nb"),
+    Recorded("contact_point", "m 2", "m", "point, in the world", when="contact"),
+    Recorded("contact_force", "m 2", "N", "on the body by the other", when="contact"),
+    Recorded("contact_normal", "m 2", "1", "unit vector into the body", when="contact"),
+    Recorded("contact_gap", "m", "m", "gap; negative where they overlap", when="contact"),
+    Recorded("contact_merged", "m", "1",
              "number of merged points; if 1, point, gap and normal are those of the two surfaces, "
-             "else point and normal are resultants and the gap is the "
-             "minimum", "contact", late=True),
-    Recorded("contact_twist", ("m",), "N m",
-             "additional moment on the other body, from impacts between the poses of two "
-             "steps", "contact",
-             late=True),
-    Recorded("mean_sample", ("p",), "", "row of `time`: a sample whose mean may differ from the "
-                                        "force of its step", "mean", np.int64, points="n"),
-    Recorded("mean_force", ("p", "nc"), "N, N m",
+             "else point and normal are resultants and the gap is the minimum",
+             when="contact", late=True),
+    Recorded("contact_twist", "m", "N m",
+             "additional moment on the other body, from impacts between the poses of two steps",
+             when="contact", late=True),
+    Recorded("mean_sample", "p", "", "row of `time`: a sample whose mean may differ from the force "
+                                     "of its step", when="mean", points="n"),
+    Recorded("mean_force", "p nc", "N, N m",
              "means over the sample interval: for each joint `joint_force` (x, y), `joint_couple`, "
              "`joint_stop` and `joint_friction`, then `tendon_tension`, `guide_friction` and "
-             "`drive_torque`; 0 where these are nan", "mean"),
-    Recorded("mean_contact_sample", ("q",), "", "row of `time`, one of `mean_sample`",
-             "mean contact", np.int64, points="n"),
-    Recorded("mean_contact_body", ("q",), "", "the body that the force acts on", "mean contact",
-             np.int64, points="nb"),
-    Recorded("mean_contact_other", ("q",), "", "the other body", "mean contact",
-             np.int64, points="nb"),
-    Recorded("mean_contact_force", ("q", 7), "N m, N m, N, N, N, N, N",
+             "`drive_torque`; 0 where these are nan", when="mean"),
+    Recorded("mean_contact_sample", "q", "",
+             "row of `time`, one of `mean_sample`", when="mean contact", points="n"),
+    Recorded("mean_contact_body", "q", "",
+             "the body that the force acts on", when="mean contact", points="nb"),
+    Recorded("mean_contact_other", "q", "", "the other body", when="mean contact", points="nb"),
+    Recorded("mean_contact_force", "q 7", "N m, N m, N, N, N, N, N",
              "means over the interval for each contact point: its position times the normal force "
-             "magnitude (x, y), normal force (x, y), force (x, y), normal force "
-             "magnitude", "mean contact"),
-    Recorded("impact_time", ("k",), "s", "time of the impact; without restitution the time of its "
-                                         "step", "impact"),
-    Recorded("impact_body", ("k",), "", "the body that the impulse acts on", "impact", np.int64,
-             points="nb"),
-    Recorded("impact_other", ("k",), "", "the other body", "impact", np.int64,
-             points="nb"),
-    Recorded("impact_point", ("k", 2), "m", "point, in the world", "impact"),
-    Recorded("impact_impulse", ("k", 2), "N s", "on the body by the other, of the whole step",
-             "impact"),
-    Recorded("meter_value", ("n", "nm"), "the meter's", "if the scene has meters", "meters",
-             also="nan"),
+             "magnitude (x, y), normal force (x, y), force (x, y), normal force magnitude",
+             when="mean contact"),
+    Recorded("impact_time", "k", "s",
+             "time of the impact; without restitution the time of its step", when="impact"),
+    Recorded("impact_body", "k", "",
+             "the body that the impulse acts on", when="impact", points="nb"),
+    Recorded("impact_other", "k", "", "the other body", when="impact", points="nb"),
+    Recorded("impact_point", "k 2", "m", "point, in the world", when="impact"),
+    Recorded("impact_impulse", "k 2", "N s",
+             "on the body by the other, of the whole step", when="impact"),
+    Recorded("meter_value", "n nm", "the meter's",
+             "if the scene has meters", when="meters", also="nan"),
 )
-METERS = "meter_value"
-"""Optional: the meters, once they were evaluated."""
-FORCES = 5
-"""Means of each joint."""
-LARGEST = 1e30
-"""Nothing that is simulated comes near it, and products of a few numbers below it are numbers."""
+METERS = "meter_value"  # optional: the meters, once they were evaluated
+FORCES = 5  # means of each joint
+LARGEST = 1e30  # larger than all simulated values; products of a few such numbers are finite
 _BY_NAME = {row.name: row for row in ARRAYS}
 
 
@@ -210,20 +189,16 @@ def _axes(*when: str) -> dict[str, Axes]:
 
 
 PER_SAMPLE, STATIC, CONTACT = _axes("sample"), _axes("once"), _axes("contact")
-LAYOUT = _axes("sample", "once", "contact")
-"""Arrays that every recording has; files of older versions may lack those that are ``late``."""
 MEAN, MEAN_CONTACT, IMPACT = _axes("mean"), _axes("mean contact"), _axes("impact")
-OPTIONAL = ((METERS,), (*MEAN, *MEAN_CONTACT), tuple(IMPACT))
-"""Sets of arrays of which a file has all or none."""
-IN_ORDER = ("contact_sample", "mean_sample", "mean_contact_sample", "impact_time")
-"""Arrays whose numbers never fall."""
+LAYOUT = _axes("sample", "once", "contact")  # arrays of every recording, except some late ones
+OPTIONAL = ((METERS,), (*MEAN, *MEAN_CONTACT), tuple(IMPACT))  # of each set a file has all or none
+IN_ORDER = ("contact_sample", "mean_sample", "mean_contact_sample", "impact_time")  # never fall
 LATE = tuple(row.name for row in ARRAYS if row.late)
-"""What files of older recordings may lack."""
 
 
 def dtype_of(key: str) -> type[np.float64] | type[np.int64]:
     """The element type of an array."""
-    return _BY_NAME[key].element
+    return np.int64 if _BY_NAME[key].points else np.float64
 
 
 def sizes(
@@ -246,21 +221,17 @@ def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:
 
 
 def row_bytes(mechanism: Any, keys: Iterable[str]) -> int:
-    """Bytes that one row takes of all these arrays together."""
+    """Bytes of one row of all these arrays together."""
     size = sizes(mechanism, samples=1, contacts=1, means=1, mean_contacts=1, impacts=1)
-    return sum(math.prod(shape_of(key, size)) * np.dtype(dtype_of(key)).itemsize for key in keys)
+    return 8 * sum(math.prod(shape_of(key, size)) for key in keys)
 
 
 def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
-    """Arrays as today's recordings have them: what came late is nan where it lacks.
-
-    What older recordings hold besides is left out.
-    """
-    result = {key: arrays[key] for key in _wanted(arrays) if key in arrays}
-    shapes = {key: array.shape for key, array in arrays.items()}
+    """The arrays of current recordings: nan for missing late ones, without unknown ones."""
+    result = {key: arrays[key] for key in _required(arrays) if key in arrays}
     if "time" in arrays and "contact_gap" in arrays:
-        size = _sizes_of(mechanism, shapes)
-        # one nan that is seen everywhere
+        size = _sizes_of(mechanism, {key: array.shape for key, array in arrays.items()})
+        # one nan in memory for all elements
         result |= {key: np.broadcast_to(np.nan, shape_of(key, size))
                    for key in LATE if key not in arrays}
         if "impact_time" not in arrays:
@@ -269,28 +240,36 @@ def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
 
 
 def faults(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> list[str]:
-    """What is wrong with a set of arrays: missing ones, wrong shapes or types, wild indices."""
+    """Faults of a set of arrays: missing ones, wrong shapes or types, indices out of range."""
     if found := misshapen(mechanism, {key: array.shape for key, array in arrays.items()}):
         return found
     found = [f"array {key!r} holds {arrays[key].dtype}, expected {np.dtype(dtype_of(key))}"
-             for key in _wanted(arrays) if key in arrays and arrays[key].dtype != dtype_of(key)]
-    return found or _wild(arrays, sizes(mechanism, samples=arrays["time"].size))
+             for key in _required(arrays) if key in arrays and arrays[key].dtype != dtype_of(key)]
+    if found:
+        return found
+    size = sizes(mechanism, samples=arrays["time"].size)
+    for row in ARRAYS:
+        array, last = arrays.get(row.name), size.get(row.points, 0) - 1
+        if row.points and array is not None and any(
+                piece.min() < 0 or piece.max() > last for piece in pieces(array)):
+            found.append(f"array {row.name!r} points outside 0..{last}")
+    return found or [f"array {key!r} is not in order" for key in IN_ORDER
+                     if key in arrays and not in_order(arrays[key])]
 
 
 def misshapen(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> list[str]:
-    """Arrays that are missing or have another shape than the mechanism gives them."""
-    wanted = _wanted(shapes)
-    missing = [f"array {key!r} is missing" for key in wanted
-               if key not in shapes and key not in LATE]
-    if missing:
+    """Arrays that are missing or do not have the shape that follows from the mechanism."""
+    required = _required(shapes)
+    if missing := [f"array {key!r} is missing" for key in required
+                   if key not in shapes and key not in LATE]:
         return missing
     size = _sizes_of(mechanism, shapes)
-    return [f"array {key!r} has shape {shapes[key]}, expected {shape}" for key in wanted
+    return [f"array {key!r} has shape {shapes[key]}, expected {shape}" for key in required
             if key in shapes and shapes[key] != (shape := shape_of(key, size))]
 
 
-def _wanted(given: Mapping[str, Any]) -> list[str]:
-    """Arrays that a recording has to have that has some of the optional ones."""
+def _required(given: Mapping[str, Any]) -> list[str]:
+    """Arrays that a recording must have that has some of the optional ones."""
     return [*LAYOUT, *(key for names in OPTIONAL if not given.keys().isdisjoint(names)
                        for key in names)]
 
@@ -302,19 +281,8 @@ def _sizes_of(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> dict[str
                                for axis, key in rows.items()})
 
 
-def _wild(arrays: Mapping[str, NDArray[Any]], size: Mapping[str, int]) -> list[str]:
-    found = []
-    for row in ARRAYS:
-        array, last = arrays.get(row.name), size.get(row.points, 0) - 1
-        if row.points and array is not None and any(
-                piece.min() < 0 or piece.max() > last for piece in pieces(array)):
-            found.append(f"array {row.name!r} points outside 0..{last}")
-    return found or [f"array {key!r} is not in order" for key in IN_ORDER
-                     if key in arrays and not in_order(arrays[key])]
-
-
 def pieces(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
-    """Rows of an array in order, :data:`PIECE` numbers at a time: it may be larger than memory."""
+    """Rows of an array in order, about :data:`PIECE` numbers at a time."""
     step = max(1, PIECE * len(array) // max(array.size, 1))
     for first in range(0, len(array) if array.size else 0, step):
         yield array[first:first + step]
@@ -331,11 +299,11 @@ def in_order(values: NDArray[Any]) -> bool:
 
 
 def largest_size(array: NDArray[np.float64]) -> float:
-    """Of all the numbers that are one; 0 of none."""
+    """Maximum absolute value, without nan; 0 of none."""
     return max((float(np.fmax.reduce(np.abs(piece), axis=None)) for piece in pieces(array)
                 if not np.isnan(piece).all()), default=0.0)
 
 
 def has_numbers(array: NDArray[np.float64]) -> bool:
-    """Whether anything in it has a value."""
+    """Whether any value is not nan."""
     return any(not np.isnan(piece).all() for piece in pieces(array))

@@ -1,4 +1,4 @@
-"""The base of drives: what the world outside does to the mechanism, as a signal over time."""
+"""The base of drives: inputs of the mechanism, as signals over time."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from sandbox.elements.element import Element, Quantity, Reference, recorded, references
+from sandbox.elements.element import Element, Quantity, Reference, live, recorded, references
 from sandbox.values.expressions import parse_expression
 from sandbox.values.numbers import Name
 from sandbox.values.signals import AnySignal, Formula
@@ -19,13 +19,11 @@ if TYPE_CHECKING:
 Gives = Literal["force", "torque", "push", "tension", "radius", "stiffness", "flow", "pressure",
                 "opening", "surface", "hold"]
 QUANTITIES: Mapping[str, Quantity] = {
-    "value": recorded("drive_value", "", "current value", live=True),
+    "value": live("drive_value", "", "current value"),
     "work": recorded("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
-    "flow": recorded("drive_flow", "m^3/s", "flow into its line", live=True),
-    "torque": recorded("drive_torque", "N m", "torque on its hinge, in the hinge's positive sense",
-                       live=True),
-    "force": recorded("drive_torque", "N", "force on its actuator; positive extends it",
-                      live=True),
+    "flow": live("drive_flow", "m^3/s", "flow into its line"),
+    "torque": live("drive_torque", "N m", "torque on its hinge, in the hinge's positive sense"),
+    "force": live("drive_torque", "N", "force on its actuator; positive extends it"),
     "power": Quantity("W", "power on the bodies: torque or force times the rate of its hinge or "
                            "actuator; of a conveyor surface, friction force times its speed"),
 }
@@ -35,34 +33,23 @@ QUANTITIES: Mapping[str, Quantity] = {
 class DriveKind:
     """Facts about a kind of drive."""
 
-    target: Reference
-    """The mark of the field that names what it acts on."""
+    target: Reference  # mark of the field that names its target
+    # a force on a body, a torque between the two bodies of a hinge, a push between the two points
+    # of an actuator, and so on
     gives: Gives
-    """A force on a body, a torque between the two bodies of a hinge, a push between the two points
-    of an actuator, and so on."""
-    unit: str
-    """Of its value; empty where that is its spring's."""
+    unit: str  # of its value; empty for that of its spring
     dimension: str
     records: tuple[str, ...] = ("value", "work")
-    floor: float = -math.inf
-    """Lower bound of its value; smaller values count as this."""
-    sole: str = ""
-    """What only one drive may set of a target; empty where several add up."""
-    limited: bool = False
-    """Whether the solver computes its effort, within a limit of torque or force."""
-    places: bool = False
-    """Whether its value is a target position; otherwise the value of a limited drive is a rate or a
-    limit."""
-    latched: bool = False
-    """Whether pymunk keeps its value from step to step, so that only changes are set."""
-    timely: Literal["pose", "end"] = "pose"
-    """The time in a step at which its value is evaluated: that of the pose, or the step's end."""
-    twin: str = ""
-    """The same drive of an actuator for one of a hinge, and the other way round."""
-    mujoco: str = ""
-    """Why MuJoCo has no counterpart; empty where it has one."""
-    mujoco_varied: str = ""
-    """Why MuJoCo has no counterpart if the value varies."""
+    floor: float = -math.inf  # smaller values count as this
+    sole: str = ""  # what only one drive may set of a target; empty where several add up
+    limited: bool = False  # whether the solver computes its effort, within a limit
+    places: bool = False  # whether its value is a target position
+    latched: bool = False  # whether pymunk keeps its value, so that only changes are set
+    timely: Literal["pose", "end"] = "pose"  # at which time in a step its value is evaluated
+    positive: bool = False  # whether its value must stay greater than 0
+    twin: str = ""  # the same drive of an actuator for one of a hinge, and the other way round
+    mujoco: str = ""  # why MuJoCo has no counterpart; empty where it has one
+    mujoco_varied: str = ""  # why MuJoCo has no counterpart if the value varies
 
 
 class DriveSpec(Element):
@@ -79,7 +66,7 @@ class DriveSpec(Element):
 
     @property
     def kind(self) -> DriveKind:
-        """What it sets, by what it names."""
+        """Facts, which may depend on its fields."""
         return self.facts
 
     @property
@@ -91,11 +78,6 @@ class DriveSpec(Element):
     def owned(self) -> tuple[object, ...]:
         """What no other drive may set."""
         return self.kind.sole, self.target[1]
-
-    @property
-    def positive_value(self) -> bool:
-        """Whether its value must stay greater than 0."""
-        return False
 
     def unit(self, mechanism: Mechanism) -> str:
         """The unit of its value."""
@@ -115,15 +97,12 @@ class DriveSpec(Element):
         own = self.unit(mechanism)
         return {name: QUANTITIES[name].unit or own for name in self.kind.records}
 
-    def without_mujoco(self, mechanism: Mechanism) -> str:
-        """Why MuJoCo has no counterpart, besides what the facts of its kind say."""
-        return ""
-
     def without_pymunk(self, mechanism: Mechanism) -> str:
         """Why pymunk has no counterpart; empty where it has one."""
         signal = self.signal(mechanism)
-        return self.PYMUNK or ("a formula that calls a table" if isinstance(signal, Formula)
-                               and parse_expression(signal.expression).tables else "")
+        return super().without_pymunk(mechanism) or (
+            "a formula that calls a table" if isinstance(signal, Formula)
+            and parse_expression(signal.expression).tables else "")
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""

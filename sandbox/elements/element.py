@@ -1,8 +1,7 @@
 """The base of all elements: lists of a mechanism, references between elements, quantities.
 
-A class of an element is its schema (a pydantic model) and all that the rest of the package needs
-to know of its kind: ``facts``, ``quantities``, ``problems``, ``columns`` and so on. Other modules
-call these methods; none of them names a kind.
+The class of an element is its schema (a pydantic model) with all facts about its kind. Other
+modules call its methods; none of them names a kind.
 """
 
 from __future__ import annotations
@@ -10,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args, get_origin
 
 from pydantic import AfterValidator
@@ -28,14 +27,10 @@ if TYPE_CHECKING:
 
 Vec = tuple[float, float]
 Turn = Literal["counterclockwise", "clockwise"]
-RELEASED = "elements that are released, break or are engaged again"
-"""Why MuJoCo has none of these."""
-ATMOSPHERE = 101325.0
-"""Pressure of the surroundings [Pa]; recorded pressures are relative to it."""
-GRAZE = 1e-9
-"""An angle of wrap [rad] below which a tendon touches its wheel in one point."""
-HELD_ABOVE = 0.5
-"""The value above which a hold drive engages its element."""
+RELEASED = "elements that are released, break or are engaged again"  # why MuJoCo has none of these
+ATMOSPHERE = 101325.0  # ambient pressure [Pa], to which recorded pressures are relative
+GRAZE = 1e-9  # wrap angle [rad] below which a tendon touches its wheel in one point
+HELD_ABOVE = 0.5  # value above which a hold drive engages its element
 NO_POINT: Vec = (float("nan"), float("nan"))
 
 
@@ -43,10 +38,8 @@ NO_POINT: Vec = (float("nan"), float("nan"))
 class Named:
     """A list of a mechanism whose elements have names; all names are in one space."""
 
-    one: str
-    """The singular, such as ``body``."""
-    axis: str = ""
-    """The axis of recorded arrays that counts them; empty where no array has it."""
+    one: str  # singular, such as ``body``
+    axis: str = ""  # the axis of recorded arrays that counts them; empty where no array has it
 
 
 NAMED: Mapping[str, Named] = {
@@ -56,25 +49,20 @@ NAMED: Mapping[str, Named] = {
     "controllers": Named("controller"), "events": Named("event"), "groups": Named("group"),
     "meters": Named("meter", "nm"),
 }
-RELEASABLES = "releasables"
-"""In a :class:`Reference`: all lists of :data:`RELEASABLE`."""
+RELEASABLES = "releasables"  # in a :class:`Reference`: all lists of :data:`RELEASABLE`
+# all lists of a mechanism, in its order
 LISTS = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives",
          "controllers", "events", "contacts", "groups", "meters", "expect")
-"""All lists of a mechanism, in its order."""
-RELEASABLE = ("joints", "springs", "tendons")
-"""Lists of elements that can be released, in the order in which recordings have them."""
+RELEASABLE = ("joints", "springs", "tendons")  # in the order in which recordings have them
 
 
 @dataclass(frozen=True)
 class Reference:
     """Marks a field that names another element: ``Annotated[Name, Reference("bodies")]``."""
 
-    among: str
-    """The list of that element, or :data:`RELEASABLES`."""
-    hinge: bool = False
-    """Only a joint with an angle is allowed."""
-    line: bool = False
-    """Only a joint with a length that drives set is allowed."""
+    among: str  # the list of that element, or :data:`RELEASABLES`
+    hinge: bool = False  # only a joint with an angle is allowed
+    line: bool = False  # only a joint with a length that drives set is allowed
 
 
 BODY, HINGE, ACTUATOR = (Reference("bodies"), Reference("joints", hinge=True),
@@ -90,50 +78,50 @@ HingeName = Annotated[Name, HINGE]
 class Placed:
     """Marks a field that an assembly's placement changes in another way than its type says."""
 
+    # kept: a hinge counts it in its own sense, or Element.placed changes it
     how: Literal["place", "turn", "sign", "vector", "nodes", "other", "kept"]
-    """``kept``: a hinge counts it in its own sense, or :meth:`Element.placed` changes it."""
 
 
 KEPT, OTHER_SIDE = Placed("kept"), Placed("other")
 
 
-def _not_zero(direction: Vec) -> Vec:
+def _with_length(direction: Vec) -> Vec:
     if direction == (0.0, 0.0):
         raise WrongValueError("out-of-range", "[0, 0] is no direction")
+    if fault := size_fault(math.hypot(*direction), "ratio"):
+        raise WrongValueError(
+            "out-of-range", f"as a direction its length is {fault}",
+            allowed="a direction such as [1, 0]; its length does not count")
     return direction
 
 
-Direction = Annotated[Pair[Number], AfterValidator(_not_zero), KEPT]
-"""A vector of which only the direction counts."""
+# a vector of which only the direction counts
+Direction = Annotated[Pair[Number], AfterValidator(_with_length), KEPT]
 
 
 @dataclass(frozen=True)
 class Quantity:
     """A number that an element has in every sample."""
 
-    unit: str
-    """Empty where the element's kind says it."""
+    unit: str  # empty where it depends on the element's kind
     about: str
-    array: str = ""
-    """The recorded array that has it; empty for what is computed from others."""
-    component: int | None = None
-    """Index in the array's last axis, where it has several components."""
-    live: bool = False
-    """Whether it can be read while a run goes on; the rest is computed afterwards."""
-    nothing: str = ""
-    """When it has no value, if that can be."""
-    of_free: bool = False
-    """Whether only bodies that move freely have it."""
-    yes_no: bool = False
-    """Whether it is 1 or 0 and nothing between."""
-    count: bool = False
-    """Whether it is a whole number of things."""
+    array: str = ""  # the recorded array that has it; empty for what is computed from others
+    component: int | None = None  # index in the array's last axis, where it has several components
+    live: bool = False  # whether it can be read during a run; the rest is computed afterwards
+    nothing: str = ""  # when it has no value, if that can be
+    of_free: bool = False  # whether only bodies that move freely have it
+    yes_no: bool = False  # whether it is only 1 or 0
+    count: bool = False  # whether it is a whole number
 
 
-def recorded(array: str, unit: str, about: str, component: int | None = None, *,
-             live: bool = False, yes_no: bool = False) -> Quantity:
+def recorded(
+    array: str, unit: str, about: str, component: int | None = None, **facts: Any,
+) -> Quantity:
     """A quantity that a recorded array has."""
-    return Quantity(unit, about, array, component, live, yes_no=yes_no)
+    return Quantity(unit, about, array, component, **facts)
+
+
+live = partial(recorded, live=True)
 
 
 class Element(Spec):
@@ -141,10 +129,12 @@ class Element(Spec):
 
     RECORDED: ClassVar[Mapping[str, Quantity]] = {}
     PYMUNK: ClassVar[str] = ""  # why pymunk has no counterpart of the kind, if it has none
+    LACKS: ClassVar[Mapping[str, str]] = {}  # why it has none if a field is not the default
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
-        return {name: quantity.unit for name, quantity in self.RECORDED.items()}
+        names = getattr(getattr(self, "facts", None), "records", self.RECORDED)
+        return {name: self.RECORDED[name].unit for name in names}
 
     def needed(self, quantity: str) -> str:
         """The field that it needs to record a quantity; empty where no field adds it."""
@@ -154,17 +144,19 @@ class Element(Spec):
         """Errors that need the whole mechanism, besides names that are not found."""
         return iter(())
 
-    def range_problems(self, path: str) -> Iterator[Problem]:
-        """Numbers that follow from its fields and are out of range."""
-        return iter(())
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
+        """Its numbers in columns of the model that are no attributes of it."""
+        return {}
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
-        """Fields that are ``kept`` and that a placement changes all the same, with new values."""
+        """New values of ``kept`` fields that a placement changes."""
         return {}
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
         """Why pymunk has no counterpart of the element; empty where it has one."""
-        return self.PYMUNK
+        fields = type(self).model_fields
+        return next((why for field, why in self.LACKS.items()
+                     if getattr(self, field) != fields[field].default), self.PYMUNK)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """Add the calls that the element is in plain pymunk."""
@@ -174,13 +166,7 @@ class Element(Spec):
 def references(
     model: type[Spec], data: Any, path: str,
 ) -> Iterator[tuple[str, Reference, str]]:
-    """All fields of an element that name others: path, mark and name.
-
-    Args:
-        model: the class of the element.
-        data: the element, or its JSON data, which may be invalid.
-        path: its place in the scene.
-    """
+    """All fields of an element, or of its JSON data, that name others: path, mark and name."""
     for field, key, mark, models in _marked(model):
         value = data.get(key) if isinstance(data, dict) else getattr(data, field)
         entries = [(f"{path}.{key}", value)]
@@ -225,14 +211,7 @@ def tag_of(model: type[Spec]) -> str:
     return str(get_args(field.annotation)[0]) if field else ""
 
 
-def direction_problems(direction: Vec, path: str) -> Iterator[Problem]:
-    """A direction without a length that can be computed with."""
-    if fault := size_fault(math.hypot(*direction), "ratio"):
-        yield Problem("out-of-range", f"as a direction its length is {fault}", path,
-                      allowed="a direction such as [1, 0]; its length does not count")
-
-
 def no_mesh(name: str, path: str) -> Problem:
     """The problem of wheels that are engaged during a run."""
     return Problem("not-releasable", f"{quoted(name)} joins wheels where they meet at t = 0, so "
-                   "events cannot take it up again", path, allowed="a joint that joins points")
+                   "events cannot engage it again", path, allowed="a joint that joins points")

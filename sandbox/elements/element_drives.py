@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -22,21 +21,12 @@ from sandbox.elements.element import (
     Direction,
     Turn,
     Vec,
-    direction_problems,
     no_mesh,
 )
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import Problem
+from sandbox.values import signals
 from sandbox.values.numbers import Name, Point
-from sandbox.values.signals import (
-    AnySignal,
-    Constant,
-    ForceSignal,
-    LengthSignal,
-    RateSignal,
-    ShareSignal,
-    StiffnessSignal,
-)
 from sandbox.values.spec import TYPE
 from sandbox.wording import MOST_NAMED, WrongValueError, quoted
 
@@ -46,8 +36,7 @@ if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
     from sandbox.scene.parts.placement import Mover
 
-SMALLEST_RADIUS = 1e-9
-"""Of a circle that a drive makes smaller [m]."""
+SMALLEST_RADIUS = 1e-9  # of a circle whose radius a drive sets [m]
 
 
 class ForceDrive(DriveSpec):
@@ -64,7 +53,7 @@ class ForceDrive(DriveSpec):
     """[x, y] of any length except zero: only its direction counts; a negative value reverses it."""
     frame: Literal["world", "body"] = "world"
     """Whether the direction is fixed in the world or in the body."""
-    value: ForceSignal
+    value: signals.ForceSignal
     """The force over time [N]."""
 
     @property
@@ -78,12 +67,8 @@ class ForceDrive(DriveSpec):
         x, y = self.direction / np.hypot(*self.direction)
         return float(x), float(y)
 
-    def range_problems(self, path: str) -> Iterator[Problem]:
-        """A direction without a length that can be computed with."""
-        return direction_problems(self.direction, f"{path}.direction")
-
     def placed(self, mover: Mover) -> Mapping[str, Any]:
-        """Fields that are ``kept`` and that a placement changes all the same, with new values."""
+        """New values of ``kept`` fields that a placement changes."""
         return {"direction": mover.placement.vector(self.direction) if self.frame == "world"
                 else mover.direction(self.body, self.direction)}
 
@@ -105,20 +90,15 @@ class RadiusDrive(DriveSpec):
 
     facts = DriveKind(
         BODY, "radius", "m", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
-        mujoco="a changing radius")
+        positive=True, mujoco="a changing radius")
 
     type: Literal["radius"] = TYPE
     body: BodyName
     """Name of the body; mass and inertia stay as they are."""
     shape: int = Field(default=0, ge=0)
     """Which of the body's shapes, counted from 0; it has to be a circle."""
-    value: LengthSignal
+    value: signals.LengthSignal
     """The radius over time [m]."""
-
-    @property
-    def positive_value(self) -> bool:
-        """Whether its value must stay greater than 0."""
-        return True
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A radius that is set before each step."""
@@ -136,16 +116,16 @@ class RadiusDrive(DriveSpec):
         if body is None:
             return
         kinds = [shape.type for shape in body.shapes]
-        if self.shape < len(kinds) and kinds[self.shape] == "circle":
+        if self.shape >= len(kinds):
+            what = f"{quoted(self.body)} has no shape {self.shape} (they count from 0)"
+        elif kinds[self.shape] != "circle":
+            what = (f"shape {self.shape} of {quoted(self.body)} is a {kinds[self.shape]}; only a "
+                    "circle has a radius to set")
+        else:
             return
-        circles = (str(i) for i, kind in enumerate(kinds) if kind == "circle")
-        allowed = ", ".join(islice(circles, MOST_NAMED)) \
-            or f"none: {quoted(self.body)} has no circle"
-        what = (f"{quoted(self.body)} has no shape {self.shape} (they count from 0)"
-                if self.shape >= len(kinds) else
-                f"shape {self.shape} of {quoted(self.body)} is a {kinds[self.shape]}; only a "
-                "circle has a radius to set")
-        yield Problem("not-settable", what, f"{path}.shape", allowed=allowed)
+        circles = [str(i) for i, kind in enumerate(kinds) if kind == "circle"][:MOST_NAMED]
+        yield Problem("not-settable", what, f"{path}.shape", allowed=", ".join(circles)
+                      or f"none: {quoted(self.body)} has no circle")
 
 
 class SurfaceDrive(DriveSpec):
@@ -164,7 +144,7 @@ class SurfaceDrive(DriveSpec):
     """Name of the body, all of whose shapes run; its mass and pose are not changed by that."""
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
     """Positive direction of the speed around the body: with ``clockwise`` its top moves right."""
-    value: RateSignal
+    value: signals.RateSignal
     """The speed along the surface over time [m/s], seen from the body."""
 
     @property
@@ -181,7 +161,7 @@ class PullDrive(DriveSpec):
     type: Literal["pull"] = TYPE
     tendon: Annotated[Name, TENDON]
     """Name of a tendon, or of a finger or tree: then its own tendon is pulled."""
-    value: ForceSignal
+    value: signals.ForceSignal
     """The tension over time [N]; below 0 counts as 0."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
@@ -211,7 +191,7 @@ class StiffnessDrive(DriveSpec):
     """In place of ``spring``, the name of a tendon below 100 kN/m without pull drive and guide
     friction, or of a finger or tree for its own tendon. Damping and rest length do not change; a
     ``pretension`` sets the rest length by the tendon's own stiffness."""
-    value: StiffnessSignal | None = None
+    value: signals.StiffnessSignal | None = None
     """Stiffness over time, [N/m] of a linear spring or a tendon, [N m/rad] of a rotary spring; by
     default the element's own, which a controller may change."""
 
@@ -224,7 +204,7 @@ class StiffnessDrive(DriveSpec):
 
     @property
     def kind(self) -> DriveKind:
-        """What it sets, by what it names."""
+        """Facts, by its target."""
         return self.facts if self.tendon is None else self.on_tendon
 
     def _spring(self, mechanism: Mechanism) -> Any:
@@ -238,15 +218,15 @@ class StiffnessDrive(DriveSpec):
 
     def dimension(self, mechanism: Mechanism) -> str | None:
         """The dimension of its value; None where no element has the name."""
-        if self.kind.dimension:
+        if self.tendon is not None:
             return self.kind.dimension
         spring = self._spring(mechanism)
-        return None if spring is None else str(spring.facts.dimension)
+        return spring and str(spring.facts.dimension)
 
-    def signal(self, mechanism: Mechanism) -> AnySignal:
+    def signal(self, mechanism: Mechanism) -> signals.AnySignal:
         """Its value over time: by default the stiffness of its spring or tendon."""
-        return (Constant(constant=self._spring(mechanism).stiffness) if self.value is None
-                else self.value)
+        return (signals.Constant(constant=self._spring(mechanism).stiffness)
+                if self.value is None else self.value)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """The stiffness of its spring or tendon, set before each step."""
@@ -293,7 +273,7 @@ class HoldDrive(DriveSpec):
     type: Literal["hold"] = TYPE
     element: Annotated[Name, HELD]
     """Name of the joint, spring or tendon. A joint closes its gap in its ``takes_up_in``."""
-    value: ShareSignal
+    value: signals.ShareSignal
     """Value over time: above 0.5 engages, otherwise releases. An event that releases or engages the
     same element overrides it until the value next crosses 0.5."""
 

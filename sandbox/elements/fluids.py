@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -22,6 +22,7 @@ from sandbox.elements.element import (
     HingeName,
     Quantity,
     Vec,
+    live,
     recorded,
 )
 from sandbox.errors import Problem
@@ -32,24 +33,21 @@ from sandbox.values.units import size_fault
 from sandbox.wording import WrongValueError, quoted
 
 if TYPE_CHECKING:
-    from sandbox.model.compile import Scope
     from sandbox.scene.mechanism import Mechanism
 
-FLUID = "fluid under pressure in lines"
-"""Why MuJoCo has none of these."""
-OIL = 1.4e9
-"""Modulus of oil with a little air in it [Pa]."""
+FLUID = "fluid under pressure in lines"  # why MuJoCo has none of these
+OIL = 1.4e9  # modulus of oil with a little air in it [Pa]
 LineName = Annotated[of.Name, LINE]
 LINE_QUANTITIES: Mapping[str, Quantity] = {
-    "pressure": recorded("line_pressure", "Pa", "gauge pressure", live=True),
-    "volume": recorded("line_volume", "m^3", "of its chambers and hoses", live=True),
-    "flow": recorded("line_flow", "m^3/s", "into it, through valves and from drives; of a gas, at "
-                                           "ambient pressure", live=True),
+    "pressure": live("line_pressure", "Pa", "gauge pressure"),
+    "volume": live("line_volume", "m^3", "of its chambers and hoses"),
+    "flow": live("line_flow", "m^3/s", "into it, through valves and from drives; of a gas, at "
+                                       "ambient pressure"),
     "spilled": recorded("line_spilled", "m^3", "volume through its relief since t = 0"),
     "work": recorded("line_work", "J", "done on the bodies since t = 0"),
 }
 VALVE_QUANTITIES: Mapping[str, Quantity] = {
-    "flow": recorded("valve_flow", "m^3/s", "flow from its `a` to its `b`", live=True),
+    "flow": live("valve_flow", "m^3/s", "flow from its `a` to its `b`"),
     "loss": recorded("valve_loss", "J", "energy lost to throttling since t = 0"),
 }
 
@@ -59,16 +57,15 @@ class Cylinder(Spec):
 
     type: Literal["cylinder"] = TYPE
     a: BodyName
-    """The body that its tube is tied to."""
+    """The body that its tube is fixed to."""
     b: BodyName
-    """The body that its rod is tied to."""
+    """The body that its rod is fixed to."""
     on_a: of.Point = (0.0, 0.0)
-    """Where it is tied, in the frame of ``a`` [m]."""
+    """Point of the tube, in the frame of ``a`` [m]."""
     on_b: of.Point = (0.0, 0.0)
-    """Where it is tied, in the frame of ``b`` [m]."""
+    """Point of the rod, in the frame of ``b`` [m]."""
     area: of.Area
-    """Of the piston that the fluid presses [m^2]; the force along the line through the two points
-    is this times the pressure."""
+    """Of the piston [m^2]; the force along the line through the points is area times pressure."""
     pulls: of.Flag = False
     """Whether the fluid is on the rod side: its volume then grows as the points approach, and
     pressure pulls them together, as in an artificial muscle."""
@@ -77,11 +74,10 @@ class Cylinder(Spec):
         """Distance of its two points at t = 0 [m]; ``world`` gives points of bodies."""
         return math.dist(world(self.a, self.on_a), world(self.b, self.on_b))
 
-    def columns(self, scope: Scope) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Lines`."""
-        return {"bodies": (scope.number("bodies", self.a), scope.number("bodies", self.b)),
-                "anchor": (self.on_a, self.on_b), "gain": -self.area if self.pulls else self.area,
-                "start": self.length(scope.world)}
+    @property
+    def gain(self) -> float:
+        """Volume per distance of the points [m^2]."""
+        return -self.area if self.pulls else self.area
 
 
 class Vane(Spec):
@@ -101,11 +97,10 @@ class Vane(Spec):
                                   "2 ml/rad; a negative one reverses the direction")
         return self
 
-    def columns(self, scope: Scope) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Lines`."""
-        joint = scope.number("joints", self.joint)
-        return {"bodies": scope.joints.bodies[joint], "joint": joint, "gain": self.displacement,
-                "start": scope.joints.start[joint]}
+    @property
+    def gain(self) -> float:
+        """Volume per angle [m^3/rad]."""
+        return self.displacement
 
 
 Chamber = Annotated[Cylinder | Vane, Field(discriminator="type")]
@@ -126,8 +121,7 @@ class Line(Element):
     chambers: of.Items[Chamber] = Field(default=(), max_length=64)
     """What the fluid moves; none where the line only stores some, as an accumulator does."""
     volume: of.Volume | None = None
-    """Of all the fluid at t = 0, in chambers and hoses [m^3]; by default that of its cylinders that
-    push, area times distance."""
+    """Of all fluid at t = 0 [m^3], hoses included; by default that of the cylinders that push."""
     modulus: of.Modulus | None = None
     """Pressure per share by which the fluid is pressed together, walls of hoses included [Pa]; by
     default 1.4 GPa, that of oil. Not of a gas."""
@@ -139,24 +133,23 @@ class Line(Element):
     least: of.Pressure = -ATMOSPHERE
     """Minimum pressure [Pa]; below it the line cavitates. By default -101325 Pa, a vacuum."""
     relief: of.Pressure | None = None
-    """Maximum pressure [Pa]; above it a relief valve opens to the tank. By default there is
-    none."""
+    """Maximum pressure [Pa], at which a relief valve opens to the tank; none by default."""
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        most = self.least if self.relief is None else self.relief
-        if self.least > 0 or self.least < -ATMOSPHERE:
-            raise WrongValueError("out-of-range", "the least pressure must be from -101325 Pa, a "
-                                  "vacuum, to 0")
-        if self.relief is not None and most <= 0:
-            raise WrongValueError("out-of-range", "the relief must open at more than 0 Pa")
-        if self.pressure < self.least or (self.relief is not None and self.pressure > most):
-            raise WrongValueError("out-of-range", "the pressure at t = 0 must lie between least "
-                                  "and relief")
+        relief = math.inf if self.relief is None else self.relief
+        for fault, what in (
+                (not -ATMOSPHERE <= self.least <= 0,
+                 "the least pressure must be from -101325 Pa, a vacuum, to 0"),
+                (relief <= 0, "the relief must open at more than 0 Pa"),
+                (not self.least <= self.pressure <= relief,
+                 "the pressure at t = 0 must lie between least and relief"),
+                (self.gas is not None and self.pressure <= -ATMOSPHERE,
+                 "a line with gas needs a pressure above a vacuum")):
+            if fault:
+                raise WrongValueError("out-of-range", what)
         if self.gas is not None and self.modulus is not None:
             raise WrongValueError("conflicting-keys", "'gas' and 'modulus' exclude each other")
-        if self.gas is not None and self.pressure <= -ATMOSPHERE:
-            raise WrongValueError("out-of-range", "a line with gas needs a pressure above a vacuum")
         return self
 
     def volume_at(self, world: Callable[[str, Vec], Vec]) -> float:
@@ -242,8 +235,7 @@ class FlowDrive(DriveSpec):
     line: LineName
     """Name of the line that it feeds."""
     value: FlowSignal
-    """The flow over time [m^3/s], of a gas as it would be at the pressure of the surroundings;
-    below 0 it is sucked out."""
+    """The flow over time [m^3/s], of a gas at ambient pressure; below 0 out of the line."""
 
 
 class PressureDrive(DriveSpec):

@@ -1,14 +1,14 @@
-"""The base of joints. Anchors are in the frames of their bodies [m]."""
+"""The base of joints."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.element import BodyName, Element, Quantity, Vec, recorded
+from sandbox.elements.element import BodyName, Element, Quantity, live, recorded
 from sandbox.errors import Problem
 from sandbox.values.numbers import POSITIVE, Duration, Flag, Force, Name, Point, Ratio
 from sandbox.wording import WrongValueError, quoted
@@ -23,24 +23,17 @@ Keeps = Literal["point", "groove", "distance", "range", "gear", "rack", "roll"]
 class JointKind:
     """Facts about a kind of joint."""
 
+    # two coinciding points; a point of b on a line of a; a distance of two points, or a range of
+    # it; meshing teeth of two gears, or of a gear and a rack; rolling circles
     keeps: Keeps
-    """Its constraint: two coinciding points; a point of ``b`` on a line of ``a``; a distance of two
-    points, or a range of it; meshing teeth of two gears, or of a gear and a rack; rolling
-    circles."""
-    records: tuple[str, ...]
-    """The quantities that every joint of the kind records."""
-    line: bool = False
-    """Whether it has a length, which drives can push and set."""
-    angle: bool = False
-    """Whether it has an angle, for stops, rotary springs, torques, brakes and motors."""
-    friction_unit: str = ""
-    """Unit of its dry friction; empty where it has none."""
+    records: tuple[str, ...]  # the quantities that every joint of the kind records
+    line: bool = False  # whether it has a length, which drives can push and set
+    angle: bool = False  # whether it has an angle, for stops, rotary springs, torques, motors
+    friction_unit: str = ""  # unit of its dry friction; empty where it has none
+    # additional quantities with limits, backlash, has_friction or a path
     more: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Additional quantities with ``limits``, ``backlash``, ``friction`` or a ``path``."""
-    mujoco: str = ""
-    """Why MuJoCo has no counterpart; empty where it has one."""
-    mujoco_loop: str = ""
-    """Why MuJoCo has no counterpart of such a joint that closes a loop."""
+    mujoco: str = ""  # why MuJoCo has no counterpart; empty where it has one
+    mujoco_loop: str = ""  # why MuJoCo has no counterpart of such a joint that closes a loop
 
     @property
     def forces(self) -> int:
@@ -66,57 +59,38 @@ class JointKind:
 REACTION = ("reaction", "reaction_x", "reaction_y")
 FRICTION = ("friction", "friction_work", "sticks")
 QUANTITIES: Mapping[str, Quantity] = {
-    "angle": recorded("joint_angle", "rad", "of `b` against `a`, in the hinge's positive sense",
-                      live=True),
-    "rate": recorded("joint_rate", "rad/s", "rate of the angle", live=True),
-    "length": recorded("joint_length", "m", "of an actuator, between its two points", live=True),
-    "position": recorded("joint_length", "m", "of a slot with a path: arc length from the path's "
-                                              "first point; it counts on over rounds of a closed "
-                                              "path", live=True),
-    "speed": recorded("joint_speed", "m/s", "rate of the length of an actuator, or of the position "
-                                            "on a path", live=True),
+    "angle": live("joint_angle", "rad", "of `b` against `a`, in the hinge's positive sense"),
+    "rate": live("joint_rate", "rad/s", "rate of the angle"),
+    "length": live("joint_length", "m", "of an actuator, between its two points"),
+    "position": live("joint_length", "m", "of a slot with a path: arc length from the path's first "
+                                          "point; it counts on over rounds of a closed path"),
+    "speed": live("joint_speed", "m/s", "rate of the length of an actuator, or of the position on "
+                                        "a path"),
     "normal": Quantity("N", "of a slot with a path: force on `b` across the path, positive to its "
                             "left"),
-    "reaction": recorded("joint_reaction", "N",
-                         "magnitude of the reaction force", live=True),
-    "reaction_x": recorded("joint_force", "N",
-                           "force on its body `b` by its body `a`, in the world", 0, live=True),
-    "reaction_y": recorded("joint_force", "N", "the same, upwards", 1, live=True),
-    "tension": Quantity(
-        "N", "of rods and ropes: signed reaction, positive in tension, negative in "
-             "compression", live=True),
-    "tangential": Quantity(
-        "N", "of wheels: force on `b` along the pitch circles, positive as `a` pushes by turning "
-             "counter-clockwise"),
-    "radial": Quantity(
-        "N", "of wheels: force along the line of centres, positive if it pushes them apart"),
-    "gap": Quantity(
-        "m", "of teeth with backlash: distance along the pitch circles to the nearer flank"),
+    "reaction": live("joint_reaction", "N", "magnitude of the reaction force"),
+    "reaction_x": live("joint_force", "N", "force on its body `b` by its body `a`, in the world",
+                       0),
+    "reaction_y": live("joint_force", "N", "the same, upwards", 1),
+    "tension": Quantity("N", "of rods and ropes: signed reaction, positive in tension, negative in "
+                             "compression", live=True),
+    "tangential": Quantity("N", "of wheels: force on `b` along the pitch circles, positive as `a` "
+                                "pushes by turning counter-clockwise"),
+    "radial": Quantity("N", "of wheels: force along the line of centres, positive if it pushes "
+                            "them apart"),
+    "gap": Quantity("m", "of teeth with backlash: distance along the pitch circles to the nearer "
+                         "flank"),
     "damping": recorded("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
     "damping_work": recorded("joint_damping_work", "J", "work of all its dampers since t = 0"),
     "stop": recorded("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
-    "friction": recorded("joint_friction", "", "dry friction: of a pin the torque on `b`, in the "
-                                               "hinge's sense; of a slot the force on `b`, "
-                                               "positive towards the `end` of the groove or path",
-                         live=True),
+    "friction": live("joint_friction", "", "dry friction: of a pin the torque on `b`, in the "
+                                           "hinge's sense; of a slot the force on `b`, positive "
+                                           "towards the `end` of the groove or path"),
     "friction_work": recorded("joint_friction_work", "J", "work of dry friction since t = 0, at "
                                                           "most 0"),
-    "sticks": recorded("joint_sticks", "1", "1 while dry friction holds it, 0 while it "
-                                            "slides", live=True, yes_no=True),
+    "sticks": live("joint_sticks", "1", "1 while dry friction holds it, 0 while it slides",
+                   yes_no=True),
 }
-
-
-@dataclass(frozen=True)
-class Anchors:
-    """The two points of a joint at t = 0 [m]."""
-
-    on_a: Vec
-    """In the frame of ``a``."""
-    on_b: Vec
-    """In the frame of ``b``."""
-    a_in_b: Vec
-    """The first one in the frame of ``b``."""
-    distance: float
 
 
 class JointSpec(Element):
@@ -127,8 +101,7 @@ class JointSpec(Element):
     name: Name
     """Its name; quantities are ``<name>.reaction`` and so on."""
     a: BodyName
-    """The body that is counted from: a hinge's angle is that of ``b`` against it, a slot's groove
-    moves with it."""
+    """The reference body: a hinge's angle is that of ``b`` against it, a groove moves with it."""
     b: BodyName
     """The other body; ``reaction_x`` and ``reaction_y`` are the force on it by ``a``."""
     on_a: Point | None = None
@@ -136,8 +109,7 @@ class JointSpec(Element):
     on_b: Point | None = None
     """Anchor in the frame of ``b`` [m]; by default where ``on_a`` is at t = 0."""
     collide: Flag = False
-    """Whether the two bodies may touch each other; by default they pass through each other, also
-    while the joint is released."""
+    """Whether the two bodies may touch; by default they never do, even if the joint is released."""
     breaks_at: Annotated[Force, POSITIVE] | None = None
     """Magnitude of its ``reaction`` above which it breaks [N]; it stays released unless an event
     engages it again. By default it never breaks."""
@@ -152,23 +124,18 @@ class JointSpec(Element):
             raise WrongValueError("conflicting-keys", "give 'on_a' or 'on_b'")
         return self
 
-    @property
-    def has_friction(self) -> bool:
-        """Whether it has dry friction."""
-        return False
-
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
         kind = self.facts
         names = [*kind.records, *(
             name for field, more in kind.more.items() for name in more
-            if (self.has_friction if field == "friction" else getattr(self, field, None)))]
+            if getattr(self, field, None))]
         return {name: QUANTITIES[name].unit or kind.friction_unit for name in names}
 
     def needed(self, quantity: str) -> str:
         """The field that it needs to record a quantity; empty where no field adds it."""
         field = next((field for field, more in self.facts.more.items() if quantity in more), "")
-        return "'friction' or 'friction_coefficient'" if field == "friction" else (
+        return "'friction' or 'friction_coefficient'" if field == "has_friction" else (
             field and f"'{field}'")
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
@@ -179,14 +146,6 @@ class JointSpec(Element):
             yield Problem("no-effect",
                           f"neither {quoted(self.a)} nor {quoted(self.b)} can move freely",
                           path, allowed="a joint of at least one dynamic body")
-
-    def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
-        return {}
-
-    def path_points(self) -> tuple[tuple[Vec, ...] | None, bool]:
-        """Points of its path in the frame of ``a`` [m], if it has one; whether the path closes."""
-        return None, False
 
 
 class ClosingJoint(JointSpec):
@@ -200,6 +159,13 @@ class ClosingJoint(JointSpec):
 class FrictionJoint(ClosingJoint):
     """A joint that may have dry friction."""
 
+    LACKS: ClassVar[Mapping[str, str]] = {
+        "friction_coefficient": "joint friction that depends on the reaction",
+        "static": "static friction above that of sliding"}
+
+    if TYPE_CHECKING:
+        friction: float
+
     friction_coefficient: Ratio = 0.0
     """Coefficient of dry friction: friction is this times the reaction; none by default."""
     static: Ratio = Field(default=1.0, ge=1)
@@ -208,23 +174,11 @@ class FrictionJoint(ClosingJoint):
     @property
     def has_friction(self) -> bool:
         """Whether it has dry friction."""
-        return bool(self.constant_friction or self.friction_coefficient)
-
-    @property
-    def constant_friction(self) -> float:
-        """Dry friction that does not depend on the load [N m, N]."""
-        return float(getattr(self, "friction", 0.0))
-
-    def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
-        if self.friction_coefficient:
-            return "joint friction that depends on the reaction"
-        return "static friction above that of sliding" if self.static > 1 else ""
+        return bool(self.friction or self.friction_coefficient)
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:
-        constant = self.constant_friction
-        if constant and self.friction_coefficient:
+        if self.friction and self.friction_coefficient:
             raise WrongValueError("conflicting-keys", "give 'friction' or 'friction_coefficient', "
                                   "not both")
         if self.static > 1 and not self.has_friction:

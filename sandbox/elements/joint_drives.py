@@ -3,33 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
 from sandbox.elements.drive import DriveKind, DriveSpec
 from sandbox.elements.element import ACTUATOR, HINGE, KEPT, HingeName
-from sandbox.values.numbers import (
-    AngularSpeed,
-    Damping,
-    Force,
-    Name,
-    RotaryDamping,
-    RotaryStiffness,
-    Speed,
-    Stiffness,
-    Torque,
-)
-from sandbox.values.signals import (
-    AngleSignal,
-    AnySignal,
-    Constant,
-    ForceSignal,
-    LengthSignal,
-    RateSignal,
-    SpeedSignal,
-    TorqueSignal,
-)
+from sandbox.values import numbers as of
+from sandbox.values import signals
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -37,8 +19,6 @@ if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.export.document import Draft
     from sandbox.scene.mechanism import Mechanism
-
-ActuatorName = Annotated[Name, ACTUATOR]
 
 
 class HingeDrive(DriveSpec):
@@ -51,7 +31,7 @@ class HingeDrive(DriveSpec):
 class ActuatorDrive(DriveSpec):
     """A drive of an actuator."""
 
-    joint: ActuatorName
+    joint: Annotated[of.Name, ACTUATOR]
     """Name of the actuator that it acts on."""
 
 
@@ -61,9 +41,8 @@ class TorqueDrive(HingeDrive):
     facts = DriveKind(HINGE, "torque", "N m", "torque", ("value", "work", "power"), twin="push")
 
     type: Literal["torque"] = TYPE
-    value: TorqueSignal
-    """The torque over time [N m], in the hinge's sense: on its body ``b``, and the opposite on
-    ``a``."""
+    value: signals.TorqueSignal
+    """Torque on body ``b`` over time [N m], in the hinge's sense; the opposite acts on ``a``."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""
@@ -89,18 +68,16 @@ class MotorDrive(HingeDrive):
         mujoco="a motor with a set speed or a torque-speed line")
 
     type: Literal["motor"] = TYPE
-    value: Annotated[SpeedSignal | None, KEPT] = None
+    value: Annotated[signals.SpeedSignal | None, KEPT] = None
     """Speed of ``b`` against ``a`` over time [rad/s], in the hinge's positive sense. Of a motor
     with a line the speed without torque, ``no_load`` by default: half of it is half the voltage,
     minus it the full voltage reversed."""
-    torque: Torque | None = Field(default=None, gt=0)
-    """Maximum torque in both directions [N m]; optional for a motor with a line, whose line then
-    sets no limit."""
-    stall: Torque | None = Field(default=None, gt=0)
+    torque: of.Torque | None = Field(default=None, gt=0)
+    """Maximum torque in both directions [N m]; optional for a motor with a line."""
+    stall: of.Torque | None = Field(default=None, gt=0)
     """Of a motor with a line: its torque at rest [N m], while ``value`` is ``no_load``."""
-    no_load: AngularSpeed | None = Field(default=None, gt=0)
-    """Of a motor with a line: the speed at which its torque is 0 [rad/s], while ``value`` is this,
-    as it is by default."""
+    no_load: of.AngularSpeed | None = Field(default=None, gt=0)
+    """Of a motor with a line: the speed without torque [rad/s], while ``value`` is its default."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -110,25 +87,20 @@ class MotorDrive(HingeDrive):
                                   "and 'no_load' (speed without load) belong together")
         if self.stall is None:
             for field, what in (("value", "the speed that it is to keep"),
-                                ("torque", "the most that it can give")):
+                                ("torque", "its maximum")):
                 if getattr(self, field) is None:
                     raise WrongValueError("missing-key", f"a motor needs '{field}', {what}; or a "
                                           "line, 'stall' and 'no_load'")
         return self
 
     @property
-    def most(self) -> float:
-        """The most that it can give [N m]."""
-        return math.inf if self.torque is None else self.torque
-
-    @property
     def slope(self) -> float | None:
-        """With a line: torque per speed that lacks [N m s/rad]."""
+        """With a line: torque per missing speed [N m s/rad]."""
         return None if self.stall is None or self.no_load is None else self.stall / self.no_load
 
-    def signal(self, mechanism: Mechanism) -> AnySignal:
+    def signal(self, mechanism: Mechanism) -> signals.AnySignal:
         """Its value over time: by default the speed without load."""
-        return Constant(constant=self.no_load) if self.value is None else self.value
+        return signals.Constant(constant=self.no_load) if self.value is None else self.value
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
         """Why pymunk has no counterpart; empty where it has one."""
@@ -159,7 +131,7 @@ class BrakeDrive(HingeDrive):
         sole="brake", limited=True, mujoco_varied="a changing brake")
 
     type: Literal["brake"] = TYPE
-    value: TorqueSignal
+    value: signals.TorqueSignal
     """Maximum torque over time [N m]; 0 and less release the hinge."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
@@ -174,7 +146,10 @@ class BrakeDrive(HingeDrive):
 
 
 class PlaceDrive(DriveSpec):
-    """Brings something to a place: as a spring would, or as hard as a limit allows."""
+    """Moves something to a position: as a spring, or rigidly within a limit."""
+
+    LACKS: ClassVar[Mapping[str, str]] = {
+        "stiffness": "a spring towards a position with a largest force"}
 
     if TYPE_CHECKING:
         stiffness: float | None
@@ -190,25 +165,12 @@ class PlaceDrive(DriveSpec):
                                   "use 'damping'")
         return self
 
-    @property
-    def most(self) -> float:
-        """The most that it can give [N m, N]."""
-        return float(getattr(self, self.facts.records[2]))
-
-    def without_mujoco(self, mechanism: Mechanism) -> str:
-        """Why MuJoCo has no counterpart; empty where it has one."""
-        return "a rigid servo or length" if self.stiffness is None else ""
-
-    def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
-        return ("a spring towards a position with a largest force" if self.stiffness
-                else super().without_pymunk(mechanism))
-
     def write_spring(self, draft: Draft, index: int, where: str, offset: float) -> None:
-        """Add an actuator of force k (value - q) - c q', for a q that lacks ``offset`` there."""
-        k, c = float(self.stiffness or 0.0), float(self.damping)
-        draft.motor(index, "general", self.facts.records[2], gainprm=k, biastype="affine",
-                    biasprm=(-k * offset, -k, -c), forcerange=(-self.most, self.most),
+        """Add an actuator of force k (value - q) - c q'; MuJoCo's q is less by ``offset``."""
+        k, c, effort = float(self.stiffness or 0.0), float(self.damping), self.facts.records[2]
+        most = float(getattr(self, effort))
+        draft.motor(index, "general", effort, gainprm=k, biastype="affine",
+                    biasprm=(-k * offset, -k, -c), forcerange=(-most, most),
                     **{where: draft.model.joints.name[draft.target(index)]})
 
 
@@ -226,16 +188,15 @@ class ServoDrive(HingeDrive, PlaceDrive):
         limited=True, places=True, twin="length")
 
     type: Literal["servo"] = TYPE
-    value: AngleSignal
-    """The angle to go to over time [rad], as the hinge counts it: in its own sense, from its
-    ``zero``."""
-    torque: Torque = Field(gt=0)
+    value: signals.AngleSignal
+    """Target angle over time [rad], in the hinge's sense from its ``zero``."""
+    torque: of.Torque = Field(gt=0)
     """Maximum torque in both directions [N m]."""
-    stiffness: RotaryStiffness | None = Field(default=None, gt=0)
+    stiffness: of.RotaryStiffness | None = Field(default=None, gt=0)
     """Torque for each radian that is missing [N m/rad]; without, the default, it is rigid."""
-    damping: RotaryDamping = 0.0
+    damping: of.RotaryDamping = 0.0
     """With ``stiffness``: torque against the hinge's rate, per rate [N m s/rad]."""
-    speed: AngularSpeed | None = Field(default=None, gt=0)
+    speed: of.AngularSpeed | None = Field(default=None, gt=0)
     """Maximum speed of a rigid servo [rad/s]; no limit by default."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
@@ -259,7 +220,7 @@ class PushDrive(ActuatorDrive):
     facts = DriveKind(ACTUATOR, "push", "N", "force", ("value", "work", "power"), twin="torque")
 
     type: Literal["push"] = TYPE
-    value: ForceSignal
+    value: signals.ForceSignal
     """The force over time [N]; positive pushes the points apart, negative pulls them together."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
@@ -281,15 +242,10 @@ class ExtendDrive(ActuatorDrive):
         limited=True, timely="end", twin="motor", mujoco="an actuator with a set speed")
 
     type: Literal["extend"] = TYPE
-    value: RateSignal
+    value: signals.RateSignal
     """The speed over time [m/s]; positive makes the actuator longer."""
-    force: Force = Field(gt=0)
+    force: of.Force = Field(gt=0)
     """Maximum force in both directions [N]."""
-
-    @property
-    def most(self) -> float:
-        """The most that it can give [N]."""
-        return self.force
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A PinJoint whose distance changes in each step."""
@@ -312,15 +268,15 @@ class LengthDrive(ActuatorDrive, PlaceDrive):
         limited=True, places=True, twin="servo")
 
     type: Literal["length"] = TYPE
-    value: LengthSignal
+    value: signals.LengthSignal
     """The distance of the actuator's two points to go to over time [m]."""
-    force: Force = Field(gt=0)
+    force: of.Force = Field(gt=0)
     """Maximum force in both directions [N]."""
-    stiffness: Stiffness | None = Field(default=None, gt=0)
+    stiffness: of.Stiffness | None = Field(default=None, gt=0)
     """Force for each metre that is missing [N/m]; without, the default, it is rigid."""
-    damping: Damping = 0.0
+    damping: of.Damping = 0.0
     """With ``stiffness``: force against the actuator's speed, per speed [N s/m]."""
-    speed: Speed | None = Field(default=None, gt=0)
+    speed: of.Speed | None = Field(default=None, gt=0)
     """Of a rigid one the fastest that its length changes [m/s]; no limit by default."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:

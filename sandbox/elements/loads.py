@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
-from sandbox.elements.element import KEPT, NAMED, Element, Quantity, recorded
+from sandbox.elements.element import KEPT, NAMED, Element, Quantity, live, recorded
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from sandbox.scene.bodies import Body
     from sandbox.scene.mechanism import Mechanism
 
+# names in the law of a load, in the order in which programs number them
 MOTION = ("x", "y", "angle", "vx", "vy", "omega", "speed", "ax", "ay", "alpha", "t", "mass",
           "inertia")
-"""What the law of a load may read, in the order in which programs number it."""
 MOST_PATTERNS = 100
 
 
 def _law(dimension: str) -> Any:
-    """What reads a law: an expression of a body's motion, or a number of a dimension."""
+    """Reads an expression of a body's motion, or a number of a dimension."""
     def read(value: Any, info: ValidationInfo) -> str:
         if isinstance(value, str) and value.lstrip().startswith("="):
             return of.law_of(value, MOTION, "body", info)
@@ -49,11 +49,10 @@ Patterns = Annotated[
     BeforeValidator(lambda value: (value,) if isinstance(value, str) else value),
     WithJsonSchema({"anyOf": [_PATTERN, {"type": "array", "items": _PATTERN, "minItems": 1,
                                          "maxItems": MOST_PATTERNS}]})]
-EVERY = ("*",)
 QUANTITIES: Mapping[str, Quantity] = {
-    "fx": recorded("load_force", "N", "force on the body, in the world", 0, live=True),
-    "fy": recorded("load_force", "N", "the same, upwards", 1, live=True),
-    "torque": recorded("load_torque", "N m", "about the body's centre of mass", live=True),
+    "fx": live("load_force", "N", "force on the body, in the world", 0),
+    "fy": live("load_force", "N", "the same, upwards", 1),
+    "torque": live("load_torque", "N m", "about the body's centre of mass"),
     "work": recorded("load_work", "J", "done on the body since t = 0"),
 }
 
@@ -67,7 +66,7 @@ class LoadSpec(Element):
     type: str
     name: of.Name
     """Its name; quantities are ``<name>.<body>.fx`` and so on."""
-    bodies: Patterns = EVERY
+    bodies: Patterns = ("*",)
     """Bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By default
     every body that moves freely; fixed and scheduled bodies are skipped."""
 
@@ -80,10 +79,6 @@ class LoadSpec(Element):
     def laws(self) -> tuple[str | None, str | None, str | None] | None:
         """The two components of the force and the torque, as expressions; None without a law."""
         return None
-
-    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
-        return {}
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """A name that would mean two things."""
@@ -111,8 +106,7 @@ class LawLoad(LoadSpec):
     force: of.Pair[ForceLaw] | None = None
     """The force [x, y] at the point ``at`` [N]: ``["=-0.2 * vx", "=-0.2 * vy"]``."""
     acceleration: of.Pair[AccelerationLaw] | None = None
-    """In place of ``force``, a force [x, y] per mass of the body [m/s^2]: ``[0, "-1.62
-    m/s^2"]``."""
+    """In place of ``force``, force [x, y] per mass [m/s^2]: ``[0, "-1.62 m/s^2"]``."""
     torque: TorqueLaw | None = None
     """An additional torque on the body [N m], positive counter-clockwise: ``"=-0.01 * omega"``."""
     at: of.Point | None = None
@@ -137,7 +131,7 @@ class LawLoad(LoadSpec):
         return *(self.force or self.acceleration or (None, None)), self.torque
 
     def columns(self, mechanism: Mechanism) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
+        """Its numbers in columns of the model that are no attributes of it."""
         return {"at": self.at, "turning": self.frame == "body",
                 "per_mass": self.acceleration is not None}
 
@@ -197,7 +191,7 @@ class BuoyancyLoad(LoadSpec):
     """Of the liquid [kg/m^3]; by default that of water."""
 
     def columns(self, mechanism: Mechanism) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
+        """Its numbers in columns of the model that are no attributes of it."""
         return {"level": self.level, "weight": -self.density * mechanism.gravity[1]}
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:

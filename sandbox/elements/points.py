@@ -4,32 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.element import KEPT, OTHER_SIDE, Turn, Vec
+from sandbox.elements.element import KEPT, OTHER_SIDE, Turn
 from sandbox.elements.joint import (
     FRICTION,
     REACTION,
-    Anchors,
     ClosingJoint,
     FrictionJoint,
     JointKind,
     JointSpec,
 )
-from sandbox.values.numbers import (
-    Angle,
-    Distance,
-    Flag,
-    Force,
-    Items,
-    Length,
-    Pair,
-    Point,
-    RotaryDamping,
-    Torque,
-)
+from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
 from sandbox.values.tables import check_distinct
 from sandbox.wording import WrongValueError, listed
@@ -48,25 +36,22 @@ class Pin(FrictionJoint):
 
     facts = JointKind(
         "point", ("angle", "rate", *REACTION, "damping", "damping_work"), angle=True,
-        friction_unit="N m", more={"limits": ("stop",), "friction": FRICTION})
+        friction_unit="N m", more={"limits": ("stop",), "has_friction": FRICTION})
 
     type: Literal["pin"] = TYPE
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
     """Sense of rotation of ``b`` against ``a`` that counts as positive: for angle, rate, limits,
     springs, torques and motors of this hinge."""
-    zero: Annotated[Angle, KEPT] = 0.0
-    """Offset subtracted from the angle between the two frames [rad], after its sign is set by
-    ``positive``."""
-    limits: Annotated[Pair[Angle] | None, KEPT] = None
+    zero: Annotated[of.Angle, KEPT] = 0.0
+    """Subtracted from the angle between the frames, in the positive sense [rad]."""
+    limits: Annotated[of.Pair[of.Angle] | None, KEPT] = None
     """Hard stops [lowest, highest] of the hinge's angle [rad]; none by default."""
-    damping: RotaryDamping = 0.0
+    damping: of.RotaryDamping = 0.0
     """Viscous friction of the hinge [N m s/rad]: torque against the rate, per rate."""
-    friction: Torque = Field(default=0.0, ge=0)
-    """Dry friction of the hinge [N m]: it resists torques up to this, and slips at this torque;
-    none by default."""
-    pin_radius: Length | None = None
-    """Radius of a pin with a 'friction_coefficient' [m]: its friction torque is coefficient times
-    radius times reaction."""
+    friction: of.Torque = Field(default=0.0, ge=0)
+    """Dry friction of the hinge [N m]: torque up to which it holds, and at which it slips."""
+    pin_radius: of.Length | None = None
+    """With a 'friction_coefficient' [m]: friction torque = coefficient * radius * reaction."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -121,31 +106,31 @@ class Slot(FrictionJoint):
 
     facts = JointKind(
         "groove", REACTION, friction_unit="N",
-        more={"friction": FRICTION, "path": ("position", "speed", "normal")},
+        more={"has_friction": FRICTION, "path": ("position", "speed", "normal")},
         mujoco_loop="a groove that closes a loop")
+    LACKS: ClassVar[Mapping[str, str]] = {
+        "path": "a groove along a path", "friction": "friction in a groove", **FrictionJoint.LACKS}
 
     type: Literal["slot"] = TYPE
-    start: Point | None = None
+    start: of.Point | None = None
     """One end of a straight groove, in the frame of ``a`` [m]."""
-    end: Point | None = None
+    end: of.Point | None = None
     """Other end of the groove, in the frame of ``a`` [m]; both ends are hard stops."""
-    path: Annotated[Items[Point], Field(min_length=3, max_length=1000)] | None = None
+    path: Annotated[of.Items[of.Point], Field(min_length=3, max_length=1000)] | None = None
     """In place of ``start`` and ``end``: points of a curved groove in the frame of ``a`` [m].
 
     The groove is the smooth curve through them in this order, a quintic spline; its ends are hard
     stops."""
-    closed: Flag = False
+    closed: of.Flag = False
     """Whether the path continues from its last point to the first; then it has no ends."""
-    turns: Flag = True
-    """Whether ``b`` may rotate on the groove: false keeps the angle of the two bodies at t = 0, as
-    in a slider."""
-    on_a: Point | None = None
+    turns: of.Flag = True
+    """Whether ``b`` may rotate on the groove; false keeps its angle to ``a``, as in a slider."""
+    on_a: of.Point | None = None
     """Not used: ``start`` and ``end``, or ``path``, define the groove."""
-    on_b: Point | None = (0.0, 0.0)
+    on_b: of.Point | None = (0.0, 0.0)
     """The point of ``b`` that stays on the groove, in its frame [m]."""
-    friction: Force = Field(default=0.0, ge=0)
-    """Dry friction along the groove [N]: it resists forces up to this, and slides at this force;
-    none by default."""
+    friction: of.Force = Field(default=0.0, ge=0)
+    """Dry friction along the groove [N]: force up to which it holds, and at which it slides."""
 
     @model_validator(mode="after")
     def _along(self) -> Self:
@@ -163,20 +148,10 @@ class Slot(FrictionJoint):
         check_distinct(self.path, closed=self.closed)
         return self
 
-    def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
-        groove = {} if self.path else {"groove": (self.start, self.end)}
-        return {"coefficient": self.friction_coefficient, **groove}
-
-    def path_points(self) -> tuple[tuple[Vec, ...] | None, bool]:
-        """Points of its path in the frame of ``a`` [m], if it has one; whether the path closes."""
-        return self.path, self.closed
-
-    def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
-        if self.path:
-            return "a groove along a path"
-        return "friction in a groove" if self.friction else super().without_pymunk(mechanism)
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
+        """Its numbers in columns of the model that are no attributes of it."""
+        return {"coefficient": self.friction_coefficient,
+                "groove": None if self.path else (self.start, self.end)}
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A GrooveJoint; a GearJoint keeps the angle."""
@@ -191,11 +166,9 @@ class Weld(ClosingJoint):
 
     facts = JointKind("point", REACTION)
 
-    type: Literal["weld"] = TYPE
+    turns: ClassVar[bool] = False
 
-    def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
-        return {"turns": False}
+    type: Literal["weld"] = TYPE
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A PivotJoint; a GearJoint keeps the angle."""
@@ -207,9 +180,9 @@ class Weld(ClosingJoint):
 class BarJoint(JointSpec):
     """A joint of the distance of two points."""
 
-    on_a: Point | None = (0.0, 0.0)
+    on_a: of.Point | None = (0.0, 0.0)
     """Attachment, in the frame of ``a`` [m]."""
-    on_b: Point | None = (0.0, 0.0)
+    on_b: of.Point | None = (0.0, 0.0)
     """Attachment, in the frame of ``b`` [m]."""
 
 
@@ -219,12 +192,15 @@ class Rod(BarJoint, ClosingJoint):
     facts = JointKind("distance", (*REACTION, "tension"))
 
     type: Literal["rod"] = TYPE
-    length: Length | None = None
+    length: of.Length | None = None
     """Distance between the two points [m]; by default that at t = 0."""
 
-    def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
-        length = at.distance if self.length is None else self.length
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
+        """Its numbers in columns of the model that are no attributes of it."""
+        length = self.length
+        if length is None:
+            on_a, on_b = mechanism.anchors(self)
+            length = math.dist(mechanism.world(self.a, on_a), mechanism.world(self.b, on_b))
         return {"reach": (length, length)}
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
@@ -234,14 +210,14 @@ class Rod(BarJoint, ClosingJoint):
 
 
 class RangeJoint(BarJoint):
-    """A joint between a least and a largest distance."""
+    """A joint between a minimum and a maximum distance."""
 
     if TYPE_CHECKING:
         shortest: float
         longest: float | None
 
-    def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
+        """Its numbers in columns of the model that are no attributes of it."""
         return {"reach": (self.shortest, self.longest or math.inf)}
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
@@ -260,9 +236,9 @@ class Rope(RangeJoint):
     facts = JointKind("range", (*REACTION, "tension"))
 
     type: Literal["rope"] = TYPE
-    longest: Length
+    longest: of.Length
     """Largest distance of the two points [m]."""
-    shortest: Distance = 0.0
+    shortest: of.Distance = 0.0
     """Minimum distance between the two points [m]; 0 sets no minimum."""
 
     @model_validator(mode="after")
@@ -282,14 +258,10 @@ class Actuator(RangeJoint):
     facts = JointKind("range", ("length", "speed", *REACTION), line=True)
 
     type: Literal["actuator"] = TYPE
-    shortest: Distance = 0.0
+    shortest: of.Distance = 0.0
     """Distance of the two points with the rod drawn in [m]: a hard stop; none by default."""
-    longest: Length | None = None
+    longest: of.Length | None = None
     """Distance of the two points with the rod out [m]: a hard stop; none by default."""
-    on_a: Point | None = (0.0, 0.0)
-    """Attachment of the cylinder, in the frame of ``a`` [m]."""
-    on_b: Point | None = (0.0, 0.0)
-    """Attachment of the rod, in the frame of ``b`` [m]."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

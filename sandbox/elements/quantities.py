@@ -9,25 +9,24 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from sandbox.elements import drive, fluids, joint, loads, springs, tendons
-from sandbox.elements.element import NAMED, RELEASABLE, Quantity, recorded
+from sandbox.elements.element import NAMED, RELEASABLE, Quantity, live
 from sandbox.elements.tendons import NUMBERED
 
 QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     "body": {
-        "x": recorded("body_pose", "m", "origin of its frame in the world, x", 0, live=True),
-        "y": recorded("body_pose", "m", "the same, upwards", 1, live=True),
-        "angle": recorded("body_pose", "rad", "of its frame, counter-clockwise", 2, live=True),
-        "vx": recorded("body_velocity", "m/s", "velocity of its centre of mass", 0, live=True),
-        "vy": recorded("body_velocity", "m/s", "the same, upwards", 1, live=True),
-        "omega": recorded("body_velocity", "rad/s", "angular velocity", 2, live=True),
-        "ax": recorded("body_acceleration", "m/s^2",
-                       "acceleration of its centre of mass", 0, live=True),
-        "ay": recorded("body_acceleration", "m/s^2", "the same, upwards", 1, live=True),
-        "alpha": recorded("body_acceleration", "rad/s^2", "angular acceleration", 2, live=True),
-        "contact.normal": Quantity(
-            "N", "sum of the magnitudes of all normal forces on it", live=True),
-        "contact.tangential": Quantity(
-            "N", "sum of the magnitudes of all friction forces on it", live=True),
+        "x": live("body_pose", "m", "origin of its frame in the world, x", 0),
+        "y": live("body_pose", "m", "the same, upwards", 1),
+        "angle": live("body_pose", "rad", "of its frame, counter-clockwise", 2),
+        "vx": live("body_velocity", "m/s", "velocity of its centre of mass", 0),
+        "vy": live("body_velocity", "m/s", "the same, upwards", 1),
+        "omega": live("body_velocity", "rad/s", "angular velocity", 2),
+        "ax": live("body_acceleration", "m/s^2", "acceleration of its centre of mass", 0),
+        "ay": live("body_acceleration", "m/s^2", "the same, upwards", 1),
+        "alpha": live("body_acceleration", "rad/s^2", "angular acceleration", 2),
+        "contact.normal": Quantity("N", "sum of the magnitudes of all normal forces on it",
+                                   live=True),
+        "contact.tangential": Quantity("N", "sum of the magnitudes of all friction forces on it",
+                                       live=True),
         "contact.fx": Quantity("N", "resultant of all contact forces on it"),
         "contact.fy": Quantity("N", "the same, upwards"),
     },
@@ -38,40 +37,35 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "contact.count": Quantity("1", "number of its bodies with a contact from outside",
                                   live=True, count=True),
         "contact.normal": Quantity("N", "sum of the magnitudes of all normal forces on it from "
-                                        "outside",
-                                   live=True),
+                                        "outside", live=True),
     },
     "pair": {
         "normal": Quantity("N", "normal force between the two bodies", live=True),
-        "tangential": Quantity(
-            "N", "friction force on the first body by the second, positive along its normal force "
-                 "turned by +90°; `b/a` has the same value", live=True),
+        "tangential": Quantity("N", "friction force on the first body by the second, positive "
+                                    "along its normal force turned by +90°; `b/a` has the same "
+                                    "value", live=True),
     },
 }
-"""By what an element is called (:class:`sandbox.elements.element.Named`), then by name."""
+# the quantity shown first, by kind of element, the most informative kinds first
 USUAL: Mapping[str, str] = {"meter": "", "tendon": "tension", "joint": "angle", "drive": "value",
                             "spring": "length", "body": "y"}
-"""The quantity shown first, by kind of element, the most informative kinds first."""
+# the order in which quantities of one element are shown; others follow
 TELLING = ("value", "x", "y", "contact.normal", "force", "torque", "angle", "length", "tension",
            "reaction", "pressure", "flow", "fx", "fy", "power")
-"""Order in which quantities of one element are shown; others follow."""
+# additional quantities of joints, springs and tendons that can be released
 BOND_QUANTITIES: Mapping[str, Quantity] = {
-    "held": recorded("held", "1", "of elements that can be released: 1 while engaged, 0 while "
-                                  "released",
-                  live=True, yes_no=True),
+    "held": live("held", "1", "of elements that can be released: 1 while engaged, 0 while released",
+                 yes_no=True),
 }
-"""Additional quantities of joints, springs and tendons that can be released."""
-MOST_PRESSING = 24
-"""Contacts of an object beyond which closure, epsilon and isotropy are not worked out."""
-WINDOW = 0.1
-"""So long [s] an object has to be at rest in a hand to be held."""
-STRAY = 0.01
-"""By less than so much of its size it moves and slides meanwhile."""
+MOST_PRESSING = 24  # contacts of an object up to which closure, epsilon, isotropy are computed
+WINDOW = 0.1  # time [s] at rest in a hand after which an object is held
+STRAY = 0.01  # maximum motion and sliding in that time over its size
 _MANY = f"more than {MOST_PRESSING} bodies press on it"
 NOT_HELD = "it is not held"
 _LIMP = (f"{NOT_HELD}, or its stiffness is not defined: with fluids, teeth, loads by laws, tendons "
          "with friction, contacts in a notch")
 _NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
+# additional quantities of bodies with the role ``object``; docs/grasp.md
 GRASP: Mapping[str, Quantity] = {
     "held": Quantity("1", "1 while a hand holds it: the hand pressed on it for the last "
                           f"{WINDOW:g} s, it moved and slid by less than {100 * STRAY:g} % of its "
@@ -79,19 +73,17 @@ GRASP: Mapping[str, Quantity] = {
     "drift": Quantity("m", "displacement since it was first held, of its farthest point",
                       nothing=NOT_HELD, of_free=True),
     "closure": Quantity("1", "1 with force closure, else 0: contacts at these points could balance "
-                             "any load",
-                        nothing=_MANY, yes_no=True),
+                             "any load", nothing=_MANY, yes_no=True),
     "epsilon": Quantity("1", "Ferrari-Canny measure: minimum load at the limit of contact forces "
-                             "of sum 1; 0 without force closure",
-                        nothing=_NO_HAND),
+                             "of sum 1; 0 without force closure", nothing=_NO_HAND),
     "stiffness": Quantity("N/m", "force per displacement for a small push at its centre of mass in "
                                  "the softest direction; inf if no push moves it, 0 without "
                                  "restoring force", nothing=_LIMP, of_free=True),
     "stiffness_x": Quantity("N/m", "of a small push along x: force per displacement along x",
                             nothing=_LIMP, of_free=True),
     "stiffness_y": Quantity("N/m", "the same of a push upwards", nothing=_LIMP, of_free=True),
-    "stiffness_turn": Quantity("N m/rad", "of a small couple: moment per rotation", nothing=_LIMP,
-                               of_free=True),
+    "stiffness_turn": Quantity("N m/rad", "of a small couple: moment per rotation",
+                               nothing=_LIMP, of_free=True),
     "isotropy": Quantity("1", "minimum over maximum singular value of the grasp map: 1 if all "
                               "directions are alike", nothing=_NO_HAND),
     "spread": Quantity("1", "standard deviation over mean of the normal forces of the fingers on "
@@ -99,16 +91,14 @@ GRASP: Mapping[str, Quantity] = {
     "spread_bodies": Quantity("1", "the same, of all bodies that press on it, such as phalanges",
                               nothing="no finger presses on it"),
 }
-"""Additional quantities of bodies with the role ``object``; docs/grasp.md."""
+# quantities that can be read during a run; the one quantity of a meter has no name
 LIVE: Mapping[str, tuple[str, ...]] = {
     element: tuple(name for name, quantity in rows.items() if quantity.live)
     for element, rows in QUANTITIES.items()} | {"meter": ("",)}
-"""What can be read while a run goes on; the one quantity of a meter has no name."""
+# columns of ``contacts.csv`` and ``impacts.csv`` with their units
 CONTACT_COLUMNS: Mapping[str, str] = {
     "x": "m", "y": "m", "fx": "N", "fy": "N", "normal": "N", "tangential": "N"}
-"""The numbers of a contact's row in ``contacts.csv`` and their units."""
 IMPACT_COLUMNS: Mapping[str, str] = {"x": "m", "y": "m", "px": "N s", "py": "N s"}
-"""The numbers of a row in ``impacts.csv`` and their units."""
 
 
 def numbered(element: str, quantity: str) -> tuple[str, int] | None:
@@ -133,7 +123,7 @@ def about(element: str, quantity: str) -> str:
 
 
 def is_yes_no(element: str, quantity: str) -> bool:
-    """Whether an element's quantity is 1 or 0 and nothing between."""
+    """Whether an element's quantity is only 1 or 0."""
     row = row_of(element, quantity)
     return row is not None and row.yes_no
 
@@ -151,28 +141,19 @@ def is_live(element: str, quantity: str) -> bool:
 
 
 def reserved(kind: str) -> frozenset[str]:
-    """What may not follow the name of an element of a list and a dot in another's name.
-
-    ``contact`` and ``contact.normal``, of bodies: whole names of quantities, and what
-    those begin with.
-    """
+    """What may not follow an element's name and a dot: ``contact.normal`` of a body."""
     names = [*QUANTITIES.get(NAMED[kind].one, {}),
              *(BOND_QUANTITIES if kind in RELEASABLE else ())]
     return frozenset(".".join(name.split(".")[:count]) for name in names
                      for count in range(1, name.count(".") + 2))
 
 
-def grasp_quantities(*, free: bool) -> dict[str, str]:
-    """Quantity to unit of what an object has besides; ``free`` where it moves freely."""
-    return {name: row.unit for name, row in GRASP.items() if free or not row.of_free}
-
-
 def quantities_of(element: str) -> dict[str, str]:
-    """Quantity to unit of a ``body``, ``tendon``, ``group`` or ``pair``: of all of its kind."""
+    """All quantities of a kind such as ``body`` or ``pair``, with units."""
     return {name: quantity.unit for name, quantity in QUANTITIES[element].items()}
 
 
 def by_telling(quantities: Iterable[str]) -> list[str]:
-    """Quantities of an element, those first that are looked at first."""
+    """Quantities of an element in the order in which they are shown."""
     rank = {name: place for place, name in enumerate(TELLING)}
     return sorted(quantities, key=lambda name: rank.get(name, len(rank)))

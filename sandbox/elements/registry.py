@@ -46,9 +46,9 @@ _LISTS: Mapping[str, tuple[type[Any], ...]] = {
     "joints": members(Joint), "springs": members(Spring), "tendons": (Tendon,),
     "lines": (fluids.Line,), "valves": (fluids.Valve,), "loads": members(Load),
     "drives": members(Drive), "controllers": members(Controller)}
+# by list, then by ``type``, which is empty in lists of one kind
 KINDS: Mapping[str, Mapping[str, type[Element]]] = {
     name: {tag_of(kind): kind for kind in kinds} for name, kinds in _LISTS.items()}
-"""By list, then by ``type``; the ``type`` is empty in lists of one kind."""
 
 
 def kind_of(name: str, data: Mapping[str, Any]) -> type[Element] | None:

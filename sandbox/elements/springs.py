@@ -4,29 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
-import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, recorded
+from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, live, recorded
 from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
-    from sandbox.model.compile import Scope
-    from sandbox.scene.mechanism import Mechanism
 
 TakenUp = Literal["natural", "as_is"]
+LACKS_LAW = "a spring with a law, or one that acts on one side only"  # in pymunk
 QUANTITIES: Mapping[str, Quantity] = {
-    "length": recorded("spring_length", "m", "between its two points", live=True),
-    "force": recorded("spring_force", "N", "positive in tension; damper included", live=True),
-    "angle": recorded("spring_length", "rad", "of its hinge, in the hinge's positive sense",
-                      live=True),
-    "torque": recorded("spring_force", "N m",
-                       "positive against a positive angle; damper included"),
+    "length": live("spring_length", "m", "between its two points"),
+    "force": live("spring_force", "N", "positive in tension; damper included"),
+    "angle": live("spring_length", "rad", "of its hinge, in the hinge's positive sense"),
+    "torque": recorded("spring_force", "N m", "positive against a positive angle; damper included"),
     "work": recorded("spring_work", "J", "done on the bodies since t = 0"),
 }
 
@@ -35,17 +31,16 @@ QUANTITIES: Mapping[str, Quantity] = {
 class SpringKind:
     """How springs of a kind act."""
 
-    unit: str
-    """Of its stiffness."""
+    unit: str  # of its stiffness
     dimension: str
     records: tuple[str, ...]
-    straight: bool
-    """From point to point; otherwise about a hinge."""
+    straight: bool  # between two points; otherwise about a hinge
 
 
 class SpringSpec(Element):
     """The base of all springs."""
 
+    RECORDED = QUANTITIES
     facts: ClassVar[SpringKind]
     OWN: ClassVar[tuple[str, ...]]
 
@@ -54,15 +49,6 @@ class SpringSpec(Element):
         """Its law, an expression; None with a stiffness."""
         text: str | None = getattr(self, self.LOCAL[0])
         return text
-
-    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
-        """The quantities that it records, with their units."""
-        return {name: QUANTITIES[name].unit for name in self.facts.records}
-
-    def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
-        return "a spring with a law, or one that acts on one side only" \
-            if self.law is not None or getattr(self, "only", None) else ""
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:
@@ -82,6 +68,7 @@ class LinearSpring(SpringSpec):
 
     facts = SpringKind("N/m", "stiffness", ("length", "force", "work"), straight=True)
 
+    LACKS = dict.fromkeys(("force", "only"), LACKS_LAW)
     LOCAL = ("force",)
     OWN = ("stretch", "rate")
 
@@ -103,13 +90,11 @@ class LinearSpring(SpringSpec):
     minus rest length, and of the ``rate`` of the stretch [m/s]: ``"=1e3 * stretch + 4e6 * stretch
     ** 3"``, ``"=bumper(stretch)"``. Positive in tension."""
     only: Literal["pull", "push"] | None = None
-    """One-sided: ``pull`` acts above the rest length only, as a bungee tendon; ``push`` below it
-    only, as a bump stop."""
+    """One-sided: ``pull`` acts above the rest length only (bungee cord), ``push`` below it only."""
     damping: of.Damping = 0.0
     """Force per rate of length [N s/m], against it; of a one-sided spring only while it acts."""
     rest_length: of.Distance | None = None
-    """Length without force [m]; by default the length at t = 0. The ``stretch`` of its ``force``
-    counts from it."""
+    """Length without force [m], where ``stretch`` is 0; by default the length at t = 0."""
     breaks_at: Annotated[of.Force, of.POSITIVE] | None = None
     """Magnitude of its force above which it breaks [N]; it stays released unless an event engages
     it again. By default it never breaks."""
@@ -120,14 +105,6 @@ class LinearSpring(SpringSpec):
     distance of its points, so that it starts without force."""
 
     _law = field_validator("force")(_read_law)
-
-    def columns(self, scope: Scope) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Springs`, besides those of all."""
-        p, q = scope.world(self.a, self.on_a), scope.world(self.b, self.on_b)
-        start = float(np.hypot(q[0] - p[0], q[1] - p[1]))
-        return {"bodies": (scope.number("bodies", self.a), scope.number("bodies", self.b)),
-                "anchor": (self.on_a, self.on_b), "start": start,
-                "rest": start if self.rest_length is None else self.rest_length}
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A DampedSpring."""
@@ -140,6 +117,7 @@ class RotarySpring(SpringSpec):
 
     facts = SpringKind("N m/rad", "rotary stiffness", ("angle", "torque", "work"), straight=False)
 
+    LACKS = dict.fromkeys(("torque", "only"), LACKS_LAW)
     LOCAL = ("torque",)
     OWN = ("twist", "rate")
 
@@ -159,22 +137,14 @@ class RotarySpring(SpringSpec):
     damping: of.RotaryDamping = 0.0
     """Torque per rate [N m s/rad], against it; of a one-sided spring only while it acts."""
     rest_angle: Annotated[of.Angle, KEPT] = 0.0
-    """Hinge angle without torque [rad], in the hinge's positive sense; 0 by default, also if the
-    hinge starts elsewhere."""
+    """Hinge angle without torque [rad], in the hinge's sense; 0 by default."""
     breaks_at: Annotated[of.Torque, of.POSITIVE] | None = None
     """Magnitude of its torque without damping above which it breaks [N m]; it stays released unless
     an event engages it again. By default it never breaks."""
     released: of.Flag = False
-    """Whether it starts released, until an event engages it. Its damping belongs to the hinge and
-    is not released."""
+    """Whether it starts released, until an event engages it. Its damping is never released."""
 
     _law = field_validator("torque")(_read_law)
-
-    def columns(self, scope: Scope) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Springs`, besides those of all."""
-        joint = scope.number("joints", self.joint)
-        return {"bodies": scope.joints.bodies[joint], "start": float(scope.joints.start[joint]),
-                "rest": self.rest_angle, "joint": joint}
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A DampedRotarySpring, whose angle is that of ``a`` against ``b``, and a damper."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, recorded
+from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, live, recorded
 from sandbox.elements.springs import TakenUp
 from sandbox.values import numbers as of
 from sandbox.values.spec import Spec
@@ -17,32 +17,25 @@ if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.scene.mechanism import Mechanism
 
-RIGID = 1e5
-"""Stiffness [N/m] from which a tendon counts as inextensible: 0.04 mm under a finger's pull."""
+RIGID = 1e5  # stiffness [N/m] from which a tendon counts as inextensible
 
 QUANTITIES: Mapping[str, Quantity] = {
-    "length": recorded("tendon_length", "m",
-                       "along its path, including the length wound up on wheels at its ends since "
-                       "t = 0",
-                       live=True),
-    "shortening": Quantity(
-        "m", "path length at t = 0 minus the current one, between the wheels at its ends: positive "
-             "if wound up", live=True),
-    "tension": recorded("tendon_tension", "N", "along the whole path, never below 0; with friction "
-                                               "at guides, of the last span", live=True),
+    "length": live("tendon_length", "m", "along its path, including the length wound up on wheels "
+                                         "at its ends since t = 0"),
+    "shortening": Quantity("m", "path length at t = 0 minus the current one, between the wheels at "
+                                "its ends: positive if wound up", live=True),
+    "tension": live("tendon_tension", "N", "along the whole path, never below 0; with friction at "
+                                           "guides, of the last span"),
     "work": recorded("tendon_work", "J", "done on the bodies since t = 0"),
 }
+# additional quantities of tendons with a number each: of spans, guides with friction, wheels
 NUMBERED: Mapping[str, Quantity] = {
-    "tension": Quantity("N", "`tension_0` and so on: tension of each span, in order",
-                        live=True),
+    "tension": Quantity("N", "`tension_0` and so on: tension of each span, in order", live=True),
     "slip": Quantity("m", "`slip_1` and so on: length that has slid over that guide since t = 0, "
                           "towards the last guide; guides count from 0", live=True),
     "lifted": Quantity("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel, "
-                            "else 0; guides count from 0", live=True,
-                       yes_no=True),
+                            "else 0; guides count from 0", live=True, yes_no=True),
 }
-"""What tendons have besides, with a number each: where guides hold them by friction the tensions of
-their pieces and what slid over such a guide; ``lifted`` of each wheel that one can lift off."""
 
 
 class Guide(Spec):
@@ -66,8 +59,7 @@ class Guide(Spec):
     An end on the ``left`` is wound up by counter-clockwise rotation at the last guide, clockwise at
     the first. Without effect on a point."""
     turns: int = Field(default=0, ge=0, le=1000)
-    """Additional whole turns around the wheel at t = 0, as on a capstan. Without effect on a point
-    and at the ends."""
+    """Additional whole turns around the wheel at t = 0; without effect on a point, at the ends."""
     begins: Literal["on", "off"] | None = None
     """Whether the tendon lies on the wheel at t = 0 (``on``) or passes it straight (``off``), to
     meet it later. By default it is off if the straight path clears the wheel with its centre on
@@ -96,20 +88,17 @@ class Tendon(Element):
     guides: of.Items[Guide] = Field(min_length=2, max_length=64)
     """Path of the tendon from end to end; a pull drive acts at the last guide."""
     closed: of.Flag = False
-    """True: a loop, such as a belt. From the last guide it continues to the first; it has no tied
-    end."""
+    """True: a loop, such as a belt, from the last guide on to the first, without ends."""
     stiffness: of.Stiffness = Field(default=RIGID, gt=0)
     """Tension per stretch of the whole tendon [N/m]; from 100 kN/m on, the default, it is solved
     implicitly and counts as inextensible."""
     damping: of.Damping = 0.0
-    """Tension per rate of stretch [N s/m]; from 100 kN/m on the step adds damping of step *
-    stiffness."""
+    """Tension per rate of stretch [N s/m]; from 100 kN/m on, plus step * stiffness."""
     rest_length: of.Length | None = None
     """Rest length [m]; by default that of its path at t = 0. ``slack`` is added."""
     slack: of.Distance = 0.0
     """Added to the rest length [m], 0 or more: the path has to grow by this before the tendon
-    pulls. For tension from the start use a ``pretension``, or a ``rest_length`` shorter than the
-    path."""
+    pulls. The opposite is a ``pretension``."""
     pretension: Annotated[of.Force, of.NOT_NEGATIVE] | None = None
     """Tension along the whole tendon at t = 0 [N], in place of ``rest_length`` and ``slack``."""
     breaks_at: Annotated[of.Force, of.POSITIVE] | None = None

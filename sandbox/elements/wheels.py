@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.element import KEPT, Direction, Vec, direction_problems, no_mesh
-from sandbox.elements.joint import REACTION, Anchors, JointKind, JointSpec
+from sandbox.elements.element import KEPT, Direction, no_mesh
+from sandbox.elements.joint import REACTION, JointKind, JointSpec
 from sandbox.errors import Problem
 from sandbox.values.numbers import Angle, Distance, Flag, Length, Point, Stiffness
 from sandbox.values.spec import TYPE
@@ -65,8 +65,7 @@ class ToothedJoint(WheelJoint):
     """A joint of teeth."""
 
     pressure_angle: PressureAngle = math.radians(20.0)
-    """Between the line of action and the common tangent of the pitch circles, or the pitch line of
-    a rack, up to 45 deg."""
+    """Between the line of action and the tangent of the pitch circles, up to 45 deg."""
     backlash: Distance = 0.0
     """Backlash along the pitch circles or the pitch line; the teeth are centred at t = 0."""
     stiffness: Stiffness = Field(default=1e9, gt=0)
@@ -127,23 +126,18 @@ class Rack(ToothedJoint):
         """Of the gear [m]; the rack has none."""
         return self.radius, math.nan
 
-    def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
-        return {"along": self._pitch_line(at)}
-
-    def _pitch_line(self, at: Anchors) -> Vec:
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
         """The rack's direction in its frame, of length 1, with the gear to its left."""
         x, y = self.along
-        left = x * (at.a_in_b[1] - at.on_b[1]) - y * (at.a_in_b[0] - at.on_b[0])
-        length = math.copysign(math.hypot(x, y), left)
-        return x / length, y / length
-
-    def range_problems(self, path: str) -> Iterator[Problem]:
-        """A direction without a length that can be computed with."""
-        return direction_problems(self.along, f"{path}.along")
+        size = math.hypot(x, y)
+        px, py = mechanism.world(self.b, self.on_b)
+        qx, qy = mechanism.world(self.b, (self.on_b[0] + x / size, self.on_b[1] + y / size))
+        gx, gy = mechanism.world(self.a, self.on_a)
+        length = math.copysign(size, (qx - px) * (gy - py) - (qy - py) * (gx - px))
+        return {"along": (x / length, y / length)}
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
-        """Fields that are ``kept`` and that a placement changes all the same, with new values."""
+        """New values of ``kept`` fields that a placement changes."""
         return {"along": mover.direction(self.b, self.along)}
 
 

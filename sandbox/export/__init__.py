@@ -13,7 +13,6 @@ from sandbox.wording import listed, or_near, quoted
 __all__ = ["FORMATS", "Export", "export_mechanism"]
 
 FORMATS = {"mjcf": write_mjcf, "pymunk": write_script}
-"""Each format's name and its writer: text, notes and names of elements left out."""
 
 
 @dataclass(frozen=True)
@@ -21,10 +20,8 @@ class Export:
     """A model in another program's format."""
 
     text: str
-    notes: tuple[str, ...] = ()
-    """Differences from the scene, a sentence each."""
-    left_out: tuple[str, ...] = ()
-    """Names of the elements that the model lacks."""
+    notes: tuple[str, ...] = ()  # differences from the scene, a sentence each
+    left_out: tuple[str, ...] = ()  # names of the elements that the model lacks
 
 
 def export_mechanism(

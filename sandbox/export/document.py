@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import xml.etree.ElementTree as ET
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from typing import cast
 
 import numpy as np
@@ -23,8 +23,8 @@ def number(value: float) -> str:
     return f"{value + 0.0:.{DIGITS}g}" if value else "0"
 
 
+# of an attribute: a word, a number, or numbers in a row; None leaves it out
 Value = str | float | Sequence[float] | None
-"""Of an attribute: a word, a number, or numbers in a row; None leaves it out."""
 
 
 def element(tag: str, /, **attributes: Value) -> ET.Element:
@@ -64,76 +64,55 @@ def document(root: ET.Element) -> str:
     return ET.tostring(root, encoding="unicode", xml_declaration=False) + "\n"
 
 
-class UniqueNames:
-    """New names that differ from all names of the scene, by kind of object (joint, site …)."""
-
-    def __init__(self, reserved: Iterable[str]) -> None:
-        self._reserved = frozenset(reserved)
-        self._given: dict[str, set[str]] = {}
-
-    def made(self, kind: str, wanted: str) -> str:
-        """The name ``wanted``, with ``_`` appended until it is free."""
-        taken = self._given.setdefault(kind, set())
-        name = wanted
-        while name in taken or name in self._reserved:
-            name += "_"
-        taken.add(name)
-        return name
-
-
 SECTIONS = ("compiler", "option", "default", "asset", "worldbody", "contact", "equality", "tendon",
             "actuator", "sensor", "keyframe")
-WORLD = "world"
-"""MuJoCo's name of the fixed frame."""
+WORLD = "world"  # MuJoCo's name of the fixed frame
 
 
 class Draft:
     """Sections by name, elements on bodies by index (``NONE`` for the world), and notes."""
 
-    MAX_FORCE = 1e6
-    """A force that no tendon reaches [N], as MuJoCo needs closed ranges."""
+    MAX_FORCE = 1e6  # a force that no tendon reaches [N], as MuJoCo needs closed ranges
 
     def __init__(self, model: Model, tree: Tree) -> None:
-        self.model = model
-        self.mechanism = model.mechanism
-        self.tree = tree
+        self.model, self.tree, self.mechanism = model, tree, model.mechanism
         elements = (model.bodies, model.joints, model.springs, model.tendons, model.drives)
-        self.names = UniqueNames({WORLD, *(name for part in elements for name in part.name)})
+        self._taken = {(kind, name) for part in elements for name in (WORLD, *part.name)
+                       for kind in ("body", "joint", "site", "geom", "mesh", "sensor")}
         self.root = ET.Element("mujoco", {"model": self.mechanism.name or "mechanism"})
         self.sections = {name: add(self.root, name) for name in SECTIONS}
+        # sites and pulleys, until the bodies are written
         self.on_body: dict[int, list[ET.Element]] = {
             body: [] for body in (NONE, *range(len(model.bodies.name)))}
-        """Sites and pulleys, until the bodies are written."""
-        self.coils: dict[int, list[int]] = defaultdict(list)
-        """Rotary springs of a hinge."""
-        self.brakes: dict[int, float] = {}
-        """Torque of a hinge's brake [N m]."""
-        self.driven: set[int] = set()
-        """Hinges with a torque."""
-        self.controls: list[float] = []
-        """Value of every actuator at the end of the run."""
+        self.coils: dict[int, list[int]] = defaultdict(list)  # rotary springs of a hinge
+        self.brakes: dict[int, float] = {}  # torque of a hinge's brake [N m]
+        self.driven: set[int] = set()  # hinges with a torque
+        self.controls: list[float] = []  # value of every actuator at the end of the run
         self.notes: list[str] = []
         self.body_names = [
-            self.names.made("body", name) if name == WORLD else name for name in model.bodies.name]
+            self.unique("body", name) if name == WORLD else name for name in model.bodies.name]
+        # coordinates of every body, with unique names
         self.moves = {body: [
-            dataclasses.replace(move, name=self.names.made("joint", move.name))
+            dataclasses.replace(move, name=self.unique("joint", move.name))
             if move.made else move for move in freedoms(model, link)
         ] for body, link in tree.links.items()}
-        """Coordinates of every body, with unique names."""
         self._world_frame = ""
 
-    def coordinates(self) -> list[Freedom]:
+    def unique(self, kind: str, name: str) -> str:
+        """A new name of a joint, site ...: ``name``, with ``_`` appended until it is free."""
+        while (kind, name) in self._taken:
+            name += "_"
+        self._taken.add((kind, name))
+        return name
+
+    def coordinates(self) -> Iterator[Freedom]:
         """All coordinates in MuJoCo's order, depth first."""
-        children: dict[int, list[int]] = {body: [] for body in (NONE, *self.tree.links)}
-        for body, link in self.tree.links.items():
-            children[link.parent].append(body)
-        found: list[Freedom] = []
-        waiting = children[NONE][::-1]
+        waiting = [NONE]
         while waiting:
             body = waiting.pop()
-            found += self.moves[body]
-            waiting += children[body][::-1]
-        return found
+            yield from self.moves.get(body, [])
+            waiting += [child for child, link in self.tree.links.items()
+                        if link.parent == body][::-1]
 
     def assembled(self, body: int, point: Vec) -> Vec:
         """A point of a body in the world [m], with every joint assembled as in MuJoCo."""
@@ -147,7 +126,7 @@ class Draft:
 
     def site(self, body: int, wanted: str, at: Vec = (0.0, 0.0), **more: str | float) -> str:
         """Add a site to a body and return its name."""
-        name = self.names.made("site", wanted)
+        name = self.unique("site", wanted)
         self.on_body[body].append(element("site", name=name, pos=(*at, 0.0), **more))
         return name
 
@@ -158,20 +137,20 @@ class Draft:
 
     def sense(self, kind: str, wanted: str, **what: str) -> None:
         """Add a sensor."""
-        add(self.sections["sensor"], kind, name=self.names.made("sensor", wanted), **what)
+        add(self.sections["sensor"], kind, name=self.unique("sensor", wanted), **what)
 
     def target(self, drive: int) -> int:
         """The number of the element that a drive acts on."""
         return int(self.model.drives.target[drive])
 
     def drive_hinge(self, drive: int) -> dict[str, str]:
-        """What an actuator of a hinge acts on: a joint, or the tendon of one that closes a loop."""
+        """Attribute of an actuator of a hinge: its joint, or the tendon of a closed loop."""
         joint = self.target(drive)
         self.driven.add(joint)
         return {"joint" if self.carried(joint) else "tendon": self.model.joints.name[joint]}
 
     def angle_offset(self, drive: int) -> float:
-        """What the coordinate of a hinge that closes a loop lacks of its angle [rad]."""
+        """Angle minus coordinate of a hinge that closes a loop [rad]."""
         return angle_sum(self.model, self.target(drive), self.tree, self.moves)[1]
 
     def final_value(self, drive: int) -> float:
@@ -185,11 +164,7 @@ class Draft:
     ) -> None:
         """Add an actuator whose control is the value of a drive; note a value that varies.
 
-        Args:
-            drive: number of the drive.
-            what: the tag of the actuator.
-            gives: the quantity of the drive that its force is.
-            attributes: of the actuator.
+        ``what`` is its tag, ``gives`` the quantity of the drive that is its force.
         """
         section, name = self.sections["actuator"], self.model.drives.name[drive]
         signal = self.mechanism.drives[drive].signal(self.mechanism)

@@ -9,26 +9,25 @@ from __future__ import annotations
 import itertools
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+
+import numpy as np
 
 import sandbox
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import SceneError
 from sandbox.export.document import Draft, Value, add, comment, document, element, number
-from sandbox.export.selection import Arc, contact_pairs, leave_out, without_counterpart
-from sandbox.export.tree import Freedom, anchors, angle_sum, grow, pose, stops, vec
+from sandbox.export.selection import arc_of, contact_pairs, leave_out, without_counterpart
+from sandbox.export.tree import anchors, angle_sum, grow, pose, stops, vec
 from sandbox.model.compile import compile_mechanism
-from sandbox.model.model import NONE, Bodies
-from sandbox.numeric import Array
+from sandbox.model.model import NONE
 from sandbox.samples.cables import Stretches, pulls_at_start, rest_lengths, stretches_at_start
-from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Role, Shape, Solid
+from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Role, Shape, Solid
 from sandbox.scene.geometry import Vec, core, corners, count_solids, solids
 from sandbox.scene.mechanism import Mechanism
 
+# solimp: the hardest constraint that MuJoCo allows, whatever its depth
 STIFFNESS = "0.9999 0.9999 0.001 0.5 2"
-"""solimp: the hardest constraint that MuJoCo allows, whatever its depth."""
-IMPEDANCE_RATIO = 10.0
-"""impratio, of friction to normal force: MuJoCo's contacts creep less if it is large."""
 
 
 def write_mjcf(
@@ -48,14 +47,27 @@ def write_mjcf(
     add_springs(draft)
     step = min(kept.run.step, add_tendons(draft))
     add_links(draft)
-    add_drives(draft)
+    for steering in (*kept.controllers, *kept.events):
+        draft.notes.append(f"{steering.name}: MuJoCo has no controllers and no events; the drives "
+                           "keep their own signals")
+    for i, drive in enumerate(kept.drives):
+        drive.write_mujoco(draft, i)
     for joint in draft.tree.loops:
         if model.joints.angle[joint]:
             _add_closing_angle(draft, joint)
     sense_bodies(draft)
     geoms = add_bodies(draft)
-    _add_pairs(draft, geoms)
-    add_start(draft)
+    for a, b, friction in contact_pairs(model):
+        for one, other in itertools.product(geoms[a], geoms[b]):
+            add(draft.sections["contact"], "pair", geom1=one, geom2=other,
+                condim="3" if friction else "1",  # 1 has no friction
+                friction=(friction, friction) if friction else None)
+    moves = list(draft.coordinates())
+    if moves or draft.controls:  # pose and speeds at t = 0, controls at the end of the run
+        add(draft.sections["keyframe"], "key", name="start",
+            qpos=[move.start for move in moves] or None,
+            qvel=[move.rate for move in moves] if any(move.rate for move in moves) else None,
+            ctrl=draft.controls or None)
     _add_settings(draft, step)
     if step < kept.run.step:
         draft.notes.append(f"an elastic tendon takes a time step of {number(step)} s here, "
@@ -68,16 +80,13 @@ def _add_settings(draft: Draft, step: float) -> None:
     head = (f"{mechanism.title or mechanism.name or 'A mechanism'}; written by sandbox "
             f"{sandbox.__version__}. SI units; the plane is x-y.")
     draft.root.insert(0, comment(head))
-    for name, text in {"angle": "radian", "autolimits": "true", "inertiafromgeom": "false"}.items():
-        sections["compiler"].set(name, text)
-    option: Mapping[str, str] = {
-        "timestep": number(step),
-        "gravity": f"{number(mechanism.gravity[0])} {number(mechanism.gravity[1])} 0",
-        "integrator": "implicitfast", "cone": "elliptic", "impratio": number(IMPEDANCE_RATIO),
-        "solver": "Newton", "iterations": "200", "tolerance": "1e-12",
-    }
-    for name, text in option.items():
-        sections["option"].set(name, text)
+    sections["compiler"].attrib.update(angle="radian", autolimits="true", inertiafromgeom="false")
+    sections["option"].attrib.update(
+        timestep=number(step),
+        gravity=f"{number(mechanism.gravity[0])} {number(mechanism.gravity[1])} 0",
+        integrator="implicitfast", cone="elliptic",
+        impratio="10",  # of friction to normal force: contacts creep less if it is large
+        solver="Newton", iterations="200", tolerance="1e-12")
     hard = f"{number(2 * step)} 1"  # the shortest time constant that MuJoCo takes
     defaults = sections["default"]
     # brakes creep, as friction does in MuJoCo: keep it small
@@ -91,31 +100,20 @@ def _add_settings(draft: Draft, step: float) -> None:
     add(defaults, "pair", solref=f"{number(4 * step)} 1", solimp=STIFFNESS)
 
 
-def _add_pairs(draft: Draft, geoms: Mapping[str, Sequence[str]]) -> None:
-    """A contact pair for any two shapes that may touch; ``condim`` 1 has no friction."""
-    names = draft.model.bodies.name
-    for a, b, friction in contact_pairs(draft.model):
-        for one, other in itertools.product(geoms[names[a]], geoms[names[b]]):
-            add(draft.sections["contact"], "pair", geom1=one, geom2=other,
-                condim="3" if friction else "1",
-                friction=(friction, friction) if friction else None)
-
-
 COLOURS: dict[Role, str] = {
     "link": "0.55 0.6 0.66 1", "ground": "0.5 0.5 0.5 1", "palm": "0.6 0.55 0.5 1",
     "phalanx": "0.88 0.74 0.6 1", "rocker": "0.45 0.6 0.75 1", "pulley": "0.45 0.6 0.75 1",
     "object": "0.5 0.7 0.5 1",
 }
-MARGIN = 1.05
-"""Radius of the site of a touch sensor, relative to that of the body's shapes."""
+MARGIN = 1.05  # radius of the site of a touch sensor, relative to that of the body's shapes
 
 
-def add_bodies(draft: Draft) -> dict[str, list[str]]:
+def add_bodies(draft: Draft) -> dict[int, list[str]]:
     """Add all bodies to the world; return the names of each body's geoms."""
     world = draft.sections["worldbody"]
     add(world, "light", pos=(0, 0, 1), dir=(0, 0, -1), directional="true")
     places: dict[int, ET.Element] = {NONE: world}
-    geoms: dict[str, list[str]] = {}
+    geoms: dict[int, list[str]] = {}
     for index, link in draft.tree.links.items():
         x, y, angle = link.pose
         place = add(places[link.parent], "body", name=draft.body_names[index], pos=(x, y, 0.0),
@@ -127,28 +125,24 @@ def add_bodies(draft: Draft) -> dict[str, list[str]]:
             add(place, "inertial", pos=(*vec(bodies.centre[index]), 0.0),
                 mass=float(bodies.mass[index]), diaginertia=(float(bodies.inertia[index]),) * 3)
         for move in draft.moves[index]:
-            _add_joint(draft, place, move)
+            law = hinge_law(draft, move.joint) if move.joint != NONE else {}
+            if move.loss:
+                law["frictionloss"] = move.loss
+            add(place, "joint", name=move.name, type=move.kind, axis=move.axis,
+                pos=(*move.at, 0.0) if move.kind == "hinge" else None,
+                ref=move.start or None, range=move.limits, **law)
         body = draft.mechanism.bodies[index]
         single = count_solids(body) == 1
-        geoms[body.name] = []
+        geoms[index] = []
         for i, (solid, half) in enumerate((solid, depth(shape)) for shape in body.shapes
                                           for solid, _ in solids(shape)):
-            name = body.name if single else draft.names.made("geom", f"{body.name}.{i}")
-            geoms[body.name].append(name)
+            name = body.name if single else draft.unique("geom", f"{body.name}.{i}")
+            geoms[index].append(name)
             add(place, "geom", name=name, rgba=COLOURS[body.role],
                 **_geom(draft, name, solid, half))
     for index, place in places.items():
         place.extend(draft.on_body[index])
     return geoms
-
-
-def _add_joint(draft: Draft, place: ET.Element, move: Freedom) -> None:
-    law = hinge_law(draft, move.joint) if move.joint != NONE else {}
-    if move.loss:
-        law["frictionloss"] = move.loss
-    add(place, "joint", name=move.name, type=move.kind, axis=move.axis,
-        pos=(*move.at, 0.0) if move.kind == "hinge" else None,
-        ref=move.start or None, range=move.limits, **law)
 
 
 def _geom(draft: Draft, wanted: str, solid: Solid, half: float) -> dict[str, Value]:
@@ -166,7 +160,7 @@ def _geom(draft: Draft, wanted: str, solid: Solid, half: float) -> dict[str, Val
                     "pos": (*solid.at, 0.0),
                     "euler": (0.0, 0.0, solid.angle) if solid.angle else None}
         case Polygon():
-            mesh = draft.names.made("mesh", wanted)
+            mesh = draft.unique("mesh", wanted)
             add(draft.sections["asset"], "mesh", name=mesh, vertex=[
                 value for z in (-half, half) for x, y in corners(solid) for value in (x, y, z)])
             return {"type": "mesh", "mesh": mesh}
@@ -183,16 +177,6 @@ def depth(shape: Shape) -> float:
     return max(math.dist(p, q) for p in points for q in points) / 2
 
 
-def enclosing(body: Body) -> tuple[Vec, float]:
-    """Centre and radius [m] of a ball around all shapes of a body, with the depth of prisms."""
-    points = [(point, grown) for shape in body.shapes for solid, _ in solids(shape)
-              for ring, grown in [core(solid)] for point in ring]
-    xs, ys = [p[0] for p, _ in points], [p[1] for p, _ in points]
-    centre = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
-    return centre, math.hypot(max(math.dist(centre, p) + r for p, r in points),
-                              max(map(depth, body.shapes)))
-
-
 def sense_bodies(draft: Draft) -> None:
     """Add sensors for the quantities of bodies and hinges, and sites for contact forces."""
     for index, body in enumerate(draft.mechanism.bodies):
@@ -204,7 +188,12 @@ def sense_bodies(draft: Draft) -> None:
         draft.sense("framelinvel", f"{body.name}.velocity", objtype="body", objname=own)
         draft.sense("frameangvel", f"{body.name}.omega", objtype="body", objname=own)
         if body.shapes:
-            centre, radius = enclosing(body)
+            points = [(point, grown) for shape in body.shapes for solid, _ in solids(shape)
+                      for ring, grown in [core(solid)] for point in ring]
+            xs, ys = [p[0] for p, _ in points], [p[1] for p, _ in points]
+            centre = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
+            radius = math.hypot(  # of a ball around all shapes, with the depth of prisms [m]
+                max(math.dist(centre, p) + r for p, r in points), max(map(depth, body.shapes)))
             site = draft.site(index, f"{body.name}.skin", centre, size=MARGIN * radius,
                               group="5")
             draft.sense("touch", f"{body.name}.contact.normal", site=site)
@@ -218,18 +207,7 @@ def sense_bodies(draft: Draft) -> None:
                 draft.sense("jointlimitfrc", f"{move.name}.stop", joint=move.name)
 
 
-FAR = 1e6
-"""A length that no spring reaches [m], as MuJoCo needs closed ranges."""
-
-
-def add_links(draft: Draft) -> None:
-    """Add rods and ropes, then the joints that close loops."""
-    straight = (joint for joint, kind in enumerate(draft.model.joints.kind) if kind.along_line)
-    for joint in (*straight, *draft.tree.loops):
-        if draft.model.joints.kind[joint].along_line:
-            _distance(draft, joint)
-        else:
-            _close(draft, joint)
+FAR = 1e6  # A length that no spring reaches [m], as MuJoCo needs closed ranges
 
 
 def route(draft: Draft, cable: ET.Element, name: str, ends: tuple[tuple[int, Vec], ...]) -> None:
@@ -238,35 +216,33 @@ def route(draft: Draft, cable: ET.Element, name: str, ends: tuple[tuple[int, Vec
         add(cable, "site", site=draft.site(body, f"{name}.{i}", at))
 
 
-def _distance(draft: Draft, joint: int) -> None:
-    """Add a tendon of fixed, limited or free length: a rod, a rope or an actuator."""
-    name = draft.model.joints.name[joint]
-    a, b = draft.model.joints.bodies[joint].tolist()
-    on_a, on_b = anchors(draft.model, joint)
-    low, high = draft.model.joints.reach[joint].tolist()
-    stiff, free = low == high, low == 0.0 and high == math.inf
-    cable = add(draft.sections["tendon"], "spatial", name=name,
-               range=None if stiff or free else (low, min(high, FAR)), width=0.0005)
-    route(draft, cable, name, ((a, on_a), (b, on_b)))
-    draft.sense("tendonpos", f"{name}.length", tendon=name)
-    if stiff:
-        start = math.dist(draft.assembled(a, on_a), draft.assembled(b, on_b))
-        add(draft.sections["equality"], "tendon", name=name, tendon1=name,
-            polycoef=(high - start, 0, 0, 0, 0))
-    elif not free:
-        draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
-
-
-def _close(draft: Draft, joint: int) -> None:
-    """Add an equality constraint of two sites; of a weld that on ``a`` is rotated."""
-    turns = draft.model.joints.turns[joint]
-    name = draft.model.joints.name[joint]
-    a, b = draft.model.joints.bodies[joint].tolist()
-    on_a, on_b = anchors(draft.model, joint)
-    angle = 0.0 if turns else pose(draft.model, b)[2] - pose(draft.model, a)[2]
-    more = {"euler": f"0 0 {angle:.12g}"} if angle else {}
-    add(draft.sections["equality"], "connect" if turns else "weld", name=name,
-        site1=draft.site(a, f"{name}.a", on_a, **more), site2=draft.site(b, f"{name}.b", on_b))
+def add_links(draft: Draft) -> None:
+    """Add rods, ropes and actuators as tendons, then the joints that close loops as sites."""
+    model, joints = draft.model, draft.model.joints
+    for joint in np.flatnonzero([kind.along_line for kind in joints.kind]).tolist():
+        name, (a, b), (on_a, on_b) = joints.name[joint], joints.bodies[joint].tolist(), anchors(
+            model, joint)
+        low, high = joints.reach[joint].tolist()
+        stiff, free = low == high, low == 0.0 and high == math.inf
+        cable = add(draft.sections["tendon"], "spatial", name=name,
+                    range=None if stiff or free else (low, min(high, FAR)), width=0.0005)
+        route(draft, cable, name, ((a, on_a), (b, on_b)))
+        draft.sense("tendonpos", f"{name}.length", tendon=name)
+        if stiff:
+            start = math.dist(draft.assembled(a, on_a), draft.assembled(b, on_b))
+            add(draft.sections["equality"], "tendon", name=name, tendon1=name,
+                polycoef=(high - start, 0, 0, 0, 0))
+        elif not free:
+            draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
+    for joint in draft.tree.loops:  # of a weld the site on a is rotated
+        name, (a, b), (on_a, on_b) = joints.name[joint], joints.bodies[joint].tolist(), anchors(
+            model, joint)
+        turns = joints.turns[joint]
+        angle = 0.0 if turns else pose(model, b)[2] - pose(model, a)[2]
+        more = {"euler": f"0 0 {angle:.12g}"} if angle else {}
+        add(draft.sections["equality"], "connect" if turns else "weld", name=name,
+            site1=draft.site(a, f"{name}.a", on_a, **more),
+            site2=draft.site(b, f"{name}.b", on_b))
 
 
 def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
@@ -303,31 +279,26 @@ def _add_closing_angle(draft: Draft, joint: int) -> None:
         add(cable, "joint", joint=name, coef=factor)
 
 
-FRACTION = 0.2
-"""Largest time step, relative to 1 / omega of an elastic tendon between its free bodies."""
+FRACTION = 0.2  # maximum time step times omega of an elastic tendon between its free bodies
 WHEEL = "0.45 0.6 0.75 0.4"
 
 
 def add_springs(draft: Draft) -> None:
     """Add all springs; those of hinges are kept until their hinge is written."""
-    for index, straight in enumerate(draft.model.springs.straight):
-        if straight:
-            _between_points(draft, index)
-        else:
-            draft.coils[int(draft.model.springs.joint[index])].append(index)
-
-
-def _between_points(draft: Draft, spring: int) -> None:
     springs = draft.model.springs
-    name, (a, b) = springs.name[spring], springs.bodies[spring].tolist()
-    (on_a, on_b), law, rest = springs.anchor[spring], springs.law[spring], springs.rest[spring]
-    free = rest if law is None else (0.0, rest) if law.side > 0 else (rest, FAR)
-    cable = add(draft.sections["tendon"], "spatial", name=name, springlength=free,
-               stiffness=float(springs.stiffness[spring]) or None,
-               damping=float(springs.damping[spring]) or None,
-               rgba="0.6 0.6 0.3 1", width=0.0005)
-    route(draft, cable, name, ((a, vec(on_a)), (b, vec(on_b))))
-    draft.sense("tendonpos", f"{name}.length", tendon=name)
+    for spring, name in enumerate(springs.name):
+        if not springs.straight[spring]:
+            draft.coils[int(springs.joint[spring])].append(spring)
+            continue
+        (a, b), (on_a, on_b) = springs.bodies[spring].tolist(), springs.anchor[spring]
+        law, rest = springs.law[spring], springs.rest[spring]
+        free = rest if law is None else (0.0, rest) if law.side > 0 else (rest, FAR)
+        cable = add(draft.sections["tendon"], "spatial", name=name, springlength=free,
+                    stiffness=float(springs.stiffness[spring]) or None,
+                    damping=float(springs.damping[spring]) or None,
+                    rgba="0.6 0.6 0.3 1", width=0.0005)
+        route(draft, cable, name, ((a, vec(on_a)), (b, vec(on_b))))
+        draft.sense("tendonpos", f"{name}.length", tendon=name)
 
 
 def add_tendons(draft: Draft) -> float:
@@ -344,7 +315,11 @@ def add_tendons(draft: Draft) -> float:
                 law["range"] = (0.0, rest)
                 draft.sense("tendonlimitfrc", f"{name}.tension", tendon=name)
             else:
-                mobility = _mobility(draft.model.bodies, pulls.does[tendon])
+                bodies = draft.model.bodies
+                mobility = sum(  # J M^-1 J^T of the free bodies [1/kg]
+                    float((x * x + y * y) / bodies.mass[body] + moment**2 / bodies.inertia[body])
+                    for body, (x, y, moment) in pulls.does[tendon].items() if bodies.free[body]
+                    ) or 1e-12
                 step = min(step, FRACTION / math.sqrt(stiffness * mobility))
                 if tendons.damping[tendon]:
                     _pulling_only(draft, tendon, rest)
@@ -358,13 +333,6 @@ def add_tendons(draft: Draft) -> float:
         draft.notes.append(
             f"tendons of {RIGID:g} N/m and more do not stretch here: {', '.join(stiff)}")
     return step
-
-
-def _mobility(bodies: Bodies, pulls: Mapping[int, Array]) -> float:
-    """J M^-1 J^T of a tendon [1/kg], with free bodies."""
-    total = sum(float((x * x + y * y) / bodies.mass[body] + moment**2 / bodies.inertia[body])
-                for body, (x, y, moment) in pulls.items() if bodies.free[body])
-    return total or 1e-12
 
 
 def _pulling_only(draft: Draft, tendon: int, rest: float) -> None:
@@ -391,30 +359,10 @@ def _thread(draft: Draft, cable: ET.Element, tendon: int, start: Stretches) -> N
         if not radius:
             add(cable, "site", site=draft.site(body, name, at))
             continue
-        middle = Arc(draft.model, start, guide).middle - float(draft.model.bodies.pose[body, 2])
+        middle = arc_of(draft.model, start, guide).middle - float(draft.model.bodies.pose[body, 2])
         beside = (at[0] + 1.5 * radius * math.cos(middle), at[1] + 1.5 * radius * math.sin(middle))
-        wheel = draft.names.made("geom", name)
+        wheel = draft.unique("geom", name)
         draft.on_body[body].append(element(
             "geom", name=wheel, type="cylinder", size=(radius, radius / 4),
             pos=(*at, 0.0), rgba=WHEEL))
         add(cable, "geom", geom=wheel, sidesite=draft.site(body, f"{name}.side", beside))
-
-
-def add_drives(draft: Draft) -> None:
-    """Add all drives; note every controller and event, which MuJoCo lacks."""
-    for steering in (*draft.mechanism.controllers, *draft.mechanism.events):
-        draft.notes.append(f"{steering.name}: MuJoCo has no controllers and no events; the drives "
-                           "keep their own signals")
-    for i, drive in enumerate(draft.mechanism.drives):
-        drive.write_mujoco(draft, i)
-
-
-def add_start(draft: Draft) -> None:
-    """Add the keyframe ``start``: pose and speeds at t = 0, controls at the end of the run."""
-    moves = draft.coordinates()
-    if not moves and not draft.controls:
-        return
-    add(draft.sections["keyframe"], "key", name="start",
-        qpos=[move.start for move in moves] if moves else None,
-        qvel=[move.rate for move in moves] if any(move.rate for move in moves) else None,
-        ctrl=draft.controls or None)

@@ -20,13 +20,13 @@ from sandbox.engine.pymunk_draft import (
 from sandbox.export.selection import leave_out
 from sandbox.scene.mechanism import Mechanism
 
+# definitions of sandbox.engine.pymunk_scene that every script contains
 ALWAYS = ("Scene", "__init__", "step", "contacts")
-"""Definitions of :mod:`sandbox.engine.pymunk_scene` that every script contains."""
+# functions in formulas of a scene besides Python's own
 FORMULAS = """from math import *
 sign = lambda x: (x > 0) - (x < 0)
 clip = lambda x, low, high: min(max(x, low), high)
 """
-"""What formulas of a scene call besides Python's own functions."""
 MAIN = '''
 
 def draw(scene):
@@ -71,13 +71,14 @@ def write_script(
     draft = PymunkDraft(kept)
     calls = [f"scene.{_text(call)}" for call in draft.calls]
     first = f"scene = Scene({', '.join(map(_text, scene_arguments(kept)))})"
-    title = _plain(kept.title or kept.name or "A mechanism")
-    head = f'"""{title}; written by sandbox {sandbox.__version__}. SI units."""'
-    steps = f"STEPS = {max(1, math.ceil(kept.run.duration / time_step(kept) - 1e-9))}"
-    maths = FORMULAS if any("lambda t:" in call for call in calls) else ""
+    title = "".join(c if c.isprintable() else " "
+                    for c in kept.title or kept.name or "A mechanism")
     return "\n".join([
-        f"{head}\n{maths}{_definitions(ast.parse(first + chr(10) + chr(10).join(calls)))}\n",
-        first, *calls, f"{steps}\n{MAIN}"]), (), left_out
+        f"# {title}; written by sandbox {sandbox.__version__}",
+        _definitions(ast.parse("\n".join([first, *calls]))),
+        "\nimport sys", *[FORMULAS] * any("lambda t:" in call for call in calls), first, *calls,
+        f"STEPS = {max(1, math.ceil(kept.run.duration / time_step(kept) - 1e-9))}\n{MAIN}",
+    ]), (), left_out
 
 
 def _text(value: Any) -> str:
@@ -96,26 +97,22 @@ def _text(value: Any) -> str:
     return ascii(value)
 
 
-def _plain(text: str) -> str:
-    """A text that ends no string."""
-    return "".join(c if c.isprintable() and c not in '"\\' else " " for c in text)
+DEFINITIONS = (ast.FunctionDef, ast.ClassDef)
 
 
 def _definitions(calls: ast.AST) -> str:
-    """What the calls use of :mod:`sandbox.engine.pymunk_scene`, without types."""
+    """The definitions of :mod:`sandbox.engine.pymunk_scene` that the calls use."""
     tree = ast.parse(inspect.getsource(pymunk_scene))
     known = {node.name: node for node in ast.walk(tree) if isinstance(node, DEFINITIONS)}
     used, waiting = set[str](), {*ALWAYS, *_names(calls)} & known.keys()
     while waiting:
         used |= waiting
         waiting = {each for name in waiting for each in _names(known[name])} & known.keys() - used
-    trimmed = ast.unparse(ast.fix_missing_locations(_Trimmed(used).visit(tree)))
-    libraries = [f"import {name}" for name in ("cmath", "itertools", "math", "sys")]
-    libraries += ["from bisect import bisect_right"] * ("bisect_right" in trimmed)
-    return "\n".join([*libraries, "import pymunk", "from pymunk import Body, Vec2d", "", trimmed])
-
-
-DEFINITIONS = (ast.FunctionDef, ast.ClassDef)
+    for node in (tree, *known.values()):
+        if not isinstance(node, ast.FunctionDef):
+            node.body = [each for each in node.body
+                         if not isinstance(each, DEFINITIONS) or each.name in used]
+    return ast.unparse(tree)
 
 
 def _names(node: ast.AST) -> set[str]:
@@ -124,42 +121,3 @@ def _names(node: ast.AST) -> set[str]:
         return {"__init__", "measure", "act"}
     return {each.attr if isinstance(each, ast.Attribute) else each.id for each in ast.walk(node)
             if isinstance(each, ast.Attribute | ast.Name)}
-
-
-class _Trimmed(ast.NodeTransformer):
-    """Leaves functions and methods that are used, without types and with short docstrings."""
-
-    def __init__(self, used: set[str]) -> None:
-        self.used = used
-
-    def visit_Module(self, node: ast.Module) -> ast.AST:
-        """Leave functions and classes."""
-        node.body = [each for each in node.body if isinstance(each, DEFINITIONS)]
-        return self.generic_visit(node)
-
-    def visit_ClassDef(self, node: ast.ClassDef) -> ast.AST | None:
-        """Leave the methods that are used."""
-        node.body = [each for each in node.body if not isinstance(each, ast.FunctionDef)
-                     or each.name in self.used]
-        return self._short(node)
-
-    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST | None:
-        """Leave a function that is used, or is in another one."""
-        if node.col_offset == 0 and node.name not in self.used:
-            return None
-        node.returns = None
-        return self._short(node)
-
-    def _short(self, node: ast.FunctionDef | ast.ClassDef) -> ast.AST:
-        if text := ast.get_docstring(node):
-            node.body[0] = ast.Expr(ast.Constant(text.split("\n\n")[0]))
-        return self.generic_visit(node)
-
-    def visit_arg(self, node: ast.arg) -> ast.AST:
-        """Drop its type."""
-        node.annotation = None
-        return node
-
-    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:
-        """Drop the type of a variable."""
-        return ast.Assign([node.target], node.value or ast.Constant(None), lineno=node.lineno)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from sandbox.elements.element import RELEASED, references
 from sandbox.elements.fluids import FLUID
 from sandbox.errors import Problem, SceneError
 from sandbox.export.tree import Tree
-from sandbox.model.model import Joints, Model, Springs
+from sandbox.model.model import Model
 from sandbox.model.pairs import allowed_pairs, friction_of
 from sandbox.model.tendons import lifted_at_start
 from sandbox.numeric import Array
@@ -22,10 +23,9 @@ from sandbox.scene.settings import ContactRule
 from sandbox.values.signals import Constant
 from sandbox.wording import listed, near, quoted
 
+# lists of elements, in an order in which each needs only those before it
 ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives")
-"""Lists of elements, in an order in which each needs only those before it."""
-MATERIAL = "materials."
-"""Prefix of a material. Leaving it out removes its restitution, static friction and skin."""
+MATERIAL = "materials."  # leaving one out removes its restitution, static friction and skin
 
 
 def rule_name(rule: ContactRule) -> str:
@@ -106,9 +106,15 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
     for joint, (name, joints) in enumerate(zip(model.joints.name, model.joints.kind, strict=True)):
         curved = "a slot with a path" if model.joints.path[joint] else ""
         yield name, (joints.mujoco or curved or (joints.mujoco_loop if joint in tree.loops else "")
-                     or _friction(model.joints, joint))
-    for spring, name in enumerate(model.springs.name):
-        yield name, _law(model.springs, spring)
+                     or ("joint friction that depends on the reaction"
+                         if model.joints.coefficient[joint] else
+                         STATIC if model.joints.static[joint] > 1 else ""))
+    for name, law, straight in zip(
+            model.springs.name, model.springs.law, model.springs.straight, strict=True):
+        yield name, "" if law is None else (
+            "a spring with a force law" if law.own is not None else
+            "a damper that acts on one side only" if law.damping else
+            "" if straight else "a spring about a hinge that acts on one side only")
     for tendon, name in enumerate(model.tendons.name):
         yield name, _wheel(model, tendon)
     for name in (*model.lines.name, *model.valves.name):
@@ -117,27 +123,11 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
         yield load.name, "a load by a law of a body's own motion"
     for name in model.bonds.name:
         yield name, RELEASED
-    for drive, kind in zip(model.mechanism.drives, model.drives.kind, strict=True):
+    for drive, kind, stiffness in zip(
+            model.mechanism.drives, model.drives.kind, model.drives.stiffness, strict=True):
         varies = not isinstance(drive.signal(model.mechanism), Constant)
-        yield drive.name, (kind.mujoco or (kind.mujoco_varied if varies else "")
-                           or drive.without_mujoco(model.mechanism))
-
-
-def _friction(joints: Joints, joint: int) -> str:
-    if joints.coefficient[joint]:
-        return "joint friction that depends on the reaction"
-    return STATIC if joints.static[joint] > 1 else ""
-
-
-def _law(springs: Springs, spring: int) -> str:
-    law = springs.law[spring]
-    if law is None:
-        return ""
-    if law.own is not None:
-        return "a spring with a force law"
-    if law.damping:
-        return "a damper that acts on one side only"
-    return "" if springs.straight[spring] else "a spring about a hinge that acts on one side only"
+        yield drive.name, kind.mujoco or (kind.mujoco_varied if varies else "") or (
+            "a rigid servo or length" if kind.places and np.isnan(stiffness) else "")
 
 
 def _wheel(model: Model, tendon: int) -> str:
@@ -158,7 +148,7 @@ def _wheel(model: Model, tendon: int) -> str:
         return "a tendon from wheel to wheel without a via point between them"
     start = stretches_at_start(model)
     for wheel in wheels:
-        body, arc = model.bodies.name[model.tendons.guide_body[wheel]], Arc(model, start, wheel)
+        body, arc = model.bodies.name[model.tendons.guide_body[wheel]], arc_of(model, start, wheel)
         if arc.inside:
             return f"a tendon with an eye inside its wheel, here {body!r}"
         if arc.crosses:
@@ -166,42 +156,33 @@ def _wheel(model: Model, tendon: int) -> str:
     return ""
 
 
-class Arc:
-    """The arc of a tendon at t = 0 on a wheel between two eyes.
+class Arc(NamedTuple):
+    """The arc of a tendon at t = 0 on a wheel between two eyes."""
 
-    Args:
-        model: the mechanism.
-        start: all straight pieces at t = 0.
-        wheel: number of the guide.
-    """
-
-    def __init__(self, model: Model, start: Stretches, wheel: int) -> None:
-        tendons, (one, two) = model.tendons, (
-            int(np.flatnonzero(model.tendons.stretch_first == wheel - k)[0]) for k in (1, 0))
-        radius = float(tendons.guide_radius[wheel])
-        tendon = int(tendons.stretch_tendon[one])
-        off = bool(lifted_at_start(model)[wheel])
-        before, centre, after = (np.array([at.x[row, 0], at.y[row, 0]]) for at, row in (
-            (start.start, one), (start.end, one), (start.end, two)))
-        normals = [np.array([-start.y[row, 0], start.x[row, 0]]) for row in (one, two)]
-        self.inside = not off and min(
-            np.hypot(*(before - centre)), np.hypot(*(after - centre))) <= abs(radius)
-        """Whether an eye lies inside the wheel."""
-        angle = wraps_at_start(model, tendon)[wheel - int(tendons.first[tendon])]
-        x, y = radius * normals[0]
-        self.middle = float(np.arctan2(y, x) - np.sign(radius) * angle / 2)
-        """Direction from the centre to the middle of the arc [rad]."""
-        self.crosses = not off and _cross(
-            before, centre + radius * normals[0], centre + radius * normals[1], after)
-        """Whether the two straight parts cross."""
+    inside: bool  # whether an eye lies inside the wheel
+    middle: float  # direction from the centre to the middle of the arc [rad]
+    crosses: bool  # whether the two straight parts cross
 
 
-def _cross(a: Array, b: Array, c: Array, d: Array) -> bool:
-    """Whether the segments ab and cd cross."""
+def arc_of(model: Model, start: Stretches, wheel: int) -> Arc:
+    """The arc on a wheel, a guide, of a tendon with straight pieces ``start``."""
+    tendons, (one, two) = model.tendons, (
+        int(np.flatnonzero(model.tendons.stretch_first == wheel - k)[0]) for k in (1, 0))
+    radius, tendon = float(tendons.guide_radius[wheel]), int(tendons.stretch_tendon[one])
+    on = not lifted_at_start(model)[wheel]
+    a, centre, d = (np.array([at.x[row, 0], at.y[row, 0]]) for at, row in (
+        (start.start, one), (start.end, one), (start.end, two)))
+    b, c = (centre + radius * np.array([-start.y[row, 0], start.x[row, 0]]) for row in (one, two))
+    angle = wraps_at_start(model, tendon)[wheel - int(tendons.first[tendon])]
+    x, y = radius * -start.y[one, 0], radius * start.x[one, 0]
+
     def side(p: Array, q: Array, r: Array) -> float:
         return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
 
-    return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
+    return Arc(
+        bool(on and min(np.hypot(*(a - centre)), np.hypot(*(d - centre))) <= abs(radius)),
+        float(np.arctan2(y, x) - np.sign(radius) * angle / 2),
+        bool(on and side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0))
 
 
 def _surfaces(model: Model) -> Iterator[tuple[str, str]]:

@@ -30,14 +30,10 @@ class Link:
     """A body in the tree."""
 
     body: int
-    parent: int
-    """``NONE`` for the world."""
-    pose: Pose
-    """Pose in the parent's frame at t = 0, with the joint assembled: x, y [m], angle [rad]."""
-    joint: int = NONE
-    """The joint that carries it; ``NONE`` for a body that is fixed or free."""
-    backwards: bool = False
-    """Whether the body is the joint's ``a``, its parent ``b``."""
+    parent: int  # ``NONE`` for the world
+    pose: Pose  # in the parent's frame at t = 0, with the joint assembled: x, y [m], angle [rad]
+    joint: int = NONE  # the joint that carries it; ``NONE`` for a body that is fixed or free
+    backwards: bool = False  # whether the body is the joint's ``a``, its parent ``b``
 
 
 @dataclass(frozen=True)
@@ -81,20 +77,15 @@ def grow(model: Model) -> Tree:
             if a in links and b in links:
                 continue
             used.add(joint)
-            place(_carried(model, joint, backwards=b in links))
+            backwards = b in links
+            there, here = meeting_points(model, joint)[::-1 if backwards else 1]
+            child, parent = (a, b) if backwards else (b, a)
+            angle = pose(model, child)[2] - pose(model, parent)[2]
+            x, y = to_world((0.0, 0.0, angle), here)
+            place(Link(child, parent, (there[0] - x, there[1] - y, angle), joint, backwards))
     loops = tuple(joint for joint in ranks
                   if joint not in used and not set(ends[joint]) <= set(unmoved))
     return Tree(links, loops)
-
-
-def _carried(model: Model, joint: int, *, backwards: bool) -> Link:
-    a, b = model.joints.bodies[joint].tolist()
-    on_a, on_b = meeting_points(model, joint)
-    child, parent = (a, b) if backwards else (b, a)
-    there, here = (on_b, on_a) if backwards else (on_a, on_b)
-    angle = pose(model, child)[2] - pose(model, parent)[2]
-    x, y = to_world((0.0, 0.0, angle), here)
-    return Link(child, parent, (there[0] - x, there[1] - y, angle), joint, backwards)
 
 
 def pose(model: Model, body: int) -> Pose:
@@ -132,64 +123,20 @@ def meeting_points(model: Model, joint: int) -> tuple[Vec, Vec]:
     return on_a, on_b
 
 
-Vec3 = tuple[float, float, float]
-
-
 @dataclass(frozen=True)
 class Freedom:
     """One coordinate of a body; point and axis in the body's frame."""
 
     name: str
     kind: Literal["hinge", "slide"]
-    axis: Vec3
-    at: Vec = (0.0, 0.0)
-    """A point of its axis [m]."""
-    start: float = 0.0
-    """Value at t = 0 [rad or m]."""
-    rate: float = 0.0
-    """Rate at t = 0 [rad/s or m/s]."""
-    limits: tuple[float, float] | None = None
-    """Hard stops [rad or m]."""
-    joint: int = NONE
-    """Index of the hinge, if it is one."""
-    loss: float = 0.0
-    """Dry friction of a slide [N]."""
-    made: bool = False
-    """Whether the name is not that of an element of the scene."""
-
-
-def freedoms(model: Model, link: Link) -> list[Freedom]:
-    """The coordinates of a body, from parent to child; none for a fixed body."""
-    if not model.bodies.free[link.body]:
-        return []
-    if link.joint == NONE:
-        return _free(model, link.body)
-    if model.joints.kind[link.joint].keeps == "groove":
-        return _slide(model, link)
-    return _hinge(model, link) if model.joints.angle[link.joint] else []
-
-
-def _free(model: Model, body: int) -> list[Freedom]:
-    name, spec = model.bodies.name[body], model.mechanism.bodies[body]
-    place, centre = pose(model, body), vec(model.bodies.centre[body])
-    x, y = to_world(place, centre)
-    c, s = math.cos(place[2]), math.sin(place[2])
-    return [
-        Freedom(f"{name}.x", "slide", (c, -s, 0.0), start=x, rate=spec.velocity[0], made=True),
-        Freedom(f"{name}.y", "slide", (s, c, 0.0), start=y, rate=spec.velocity[1], made=True),
-        Freedom(f"{name}.angle", "hinge", (0.0, 0.0, 1.0), at=centre, start=place[2],
-                rate=spec.angular_velocity, made=True),
-    ]
-
-
-def _hinge(model: Model, link: Link) -> list[Freedom]:
-    joints, joint = model.joints, link.joint
-    sense = float(joints.sense[joint])
-    on_a, on_b = anchors(model, joint)
-    return [Freedom(
-        joints.name[joint], "hinge", (0.0, 0.0, -sense if link.backwards else sense),
-        at=on_a if link.backwards else on_b, start=float(joints.start[joint]),
-        rate=sense * turning(model, joint), limits=stops(model, joint), joint=joint)]
+    axis: tuple[float, float, float]
+    at: Vec = (0.0, 0.0)  # a point of its axis [m]
+    start: float = 0.0  # value at t = 0 [rad or m]
+    rate: float = 0.0  # rate at t = 0 [rad/s or m/s]
+    limits: tuple[float, float] | None = None  # hard stops [rad or m]
+    joint: int = NONE  # index of the hinge, if it is one
+    loss: float = 0.0  # dry friction of a slide [N]
+    made: bool = False  # whether the name is not that of an element of the scene
 
 
 def stops(model: Model, joint: int) -> tuple[float, float] | None:
@@ -197,26 +144,42 @@ def stops(model: Model, joint: int) -> tuple[float, float] | None:
     return vec(model.joints.stops[joint]) if joint in model.joints.stopped else None
 
 
-def _slide(model: Model, link: Link) -> list[Freedom]:
-    joint, backwards = link.joint, link.backwards
-    name = model.joints.name[joint]
-    a, b = model.joints.bodies[joint].tolist()
-    at_a, at_b = pose(model, a), pose(model, b)
+def freedoms(model: Model, link: Link) -> list[Freedom]:
+    """The coordinates of a body, from parent to child; none for a fixed body."""
+    joints, joint, body = model.joints, link.joint, link.body
+    if not model.bodies.free[body]:
+        return []
+    if joint == NONE:
+        name, spec = model.bodies.name[body], model.mechanism.bodies[body]
+        place, centre = pose(model, body), vec(model.bodies.centre[body])
+        x, y = to_world(place, centre)
+        c, s = math.cos(place[2]), math.sin(place[2])
+        return [
+            Freedom(f"{name}.x", "slide", (c, -s, 0.0), start=x, rate=spec.velocity[0], made=True),
+            Freedom(f"{name}.y", "slide", (s, c, 0.0), start=y, rate=spec.velocity[1], made=True),
+            Freedom(f"{name}.angle", "hinge", (0.0, 0.0, 1.0), at=centre, start=place[2],
+                    rate=spec.angular_velocity, made=True)]
+    name, side = joints.name[joint], -1.0 if link.backwards else 1.0
+    at = meeting_points(model, joint)[0 if link.backwards else 1]
+    if joints.kind[joint].keeps != "groove":
+        sense = float(joints.sense[joint])
+        return [Freedom(
+            name, "hinge", (0.0, 0.0, side * sense), at=at, start=float(joints.start[joint]),
+            rate=sense * turning(model, joint), limits=stops(model, joint), joint=joint,
+        )] if joints.angle[joint] else []
+    a, b = joints.bodies[joint].tolist()
+    angle = pose(model, b)[2] - pose(model, a)[2]
     along, start = groove(model, joint)
-    points = meeting_points(model, joint)
-    hinge = Freedom(
-        f"{name}.turn", "hinge", (0.0, 0.0, -1.0 if backwards else 1.0),
-        at=points[0] if backwards else points[1], start=at_b[2] - at_a[2],
-        rate=turning(model, joint), made=True)
-    ahead = along if backwards else to_body((0.0, 0.0, at_b[2] - at_a[2]), along)
-    side = -1.0 if backwards else 1.0
+    ahead = along if link.backwards else to_body((0.0, 0.0, angle), along)
     slide = Freedom(
-        name, "slide", (side * ahead[0], side * ahead[1], 0.0),
-        start=start, limits=(0.0, slot_length(model, joint)),
-        loss=float(model.joints.friction[joint]), rate=sliding(model, joint))
-    if not model.joints.turns[joint]:
+        name, "slide", (side * ahead[0], side * ahead[1], 0.0), start=start,
+        limits=(0.0, slot_length(model, joint)), loss=float(joints.friction[joint]),
+        rate=sliding(model, joint))
+    if not joints.turns[joint]:
         return [slide]
-    return [hinge, slide] if backwards else [slide, hinge]
+    hinge = Freedom(f"{name}.turn", "hinge", (0.0, 0.0, side), at=at, start=angle,
+                    rate=turning(model, joint), made=True)
+    return [hinge, slide] if link.backwards else [slide, hinge]
 
 
 def angle_sum(

@@ -1,7 +1,7 @@
 """Closed forms: the paper's equations and underactuated statics, pure functions of arrays.
 
-Every equation of "An Underactuated Multi-finger Grasping Device", where it is
-computed here, and what was done about its misprints:
+Every equation of "An Underactuated Multi-finger Grasping Device", its function here, and
+corrections of misprints:
 
 | equation | function | note |
 |---|---|---|
@@ -26,5 +26,6 @@ Beyond the paper: `statics` (joint torques, contact forces, which of them are de
 `four_bar` (linkages, fingers that a crank closes). docs/mechanics.md has worked examples.
 
 Everything takes and returns NumPy arrays in SI units and broadcasts over leading axes such as time.
-Impossible geometry raises a ``ValueError`` that names the argument, its value and its unit.
+A ``ValueError`` that names the argument, its value and its unit is raised for values out of the
+stated range or not finite, for arrays that do not fit together, and for impossible geometry.
 """

@@ -1,15 +1,15 @@
 """The chain of phalanges: equation (31) in the plane, for any number of them.
 
 Frame i has its origin at the near hinge C_i of phalanx i, x toward the next hinge, and turns
-clockwise by theta_i against frame i-1 (closing, when the palm side is at negative y):
+clockwise by theta_i [rad] against frame i-1 (closing, when the palm side is at negative y):
 
     A_(i-1,i) = [[ cos theta_i, sin theta_i, L_(i-1)],
                  [-sin theta_i, cos theta_i, 0      ],
                  [ 0,           0,           1      ]]
 
-with theta_i [rad] and L_(i-1) [m] the length of phalanx i-1; L_0 = 0: the base frame is at the
-first hinge. The product of the first i of them takes points (x, y, 1) of phalanx i to the base; for
-three this is (31), printed right: A_(M,d) = A_(M,p) A_(p,m) A_(m,d).
+with L_(i-1) [m] the length of phalanx i-1; L_0 = 0: the base frame is at the first hinge. The
+product of the first i of them takes points (x, y, 1) of phalanx i to the base; for three this is
+(31), printed right: A_(M,d) = A_(M,p) A_(p,m) A_(m,d).
 """
 
 from __future__ import annotations
@@ -27,10 +27,7 @@ def pose(x: ArrayLike = 0.0, y: ArrayLike = 0.0, angle: ArrayLike = 0.0) -> Arra
     Args:
         x: of the origin [m], shape [...].
         y: of the origin [m], shape [...].
-        angle: counter-clockwise, as the world counts [rad], shape [...].
-
-    Raises:
-        ValueError: arrays of unequal length, a value that is not finite.
+        angle: counter-clockwise [rad], shape [...].
     """
     at_x, at_y, turned = finite("x", x, "m"), finite("y", y, "m"), finite("angle", angle, "rad")
     matrix = np.zeros((*together(x=at_x, y=at_y, angle=turned), 3, 3))
@@ -46,12 +43,9 @@ def transforms(theta: ArrayLike, lengths: ArrayLike, base: ArrayLike | None = No
 
     Args:
         theta: joint angles [rad], shape [..., n].
-        lengths: of the phalanges [m], shape [n].
+        lengths: of the phalanges [m], > 0, shape [n].
         base: the palm's frame at the first hinge (:func:`pose`), shape [..., 3, 3]; the world by
             default.
-
-    Raises:
-        ValueError: a length not above 0, another number of angles than phalanges.
     """
     phalanges = np.atleast_1d(positive("lengths", lengths, "m"))
     angles = per_phalanx("theta", theta, len(phalanges), "rad")

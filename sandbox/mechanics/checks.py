@@ -1,8 +1,4 @@
-"""Checks of the arguments of closed forms.
-
-Each returns the value as a float array, or raises a ``ValueError`` that names the argument, what is
-allowed, the value and its unit.
-"""
+"""Checks of arguments: each returns the value as a float array or raises a ``ValueError``."""
 
 from __future__ import annotations
 

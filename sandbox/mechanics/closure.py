@@ -17,12 +17,9 @@ from numpy.typing import ArrayLike
 from sandbox.mechanics.checks import not_negative, points, positive
 from sandbox.numeric import Array
 
-CLOSED = 1e-9
-"""Balls with a smaller radius are rounding: wrenches are of the order of 1."""
-SAME = 1e-9
-"""Wrenches nearer than this, and angles [rad] that differ by less, count as one."""
-NUMBERS = 1 << 16
-"""Wrenches seen along edges that are worked on at a time: so many stay near the processor."""
+CLOSED = 1e-9  # balls with a smaller radius are rounding: wrenches are of the order of 1
+SAME = 1e-9  # wrenches nearer than this, and angles [rad] that differ by less, count as one
+NUMBERS = 1 << 16  # wrenches along edges in one batch, which then fits into the cache
 
 
 def contact_wrenches(
@@ -34,15 +31,12 @@ def contact_wrenches(
     Args:
         contacts: points in the world [m], shape [..., m, 2].
         normals: unit, the direction in which each pushes the body, shape [..., m, 2].
-        friction: mu of each contact, shape [m] or [..., m].
+        friction: mu of each contact, >= 0, shape [m] or [..., m].
         centre: the point that moments are about [m], shape [2] or [..., 2].
-        length: rho [m].
+        length: rho [m], > 0.
 
     Returns:
         Shape [..., 2 m, 3]: all edges n + mu t, then all n - mu t, t being n turned by +90 degrees.
-
-    Raises:
-        ValueError: mu below 0, rho not above 0, arrays of unequal length.
     """
     at, n = points("contacts", contacts), points("normals", normals, unit="1")
     if at.shape != n.shape:
@@ -66,9 +60,6 @@ def largest_ball(wrenches: ArrayLike) -> Array:
 
     Args:
         wrenches: shape [..., k, 3], of the order of 1.
-
-    Raises:
-        ValueError: another shape, or a number that is not finite.
     """
     p = np.asarray(wrenches, dtype=np.float64)
     if p.ndim < 2 or p.shape[-1] != 3 or not np.isfinite(p).all():
@@ -81,7 +72,7 @@ def largest_ball(wrenches: ArrayLike) -> Array:
 
 
 def _balls(p: Array) -> Array:
-    """Those of sets of points [s, k, 3], [s]."""
+    """Radii for sets of points [s, k, 3], [s]."""
     if p.shape[1] < 4:
         return np.zeros(len(p))
     i, j = np.triu_indices(p.shape[1], 1)
@@ -126,7 +117,7 @@ def grasp_isotropy(
     contacts: ArrayLike, normals: ArrayLike, friction: ArrayLike, *,
     centre: ArrayLike, length: float,
 ) -> Array:
-    """Least over largest singular value of the grasp map, shape [...]: 1 is alike everywhere.
+    """Minimum over maximum singular value of the grasp map, shape [...]: 1 if isotropic.
 
     The map takes the forces of the contacts, along their normals and, where mu > 0, along their
     tangents, to the wrench (fx, fy, m / rho) on the body. 0 where some wrench needs none of them.
@@ -148,12 +139,9 @@ def grasp_isotropy(
 
 
 def force_spread(forces: ArrayLike) -> Array:
-    """Standard deviation over mean of forces [N], shape [..., k] to [...]; 0 where all are equal.
+    """Standard deviation over mean of forces [N], >= 0, not all 0, shape [..., k] to [...].
 
     Of k forces it is at most sqrt(k - 1), where one carries all.
-
-    Raises:
-        ValueError: a force below 0, or all of them 0.
     """
     f = not_negative("forces", forces, "N")
     mean = f.mean(axis=-1)

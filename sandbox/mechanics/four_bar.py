@@ -39,29 +39,20 @@ from sandbox.numeric import Array
 
 @dataclass(frozen=True)
 class FourBar:
-    """Two links on pivots and the coupler between their ends."""
+    """Two links on pivots and the coupler between their ends; lengths [m], > 0."""
 
-    frame: float
-    """g, from pivot O_1 to pivot O_2 [m]."""
-    first: float
-    """a, from O_1 to the coupler [m]."""
-    coupler: float
-    """b, from the first link's end to the second's [m]."""
-    second: float
-    """c, from O_2 to the coupler [m]."""
-    crossed: bool = False
-    """Which way it is put together: False for the + of phi_1, True for the -."""
+    frame: float  #: g, from pivot O_1 to pivot O_2
+    first: float  #: a, from O_1 to the coupler
+    coupler: float  #: b, from the first link's end to the second's
+    second: float  #: c, from O_2 to the coupler
+    crossed: bool = False  #: False for the + of phi_1, True for the -
 
     def __post_init__(self) -> None:
         for name in ("frame", "first", "coupler", "second"):
             positive(name, getattr(self, name), "m")
 
     def first_angle(self, second_angle: ArrayLike) -> Array:
-        """phi_1 [rad] of phi_2 [rad], shape [...] to [...].
-
-        Raises:
-            ValueError: an angle at which coupler and first link do not reach.
-        """
+        """phi_1 [rad] of phi_2 [rad], shape [...] to [...]; both links must reach the coupler."""
         x, y = self._end(finite("second_angle", second_angle, "rad"))
         turn = corner(np.asarray(self.first), np.hypot(x, y), np.asarray(self.coupler))
         return np.asarray(np.arctan2(y, x) + (-turn if self.crossed else turn))
@@ -82,23 +73,19 @@ class FourBar:
             at = float(np.broadcast_to(turned, dead.shape)[dead].flat[0])
             raise ValueError("second_angle must not put first link and coupler in one line, "
                              f"got {at:.6g} rad")
-        bx = x - self.frame
-        return np.asarray((bx * (y - ay) - y * (x - ax)) / across)
+        return np.asarray(((x - self.frame) * (y - ay) - y * (x - ax)) / across)
 
     def cut(self, second_angle: ArrayLike) -> Array:
-        """H [m]: how far beyond O_2 the coupler's line cuts that of the pivots, shape [...].
+        """Distance h [m] beyond O_2 where the coupler's line cuts that of the pivots, shape [...].
 
-        Negative on the side of O_1, infinite where the two lines are parallel.
-
-        Raises:
-            ValueError: as :meth:`ratio`.
+        Negative on the side of O_1, infinite where the two lines are parallel; see :meth:`ratio`.
         """
         share = self.ratio(second_angle)
         with np.errstate(divide="ignore"):
             return np.asarray(self.frame * share / (1 - share))
 
     def _end(self, second_angle: Array) -> tuple[Array, Array]:
-        """B, seen from O_1 along the frame and across it [m]."""
+        """B from O_1, along the frame and across it [m]."""
         return (np.asarray(self.frame + self.second * np.cos(second_angle)),
                 np.asarray(self.second * np.sin(second_angle)))
 
@@ -115,11 +102,8 @@ def crank_torques(
         linkage: on the proximal phalanx, the crank its first link, the horn its second; angles
             count from the phalanx to its back.
         horn: psi, from the distal phalanx to its horn [rad], towards the back.
-        stiffness: k of a spring between the phalanges [N m/rad].
+        stiffness: k of a spring between the phalanges [N m/rad], >= 0.
         rest: theta_2 at which that gives no torque [rad]; below 0 it is preloaded.
-
-    Raises:
-        ValueError: a stiffness below 0, a value that is not finite.
     """
     pull = float(finite("torque", torque, "N m"))
     psi, zero = float(finite("horn", horn, "rad")), float(finite("rest", rest, "rad"))

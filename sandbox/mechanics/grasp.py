@@ -24,16 +24,11 @@ from sandbox.numeric import Array
 class DiscGrasp(NamedTuple):
     """A finger round a disc; n phalanges, from the palm out."""
 
-    theta: Array
-    """Joint angles [rad], closing positive, shape [n]."""
-    distances: Array
-    """k_i of the contacts from the near hinges, along the phalanges [m], shape [n]."""
-    contacts: Array
-    """Points of contact in the world [m], shape [n, 2]."""
-    normals: Array
-    """Directions of the forces on the phalanges, unit, shape [n, 2]."""
-    hinges: Array
-    """Of the phalanges in the world [m], shape [n, 2]."""
+    theta: Array  #: joint angles [rad], closing positive, shape [n]
+    distances: Array  #: k_i of the contacts from the near hinges, along the phalanges [m], [n]
+    contacts: Array  #: points of contact in the world [m], shape [n, 2]
+    normals: Array  #: directions of the forces on the phalanges, unit, shape [n, 2]
+    hinges: Array  #: of the phalanges in the world [m], shape [n, 2]
 
 
 def disc_centre(theta_1: float, distance: float, disc_radius: float, radius: float) -> Array:
@@ -41,12 +36,9 @@ def disc_centre(theta_1: float, distance: float, disc_radius: float, radius: flo
 
     Args:
         theta_1: angle of the first joint [rad], the hinge at the origin.
-        distance: k_1 of the contact from the hinge [m].
-        disc_radius: r [m].
-        radius: rho_1 of the phalanx [m].
-
-    Raises:
-        ValueError: a radius or distance that is not above 0.
+        distance: k_1 of the contact from the hinge [m], > 0.
+        disc_radius: r [m], > 0.
+        radius: rho_1 of the phalanx [m], > 0.
     """
     apart = positive("disc_radius", disc_radius, "m") + positive("radius", radius, "m")
     along = positive("distance", distance, "m")
@@ -63,13 +55,12 @@ def disc_grasp(
 
     Args:
         centre: of the disc [m], shape [2].
-        disc_radius: r [m].
-        lengths: L_i, hinge to hinge [m], shape [n].
-        radii: rho_i of the capsules [m], shape [n].
+        disc_radius: r [m], > 0.
+        lengths: L_i, hinge to hinge [m], > 0, shape [n].
+        radii: rho_i of the capsules [m], > 0, shape [n].
 
     Raises:
-        ValueError: a length or radius not above 0; a disc over a hinge; a contact beyond its
-            phalanx's ends.
+        ValueError: a disc over a hinge; a contact beyond its phalanx's ends.
     """
     phalanges = np.atleast_1d(positive("lengths", lengths, "m"))
     n = len(phalanges)

@@ -40,47 +40,35 @@ from sandbox.mechanics.tendon import TendonRoute
 from sandbox.mechanics.transmission import TwoPhalanxForces, two_phalanx_forces
 from sandbox.numeric import Array, Flags, Integers
 
+# joint torques [N m], closing positive, of joint angles [rad]; shape [..., n] to [..., n]
 Torques = Callable[[Array], Array]
-"""Joint torques [N m], closing positive, of joint angles [rad]; shape [..., n] to [..., n]."""
-
-_SCAN = 97
-"""Poses tried along a slide for its first end, before bisection to rounding."""
+_SCAN = 97  # poses tried along a slide for its first end, before bisection to rounding
 
 
 class GraspState(IntEnum):
     """The outcome of a pose in which both phalanges touch."""
 
-    STABLE = 0
-    """Both contacts push: f_1 > 0, f_2 > 0."""
-    EQUILIBRIUM = 1
-    """The proximal contact is lost; the finger comes to rest on the equilibrium curve."""
-    STOP = 2
-    """The proximal contact is lost; the finger comes to rest on a stop."""
-    EJECTS = 3
-    """The proximal contact is lost and the distal one slides off the tip."""
-    DISTAL_LOST = 4
-    """The distal phalanx does not press (tau_2 <= 0), at once or on the way."""
+    STABLE = 0  #: both contacts push: f_1 > 0, f_2 > 0
+    EQUILIBRIUM = 1  #: the proximal contact is lost; the finger rests on the equilibrium curve
+    STOP = 2  #: the proximal contact is lost; the finger rests on a stop
+    EJECTS = 3  #: the proximal contact is lost and the distal one slides off the tip
+    DISTAL_LOST = 4  #: the distal phalanx does not press (tau_2 <= 0), at once or on the way
 
 
+# what ends a slide before joint 2 is at its upper stop
 _ENDS = np.array([GraspState.EQUILIBRIUM, GraspState.STOP, GraspState.EJECTS,
                   GraspState.DISTAL_LOST])
-"""What ends a slide before joint 2 is at its upper stop."""
 
 
 @dataclass(frozen=True)
 class TwoPhalanges:
     """A finger of two phalanges and the size of its object."""
 
-    lengths: tuple[float, float]
-    """l_1, l_2 [m]."""
-    torques: Torques
-    """Of (theta_1, theta_2), shape [..., 2]; :func:`tendon_torques` makes them."""
-    lower: tuple[float, float]
-    """Lower stops [rad]; that of joint 2 is 0 or more."""
-    upper: tuple[float, float]
-    """Upper stops [rad]."""
-    apart: float = 0.0
-    """a = r + rho_2 [m], from the distal axis to the object's centre; 0 for a thin finger."""
+    lengths: tuple[float, float]  #: l_1, l_2 [m]
+    torques: Torques  #: of (theta_1, theta_2), shape [..., 2]; :func:`tendon_torques` makes them
+    lower: tuple[float, float]  #: lower stops [rad]; that of joint 2 is 0 or more
+    upper: tuple[float, float]  #: upper stops [rad]
+    apart: float = 0.0  #: a = r + rho_2 [m], from the distal axis to the object's centre, >= 0
 
     def __post_init__(self) -> None:
         positive("lengths", per_phalanx("lengths", self.lengths, 2, "m"), "m")
@@ -100,13 +88,10 @@ def tendon_torques(
     """Joint torques at constant tension as a function of the pose.
 
     Args:
-        tension: T [N].
+        tension: T [N], >= 0.
         tendon: its route over n joints (:func:`sandbox.mechanics.tendon.route`).
         springs: across the same joints, slack at theta = 0; none by default.
-        stiffness: k_i of the springs [N/m], shape [n] or one for all.
-
-    Raises:
-        ValueError: a tension or stiffness below 0, springs for another number of joints.
+        stiffness: k_i of the springs [N/m], >= 0, shape [n] or one for all.
     """
     pull = not_negative("tension", tension, "N")
     n = len(tendon.rt)
@@ -121,14 +106,10 @@ def tendon_torques(
 class GraspMap(NamedTuple):
     """The outcome of every pose, and where it ends."""
 
-    state: Integers
-    """Of :class:`GraspState`, shape [...]."""
-    forces: TwoPhalanxForces
-    """At the pose itself [N], shape [...] each; a negative one would have to pull."""
-    theta: Array
-    """Joint angles in which it ends [rad], shape [..., 2]: the pose itself where it is stable."""
-    k_2: Array
-    """Distal contact in which it ends [m], shape [...]."""
+    state: Integers  #: of :class:`GraspState`, shape [...]
+    forces: TwoPhalanxForces  #: at the pose itself [N]; a negative one would have to pull
+    theta: Array  #: joint angles in which it ends [rad], shape [..., 2]; stable: the pose itself
+    k_2: Array  #: distal contact in which it ends [m], shape [...]
 
 
 def grasp_states(
@@ -143,10 +124,6 @@ def grasp_states(
         theta_2: of the second [rad], shape [...]; a grid with ``k_2`` as theta_2[:, None].
         k_1: proximal contact from hinge 1, along the phalanx [m], shape [...].
         k_2: distal contact from hinge 2 [m], shape [...].
-
-    Raises:
-        ValueError: angles beyond the stops, contacts beyond the phalanges' ends, arrays of unequal
-            length.
     """
     angles = _poses(finger, theta_1, theta_2)
     near = _along("k_1", k_1, finger.lengths[0])
@@ -168,12 +145,9 @@ def grasp_states(
 class EjectionPath(NamedTuple):
     """The slide of a finger that lost its proximal contact, from the pose to its end."""
 
-    state: GraspState
-    """At its end; STABLE, and a path of one pose repeated, if it does not slide."""
-    theta: Array
-    """Joint angles [rad], shape [samples, 2]."""
-    k_2: Array
-    """Distal contact from hinge 2 [m], shape [samples]."""
+    state: GraspState  #: at its end; STABLE, and a path of one pose repeated, if it does not slide
+    theta: Array  #: joint angles [rad], shape [samples, 2]
+    k_2: Array  #: distal contact from hinge 2 [m], shape [samples]
 
 
 def ejection_path(
@@ -186,11 +160,7 @@ def ejection_path(
         theta_1: angle of the first joint [rad].
         theta_2: of the second [rad].
         k_2: distal contact from hinge 2 [m].
-        samples: poses along the path, evenly spaced in theta_2.
-
-    Raises:
-        ValueError: an angle beyond the stops, a contact beyond the phalanx's end, fewer than 2
-            samples.
+        samples: poses along the path, 2 or more, evenly spaced in theta_2.
     """
     if samples < 2:
         raise ValueError(f"samples must be 2 or more, got {samples}")

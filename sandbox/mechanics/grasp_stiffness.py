@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 from sandbox.mechanics.checks import matrix, points, positive
 from sandbox.numeric import Array
 
-SINGULAR = 1e-12
-"""Compliance in one direction below this share of that in another counts as none."""
+SINGULAR = 1e-12  # compliance in one direction below this share of that in another counts as none
 
 
 def grasp_map(contacts: ArrayLike, centre: ArrayLike) -> Array:
@@ -24,9 +23,6 @@ def grasp_map(contacts: ArrayLike, centre: ArrayLike) -> Array:
     Args:
         contacts: points in the world [m], shape [m, 2].
         centre: the point that the moment is about [m], shape [2].
-
-    Raises:
-        ValueError: another shape.
     """
     at = points("contacts", contacts)
     arm = matrix("contacts", at, "m") - points("centre", centre)
@@ -43,9 +39,6 @@ def tip_jacobian(contacts: ArrayLike, hinges: ArrayLike, moves: ArrayLike) -> Ar
         contacts: points in the world [m], shape [m, 2].
         hinges: in the world [m], shape [n, 2]; turns count counter-clockwise.
         moves: whether each contact's point is moved by each hinge, shape [m, n] of bool.
-
-    Raises:
-        ValueError: arrays of unequal length.
     """
     p, c, on = points("contacts", contacts), points("hinges", hinges), np.asarray(moves, bool)
     if on.shape != (len(p), len(c)):
@@ -66,14 +59,13 @@ def grasp_stiffness(
     Args:
         grasp: G, shape [3, 2 m].
         jacobian: J [m], shape [2 m, n].
-        joint_stiffness: of the hinges one by one [N m/rad], shape [n], or all of Kq, symmetric,
-            shape [n, n]: an elastic tendon of k [N/m] with arms h adds k h h^T.
+        joint_stiffness: of the hinges one by one [N m/rad], > 0, shape [n], or all of Kq,
+            symmetric, shape [n, n]: an elastic tendon of k [N/m] with arms h adds k h h^T.
         contact_stiffness: Kc of every direction of every contact [N/m], of one number or shape
             [2 m]; rigid by default.
 
     Raises:
-        ValueError: arrays of unequal length, a stiffness not above 0; a grasp that is rigid in
-            some direction.
+        ValueError: a grasp that is rigid in some direction.
     """
     G, J = matrix("grasp", grasp, "m"), matrix("jacobian", jacobian, "m")
     if len(G) != 3 or len(J) != G.shape[1]:

@@ -38,13 +38,9 @@ def spring_length(dm: ArrayLike, rm: ArrayLike, delta: ArrayLike) -> Array:
     """Length lm [m] of a straight spring across the hinge, equations (25), (29), shape [...].
 
     Args:
-        dm: dm_i [m], shape [...].
-        rm: rm_i [m], shape [...].
+        dm: dm_i [m], > 0, shape [...].
+        rm: rm_i [m], > 0, shape [...].
         delta: between them [rad], delta_0 for (25), delta_0 + theta for (29), shape [...].
-
-    Raises:
-        ValueError: a side that is not above 0 m, arrays of unequal length; a spring whose ends
-            coincide (lm = 0 m).
     """
     before, after = positive("dm", dm, "m"), positive("rm", rm, "m")
     angle = finite("delta", delta, "rad")
@@ -56,14 +52,10 @@ def spring_length(dm: ArrayLike, rm: ArrayLike, delta: ArrayLike) -> Array:
 class SpringSet:
     """The triangles of a finger's springs. Make it with :func:`spring_set`."""
 
-    dm: Array
-    """dm_i [m], shape [n], equation (21)."""
-    rm: Array
-    """rm_i [m], shape [n], equation (20)."""
-    rho_0: Array
-    """rho_(i)0 [rad], shape [n], equation (22)."""
-    omega_0: Array
-    """omega_(i)0 [rad], shape [n], equation (23)."""
+    dm: Array  #: dm_i [m], shape [n], equation (21)
+    rm: Array  #: rm_i [m], shape [n], equation (20)
+    rho_0: Array  #: rho_(i)0 [rad], shape [n], equation (22)
+    omega_0: Array  #: omega_(i)0 [rad], shape [n], equation (23)
 
     @property
     def over_centre(self) -> Array:
@@ -71,20 +63,12 @@ class SpringSet:
         return np.asarray(self.rho_0 + self.omega_0)
 
     def delta(self, theta: ArrayLike) -> Array:
-        """delta_i [rad] at joint angles ``theta`` [rad], shape [..., n], equations (24), (28).
-
-        Raises:
-            ValueError: another number of angles.
-        """
+        """delta_i [rad] at joint angles ``theta`` [rad], shape [..., n], equations (24), (28)."""
         turned = per_phalanx("theta", theta, len(self.dm), "rad")
         return np.asarray(np.pi - self.rho_0 - self.omega_0 + turned)
 
     def lengths(self, theta: ArrayLike) -> Array:
-        """lm_i [m], shape [..., n], equation (29).
-
-        Raises:
-            ValueError: a spring whose ends coincide (lm = 0 m).
-        """
+        """lm_i [m], shape [..., n], equation (29)."""
         return spring_length(self.dm, self.rm, self.delta(theta))
 
     def elongations(self, theta: ArrayLike) -> Array:
@@ -96,10 +80,7 @@ class SpringSet:
         return np.asarray(self.dm * self.rm * np.sin(self.delta(theta)) / self.lengths(theta))
 
     def attachment_angles(self, theta: ArrayLike) -> tuple[Array, Array]:
-        """Angles rho at M'' and omega at M' [rad], shape [..., n] each, equations (26), (27).
-
-        Of the triangle, so positive on both sides of the over-centre angle.
-        """
+        """Angles rho at M'' and omega at M' [rad], > 0, shape [..., n], equations (26), (27)."""
         length = self.lengths(theta)
         return corner(length, self.dm, self.rm), corner(length, self.rm, self.dm)
 
@@ -110,9 +91,6 @@ def spring_set(before: ArrayLike, after: ArrayLike) -> SpringSet:
     Args:
         before: M''_(i-1) from C_i, in the frame of phalanx i-1 [m], shape [n, 2].
         after: M'_i from C_i, in the frame of phalanx i [m], shape [n, 2].
-
-    Raises:
-        ValueError: unequal numbers of points, a point on its hinge.
     """
     near = np.atleast_2d(points("before", before))
     far = points("after", np.atleast_2d(np.asarray(after, dtype=np.float64)), len(near))

@@ -43,14 +43,11 @@ def joint_torques(
     """tau_i = T h_i - k_i (lm - lm_0)_i hm_i [N m], shape [..., n].
 
     Args:
-        tension: T [N], shape [...].
+        tension: T [N], >= 0, shape [...].
         tendon_arms: h_i [m], shape [..., n].
-        stiffness: k_i [N/m], shape [..., n].
+        stiffness: k_i [N/m], >= 0, shape [..., n].
         elongations: of the springs from their rest lengths [m], shape [..., n].
         spring_arms: hm_i [m], shape [..., n].
-
-    Raises:
-        ValueError: a tension or stiffness below 0, arrays of unequal length.
     """
     h = finite("tendon_arms", tendon_arms, "m")
     n = h.shape[-1] if h.ndim else 1
@@ -67,11 +64,8 @@ def contact_jacobian(theta: ArrayLike, lengths: ArrayLike, distances: ArrayLike)
 
     Args:
         theta: joint angles [rad], shape [..., n].
-        lengths: L_i of the phalanges [m], shape [n].
+        lengths: L_i of the phalanges [m], > 0, shape [n].
         distances: k_i of the contacts from the near hinges, along the phalanges [m], [..., n].
-
-    Raises:
-        ValueError: a length not above 0, arrays of unequal length.
     """
     phalanges = np.atleast_1d(positive("lengths", lengths, "m"))
     n = len(phalanges)
@@ -95,9 +89,6 @@ def point_jacobian(
         normals: n_c, unit, the direction of the force on the phalanx, shape [..., m, 2].
         hinges: C_j in the world [m], shape [..., n, 2].
         phalanx: which phalanx (0 ... n-1) each contact is on, shape [m].
-
-    Raises:
-        ValueError: a phalanx that the finger has not, arrays of unequal length.
     """
     p, c = points("contacts", contacts), points("hinges", hinges)
     n = points("normals", normals, p.shape[-2])
@@ -111,7 +102,7 @@ def point_jacobian(
 
 
 def contact_forces(jacobian: ArrayLike, torques: ArrayLike) -> Array:
-    """F = J^-T tau [N], shape [..., n]; a negative one would have to pull.
+    """Forces f = J^-T tau [N], shape [..., n]; a negative one would have to pull.
 
     Args:
         jacobian: J [m], as many contacts as joints, shape [..., n, n].
@@ -132,14 +123,11 @@ def contact_forces(jacobian: ArrayLike, torques: ArrayLike) -> Array:
 
 
 class Unilateral(NamedTuple):
-    """What :func:`unilateral_forces` found."""
+    """Results of :func:`unilateral_forces`."""
 
-    forces: Array
-    """f_c >= 0 of the contacts [N], shape [m]; 0 for those that separate."""
-    stops: Array
-    """Torques of the stops [N m], closing positive, shape [n]; 0 where none acts."""
-    residual: Array
-    """tau + stops - J^T f [N m], shape [n]: what sets joints in motion; 0 in equilibrium."""
+    forces: Array  #: f_c >= 0 of the contacts [N], shape [m]; 0 for those that separate
+    stops: Array  #: torques of the stops [N m], closing positive, shape [n]; 0 where none acts
+    residual: Array  #: tau + stops - J^T f [N m], shape [n]; 0 in equilibrium
 
 
 def unilateral_forces(
@@ -160,9 +148,6 @@ def unilateral_forces(
         upper: which joints are on their upper stop.
         inertia: M of the joints [kg m^2], positive definite, shape [n, n];
             that of equal joints by default.
-
-    Raises:
-        ValueError: arrays of unequal length, an inertia that is not positive definite.
     """
     from scipy.optimize import nnls
 
@@ -195,9 +180,6 @@ def determined_forces(
         jacobian: J of the contacts that push [m], shape [m, n].
         lower: which joints rest on their lower stop, shape [n] of bool.
         upper: which joints rest on their upper stop.
-
-    Raises:
-        ValueError: arrays of unequal length, a value that is not finite.
     """
     J = matrix("jacobian", jacobian, "m")
     rows = np.concatenate([J, _stop_rows(J.shape[1], lower, upper)])

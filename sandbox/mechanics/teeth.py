@@ -15,15 +15,11 @@ import numpy as np
 class Flank(NamedTuple):
     """A flank that pushes."""
 
-    gap: Any
-    """How far the teeth are apart along the line of action, up to a constant [m]."""
-    period: Any
-    """What a whole turn of the line of centres adds to that [m]; infinite of a rack."""
-    x: Any
-    """Direction of the push on ``b``, a unit vector."""
+    gap: Any  #: gap along the line of action, up to a constant [m]
+    period: Any  #: change of the gap over a whole turn of the line of centres [m]; inf of a rack
+    x: Any  #: direction of the push on ``b``, a unit vector
     y: Any
-    from_a: tuple[Any, Any]
-    """From the centre of ``a`` to where its base circle meets the line of action [m]."""
+    from_a: tuple[Any, Any]  #: from a's centre to its base circle on the line of action [m]
 
 
 def gear_flank(
@@ -37,10 +33,10 @@ def gear_flank(
         inside: whether the smaller runs inside the larger one.
         pressure: the pressure angle [rad].
         side: +1 or -1, which of the two common tangents.
-        dx: from the centre of ``a`` to that of ``b`` [m].
-        dy: the same along y [m].
-        angle_a: of ``a`` [rad].
-        angle_b: of ``b`` [rad].
+        dx: from the centre of ``a`` to that of ``b`` [m], and ``dy``.
+        dy: see ``dx``.
+        angle_a: of ``a`` [rad], and ``angle_b`` of ``b``.
+        angle_b: see ``angle_a``.
     """
     base_a, base_b = (side * radius * np.cos(pressure) for radius in radii)
     turns_b = 1.0 if inside else -1.0
@@ -65,9 +61,9 @@ def rack_flank(
         pressure: the pressure angle [rad].
         side: +1 or -1, which of the two flanks of a tooth.
         along: the pitch line, a unit vector in the world, with the gear to its left.
-        dx: from the gear's centre to a point of the pitch line [m].
-        dy: the same along y [m].
-        turned: angle of the gear less that of the rack [rad].
+        dx: from the gear's centre to a point of the pitch line [m], and ``dy``.
+        dy: see ``dx``.
+        turned: angle of the gear minus that of the rack [rad].
     """
     c, s = side * np.cos(pressure), np.sin(pressure)
     x, y = c * along[0] + s * along[1], c * along[1] - s * along[0]
@@ -78,10 +74,9 @@ def rack_flank(
 def rolled(
     radii: tuple[float, float], inside: bool, *, dx: Any, dy: Any, angle_a: Any, angle_b: Any,
 ) -> tuple[Any, float]:
-    """By how much two circles that touch have slipped, up to a constant, and its period [m].
+    """Slip of a circle ``a`` on a circle ``b``, up to a constant, and its period [m].
 
-    The slip of ``a`` against ``b`` along the circles; a whole turn of the line of centres adds
-    the period.
+    A whole turn of the line of centres adds the period. Arguments as of :func:`gear_flank`.
     """
     ra, rb = radii[0], -radii[1] if inside else radii[1]
     way = ra * angle_a + rb * angle_b - (ra + rb) * np.arctan2(dy, dx)
@@ -89,7 +84,7 @@ def rolled(
 
 
 def nearest(difference: Any, period: Any) -> Any:
-    """A difference less the whole periods in it."""
+    """A difference without the whole periods in it."""
     if not np.isfinite(period):
         return difference
     return difference - period * np.round(difference / period)

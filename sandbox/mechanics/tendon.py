@@ -39,8 +39,7 @@ from numpy.typing import ArrayLike
 from sandbox.mechanics.checks import finite, not_negative, per_phalanx, points, positive, together
 from sandbox.numeric import Array
 
-IN_LINE = 1e-12
-"""A sine of beta below this [1] is rounding: guides and hinge are in line."""
+IN_LINE = 1e-12  # A sine of beta below this [1] is rounding: guides and hinge are in line
 
 
 def third_side(a: Array, b: Array, angle: Array) -> Array:
@@ -53,11 +52,7 @@ def third_side(a: Array, b: Array, angle: Array) -> Array:
 
 
 def corner(a: Array, b: Array, opposite: Array) -> Array:
-    """Angle between sides ``a`` and ``b`` [rad], acos((a^2 + b^2 - opposite^2) / (2 a b)).
-
-    Raises:
-        ValueError: three sides [m] that make no triangle.
-    """
+    """Angle between sides ``a`` and ``b`` [rad], acos((a^2 + b^2 - opposite^2) / (2 a b))."""
     cosine = np.asarray((a**2 + b**2 - opposite**2) / (2 * a * b))
     if (apart := np.abs(cosine) > 1 + 1e-12).any():
         sides = [float(side[apart].flat[0]) for side in np.broadcast_arrays(a, b, opposite)]
@@ -70,13 +65,10 @@ def segment_length(dt: ArrayLike, rt: ArrayLike, beta: ArrayLike) -> Array:
     """Length lt [m] of the segment across the hinge, equations (13), (17), shape [...].
 
     Args:
-        dt: dt_(i-1) [m], shape [...].
-        rt: rt_i [m], shape [...].
-        beta: between them [rad], beta_0 for (13), beta_0 - theta for (17), shape [...].
-
-    Raises:
-        ValueError: a side that is not above 0 m, arrays of unequal length; a beta not between 0 and
-            2 pi, or at pi, where the segment passes through the hinge.
+        dt: dt_(i-1) [m], > 0, shape [...].
+        rt: rt_i [m], > 0, shape [...].
+        beta: between them [rad], beta_0 for (13), beta_0 - theta for (17), between 0 and 2 pi, not
+            pi, where the segment passes through the hinge; shape [...].
     """
     before, after = positive("dt", dt, "m"), positive("rt", rt, "m")
     angle = finite("beta", beta, "rad")
@@ -93,12 +85,9 @@ def guide_tension(tension: ArrayLike, friction: ArrayLike, wrap: ArrayLike) -> A
     """T exp(-mu phi) [N]: the tension behind a guide with friction that the tendon moves toward.
 
     Args:
-        tension: T on the pulling side [N].
-        friction: mu of the guide.
-        wrap: phi by which the guide turns the tendon [rad].
-
-    Raises:
-        ValueError: a value below 0.
+        tension: T on the pulling side [N], >= 0.
+        friction: mu of the guide, >= 0.
+        wrap: phi by which the guide turns the tendon [rad], >= 0.
     """
     mu, phi = not_negative("friction", friction, ""), not_negative("wrap", wrap, "rad")
     pull = not_negative("tension", tension, "N")
@@ -110,10 +99,7 @@ def guide_wraps(path: ArrayLike) -> Array:
     """Angle phi [rad] by which a tendon bends at each inner point of its path, [..., m-2].
 
     Args:
-        path: the points between which the tendon is straight, in one frame [m], shape [..., m, 2].
-
-    Raises:
-        ValueError: fewer than two points, points that coincide.
+        path: distinct points between which the tendon is straight [m], shape [..., m, 2], m >= 2.
     """
     at = points("path", path)
     if at.ndim < 2 or at.shape[-2] < 2:
@@ -129,19 +115,15 @@ def guide_wraps(path: ArrayLike) -> Array:
 class TendonRoute:
     """The triangles of a finger's tendon. Make it with :func:`route`."""
 
-    dt: Array
-    """dt_(i-1) [m], shape [n], equation (9)."""
-    rt: Array
-    """rt_i [m], shape [n], equation (8)."""
-    beta_0: Array
-    """beta_(i)0 [rad], shape [n], equation (12), in (0, 2 pi); above pi on the finger's back."""
+    dt: Array  #: dt_(i-1) [m], shape [n], equation (9)
+    rt: Array  #: rt_i [m], shape [n], equation (8)
+    beta_0: Array  #: beta_(i)0 [rad], shape [n], equation (12); above pi on the finger's back
 
     def beta(self, theta: ArrayLike) -> Array:
         """beta_i [rad] at joint angles ``theta`` [rad], shape [..., n], equation (16).
 
         Raises:
-            ValueError: another number of angles; an angle beyond that at which the segment passes
-                through its hinge (beta at 0, pi or 2 pi).
+            ValueError: an angle beyond that at which the segment passes through its hinge.
         """
         turned = per_phalanx("theta", theta, len(self.beta_0), "rad")
         beta = self.beta_0 - turned
@@ -186,11 +168,10 @@ def route(guides: ArrayLike, lengths: ArrayLike) -> TendonRoute:
         guides: V_0 ... V_n [m], shape [n+1, 2]; V_0 from the first hinge in the palm's frame, V_i
             in the frame of phalanx i (origin at its near hinge, x toward the next, palm side at
             negative y).
-        lengths: of the n phalanges, hinge to hinge [m], shape [n].
+        lengths: of the n phalanges, hinge to hinge [m], > 0, shape [n].
 
     Raises:
-        ValueError: numbers of guides and phalanges that do not belong together, a length not above
-            0, a guide on its hinge, a segment through its hinge.
+        ValueError: a guide on its hinge, a segment through its hinge.
     """
     phalanges = np.atleast_1d(positive("lengths", lengths, "m"))
     eyes = points("guides", guides, len(phalanges) + 1)

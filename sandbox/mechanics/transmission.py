@@ -34,10 +34,7 @@ def transmission_ratios(arms: ArrayLike) -> Array:
     """X_i = h_i / h_1 [1], shape [..., n]; X_1 = 1.
 
     Args:
-        arms: h_i of the tendon, or any joint torques, of one unit, shape [..., n].
-
-    Raises:
-        ValueError: a first arm that is not above 0 m: the tendon does not close joint 1.
+        arms: h_i of the tendon, or any joint torques, of one unit, the first > 0, shape [..., n].
     """
     h = finite("arms", arms, "m")
     return np.asarray(h / positive("arms of joint 1", h[..., :1], "m"))
@@ -47,12 +44,8 @@ def force_transfer_ratio(forces: ArrayLike, tension: ArrayLike) -> Array:
     """sum(f_i) / T [1], shape [...]: the normal forces got out of a tension put in.
 
     Args:
-        forces: f_i of the contacts [N], shape [..., m].
-        tension: T [N], shape [...].
-
-    Raises:
-        ValueError: a force below 0 (contacts only push), a tension not above 0,
-            arrays of unequal length.
+        forces: f_i of the contacts [N], >= 0, shape [..., m].
+        tension: T [N], > 0, shape [...].
     """
     pulled = positive("tension", tension, "N")
     total = not_negative("forces", forces, "N").sum(axis=-1)
@@ -63,10 +56,8 @@ def force_transfer_ratio(forces: ArrayLike, tension: ArrayLike) -> Array:
 class TwoPhalanxForces(NamedTuple):
     """Contact forces of a finger of two phalanges; a negative one would have to pull."""
 
-    proximal: Array
-    """f_1 [N], shape [...]."""
-    distal: Array
-    """f_2 [N], shape [...]."""
+    proximal: Array  #: f_1 [N], shape [...]
+    distal: Array  #: f_2 [N], shape [...]
 
 
 def two_phalanx_forces(
@@ -77,14 +68,11 @@ def two_phalanx_forces(
 
     Args:
         theta_2: angle of the second joint [rad], shape [...].
-        k_1: of the proximal contact from hinge 1, along the phalanx [m], shape [...].
-        k_2: of the distal contact from hinge 2 [m], shape [...].
-        length_1: l_1, hinge to hinge [m].
+        k_1: of the proximal contact from hinge 1, along the phalanx [m], > 0, shape [...].
+        k_2: of the distal contact from hinge 2 [m], > 0, shape [...].
+        length_1: l_1, hinge to hinge [m], > 0.
         torque_1: tau_1 [N m], closing positive, shape [...].
         torque_2: tau_2 [N m], shape [...].
-
-    Raises:
-        ValueError: a distance or length that is not above 0, arrays of unequal length.
     """
     turned = finite("theta_2", theta_2, "rad")
     near, far = positive("k_1", k_1, "m"), positive("k_2", k_2, "m")
@@ -98,17 +86,14 @@ def two_phalanx_forces(
 
 
 def equilibrium_distance(theta_2: ArrayLike, length_1: float, ratio: ArrayLike) -> Array:
-    """E = X l_1 cos(theta_2) / (1 - X) [m]: the k_2 at which the proximal force is 0.
+    """Distance e = X l_1 cos(theta_2) / (1 - X) [m]: k_2 of no proximal force.
 
     The proximal contact holds where k_2 > e, and always where e < 0.
 
     Args:
         theta_2: angle of the second joint [rad], shape [...].
-        length_1: l_1 of the proximal phalanx [m].
-        ratio: X = tau_2 / tau_1 [1], h_2 / h_1 without springs, shape [...].
-
-    Raises:
-        ValueError: a length that is not above 0; a ratio not between 0 and 1: from
+        length_1: l_1 of the proximal phalanx [m], > 0.
+        ratio: X = tau_2 / tau_1 [1], h_2 / h_1 without springs, between 0 and 1, shape [...]: from
             1 on no distance lets both phalanges push while cos(theta_2) > 0.
     """
     turned, X = finite("theta_2", theta_2, "rad"), positive("ratio", ratio, "")
@@ -122,10 +107,7 @@ def force_isotropy(forces: ArrayLike) -> Array:
     """min(f_i) / max(f_i) [1], shape [...]: 1 where all phalanges press alike, 0 if one does not.
 
     Args:
-        forces: f_i of the contacts [N], shape [..., m].
-
-    Raises:
-        ValueError: a force below 0; no force above 0 at all.
+        forces: f_i of the contacts [N], >= 0 and not all 0, shape [..., m].
     """
     f = not_negative("forces", forces, "N")
     return np.asarray(f.min(axis=-1) / positive("largest of forces", f.max(axis=-1), "N"))
@@ -138,11 +120,8 @@ def isotropic_arms(theta: ArrayLike, lengths: ArrayLike, distances: ArrayLike) -
 
     Args:
         theta: joint angles [rad], shape [..., n].
-        lengths: L_i of the phalanges [m], shape [n].
-        distances: k_i of the contacts from the near hinges [m], shape [..., n].
-
-    Raises:
-        ValueError: a length or distance not above 0, arrays of unequal length.
+        lengths: L_i of the phalanges [m], > 0, shape [n].
+        distances: k_i of the contacts from the near hinges [m], > 0, shape [..., n].
     """
     k = positive("distances", distances, "m")
     return np.asarray(contact_jacobian(theta, lengths, k).sum(axis=-2))

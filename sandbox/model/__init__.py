@@ -1,1 +1,1 @@
-"""The mechanism as every room sees it: kinds of element, recorded arrays, names worked out."""
+"""The mechanism as arrays, and the catalogue of its quantities."""

@@ -12,7 +12,6 @@ import difflib
 import fnmatch
 import itertools
 import re
-from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,7 +23,6 @@ from sandbox.elements.quantities import (
     QUANTITIES,
     USUAL,
     by_telling,
-    grasp_quantities,
     quantities_of,
 )
 from sandbox.elements.registry import KINDS
@@ -34,8 +32,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import MOST_COMPARED, is_pattern, listed, nearest, quoted
 
 PAIR = quantities_of("pair")
-MOST_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)
-"""Of an element that a refusal names: all of an object."""
+MOST_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)  # in a message: all of an object
 
 
 class UnknownQuantityError(SandboxError, KeyError):
@@ -58,26 +55,20 @@ class UnknownQuantityError(SandboxError, KeyError):
 class CatalogueEntry:
     """A named part of a mechanism and its quantities."""
 
-    kind: str
-    """``body``, ``joint``, ``spring``, ``tendon``, ``line``, ``valve``, ``load``, ``drive``,
-    ``group``, ``meter``."""
-    index: int
-    """Its place among its kind in the mechanism; of a load among those on each body."""
-    quantities: Mapping[str, str]
-    """Quantity to unit; a meter's only quantity is the empty name."""
+    kind: str  # ``body``, ``joint``, ... as in NAMED
+    index: int  # place among its kind in the mechanism; of a load in ``Mechanism.loaded``
+    quantities: Mapping[str, str]  # with units; a meter's only quantity has an empty name
 
 
 @dataclass(frozen=True)
 class Source:
     """Where a quantity comes from."""
 
-    kind: str
-    """That of an :class:`CatalogueEntry`, or ``pair``."""
+    kind: str  # that of a CatalogueEntry, or ``pair``
     index: int
     quantity: str
     unit: str
-    other: int = -1
-    """The other body of a pair."""
+    other: int = -1  # the other body of a pair
 
 
 class Catalogue:
@@ -88,8 +79,7 @@ class Catalogue:
         self.elements: dict[str, CatalogueEntry] = {}
         for name, element in _elements(mechanism):
             self.elements.setdefault(name, element)
-        self.hinted = 0
-        """Number of problems so far of unknown names."""
+        self.hinted = 0  # number of problems of unknown names so far
         self._bodies = {body.name: index for index, body in enumerate(mechanism.bodies)}
 
     @cached_property
@@ -103,24 +93,20 @@ class Catalogue:
 
     @cached_property
     def telling(self) -> list[str]:
-        """The same names, of each element what is looked at first before its others."""
+        """The same names, the quantities of each element in the order in which they are shown."""
         return [f"{name}.{quantity}" if quantity else name
                 for name, element in self.elements.items()
                 for quantity in by_telling(element.quantities)]
 
     @cached_property
     def usual(self) -> dict[str, list[str]]:
-        """What is looked at first, by kind: a quantity of each meter, of each tendon, and so on."""
+        """The quantities shown first, by kind: one of each meter, of each tendon, and so on."""
         return {kind: [f"{name}.{quantity}" if quantity else name
                        for name, element in self.elements.items()
                        if element.kind == kind and quantity in element.quantities
                        and not (kind == "body"
                                 and self.mechanism.bodies[element.index].motion == "fixed")]
                 for kind, quantity in USUAL.items()}
-
-    @cached_property
-    def _sorted(self) -> list[str]:
-        return sorted(self.units)
 
     def find(self, name: str) -> Source:
         """Where the quantity ``name`` comes from.
@@ -143,29 +129,18 @@ class Catalogue:
         with ``/`` only: each pair that can touch once, spelled moving body
         first, or the other way round if only that fits.
         """
-        if not is_pattern(pattern):
-            return [pattern] if pattern in self else []
-        if "/" in pattern:
-            return list(self._match_pairs(pattern))
-        fits = re.compile(fnmatch.translate(pattern)).match
-        return [name for name in self.units if fits(name)]
+        return list(self._matching(pattern))
 
     def fits(self, pattern: str) -> bool:
-        """Whether a name or a pattern has any :meth:`match`; found without listing them."""
+        """Whether a name or a pattern has any :meth:`match`."""
+        return next(self._matching(pattern), None) is not None
+
+    def _matching(self, pattern: str) -> Iterator[str]:
         if not is_pattern(pattern):
-            return pattern in self
-        fits = re.compile(fnmatch.translate(pattern)).match
-        if "/" not in pattern:
-            head = re.split(r"[*?\[]", pattern, maxsplit=1)[0]
-            first = bisect_left(self._sorted, head)
-            names = map(self._sorted.__getitem__, range(first, len(self._sorted)))
-            return any(map(fits, itertools.takewhile(lambda name: name.startswith(head), names)))
-        bodies, begins, ends = self._halves(pattern)
-        firsts = {i for i, has in enumerate(begins) if has}
-        seconds = {i for i, has in enumerate(ends) if any(has)}
-        return any(len(others) > (i in others)
-                   for some, others in ((firsts, seconds), (seconds, firsts))
-                   for i in some if bodies[i].motion == "dynamic")
+            return iter([pattern] if pattern in self else [])
+        if "/" in pattern:
+            return self._match_pairs(pattern)
+        return filter(re.compile(fnmatch.translate(pattern)).match, self.units)
 
     @cached_property
     def _words(self) -> list[str]:
@@ -173,9 +148,13 @@ class Catalogue:
         return list(itertools.islice(words, MOST_COMPARED))
 
     def near(self, name: str) -> str:
-        """A quantity or a pattern that fits, with a word mended; quick on large mechanisms."""
+        """A quantity or a pattern that fits, with one word corrected."""
         if "/" in name and not is_pattern(name):
-            return self._near_pair(name)
+            first, _, rest = name.partition("/")
+            second, _, quantity = rest.rpartition(".")
+            one, other, last = (word if word in known else nearest(word, known) for word, known in (
+                (first, self._bodies), (second, self._bodies), (quantity, PAIR)))
+            return pair if (pair := f"{one}/{other}.{last}") in self else ""
         for head, element in () if is_pattern(name) else self._prefixes(name):
             if close := nearest(name[len(head) + 1:], element.quantities):
                 return f"{head}.{close}"
@@ -187,55 +166,36 @@ class Catalogue:
                     return mended
         return ""
 
-    def _near_pair(self, name: str) -> str:
-        """A pair's name with each of its three words mended that is none."""
-        first, _, rest = name.partition("/")
-        second, _, quantity = rest.rpartition(".")
-        mended = [word if word in known else nearest(word, known) for word, known in (
-            (first, self._bodies), (second, self._bodies), (quantity, PAIR))]
-        candidate = f"{mended[0]}/{mended[1]}.{mended[2]}"
-        return candidate if candidate in self else ""
-
     def lacking(self, name: str) -> str:
-        """Why an element has not the quantity that others of its kind have, or nothing."""
-        if unheld := self._unheld(name):
-            return unheld
-        for head, element in self._prefixes(name):
-            if f"{element.kind}s" not in KINDS:
+        """Why an element lacks a quantity that others of its kind have; empty of other names."""
+        head, _, quantity = name.rpartition(".")
+        if head in self._bodies and quantity in GRASP:
+            body = self.mechanism.bodies[self._bodies[head]]
+            if body.role != "object":
+                objects = [each.name for each in self.mechanism.bodies
+                           if quantity in grasp_of(each)]
+                return (f"only bodies with the role 'object' have it, {quoted(head)} has the role "
+                        f"{quoted(body.role)}"
+                        + (f"; there is {listed(objects)}" if objects else ""))
+            if not body.shapes:
+                return f"{quoted(head)} has no shapes, and nothing can touch it"
+            if GRASP[quantity].of_free:
+                return f"{quoted(head)} does not move freely, so it has no grasp quantities"
+        for head, entry in self._prefixes(name):
+            kind, index, quantity = f"{entry.kind}s", entry.index, name[len(head) + 1:]
+            if kind not in KINDS:
                 continue
-            quantity = name[len(head) + 1:]
-            need = self._spec(element).needed(quantity)
-            if quantity in BOND_QUANTITIES and f"{element.kind}s" in RELEASABLE:
-                need = "'breaks_at', or an event that releases it"
+            if kind == "loads":
+                index = self.mechanism.loaded[index][0]
+            element: Element = getattr(self.mechanism, kind)[index]
+            need = "'breaks_at', or an event that releases it" if (
+                quantity in BOND_QUANTITIES and kind in RELEASABLE) else element.needed(quantity)
             if need:
                 return f"{quoted(head)} has it only with {need}"
         return ""
 
-    def _spec(self, element: CatalogueEntry) -> Element:
-        """The element of an entry; of a load on a body the load."""
-        index = element.index
-        if element.kind == "load":
-            index = self.mechanism.loaded[index][0]
-        found: Element = getattr(self.mechanism, f"{element.kind}s")[index]
-        return found
-
-    def _unheld(self, name: str) -> str:
-        """Why a body has no measure of how it is held; empty of other names."""
-        head, _, quantity = name.rpartition(".")
-        if head not in self._bodies or quantity not in GRASP:
-            return ""
-        body = self.mechanism.bodies[self._bodies[head]]
-        if body.role != "object":
-            objects = [each.name for each in self.mechanism.bodies if quantity in grasp_of(each)]
-            return (f"only bodies with the role 'object' have it, {quoted(head)} has the role "
-                    f"{quoted(body.role)}" + (f"; there is {listed(objects)}" if objects else ""))
-        if not body.shapes:
-            return f"{quoted(head)} has no shapes, and nothing can touch it"
-        free = GRASP[quantity].of_free
-        return f"{quoted(head)} does not move freely, so it has no grasp quantities" * free
-
     def allowed(self, name: str) -> str:
-        """What the element has that an unknown name begins with, or which elements there are."""
+        """Quantities of the element that an unknown name begins with, or all elements."""
         if "/" in name or is_pattern(name):
             return ""
         for head, element in self._prefixes(name):
@@ -266,34 +226,29 @@ class Catalogue:
             return None
         return Source("pair", body, quantity, PAIR[quantity], other)
 
-    def _halves(self, pattern: str) -> tuple[list[Body], list[bool], list[list[bool]]]:
-        """Bodies with shapes, whether a pair's name may begin with each, and end with which.
-
-        The one ``/`` of a name is that of its pattern, so that the halves decide.
-        """
-        left, _, right = pattern.partition("/")
-        first = re.compile(fnmatch.translate(left)).match
-        second = re.compile(fnmatch.translate(right)).match
-        bodies = [body for body in self.mechanism.bodies if body.shapes]
-        return (bodies, [first(body.name) is not None for body in bodies],
-                [[second(f"{body.name}.{quantity}") is not None for quantity in PAIR]
-                 for body in bodies])
-
     def _match_pairs(self, pattern: str) -> Iterator[str]:
         """Names of pairs in the order of their bodies, each pair spelled one way."""
-        bodies, begins, ends = self._halves(pattern)
-        some = [i for i in range(len(bodies)) if begins[i] or any(ends[i])]
-        for place, i in enumerate(some):
-            for j in some[place + 1:]:
-                a, b = bodies[i], bodies[j]
+        # the one / of a name is that of its pattern, so the halves match separately
+        first, second = (re.compile(fnmatch.translate(half)).match
+                         for half in pattern.split("/", maxsplit=1))
+        bodies = [body for body in self.mechanism.bodies if body.shapes]
+        begins = {body.name for body in bodies if first(body.name)}
+        ends = {(body.name, quantity) for body in bodies for quantity in PAIR
+                if second(f"{body.name}.{quantity}")}
+        if not begins or not ends:
+            return
+        names = begins | {name for name, _ in ends}
+        some = [body for body in bodies if body.name in names]
+        for place, a in enumerate(some):
+            for b in some[place + 1:]:
                 if "dynamic" not in (a.motion, b.motion):
                     continue
-                one, other = (j, i) if a.motion == "fixed" else (i, j)
-                for k, quantity in enumerate(PAIR):
-                    if begins[one] and ends[other][k]:
-                        yield f"{bodies[one].name}/{bodies[other].name}.{quantity}"
-                    elif begins[other] and ends[one][k]:
-                        yield f"{bodies[other].name}/{bodies[one].name}.{quantity}"
+                pair = (b.name, a.name) if a.motion == "fixed" else (a.name, b.name)
+                for quantity in PAIR:
+                    for one, other in (pair, pair[::-1]):
+                        if one in begins and (other, quantity) in ends:
+                            yield f"{one}/{other}.{quantity}"
+                            break
 
 
 def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
@@ -317,14 +272,14 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
 
 
 def grasp_of(body: Body) -> dict[str, str]:
-    """What a body has because it is an object, quantity to unit."""
+    """Additional quantities of an object, with units."""
     if body.role != "object" or not body.shapes:
         return {}
-    return grasp_quantities(free=body.motion == "dynamic")
+    return {name: row.unit for name, row in GRASP.items()
+            if body.motion == "dynamic" or not row.of_free}
 
 
-MOST_SHOWN = 4
-"""Units that a refusal gives an example of."""
+MOST_SHOWN = 4  # units with an example in a message
 
 
 class MixedUnitsError(SandboxError, ValueError):

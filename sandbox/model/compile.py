@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
-from sandbox.elements.element import NAMED, RELEASABLES, Vec
-from sandbox.elements.joint import Anchors
-from sandbox.model.bonds import compile_bonds
+from sandbox.elements.element import HELD_ABOVE, NAMED, NO_POINT, RELEASABLE, RELEASABLES
 from sandbox.model.laws import SpringLaw, law_of
 from sandbox.model.loads import compile_loads
 from sandbox.model.model import (
     NONE,
     Bodies,
-    Chambers,
+    Bonds,
     Drives,
     Joints,
     Lines,
@@ -29,9 +27,10 @@ from sandbox.model.model import (
     columns_of,
 )
 from sandbox.numeric import Integers
-from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_body, to_world
+from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.curves import path_through
+from sandbox.values.signals import values
 
 
 def compile_mechanism(mechanism: Mechanism) -> Model:
@@ -40,44 +39,19 @@ def compile_mechanism(mechanism: Mechanism) -> Model:
     Raises:
         KeyError: a name that leads nowhere.
     """
-    names = Names(*(_numbers(kind) for kind in (
+    names = Names(*({element.name: i for i, element in enumerate(kind)} for kind in (
         mechanism.bodies, mechanism.joints, mechanism.springs, mechanism.tendons,
         mechanism.lines, mechanism.valves, mechanism.drives)))
     bodies, joints = _bodies(mechanism), _joints(mechanism, names)
-    scope = Scope(mechanism, names, joints)
-    drives = _drives(scope)
-    parts = (bodies, joints, _springs(scope), _tendons(scope),
-             _lines(scope, drives), _valves(scope),
-             compile_loads(mechanism, bodies), drives, compile_bonds(mechanism))
+    drives = _drives(mechanism, names)
+    parts = (bodies, joints, _springs(mechanism, names, joints), _tendons(mechanism, names),
+             _lines(mechanism, names, joints, drives), _valves(mechanism, names),
+             compile_loads(mechanism, bodies), drives, _bonds(mechanism))
     for part in parts:
         for field in fields(part):
             if isinstance(array := getattr(part, field.name), np.ndarray):
                 array.setflags(write=False)
     return Model(mechanism, names, *parts)
-
-
-@dataclass(frozen=True)
-class Scope:
-    """What an element is compiled with: names of the others, joints, poses at t = 0."""
-
-    mechanism: Mechanism
-    names: Names
-    joints: Joints
-
-    def number(self, among: str, name: str) -> int:
-        """The number of an element in a list, or among those that can be released."""
-        if among == RELEASABLES:
-            return self.mechanism.releasable.index(name)
-        found: int = getattr(self.names, NAMED[among].one)[name]
-        return found
-
-    def world(self, body: str, point: Vec) -> Vec:
-        """A point of a body's frame [m] in the world at t = 0."""
-        return to_world(pose_of(self.mechanism.bodies[self.names.body[body]]), point)
-
-
-def _numbers(elements: Sequence[Any]) -> dict[str, int]:
-    return {element.name: i for i, element in enumerate(elements)}
 
 
 def _names(elements: Sequence[Any]) -> tuple[str, ...]:
@@ -101,13 +75,22 @@ def _first(counts: Iterable[int]) -> Integers:
     return np.cumsum([0, *counts], dtype=np.int64)
 
 
+def _setters(mechanism: Mechanism, among: str, gives: str) -> Integers:
+    """Of each element of a list the drive that gives it something, or -1."""
+    drives = {drive.target[1]: i for i, drive in enumerate(mechanism.drives)
+              if drive.kind.gives == gives and drive.kind.target.among == among}
+    found: Integers = _ints(drives.get(each.name, NONE) for each in getattr(mechanism, among))
+    return found
+
+
 def _bodies(mechanism: Mechanism) -> Bodies:
     bodies = mechanism.bodies
     weights = [mass_properties(body) if body.motion == "dynamic" else None for body in bodies]
+    motions = [body.motion for body in bodies]
     return Bodies(
-        name=_names(bodies),
-        free=_flags(body.motion == "dynamic" for body in bodies),
-        fixed=_flags(body.motion == "fixed" for body in bodies),
+        name=_names(bodies), free=_flags(motion == "dynamic" for motion in motions),
+        fixed=_flags(motion == "fixed" for motion in motions),
+        scheduled=_flags(motion not in ("dynamic", "fixed") for motion in motions),
         pose=_floats((pose_of(body) for body in bodies), 3),
         centre=_floats((w.centre if w else (0.0, 0.0) for w in weights), 2),
         mass=_floats(w.mass if w else math.inf for w in weights),
@@ -118,59 +101,75 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
     joints = mechanism.joints
     numbers = [(names.body[joint.a], names.body[joint.b]) for joint in joints]
     ends = [(mechanism.bodies[a], mechanism.bodies[b]) for a, b in numbers]
-    held = [anchors(joint, *pair) for joint, pair in zip(joints, ends, strict=True)]
-    rows = []
-    for joint, (a, b), (on_a, on_b) in zip(joints, ends, held, strict=True):
-        at_a = to_world(pose_of(a), on_a)
-        distance = math.dist(at_a, to_world(pose_of(b), on_b))
-        rows.append(joint.columns(Anchors(on_a, on_b, to_body(pose_of(b), at_a), distance)))
-    columns = columns_of(Joints, joints, rows)
+    columns = columns_of(Joints, joints, [joint.columns(mechanism) for joint in joints])
     kinds = tuple(joint.facts for joint in joints)
+    paths = [(getattr(joint, "path", None), getattr(joint, "closed", False)) for joint in joints]
+    angle = _flags(kind.angle for kind in kinds)
+    keeps = np.array([kind.keeps for kind in kinds], dtype=str)
     return Joints(
-        name=_names(joints), kind=kinds, bodies=_ints(numbers, 2), anchor=_floats(held, 2, 2),
-        angle=_flags(kind.angle for kind in kinds),
+        name=_names(joints), kind=kinds, bodies=_ints(numbers, 2),
+        anchor=_floats((anchors(joint, *pair) for joint, pair in zip(joints, ends, strict=True)),
+                       2, 2),
+        angle=angle, hinges=np.flatnonzero(angle),
+        pivots=np.flatnonzero(angle & (keeps == "point")),
+        grooved=np.flatnonzero(keeps == "groove"),
+        stopped=np.flatnonzero(np.isfinite(columns["stops"]).all(axis=1)),
+        frictional=np.flatnonzero((columns["friction"] > 0) | (columns["coefficient"] > 0)),
+        unknowns=_ints(kind.forces for kind in kinds) + ~columns["turns"],
         start=columns["sense"] * _floats(b.angle - a.angle for a, b in ends) - columns["zero"],
-        path=tuple(None if points is None else path_through(points, closed=closed)
-                   for points, closed in (joint.path_points() for joint in joints)), **columns)
+        path=tuple(points and path_through(points, closed=closed) for points, closed in paths),
+        **columns)
 
 
-def _springs(scope: Scope) -> Springs:
-    mechanism, springs = scope.mechanism, scope.mechanism.springs
-    rows = [spring.columns(scope) for spring in springs]
+def _between(
+    mechanism: Mechanism, names: Names, joints: Joints, elements: Sequence[Any],
+) -> dict[str, Any]:
+    """Columns of elements that act between two points, or about a hinge."""
+    rows: list[Any] = []
+    for each in elements:
+        if hasattr(each, "joint"):
+            j = names.joint[each.joint]
+            rows.append((j, joints.bodies[j], (NO_POINT, NO_POINT), joints.start[j]))
+            continue
+        ends = [(names.body[each.a], each.on_a), (names.body[each.b], each.on_b)]
+        places = [to_world(pose_of(mechanism.bodies[body]), point) for body, point in ends]
+        rows.append((NONE, *zip(*ends, strict=True), math.dist(*places)))
+    joint, bodies, anchor, start = zip(*rows, strict=True) if rows else [()] * 4
+    return {"joint": _ints(joint), "bodies": _ints(bodies, 2), "anchor": _floats(anchor, 2, 2),
+            "start": _floats(start)}
+
+
+def _springs(mechanism: Mechanism, names: Names, joints: Joints) -> Springs:
+    springs = mechanism.springs
+    between, columns = _between(mechanism, names, joints, springs), columns_of(Springs, springs)
+    columns["rest"] = np.where(np.isnan(columns["rest"]), between["start"], columns["rest"])
     kinds = tuple(spring.facts for spring in springs)
     laws = tuple(law_of(spring, tuple(mechanism.tables), mechanism.functions)
                  for spring in springs)
     return Springs(
         name=_names(springs), kind=kinds, straight=_flags(kind.straight for kind in kinds),
-        stiffness=_floats(_slope(law, row) if spring.stiffness is None else spring.stiffness
-                          for spring, law, row in zip(springs, laws, rows, strict=True)),
+        stiffness=_floats(
+            _slope(law, start, rest) if spring.stiffness is None else spring.stiffness
+            for spring, law, start, rest in zip(
+                springs, laws, between["start"].tolist(), columns["rest"].tolist(), strict=True)),
         damping=_floats(0.0 if law else spring.damping
                         for spring, law in zip(springs, laws, strict=True)),
-        drive=_setters(mechanism, "springs", "stiffness"), law=laws,
-        **columns_of(Springs, springs, rows))
+        drive=_setters(mechanism, "springs", "stiffness"), law=laws, **between, **columns)
 
 
-def _setters(mechanism: Mechanism, among: str, gives: str) -> Integers:
-    """Of each element of a list the drive that gives it something, or -1."""
-    drives = {drive.target[1]: i for i, drive in enumerate(mechanism.drives)
-              if drive.kind.gives == gives and drive.kind.target.among == among}
-    found: Integers = _ints(drives.get(each.name, NONE) for each in getattr(mechanism, among))
-    return found
-
-
-def _slope(law: SpringLaw | None, row: Mapping[str, float]) -> float:
-    """How stiff a spring with a law is at t = 0."""
+def _slope(law: SpringLaw | None, start: float, rest: float) -> float:
+    """Stiffness of a spring with a law at t = 0."""
     assert law is not None  # what has no stiffness has one
-    start, rest = row["start"], row["rest"]
     stretch, near = start - rest, 1e-6 * max(abs(start), abs(rest), 1e-3)
     slope = float(law.slopes(np.array([stretch - near, stretch + near]))[0])
     return max(slope, 0.0) if math.isfinite(slope) else 0.0
 
 
-def _tendons(scope: Scope) -> Tendons:
-    mechanism, names, tendons = scope.mechanism, scope.names, scope.mechanism.tendons
+def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
+    tendons = mechanism.tendons
     guides = [guide for tendon in tendons for guide in tendon.path]
     first = _first(len(tendon.path) for tendon in tendons)
+    pieces = np.delete(np.arange(len(guides)), first[1:] - 1)
     each = list(zip(first.tolist(), tendons, strict=False))
     return Tendons(
         name=_names(tendons), first=first,
@@ -185,38 +184,62 @@ def _tendons(scope: Scope) -> Tendons:
         friction=_floats(tendon.guides[k].friction for tendon in tendons for k in tendon.gripping),
         wheels=_ints(start + k for start, tendon in each for k in tendon.lifting),
         drive=_setters(mechanism, "tendons", "tension"),
-        stiffener=_setters(mechanism, "tendons", "stiffness"),
+        stiffener=_setters(mechanism, "tendons", "stiffness"), stretch_first=pieces,
+        stretch_tendon=np.repeat(np.arange(len(tendons)), np.diff(first) - 1),
         **columns_of(Tendons, tendons))
 
 
-def _drives(scope: Scope) -> Drives:
-    drives = scope.mechanism.drives
+def _drives(mechanism: Mechanism, names: Names) -> Drives:
+    drives = mechanism.drives
     kinds = tuple(drive.kind for drive in drives)
+    targets = [(reference.among, name) for reference, name in (drive.target for drive in drives)]
+    columns = columns_of(Drives, drives)
+    columns["most"][np.isnan(columns["most"]) & ~np.isnan(columns["slope"])] = math.inf
     return Drives(
         name=_names(drives), kind=kinds, floor=_floats(kind.floor for kind in kinds),
-        target=_ints(scope.number(reference.among, name)
-                     for reference, name in (drive.target for drive in drives)),
-        **columns_of(Drives, drives))
+        target=_ints(mechanism.releasable.index(name) if among == RELEASABLES
+                     else getattr(names, NAMED[among].one)[name] for among, name in targets),
+        **columns)
 
 
-def _lines(scope: Scope, drives: Drives) -> Lines:
-    lines = scope.mechanism.lines
+def _lines(mechanism: Mechanism, names: Names, joints: Joints, drives: Drives) -> Lines:
+    lines = mechanism.lines
     chambers = [chamber for line in lines for chamber in line.chambers]
-    volume = _floats(line.volume_at(scope.world) for line in lines)
+    volume = _floats(line.volume_at(mechanism.world) for line in lines)
     given = {int(drives.target[i]): i for i in drives.giving("pressure").tolist()
              if drives.resistance[i] == 0.0}
+    counts = [len(line.chambers) for line in lines]
     return Lines(
-        name=_names(lines), first=_first(len(line.chambers) for line in lines), volume=volume,
+        name=_names(lines), first=_first(counts), volume=volume,
+        of=np.repeat(np.arange(len(lines)), np.array(counts, dtype=np.int64)),
         compliance=_floats(line.compliance(v) for line, v in zip(lines, volume, strict=True)),
         drive=_ints(given.get(i, NONE) for i in range(len(lines))),
-        **columns_of(Lines, lines),
-        **columns_of(Chambers, chambers, [chamber.columns(scope) for chamber in chambers]))
+        gain=_floats(chamber.gain for chamber in chambers),
+        **columns_of(Lines, lines), **_between(mechanism, names, joints, chambers))
 
 
-def _valves(scope: Scope) -> Valves:
-    valves, names = scope.mechanism.valves, scope.names
+def _valves(mechanism: Mechanism, names: Names) -> Valves:
+    valves = mechanism.valves
     return Valves(
         name=_names(valves),
         lines=_ints(([NONE if line is None else names.line[line] for line in (valve.a, valve.b)]
                      for valve in valves), 2),
-        drive=_setters(scope.mechanism, "valves", "opening"), **columns_of(Valves, valves))
+        drive=_setters(mechanism, "valves", "opening"), **columns_of(Valves, valves))
+
+
+def _bonds(mechanism: Mechanism) -> Bonds:
+    place = {name: number for number, name in enumerate(mechanism.releasable)}
+    specs = [each for each in mechanism.holding if each.name in place]
+    drives = {drive.target[1]: (i, drive) for i, drive in enumerate(mechanism.drives)
+              if drive.kind.gives == "hold"}
+    off = {name for name, (_, drive) in drives.items() if values(
+        drive.value, np.zeros(1), mechanism.functions)[0] <= HELD_ABOVE}
+    joint, spring, tendon = (
+        _ints(place.get(each.name, NONE) for each in getattr(mechanism, kind))
+        for kind in RELEASABLE)
+    return Bonds(
+        name=tuple(place), joint=joint, spring=spring, tendon=tendon,
+        held=_flags(not each.released and each.name not in off for each in specs),
+        as_is=_flags(getattr(each, "taken_up", "") == "as_is" for each in specs),
+        drive=_ints(drives[each.name][0] if each.name in drives else NONE for each in specs),
+        **columns_of(Bonds, specs))

@@ -14,8 +14,7 @@ from sandbox.numeric import Array, Integers
 from sandbox.scene.geometry import Vec
 from sandbox.scene.outlines.curves import flattened
 
-CHORDS = 1e-3
-"""Distance of a path from its chords in pictures, relative to its extent."""
+CHORDS = 1e-3  # distance of a path from its chords over its extent
 
 
 def rotated(vectors: Array, angle: Array | float) -> Array:
@@ -47,12 +46,6 @@ def apart(model: Model, joint: int | Integers, pose: Array) -> tuple[Array, Arra
     return bx - ax, by - ay
 
 
-def _apart(model: Model, joint: int, pose: Array) -> dict[str, Any]:
-    """From the centre on ``a`` to that on ``b`` [m]."""
-    dx, dy = apart(model, joint, pose)
-    return {"dx": dx, "dy": dy}
-
-
 def _along(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
     """A rack's pitch line in the world, a unit vector."""
     way = rotated(model.joints.along[joint], pose[..., model.joints.bodies[joint, 1], 2])
@@ -63,28 +56,26 @@ def flank_of(model: Model, joint: int, pose: Array, side: int) -> Flank:
     """A flank of a ``gear`` or ``rack`` in poses [..., nb, 3]."""
     joints = model.joints
     a, b = (pose[..., body, 2] for body in joints.bodies[joint])
-    radii, pressure = joints.radii[joint], float(joints.pressure[joint])
+    (ra, rb), pressure = joints.radii[joint].tolist(), float(joints.pressure[joint])
+    dx, dy = apart(model, joint, pose)
     if joints.kind[joint].keeps == "rack":
-        return rack_flank(float(radii[0]), pressure, side, along=_along(model, joint, pose),
-                          turned=a - b, **_apart(model, joint, pose))
-    return gear_flank((float(radii[0]), float(radii[1])), bool(joints.inside[joint]), pressure,
-                      side, angle_a=a, angle_b=b, **_apart(model, joint, pose))
+        return rack_flank(ra, pressure, side, along=_along(model, joint, pose), dx=dx, dy=dy,
+                          turned=a - b)
+    return gear_flank((ra, rb), bool(joints.inside[joint]), pressure, side, dx=dx, dy=dy,
+                      angle_a=a, angle_b=b)
 
 
 def slip_of(model: Model, joint: int, pose: Array) -> tuple[Any, float]:
-    """By how much circles that ``roll`` have slipped in poses [..., nb, 3], and its period [m]."""
+    """Slip of circles that ``roll`` in poses [..., nb, 3], and its period [m]."""
     joints = model.joints
     a, b = (pose[..., body, 2] for body in joints.bodies[joint])
     ra, rb = joints.radii[joint].tolist()
-    return rolled((ra, rb), bool(joints.inside[joint]), angle_a=a, angle_b=b,
-                  **_apart(model, joint, pose))
+    dx, dy = apart(model, joint, pose)
+    return rolled((ra, rb), bool(joints.inside[joint]), dx=dx, dy=dy, angle_a=a, angle_b=b)
 
 
 def flank_gaps(model: Model, joint: int, pose: Array) -> Array:
-    """How far the teeth of a ``gear`` or ``rack`` are apart, were there no play, [2, ...] m.
-
-    Along the lines of action of both flanks; at t = 0 both are 0.
-    """
+    """Gaps of teeth without play along both lines of action, 0 at t = 0 [m], [2, ...]."""
     found = []
     for side in (1, -1):
         now, start = (flank_of(model, joint, at, side) for at in (pose, model.bodies.pose))
@@ -93,15 +84,9 @@ def flank_gaps(model: Model, joint: int, pose: Array) -> Array:
 
 
 def slipped(model: Model, joint: int, pose: Array) -> Array:
-    """By how much circles that ``roll`` have slipped since t = 0 [m]."""
+    """Slip of circles that ``roll`` since t = 0 [m]."""
     now, period = slip_of(model, joint, pose)
     return np.asarray(nearest(now - slip_of(model, joint, model.bodies.pose)[0], period))
-
-
-def play_left(model: Model, joint: int, pose: Array) -> Array:
-    """Way along the pitch circles until teeth with play meet, on the nearer side [m]."""
-    along = flank_gaps(model, joint, pose).min(axis=0) / math.cos(model.joints.pressure[joint])
-    return np.asarray(along + model.joints.play[joint] / 2)
 
 
 def outward(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
@@ -120,15 +105,16 @@ def meeting(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
         gx, gy = _along(model, joint, pose)
         return x + ra * gy, y - ra * gx
     share = ra / (ra - rb if joints.inside[joint] else ra + rb)
-    off = _apart(model, joint, pose)
-    return x + share * off["dx"], y + share * off["dy"]
+    dx, dy = apart(model, joint, pose)
+    return x + share * dx, y + share * dy
 
 
 def of_wheels(model: Model, arrays: Arrays, joint: int, quantity: str) -> Array:
     """``tangential``, ``radial`` [N] or ``gap`` [m] of a joint of wheels over time, [n]."""
     pose = arrays["body_pose"]
-    if quantity == "gap":
-        return play_left(model, joint, pose)
+    if quantity == "gap":  # to the nearer flank
+        along = flank_gaps(model, joint, pose).min(axis=0) / math.cos(model.joints.pressure[joint])
+        return np.asarray(along + model.joints.play[joint] / 2)
     x, y = outward(model, joint, pose)
     fx, fy = arrays["joint_force"][:, joint].T
     if quantity == "tangential":
@@ -139,11 +125,7 @@ def of_wheels(model: Model, arrays: Arrays, joint: int, quantity: str) -> Array:
 
 
 def link_tensions(model: Model, arrays: Arrays, joints: Integers) -> Array:
-    """Pull along the line of each of these links [N], negative where it pushes, [n, k].
-
-    A link carries force along the line through its two points and nowhere else, so that what its
-    reaction does not say is the side: whether ``b`` is drawn to ``a`` or driven away.
-    """
+    """Tension of joints that act along the line through their points [N], [n, k]."""
     (x, y), force = apart(model, joints, arrays["body_pose"]), arrays["joint_force"][:, joints]
     size = arrays["joint_reaction"][:, joints]
     return np.where(x * force[..., 0] + y * force[..., 1] > 0, -size, size)
@@ -152,17 +134,12 @@ def link_tensions(model: Model, arrays: Arrays, joints: Integers) -> Array:
 class Place(NamedTuple):
     """The point of a slot in poses [..., nb, 3] of its bodies; each value has the shape [...]."""
 
-    along: Array
-    """From the start of the axis or path [m]."""
-    across: Array
-    """Distance to the left of the axis or path [m]."""
-    off: Array
-    """Distance from the recorded place on a path; of an axis the size of ``across`` [m]."""
-    x: Array
-    """Direction of the axis or path in the world, a unit vector."""
+    along: Array  # from the start of the axis or path [m]
+    across: Array  # distance to the left of the axis or path [m]
+    off: Array  # distance from the recorded place on a path [m]; |across| on an axis
+    x: Array  # direction of the axis or path in the world, a unit vector
     y: Array
-    bend: Array
-    """Curvature of the path [1/m], positive where it turns to the left; 0 of an axis."""
+    bend: Array  # curvature of the path [1/m], positive where it turns to the left; 0 of an axis
 
 
 def place_in_slot(model: Model, joint: int, pose: Array, along: Array | None = None) -> Place:
@@ -176,29 +153,26 @@ def place_in_slot(model: Model, joint: int, pose: Array, along: Array | None = N
     """
     joints = model.joints
     a, b = joints.bodies[joint].tolist()
-    at_a, at_b, (x, y) = pose[..., a, :], pose[..., b, :], joints.anchor[joint, 1]
-    c, s = np.cos(at_b[..., 2]), np.sin(at_b[..., 2])
-    dx = at_b[..., 0] + c * x - s * y - at_a[..., 0]
-    dy = at_b[..., 1] + s * x + c * y - at_a[..., 1]
-    c, s = np.cos(at_a[..., 2]), np.sin(at_a[..., 2])
-    point = np.stack([c * dx + s * dy, c * dy - s * dx], axis=-1)
-    path = joints.path[joint]
+    at_a, path = pose[..., a, :], joints.path[joint]
+    point = rotated(placed(pose[..., b, :], joints.anchor[joint, 1]) - at_a[..., :2],
+                    -at_a[..., 2])
+    shape = point.shape[:-1]
     if path is None:
-        start, end = joints.groove[joint]
-        tangent = (end - start) / max(float(np.hypot(*(end - start))), 1e-300)
-        foot, bend = start, np.zeros_like(c)
-        begin = np.zeros_like(c)
+        foot, end = joints.groove[joint]
+        tangent = (end - foot) / max(float(np.hypot(*(end - foot))), 1e-300)
+        begin = bend = np.zeros(shape)
     else:
         if along is None:
-            along = np.reshape([path.nearest(one) for one in point.reshape(-1, 2)], c.shape)
+            along = np.reshape([path.nearest(one) for one in point.reshape(-1, 2)], shape)
         begin = along
-        foot, tangent, bend = (np.reshape(one, (*c.shape, *one.shape[1:]))
+        foot, tangent, bend = (np.reshape(one, (*shape, *one.shape[1:]))
                                for one in path.at(np.ravel(along)))
     tx, ty = tangent[..., 0], tangent[..., 1]
     ox, oy = np.moveaxis(point - foot, -1, 0)
     ahead, across = tx * ox + ty * oy, tx * oy - ty * ox
+    x, y = np.moveaxis(rotated(tangent, at_a[..., 2]), -1, 0)
     return Place(begin + ahead, across, np.abs(across) if path is None else np.hypot(ahead, across),
-                 c * tx - s * ty, s * tx + c * ty, bend)
+                 x, y, bend)
 
 
 def normal_in_slot(model: Model, arrays: Arrays, joint: int) -> Array:
@@ -209,10 +183,7 @@ def normal_in_slot(model: Model, arrays: Arrays, joint: int) -> Array:
 
 
 def slot_points(model: Model, joint: int) -> Array:
-    """Points along a slot in the frame of ``a`` [m], [n, 2]: its ends, or chords of its path.
-
-    Chords are within 0.1 % of the path's extent.
-    """
+    """Points along a slot in the frame of ``a`` [m], [n, 2]: its ends, or chords of its path."""
     path = model.joints.path[joint]
     if path is None:
         return np.asarray(model.joints.groove[joint])
@@ -231,36 +202,41 @@ def slot_length(model: Model, joint: int) -> float:
 
 
 def spin(model: Model, body: int) -> float:
-    """Of a body at t = 0, counter-clockwise [rad/s]; 0 of what does not move freely."""
+    """Angular velocity of a body at t = 0 [rad/s]; 0 unless it moves freely."""
     return model.mechanism.bodies[body].angular_velocity if model.bodies.free[body] else 0.0
 
 
 def turning(model: Model, joint: int) -> float:
-    """At which ``b`` of a joint turns against ``a`` at t = 0, counter-clockwise [rad/s]."""
+    """Angular velocity of ``b`` against ``a`` at t = 0 [rad/s]."""
     a, b = model.joints.bodies[joint].tolist()
     return spin(model, b) - spin(model, a)
 
 
 def sliding(model: Model, joint: int) -> float:
-    """At which the point of a slot runs along it at t = 0 [m/s]; 0 where that has no length."""
-    there, place = place_in_slot(model, joint, model.bodies.pose), model.ends(joint)[1]
-    (ax, ay), (bx, by) = (_velocity(model, body, place)
-                          for body in model.joints.bodies[joint].tolist())
-    return float((bx - ax) * there.x + (by - ay) * there.y)
+    """Speed of the point of a slot along it at t = 0 [m/s]; 0 without length."""
+    place, at = place_in_slot(model, joint, model.bodies.pose), model.ends(joint)[1]
+    vx, vy = _parting(model, joint, (at, at))
+    return float(vx * place.x + vy * place.y)
 
 
 def lengthening(model: Model, joint: int) -> float:
-    """At which the two points of a joint separate at t = 0 [m/s]; 0 where they are one."""
+    """Speed at which the two points of a joint separate at t = 0 [m/s]; 0 if they coincide."""
     one, two = model.ends(joint)
-    (ax, ay), (bx, by) = (_velocity(model, body, place) for body, place in zip(
-        model.joints.bodies[joint].tolist(), (one, two), strict=True))
+    vx, vy = _parting(model, joint, (one, two))
     x, y = two[0] - one[0], two[1] - one[1]
     length = math.hypot(x, y)
-    return ((bx - ax) * x + (by - ay) * y) / length if length > 0 else 0.0
+    return (vx * x + vy * y) / length if length > 0 else 0.0
+
+
+def _parting(model: Model, joint: int, places: tuple[Vec, Vec]) -> Vec:
+    """Velocity of a point of ``b`` minus that of a point of ``a``, by their places at t = 0."""
+    (ax, ay), (bx, by) = (_velocity(model, body, place) for body, place in zip(
+        model.joints.bodies[joint].tolist(), places, strict=True))
+    return bx - ax, by - ay
 
 
 def _velocity(model: Model, body: int, place: Vec) -> Vec:
-    """Of a body's point that is at a ``place`` of the world at t = 0 [m/s]."""
+    """Velocity of a body's point at a ``place`` in the world at t = 0 [m/s]."""
     if not model.bodies.free[body]:
         return 0.0, 0.0
     (x, y), (vx, vy) = (model.at_start(body, model.bodies.centre[body]),

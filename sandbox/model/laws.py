@@ -9,28 +9,14 @@ import numpy as np
 
 from sandbox.elements.loads import MOTION, LoadSpec
 from sandbox.elements.springs import Spring
-from sandbox.model.programs import (
-    ADD,
-    DROP,
-    GT,
-    LT,
-    MAX,
-    MIN,
-    MUL,
-    NAME,
-    NUMBER,
-    SELECT,
-    Program,
-    Step,
-    compile_expression,
-)
+from sandbox.model import programs as op
+from sandbox.model.programs import Program, compile_expression
 from sandbox.numeric import Array
 from sandbox.values.expressions import Expression, parse_expression
 from sandbox.values.tables import Tables
 from sandbox.wording import WrongValueError
 
-STRETCH, RATE, STIFFNESS = 0, 1, 2
-"""What a law's program reads."""
+STRETCH, RATE, STIFFNESS = 0, 1, 2  # inputs of a law's program
 FULL = ("pull", "above")
 
 
@@ -38,14 +24,10 @@ FULL = ("pull", "above")
 class SpringLaw:
     """The law of one spring."""
 
-    own: Expression | None
-    """Of its stretch and rate; None for k s."""
-    names: tuple[str, ...]
-    """What it calls these."""
-    damping: float
-    """[N s/m, N m s/rad]"""
-    side: int
-    """+1 for one that acts only where it is stretched, -1 only where it is not; 0 for both."""
+    own: Expression | None  # of stretch and rate; None for k s
+    names: tuple[str, ...]  # of stretch and rate in it
+    damping: float  # [N s/m, N m s/rad]
+    side: int  # +1 if it acts only while stretched, -1 only while compressed; 0 always
     program: Program
     tables: Tables
 
@@ -84,30 +66,24 @@ def law_of(spring: Spring, order: Sequence[str], tables: Tables) -> SpringLaw | 
         order: names of the scene's tables, in the order in which programs number them.
         tables: the same by their calls.
     """
-    text, names = spring.law, spring.OWN
+    text, names, damping = spring.law, spring.OWN, float(spring.damping)
     if text is None and spring.only is None:
         return None
     own = None if text is None else parse_expression(text)
     side = 0 if spring.only is None else 1 if spring.only in FULL else -1
-    program = Program(((NAME, STIFFNESS), (NAME, STRETCH), (MUL, 0)), 2) if own is None else (
-        compile_expression(own, names, order))
-    return SpringLaw(own, names, float(spring.damping), side,
-                     _whole(program, float(spring.damping), side), tables)
-
-
-def _whole(own: Program, damping: float, side: int) -> Program:
-    """A law's program with its damper, and one-sided."""
-    steps: list[Step] = [*own.steps]
+    steps, depth = compile_expression(own, names, order) if own is not None else (
+        ((op.NAME, STIFFNESS), (op.NAME, STRETCH), (op.MUL, 0)), 2)
     if damping:
-        steps += [(NUMBER, damping), (NAME, RATE), (MUL, 0), (ADD, 0)]
+        steps += ((op.NUMBER, damping), (op.NAME, RATE), (op.MUL, 0), (op.ADD, 0))
     if side:
-        steps = [(NAME, STRETCH), (NUMBER, 0.0), (GT if side > 0 else LT, 0), (DROP, 0), *steps,
-                 (NUMBER, 0.0), (MAX if side > 0 else MIN, 0), (NUMBER, 0.0), (SELECT, 0)]
-    return Program(tuple(steps), own.depth + 3)
+        compare, bound = (op.GT, op.MAX) if side > 0 else (op.LT, op.MIN)
+        zero = op.NUMBER, 0.0
+        steps = ((op.NAME, STRETCH), zero, (compare, 0), (op.DROP, 0), *steps,
+                 zero, (bound, 0), zero, (op.SELECT, 0))
+    return SpringLaw(own, names, damping, side, Program(steps, depth + 3), tables)
 
 
-MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}
-"""What a step changes of what a law reads, apart from the time."""
+MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}  # these change in a step, besides the time
 
 
 @dataclass(frozen=True)
@@ -137,13 +113,7 @@ class LoadLaw:
 
 
 def law_of_load(load: LoadSpec, order: Sequence[str], tables: Tables) -> LoadLaw | None:
-    """The law of a load; None of one without.
-
-    Args:
-        load: as the scene has it.
-        order: names of the scene's tables, in the order in which programs number them.
-        tables: the same by their calls.
-    """
+    """The law of a load; None of one without. Arguments as of :func:`law_of`."""
     texts = load.laws()
     if texts is None:
         return None

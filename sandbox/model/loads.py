@@ -10,14 +10,13 @@ import numpy as np
 from sandbox.model.laws import law_of_load
 from sandbox.model.model import Bodies, BodyLoads, Model, columns_of
 from sandbox.numeric import Array
-from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Shape
+from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Shape
 from sandbox.scene.geometry import corners
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.rings import wound
 
+# x, y of its centre, first and last angle, radius; of a straight side its two ends and 0
 Arc = tuple[float, float, float, float, float]
-"""x, y of its centre, its first and last angle, its radius; of a straight side, with a radius of 0,
-its two ends."""
 
 
 def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
@@ -28,7 +27,9 @@ def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
     columns = [load.columns(mechanism) for load in mechanism.loads]
     found = [(laws[load], columns[load], mechanism.bodies[body]) for load, body in pairs]
     load, on = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
-    sides = [[] if law is not None else list(_outline(body)) for law, _, body in found]
+    sides = [[] if law is not None else [
+        side for shape in body.displaces or body.shapes for side in _sides(shape)]
+        for law, _, body in found]
     at = [row.get("at") or centre
           for (_, row, _), centre in zip(found, bodies.centre[on], strict=True)]
     return BodyLoads(
@@ -43,13 +44,8 @@ def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
         first=np.cumsum([0, *map(len, sides)], dtype=np.int64))
 
 
-def _outline(body: Body) -> Iterator[Arc]:
-    """Sides and arcs round all that displaces a liquid, that to their left, in the body's frame."""
-    for shape in body.displaces or body.shapes:
-        yield from _sides(shape)
-
-
 def _sides(shape: Shape) -> Iterator[Arc]:
+    """Sides and arcs around a shape in the body's frame, the liquid that it displaces left."""
     if isinstance(shape, Circle):
         yield *shape.at, 0.0, math.tau, shape.radius
     elif isinstance(shape, Capsule):
@@ -69,18 +65,13 @@ def _sides(shape: Shape) -> Iterator[Arc]:
 
 
 def below(sides: Array, x: Array, y: Array, angle: Array, level: float) -> tuple[Array, Array]:
-    """Of an outline the area below a level [m^2], and its moment, area times x [m^3]; each [n].
+    """Area of an outline below a level [m^2], and its moment, area times x [m^3]; each [n].
 
     By Green's theorem, of the part of the outline below the level alone, with d = y - level:
 
         A = - ∮ d dx          ∬ x dA = - ∮ x d dx
 
-    Args:
-        sides: of the outline, in the body's frame, [k, 5].
-        x: of the body's frame in the world [m], [n].
-        y: the same, upwards.
-        angle: the same [rad].
-        level: the level's y [m].
+    ``sides`` [k, 5] are in the body's frame, which is at ``x``, ``y``, ``angle`` [m, rad], [n].
     """
     area, moment = np.zeros(len(x)), np.zeros(len(x))
     c, s = np.cos(angle), np.sin(angle)
@@ -95,7 +86,7 @@ def below(sides: Array, x: Array, y: Array, angle: Array, level: float) -> tuple
 
 
 def _straight(x1: Array, d1: Array, x2: Array, d2: Array) -> tuple[Array, Array]:
-    """∫ d dx and ∫ x d dx along what of a side is below d = 0."""
+    """∫ d dx and ∫ x d dx along the part of a side below d = 0."""
     with np.errstate(all="ignore"):
         cut = np.where(d1 * d2 < 0, d1 / (d1 - d2), 0.0)
     crossing = x1 + cut * (x2 - x1)
@@ -106,7 +97,7 @@ def _straight(x1: Array, d1: Array, x2: Array, d2: Array) -> tuple[Array, Array]
 
 
 def _arc(cx: Array, cd: Array, r: float, start: Array, end: Array) -> tuple[Array, Array]:
-    """The same along an arc that goes counter-clockwise from an angle to another."""
+    """The same along a counter-clockwise arc."""
     half = np.arcsin(np.clip(-cd / r, -1.0, 1.0))
     begin = np.mod(start, math.tau)
     span = end - start
@@ -125,14 +116,14 @@ def _arc(cx: Array, cd: Array, r: float, start: Array, end: Array) -> tuple[Arra
 def motion_of(
     model: Model, load: int, pose: Array, velocity: Array, acceleration: Array, time: Array,
 ) -> dict[str, Array]:
-    """What the law of a load reads, by name, [n] each.
+    """Inputs of the law of a load by name, [n] each.
 
     Args:
         model: of the mechanism.
         load: its number.
-        pose: x, y, angle of the body's centre of mass, [3, n].
-        velocity: of that, and turning, [3, n].
-        acceleration: the same of these.
+        pose: x, y [m], angle [rad] of the body's centre of mass, [3, n].
+        velocity: its rate, [3, n].
+        acceleration: the rate of that, [3, n].
         time: [s], [n].
     """
     loads = model.loads

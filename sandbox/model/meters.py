@@ -32,11 +32,6 @@ def names_read(meter: Meter) -> frozenset[str]:
         return frozenset()
 
 
-def quotients(text: str) -> list[str]:
-    """Quotients of names in an expression, spelled as the quantity of a pair: ``a/b``."""
-    return sorted({f"{one}/{other}" for one, other in _QUOTIENT.findall(text)})
-
-
 def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
     """The order in which to evaluate meters, and the cycles among them, as indices.
 
@@ -61,7 +56,7 @@ def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
 def rings(
     starts: Iterable[_Node], nexts: Callable[[_Node], Iterable[_Node]],
 ) -> Iterator[list[_Node]]:
-    """Chains of a graph that lead back into themselves; every node is followed once."""
+    """Cycles of a graph; every node is visited once."""
     done: set[_Node] = set()
     for start in starts:
         chain: dict[_Node, Iterator[_Node]] = {} if start in done else {start: iter(nexts(start))}
@@ -114,8 +109,7 @@ def evaluate(
     return result, [notes[index] for index in sorted(notes)]
 
 
-MOST = 6
-"""Largest number of curves of a meter."""
+MOST = 6  # largest number of curves of a meter
 
 
 def is_expression(word: str) -> bool:
@@ -154,7 +148,19 @@ def problems_of(known: Catalogue, view: View) -> list[Problem]:
                 missing += misread(known, word, names_in(word), f"{path}.of[{j}]")
             elif not known.fits(word):
                 missing.append(unknown(known, word, f"{path}.of[{j}]"))
-        problems += missing or _together(known, meter, path)
+        problems += missing
+        if missing:
+            continue
+        names = curves(meter, known)
+        if len(names) > MOST:
+            problems.append(Problem(
+                "bad-quantity", f"{len(names)} curves are too many for one meter: "
+                f"{listed(names)}", path, allowed=f"at most {MOST}"))
+        units = sorted({known.find(name).unit for name in names if not is_expression(name)})
+        if len(units) > 1:
+            problems.append(Problem(
+                "bad-quantity", "all curves of one meter need the same unit, these have "
+                f"{listed(units)}", path, allowed="a meter for each unit"))
     return problems
 
 
@@ -162,11 +168,9 @@ def misread(
     known: Catalogue, text: str, names: Iterable[str], path: str, *,
     itself: str = "an expectation may use the pair itself", live: bool = False,
 ) -> Iterator[Problem]:
-    """Names in an expression that are no quantities, and pairs, which it cannot read.
-
-    ``itself`` says where a pair may be read.
-    """
-    pairs = [pair for pair in quotients(text) if pair in known]
+    """Unknown names in an expression, and pairs, which only ``itself`` may read."""
+    pairs = [pair for pair in sorted({
+        f"{one}/{other}" for one, other in _QUOTIENT.findall(text)}) if pair in known]
     for pair in pairs:
         first, _, rest = pair.partition("/")
         second, _, quantity = rest.rpartition(".")
@@ -181,7 +185,7 @@ def misread(
 
 
 def unknown(known: Catalogue, name: str, path: str, *, live: bool = False) -> Problem:
-    """The problem of an unknown quantity; with ``live`` only what can be read in a run is listed.
+    """The problem of an unknown quantity; with ``live`` only those of a run are listed.
 
     Only the first problems of a catalogue have suggestions.
     """
@@ -202,25 +206,23 @@ def unknown(known: Catalogue, name: str, path: str, *, live: bool = False) -> Pr
                    allowed=allowed)
 
 
-def _together(known: Catalogue, meter: ShownMeter, path: str) -> Iterator[Problem]:
-    names = curves(meter, known)
-    if len(names) > MOST:
-        yield Problem("bad-quantity", f"{len(names)} curves are too many for one meter: "
-                      f"{listed(names)}", path, allowed=f"at most {MOST}")
-    units = sorted({known.find(name).unit for name in names if not is_expression(name)})
-    if len(units) > 1:
-        yield Problem("bad-quantity", "all curves of one meter need the same unit, these have "
-                                      f"{listed(units)}", path, allowed="a meter for each unit")
-
-
 def check_quantities(mechanism: Mechanism) -> list[Problem]:
-    """Problems of the quantities in meters and expectations.
-
-    Unknown names (with suggestions), patterns that fit nothing, names of meters that are taken,
-    meters that depend on themselves, and numbers of another dimension than their quantity.
-    """
+    """Problems of the quantities, names and units in meters and expectations."""
     known = Catalogue(mechanism)
-    problems = [*_check_meters(known)]
+    meters, others = mechanism.meters, Catalogue(mechanism.model_copy(update={"meters": ()}))
+    problems = []
+    for i, meter in enumerate(meters):
+        taken = ("is the name of a recorded quantity" if meter.name in others else
+                 "means something in expressions" if meter.name in RESERVED else "")
+        if taken:
+            problems.append(Problem("duplicate-name", f"{quoted(meter.name)} {taken} already",
+                                    f"$.meters[{i}].name"))
+    for i, meter in enumerate(meters):
+        problems += misread(known, meter.value, names_read(meter), f"$.meters[{i}].value")
+    for circle in order(mechanism)[1]:
+        ring = " → ".join(quoted(meters[i].name) for i in [*circle, circle[0]])
+        problems.append(Problem("circular-definition", "meters depend on each other in a circle: "
+                                f"{ring}", f"$.meters[{circle[0]}].value"))
     fits: dict[str, bool] = {}
     units: dict[str, list[str]] = {}
     for i, expect in enumerate(mechanism.expect):
@@ -247,19 +249,18 @@ def _check_units(
     ``units`` caches the units of patterns; of instants it is the second.
     """
     name = expect.quantity
-    numbers: list[tuple[str, object, str]] = [
-        (key, value, name) for key, value in (
-            ("is", expect.value), ("within", expect.within), ("above", expect.above),
-            ("below", expect.below),
-            *((f"between[{j}]", value) for j, value in enumerate(expect.between or ())))]
-    numbers += [(f"over[{j}]", instant, "") for j, instant in enumerate(expect.over)]
-    for place, number, quantity in numbers:
+    numbers: list[tuple[str, object]] = [
+        ("is", expect.value), ("within", expect.within), ("above", expect.above),
+        ("below", expect.below),
+        *((f"between[{j}]", value) for j, value in enumerate(expect.between or ())),
+        *((f"over[{j}]", instant) for j, instant in enumerate(expect.over))]
+    for place, number in numbers:
         if not isinstance(number, Measured):
             continue
-        if quantity and quantity not in units:
-            units[quantity] = sorted(set(PAIR.values()) if "/" in quantity else {
-                known.find(each).unit for each in known.match(quantity)})
-        for unit in units[quantity] if quantity else ["s"]:
+        if name not in units:
+            units[name] = sorted(set(PAIR.values()) if "/" in name else {
+                known.find(each).unit for each in known.match(name)})
+        for unit in ["s"] if place.startswith("over") else units[name]:
             if unit not in UNITS and unit != "1":  # a meter's own word for its unit
                 continue
             try:
@@ -267,21 +268,3 @@ def _check_units(
             except WrongValueError as error:
                 yield Problem.of(error, f"{path}.{place}")
                 break
-
-
-def _check_meters(known: Catalogue) -> Iterator[Problem]:
-    """Meters whose name means something else, or that read what is no quantity or themselves."""
-    meters = known.mechanism.meters
-    others = Catalogue(known.mechanism.model_copy(update={"meters": ()}))
-    for i, meter in enumerate(meters):
-        taken = ("is the name of a recorded quantity" if meter.name in others else
-                 "means something in expressions" if meter.name in RESERVED else "")
-        if taken:
-            yield Problem("duplicate-name",
-                          f"{quoted(meter.name)} {taken} already", f"$.meters[{i}].name")
-    for i, meter in enumerate(meters):
-        yield from misread(known, meter.value, names_read(meter), f"$.meters[{i}].value")
-    for circle in order(known.mechanism)[1]:
-        ring = " → ".join(quoted(meters[i].name) for i in [*circle, circle[0]])
-        yield Problem("circular-definition", "meters depend on each other in a circle: "
-                      f"{ring}", f"$.meters[{circle[0]}].value")

@@ -1,9 +1,7 @@
-"""The Model: a mechanism with every name worked out, as arrays that never change.
+"""The Model: a mechanism as arrays that never change, with names replaced by numbers.
 
-A mechanism speaks of elements by name; here they are numbers, in the mechanism's
-order, and what a spec leaves open (an anchor, a length at rest) is filled in. It is
-made once, by :func:`compile_mechanism`, and every room that runs, records, checks or draws
-reads it: none looks a name up again.
+Numbers follow the mechanism's order; what a spec leaves open (an anchor, a rest length) is filled
+in. :func:`sandbox.model.compile.compile_mechanism` makes it once.
 """
 
 from __future__ import annotations
@@ -17,29 +15,30 @@ from typing import Annotated, Any, NamedTuple, get_type_hints
 import numpy as np
 
 from sandbox.elements.drive import DriveKind, Gives
-from sandbox.elements.element import NO_POINT
+from sandbox.elements.element import NAMED, NO_POINT, RELEASABLE
 from sandbox.elements.joint import JointKind, Keeps
 from sandbox.elements.springs import SpringKind
-from sandbox.model.bonds import Bonds
 from sandbox.model.laws import LoadLaw, SpringLaw
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.geometry import Vec, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.curves import Path
 
-NONE = -1
-"""Stands for no element where the number of one is expected."""
+NONE = -1  # stands for no element where the number of one is expected
 NAN = math.nan
-PAIR = (NO_POINT, NO_POINT)
 
 
 class Column(NamedTuple):
     """Marks a column that is filled from an attribute of each element."""
 
-    default: Any
-    """Of elements without a value; it gives the column's type and shape."""
-    attribute: str = ""
-    """Where it has another name than the column."""
+    default: Any  # of elements without a value; it gives the column's type and shape
+    attributes: tuple[str, ...] = ()  # where they have another name than the column
+
+
+Number = Annotated[Array, Column(NAN)]  # nan of elements that have none
+OrZero = Annotated[Array, Column(0.0)]
+Flag = Annotated[Flags, Column(False)]
+Point = Annotated[Array, Column(NO_POINT)]
 
 
 @dataclass(frozen=True)
@@ -60,182 +59,100 @@ class Bodies:
     """nb bodies; a point of a body is given in the body's own frame."""
 
     name: tuple[str, ...]
-    free: Flags
-    """Which move as forces have it, [nb]; the others are fixed or scheduled."""
-    fixed: Flags
-    """Which never move, [nb]."""
-    pose: Array
-    """x, y [m], angle [rad] of the frame at t = 0, [nb, 3]."""
-    centre: Array
-    """Centre of mass in the body's frame [m], [nb, 2]; 0 unless free."""
-    mass: Array
-    """[kg], [nb]; infinite unless free."""
-    inertia: Array
-    """About the centre of mass [kg m^2], [nb]; infinite unless free."""
-
-    @cached_property
-    def scheduled(self) -> Flags:
-        """Which move as the scene says, [nb]."""
-        return ~self.free & ~self.fixed
+    free: Flags  # [nb] which move as forces have it; the others are fixed or scheduled
+    fixed: Flags  # [nb]
+    pose: Array  # [nb, 3] x, y [m], angle [rad] of the frame at t = 0
+    centre: Array  # [nb, 2] centre of mass in the body's frame [m]; 0 unless free
+    mass: Array  # [nb] [kg]; infinite unless free
+    inertia: Array  # [nb] about the centre of mass [kg m^2]; infinite unless free
+    scheduled: Flags  # [nb] which are neither free nor fixed
 
 
 @dataclass(frozen=True)
 class Joints:
-    """nj joints between a body ``a`` and a body ``b``."""
+    """nj joints between a body ``a`` and a body ``b``; nan where a kind has no such number."""
 
     name: tuple[str, ...]
     kind: tuple[JointKind, ...]
-    bodies: Integers
-    """``a`` and ``b``, [nj, 2]."""
-    anchor: Array
-    """The points of ``a`` and ``b`` that the joint holds, in their frames [m], [nj, 2, 2]."""
-    turns: Annotated[Flags, Column(True)]
-    """Whether ``b`` may turn against ``a``, [nj]."""
-    angle: Flags
-    """Whether it has an angle (a hinge), [nj]."""
-    sense: Annotated[Array, Column(NAN)]
-    """From a counter-clockwise turn to the positive one: +1 or -1, [nj]; nan unless a hinge."""
-    zero: Annotated[Array, Column(NAN)]
-    """Taken from the angle between the two frames [rad], [nj]; nan unless a hinge."""
-    stops: Annotated[Array, Column(NO_POINT, "limits")]
-    """Lowest and highest angle [rad], [nj, 2]; nan where there are none."""
-    damping: Annotated[Array, Column(0.0)]
-    """Of the joint itself [N m s/rad], [nj]."""
-    start: Array
-    """Angle at t = 0 [rad], [nj]; nan unless a hinge."""
-    groove: Annotated[Array, Column(PAIR)]
-    """Start and end of a straight groove, in the frame of ``a`` [m], [nj, 2, 2]; nan of others."""
-    path: tuple[Path | None, ...]
-    """Path of a curved slot in the frame of ``a``, [nj]; None of others."""
-    reach: Annotated[Array, Column(NO_POINT)]
-    """Least and largest distance that it allows [m], [nj, 2]; equal of a rod; nan of others."""
-    radii: Annotated[Array, Column(NO_POINT)]
-    """Of the wheels of ``a`` and ``b`` [m], [nj, 2]; nan of what has none."""
-    inside: Annotated[Flags, Column(False)]
-    """Whether one wheel runs inside the other, [nj]."""
-    pressure: Annotated[Array, Column(NAN, "pressure_angle")]
-    """Pressure angle of its teeth [rad], [nj]; nan where there are none."""
-    play: Annotated[Array, Column(0.0, "backlash")]
-    """Of its teeth along the pitch circles [m], [nj]."""
-    stiffness: Annotated[Array, Column(NAN)]
-    """Of its teeth [N/m], [nj]; nan where there are none."""
-    along: Annotated[Array, Column(NO_POINT)]
-    """A rack's pitch line in the frame of ``b``, a unit vector, the gear to its left, [nj, 2];
-    nan of others."""
-    friction: Annotated[Array, Column(0.0)]
-    """Dry friction that does not depend on the load, [N m] of a pin, [N] of a slot, [nj]; or 0."""
-    coefficient: Annotated[Array, Column(0.0)]
-    """Dry friction by what the joint carries, [N m/N] of a pin, 1 of a slot, [nj]; 0 without."""
-    static: Annotated[Array, Column(1.0)]
-    """How many times as much friction holds as slides, [nj]."""
-    collide: Annotated[Flags, Column(False)]
-    """Whether the two bodies may touch, [nj]."""
-
-    @cached_property
-    def hinges(self) -> Integers:
-        """Numbers of the joints with an angle."""
-        return np.flatnonzero(self.angle)
-
-    @cached_property
-    def pivots(self) -> Integers:
-        """Numbers of the hinges that turn about one point of both bodies."""
-        return np.intersect1d(self.hinges, self.keeping("point"))
-
-    @cached_property
-    def grooved(self) -> Integers:
-        """Numbers of the slots."""
-        return self.keeping("groove")
-
-    @cached_property
-    def stopped(self) -> Integers:
-        """Numbers of the joints with stops."""
-        return np.flatnonzero(np.isfinite(self.stops).all(axis=1))
-
-    @cached_property
-    def frictional(self) -> Integers:
-        """Numbers of the joints with dry friction."""
-        return np.flatnonzero((self.friction > 0) | (self.coefficient > 0))
+    bodies: Integers  # [nj, 2] a and b
+    anchor: Array  # [nj, 2, 2] the points of a and b that it holds, in their frames [m]
+    turns: Annotated[Flags, Column(True)]  # [nj] whether b may rotate against a
+    angle: Flags  # [nj] whether it has an angle (a hinge)
+    sense: Number  # [nj] of a hinge: from counter-clockwise to its positive sense, +1 or -1
+    zero: Number  # [nj] of a hinge: taken from the angle between the two frames [rad]
+    stops: Annotated[Array, Column(NO_POINT, ("limits",))]  # [nj, 2] lowest, highest angle [rad]
+    damping: OrZero  # [nj] of the joint itself [N m s/rad]
+    start: Array  # [nj] angle of a hinge at t = 0 [rad]
+    # start and end of a straight groove, in the frame of a [m], [nj, 2, 2]
+    groove: Annotated[Array, Column((NO_POINT, NO_POINT))]
+    path: tuple[Path | None, ...]  # [nj] of a curved slot, in the frame of a
+    reach: Point  # [nj, 2] minimum and maximum distance [m]; equal of a rod
+    radii: Point  # [nj, 2] of the wheels of a and b [m]
+    inside: Flag  # [nj] whether one wheel runs inside the other
+    pressure: Annotated[Array, Column(NAN, ("pressure_angle",))]  # [nj] of its teeth [rad]
+    play: Annotated[Array, Column(0.0, ("backlash",))]  # [nj] of its teeth along the pitch line [m]
+    stiffness: Number  # [nj] of its teeth [N/m]
+    along: Point  # [nj, 2] pitch line of a rack in the frame of b, unit, the gear on its left
+    friction: OrZero  # [nj] constant dry friction [N m of a pin, N of a slot]
+    coefficient: OrZero  # [nj] dry friction per reaction [m of a pin, 1 of a slot]
+    static: Annotated[Array, Column(1.0)]  # [nj] static over sliding friction
+    collide: Flag  # [nj] whether the two bodies may touch
+    # numbers of those with an angle; of hinges about one point of both bodies; of slots; of those
+    # with stops; of those with dry friction
+    hinges: Integers
+    pivots: Integers
+    grooved: Integers
+    stopped: Integers
+    frictional: Integers
+    unknowns: Integers  # [nj] number of unknown components of force and couple
 
     def keeping(self, *what: Keeps) -> Integers:
         """Numbers of the joints that keep a ``point``, a ``groove``, a ``distance``, ..."""
         return np.array([j for j, kind in enumerate(self.kind) if kind.keeps in what],
                         dtype=np.int64)
 
-    @cached_property
-    def unknowns(self) -> Integers:
-        """Number of unknown components of force and couple of a joint, [nj]."""
-        forces = [kind.forces for kind in self.kind]
-        return np.array(forces, dtype=np.int64) + ~self.turns
-
 
 @dataclass(frozen=True)
 class Springs:
-    """ns springs; a rotary one acts on the bodies of its hinge."""
+    """ns springs; a rotary one acts on the bodies of its hinge, with N m for N and rad for m."""
 
     name: tuple[str, ...]
     kind: tuple[SpringKind, ...]
-    straight: Flags
-    """From point to point, [ns]; otherwise rotary."""
-    bodies: Annotated[Integers, Column((NONE, NONE))]
-    """``a`` and ``b``, [ns, 2]."""
-    anchor: Annotated[Array, Column(PAIR)]
-    """Its ends, in the frames of ``a`` and ``b`` [m], [ns, 2, 2]; nan of a rotary one."""
-    joint: Annotated[Integers, Column(NONE)]
-    """The hinge that it acts on, [ns]; -1 of a straight one."""
-    stiffness: Array
-    """[N/m], of a rotary one [N m/rad], [ns]; by a law that of t = 0, 0 at least."""
-    damping: Array
-    """[N s/m], of a rotary one [N m s/rad], [ns]; 0 where a law includes it."""
-    rest: Annotated[Array, Column(NAN)]
-    """Length at rest [m], of a rotary one angle at rest [rad], [ns]."""
-    start: Annotated[Array, Column(NAN)]
-    """Length [m], of a rotary one angle [rad] at t = 0, [ns]."""
-    drive: Integers
-    """The drive that sets its stiffness, [ns]; -1 where none does."""
-    law: tuple[SpringLaw | None, ...]
-    """Its force by a law of its own, damper included; None of a linear one."""
+    straight: Flags  # [ns] from point to point; otherwise rotary
+    bodies: Integers  # [ns, 2] a and b
+    joint: Integers  # [ns] the hinge of a rotary one, or -1
+    anchor: Array  # [ns, 2, 2] its ends in the frames of a and b [m]; nan of a rotary one
+    start: Array  # [ns] length at t = 0 [m]
+    stiffness: Array  # [ns] [N/m]; by a law that of t = 0, 0 at least
+    damping: Array  # [ns] [N s/m]; 0 where a law includes it
+    rest: Annotated[Array, Column(NAN, ("rest_length", "rest_angle"))]  # [ns] rest length [m]
+    drive: Integers  # [ns] the drive that sets its stiffness, or -1
+    law: tuple[SpringLaw | None, ...]  # [ns] damper included; None of a linear one
 
 
 @dataclass(frozen=True)
 class Tendons:
-    """nt tendons over ng guides, the guides of one tendon side by side.
-
-    Of a closed one the first guide comes last again.
-    """
+    """nt tendons over ng guides, those of a tendon side by side; of a loop the first one twice."""
 
     name: tuple[str, ...]
-    first: Integers
-    """Where the guides of each begin, and the end of the last one's, [nt + 1]."""
-    guide_body: Integers
-    """[ng]"""
-    guide_at: Array
-    """In the body's frame [m], [ng, 2]."""
-    guide_radius: Array
-    """Of the wheel, positive where its centre lies right of the path [m], [ng]; 0 of an eye."""
-    guide_turns: Integers
-    """Whole turns round the wheel at t = 0, besides, [ng]; 0 where a tendon is tied."""
-    closed: Annotated[Flags, Column(False)]
-    """Which are loops, [nt]."""
-    grips: Integers
-    """Guides that hold a tendon by friction, [nf]; of a loop its first, not its last."""
-    friction: Array
-    """Coefficients of these, [nf]."""
-    wheels: Integers
-    """The guides, of all, that a tendon can lift off, [nw]."""
-    pretension: Annotated[Array, Column(NAN)]
-    """Tension at t = 0 [N], [nt]; nan where the length at rest says it."""
-    stiffness: Annotated[Array, Column(NAN)]
-    """[N/m], [nt]"""
-    damping: Annotated[Array, Column(0.0)]
-    """[N s/m], [nt]"""
-    rest: Annotated[Array, Column(NAN, "rest_length")]
-    """Length at rest as the scene gives it, slack left out [m], [nt]; nan for that at t = 0."""
-    slack: Annotated[Array, Column(0.0)]
-    """Added to the length at rest [m], [nt]."""
-    drive: Integers
-    """The drive that pulls it, [nt]; -1 where none does."""
-    stiffener: Integers
-    """The drive that sets its stiffness, [nt]; -1 where none does."""
+    first: Integers  # [nt + 1] where the guides of each begin, and the last one's end
+    guide_body: Integers  # [ng]
+    guide_at: Array  # [ng, 2] in the body's frame [m]
+    guide_radius: Array  # [ng] of the wheel [m], positive if its centre is right of the path; or 0
+    guide_turns: Integers  # [ng] additional whole turns around the wheel at t = 0
+    closed: Flag  # [nt] which are loops
+    grips: Integers  # [nf] guides that hold a tendon by friction; of a loop its first, not its last
+    friction: Array  # [nf] coefficients of these
+    wheels: Integers  # [nw] guides that a tendon can lift off
+    pretension: Number  # [nt] tension at t = 0 [N]; nan where the rest length gives it
+    stiffness: Number  # [nt] [N/m]
+    damping: OrZero  # [nt] [N s/m]
+    rest: Annotated[Array, Column(NAN, ("rest_length",))]  # [nt] without slack [m], or nan
+    slack: OrZero  # [nt] added to the rest length [m]
+    drive: Integers  # [nt] the drive that pulls it, or -1
+    stiffener: Integers  # [nt] the drive that sets its stiffness, or -1
+    stretch_first: Integers  # [ng - nt] guide where each straight piece begins
+    stretch_tendon: Integers  # [ng - nt] tendon of each straight piece
 
     def guides(self, tendon: int) -> slice:
         """Where the guides of a tendon stand among all."""
@@ -243,71 +160,40 @@ class Tendons:
 
     def gripped(self, tendon: int) -> Integers:
         """Which of ``grips`` are of a tendon, in its order."""
-        guides = self.guides(tendon)
-        return np.flatnonzero((self.grips >= guides.start) & (self.grips < guides.stop))
+        return self._of(tendon, self.grips)
 
     def loose(self, tendon: int) -> Integers:
         """Which of ``wheels`` are of a tendon, in its order."""
-        guides = self.guides(tendon)
-        return np.flatnonzero((self.wheels >= guides.start) & (self.wheels < guides.stop))
+        return self._of(tendon, self.wheels)
 
-    @cached_property
-    def stretch_first(self) -> Integers:
-        """Of every straight piece the guide where it begins, [ng - nt]; it ends at the next one."""
-        return np.delete(np.arange(len(self.guide_body)), self.first[1:] - 1)
-
-    @cached_property
-    def stretch_tendon(self) -> Integers:
-        """Of every straight piece the tendon that it is of, [ng - nt]."""
-        return np.repeat(np.arange(len(self.name)), np.diff(self.first) - 1)
+    def _of(self, tendon: int, guides: Integers) -> Integers:
+        first, end = self.first[tendon:tendon + 2]
+        return np.flatnonzero((guides >= first) & (guides < end))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Chambers:
-    """nc chambers of lines."""
-
-    bodies: Annotated[Integers, Column((NONE, NONE))]
-    """``a`` and ``b`` of a chamber; of one on a hinge those of the hinge, [nc, 2]."""
-    anchor: Annotated[Array, Column(PAIR)]
-    """Its two points, in the frames of ``a`` and ``b`` [m], [nc, 2, 2]; nan on a hinge."""
-    joint: Annotated[Integers, Column(NONE)]
-    """The hinge that it is on, [nc]; -1 between two points."""
-    gain: Annotated[Array, Column(NAN)]
-    """Volume per distance of its points [m^2], or per angle of its hinge, [nc]."""
-    start: Annotated[Array, Column(NAN)]
-    """That distance [m], or angle [rad], at t = 0, [nc]."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Lines(Chambers):
+@dataclass(frozen=True)
+class Lines:
     """nl lines of fluid with nc chambers, those of one line side by side."""
 
     name: tuple[str, ...]
-    first: Integers
-    """Where the chambers of each begin, and the end of the last one's, [nl + 1]."""
-    volume: Array
-    """At t = 0 [m^3], [nl]."""
-    compliance: Array
-    """Of a liquid, volume per pressure [m^3/Pa], [nl]; of a gas that at t = 0."""
-    gas: Annotated[Array, Column(NAN)]
-    """The exponent of a gas, [nl]; nan of a liquid."""
-    pressure: Annotated[Array, Column(0.0)]
-    """At t = 0 [Pa], [nl]."""
-    least: Annotated[Array, Column(NAN)]
-    """[Pa], [nl]"""
-    most: Annotated[Array, Column(math.inf, "relief")]
-    """[Pa], [nl]; infinite without relief."""
-    drive: Integers
-    """The drive that sets its pressure, without resistance, [nl]; -1 where none does."""
+    first: Integers  # [nl + 1] where the chambers of each begin, and the last one's end
+    volume: Array  # [nl] at t = 0 [m^3]
+    compliance: Array  # [nl] volume per pressure [m^3/Pa]; of a gas that at t = 0
+    gas: Number  # [nl] the exponent of a gas; nan of a liquid
+    pressure: OrZero  # [nl] at t = 0 [Pa]
+    least: Number  # [nl] minimum [Pa]
+    most: Annotated[Array, Column(math.inf, ("relief",))]  # [nl] maximum [Pa]
+    drive: Integers  # [nl] the drive that sets its pressure, without resistance, or -1
+    of: Integers  # [nc] line of each chamber
+    bodies: Integers  # [nc, 2] a and b of a chamber; of one on a hinge those of the hinge
+    joint: Integers  # [nc] the hinge that it is on, or -1
+    anchor: Array  # [nc, 2, 2] its two points, in the frames of a and b [m]; nan on a hinge
+    start: Array  # [nc] distance of its points [m], or angle [rad], at t = 0
+    gain: Array  # [nc] volume per such distance [m^2], or per angle
 
     def chambers(self, line: int) -> slice:
         """Where the chambers of a line stand among all."""
         return slice(int(self.first[line]), int(self.first[line + 1]))
-
-    @cached_property
-    def of(self) -> Integers:
-        """Of every chamber its line, [nc]."""
-        return np.repeat(np.arange(len(self.name)), np.diff(self.first))
 
 
 @dataclass(frozen=True)
@@ -315,45 +201,28 @@ class Valves:
     """nv valves."""
 
     name: tuple[str, ...]
-    lines: Integers
-    """``a`` and ``b``, [nv, 2]; -1 for the tank."""
-    resistance: Annotated[Array, Column(0.0)]
-    """[Pa s/m^3], [nv]"""
-    orifice: Annotated[Array, Column(0.0)]
-    """Pressure per square of the flow [Pa s^2/m^6], [nv]; 0 of what is no orifice."""
-    one_way: Annotated[Flags, Column(False)]
-    """Which let fluid only from ``a`` to ``b``, [nv]."""
-    drive: Integers
-    """The drive that opens it, [nv]; -1 where none does."""
+    lines: Integers  # [nv, 2] a and b; -1 for the tank
+    resistance: OrZero  # [nv] [Pa s/m^3]
+    orifice: OrZero  # [nv] pressure per square of the flow [Pa s^2/m^6]; 0 without an orifice
+    one_way: Flag  # [nv] which let fluid only from a to b
+    drive: Integers  # [nv] the drive that opens it, or -1
 
 
 @dataclass(frozen=True)
 class BodyLoads:
-    """nk loads, each as often as it has bodies."""
+    """nk loads, one for every body that a load acts on; nan of other kinds of load."""
 
-    name: tuple[str, ...]
-    """Of the load and the body."""
-    load: Integers
-    """Number of the load, [nk]."""
-    body: Integers
-    """[nk]"""
-    at: Array
-    """Where the force acts, in the body's frame [m], [nk, 2]; of buoyancy the centre of mass."""
-    turning: Annotated[Flags, Column(False)]
-    """Whether its components are along the body's axes, [nk]."""
-    per_mass: Annotated[Flags, Column(False)]
-    """Whether they are those of an acceleration, [nk]."""
-    law: tuple[LoadLaw | None, ...]
-    """None of buoyancy."""
-    level: Annotated[Array, Column(NAN)]
-    """Of a liquid [m], [nk]; nan of other loads."""
-    lift: Array
-    """Of a liquid the force per area below the level [N/m^2], [nk]; nan of other loads."""
-    sides: Array
-    """Outlines of what it lifts, those of one body side by side, in the body's frame [m], [k, 5]:
-    two ends and 0, or centre, first and last angle and radius of an arc."""
-    first: Integers
-    """Where those of each begin, and the end of the last one's, [nk + 1]."""
+    name: tuple[str, ...]  # of the load and the body
+    load: Integers  # [nk] number of the load
+    body: Integers  # [nk]
+    at: Array  # [nk, 2] point of the force in the body's frame [m]; of buoyancy the centre of mass
+    turning: Flag  # [nk] whether its components are along the body's axes
+    per_mass: Flag  # [nk] whether they are those of an acceleration
+    law: tuple[LoadLaw | None, ...]  # [nk] None of buoyancy
+    level: Number  # [nk] of a liquid [m]
+    lift: Array  # [nk] of a liquid, force per area below the level [N/m^2]
+    sides: Array  # [k, 5] outlines of lifted bodies in their frames, see sandbox.model.loads.Arc
+    first: Integers  # [nk + 1] where the sides of each begin, and the last one's end
 
     def outline(self, number: int) -> Array:
         """The sides of one, [k, 5]."""
@@ -362,42 +231,27 @@ class BodyLoads:
 
 @dataclass(frozen=True)
 class Drives:
-    """nd drives."""
+    """nd drives; nan or -1 where a kind has no such number."""
 
     name: tuple[str, ...]
     kind: tuple[DriveKind, ...]
-    target: Integers
-    """Number of the body, joint, tendon, spring, line or valve that it acts on, [nd]."""
-    floor: Array
-    """The least value in force, in the drive's unit, [nd]; -inf where there is none."""
-    shape: Annotated[Integers, Column(NONE)]
-    """Which shape of its body a radius is set of, [nd]; -1 of other drives."""
-    at: Annotated[Array, Column(NO_POINT)]
-    """Where a force acts, in its body's frame [m], [nd, 2]; nan of other drives."""
-    direction: Annotated[Array, Column(NO_POINT, "along")]
-    """Unit vector of a force, [nd, 2]; nan of other drives."""
-    turning: Annotated[Flags, Column(False)]
-    """Whether a force's direction turns with its body, [nd]."""
-    most: Annotated[Array, Column(NAN)]
-    """The most that a motor, servo or drive of an actuator may give [N m, N], infinite without a
-    bound, [nd]; nan of others."""
-    slope: Annotated[Array, Column(NAN)]
-    """Of a motor with a line: torque per speed that lacks [N m s/rad], [nd]; nan of others."""
-    sense: Annotated[Array, Column(NAN)]
-    """Of a surface that runs: from counter-clockwise round its body to its positive way, +1 or -1,
-    [nd]; nan of other drives."""
-    stiffness: Annotated[Array, Column(NAN)]
-    """With which it goes to a place [N m/rad, N/m], [nd]; nan of rigid ones and other drives."""
-    damping: Annotated[Array, Column(0.0)]
-    """That goes with it [N m s/rad, N s/m], [nd]."""
-    fastest: Annotated[Array, Column(math.inf, "speed")]
-    """The most that a rigid one moves at [rad/s, m/s], [nd]; infinite without a limit."""
-    resistance: Annotated[Array, Column(NAN)]
-    """Between a source of pressure and its line [Pa s/m^3], [nd]; nan of other drives."""
+    target: Integers  # [nd] number of the element that it acts on
+    floor: Array  # [nd] minimum value, in the drive's unit, or -inf
+    shape: Annotated[Integers, Column(NONE)]  # [nd] the shape of its body whose radius it sets
+    at: Point  # [nd, 2] where a force acts, in its body's frame [m]
+    direction: Annotated[Array, Column(NO_POINT, ("along",))]  # [nd, 2] unit vector of a force
+    turning: Flag  # [nd] whether a force's direction turns with its body
+    most: Annotated[Array, Column(NAN, ("torque", "force"))]  # [nd] of a limited one [N m, N]
+    slope: Number  # [nd] of a motor with a line: torque per missing speed [N m s/rad]
+    sense: Number  # [nd] of a conveyor surface: +1 if counter-clockwise is positive, else -1
+    stiffness: Number  # [nd] of an elastic servo or length [N m/rad, N/m]
+    damping: OrZero  # [nd] of the same [N m s/rad, N s/m]
+    fastest: Annotated[Array, Column(math.inf, ("speed",))]  # [nd] of a rigid one [rad/s, m/s]
+    resistance: Number  # [nd] between a source of pressure and its line [Pa s/m^3]
 
     @cached_property
     def late(self) -> Array:
-        """How long after a step's pose its value counts, in steps, [nd].
+        """Delay of the value that counts after a step's pose, in steps, [nd].
 
         A motor with a set speed uses the value at the end of the step, a motor with a torque-speed
         line that at its pose; a rigid position drive uses the position in the next step.
@@ -412,6 +266,35 @@ class Drives:
         """Numbers of the drives that give a ``force``, a ``torque``, a ``tension``, ..."""
         return np.array([i for i, kind in enumerate(self.kind) if kind.gives in what],
                         dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class Bonds:
+    """nr joints, springs and tendons that can be released, in this order."""
+
+    name: tuple[str, ...]
+    joint: Integers  # [nj] number of every joint among these, or -1
+    spring: Integers  # [ns]
+    tendon: Integers  # [nt]
+    breaks_at: Annotated[Array, Column(math.inf)]  # [nr] breaking load [N, of a rotary spring N m]
+    held: Flags  # [nr] which are engaged at t = 0
+    as_is: Flags  # [nr] which are engaged with the length that they have then
+    drive: Integers  # [nr] the drive that holds each, or -1
+    over: Annotated[Array, Column(0.0, ("takes_up_in",))]  # [nr] time of closing a joint's gap [s]
+
+    def of(self, kind: str) -> Integers:
+        """Of every ``joint``, ``spring`` or ``tendon`` its number among these, or -1."""
+        found: Integers = getattr(self, kind)
+        return found
+
+    def element(self, number: int) -> tuple[str, int]:
+        """The list of :data:`RELEASABLE` of an element with this number, and its place there."""
+        kind = next(kind for kind in RELEASABLE if number in self.of(NAMED[kind].one))
+        return kind, self.of(NAMED[kind].one).tolist().index(number)
+
+    def begins(self, number: int) -> bool:
+        """Whether the element with this number, or -1, is engaged at t = 0."""
+        return bool(number < 0 or self.held[number])
 
 
 @dataclass(frozen=True)
@@ -477,9 +360,11 @@ def columns_of(
         rows: by element, what takes the place of its attributes.
     """
     columns = {}
-    for name, (default, attribute) in _columns(part).items():
-        found = [row[name] if name in row else getattr(element, attribute or name, None)
-                 for element, row in zip(elements, rows or [{}] * len(elements), strict=True)]
+    for name, (default, attributes) in _columns(part).items():
+        found = [row[name] if name in row else next(
+            (value for each in attributes or (name,)
+             if (value := getattr(element, each, None)) is not None), None)
+            for element, row in zip(elements, rows or [{}] * len(elements), strict=True)]
         columns[name] = np.array([default if value is None else value for value in found],
                                  dtype=np.array(default).dtype).reshape(-1, *np.shape(default))
     return columns

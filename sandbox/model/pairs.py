@@ -6,7 +6,6 @@ import fnmatch
 import math
 import re
 from fnmatch import fnmatchcase
-from typing import Literal
 
 import numpy as np
 
@@ -17,12 +16,11 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import ContactRule
 from sandbox.values.appearance import ALL
 
-LARGE = 16
-"""Share of all pairs, as 1 in so many, from which a rule is written by a mask of them all."""
+LARGE = 16  # a rule for more than 1 of so many pairs is set by a mask of all
 
 
 class Words:
-    """The bodies that words of rules mean, each worked out once."""
+    """The bodies that words of rules mean, each computed once."""
 
     def __init__(self, names: tuple[str, ...]) -> None:
         self.names, self._found = names, {name: np.array([i]) for i, name in enumerate(names)}
@@ -53,26 +51,18 @@ def allowed_pairs(model: Model) -> Flags:
     allowed = ~np.eye(len(words.names), dtype=bool)
     for rule in model.mechanism.contacts:
         words.fill(allowed, rule, rule.collide)
-    allowed &= _in_one_plane(model.mechanism)
+    planes = [body.plane for body in model.mechanism.bodies]
+    known = list({number for those in planes if those != ALL for number in those})
+    everywhere = np.array([those == ALL for those in planes], dtype=bool)
+    lies = np.array([[those != ALL and number in those for number in known] for those in planes],
+                    dtype=np.float32).reshape(len(planes), -1)
+    allowed &= (lies @ lies.T > 0) | everywhere[:, None] | everywhere
     i, j = joined(model)
     allowed[i, j] = allowed[j, i] = False
     rests = ~model.bodies.free
     allowed[np.ix_(rests, rests)] = False
     np.fill_diagonal(allowed, False)
     return allowed
-
-
-def _in_one_plane(mechanism: Mechanism) -> Flags:
-    """Which bodies share a plane, shape [nb, nb]."""
-    planes = [body.plane for body in mechanism.bodies]
-    known = {number: place for place, number in enumerate(
-        {number for those in planes if those != ALL for number in those})}
-    lies = np.zeros((len(planes), len(known) + 1), dtype=np.float32)
-    for row, those in zip(lies, planes, strict=True):
-        row[[len(known)] if those == ALL else [known[number] for number in those]] = 1.0
-    everywhere = lies[:, -1] > 0
-    shared: Flags = (lies[:, :-1] @ lies[:, :-1].T) > 0
-    return shared | everywhere[:, None] | everywhere
 
 
 def joined(model: Model) -> tuple[Integers, Integers]:
@@ -91,22 +81,25 @@ def static_friction_of(mechanism: Mechanism, one: int, two: int) -> float:
     return friction_of(mechanism, one, two) * _of_pair(mechanism, one, two, "static")
 
 
-def _of_pair(
-    mechanism: Mechanism, one: int, two: int, field: Literal["friction", "static"],
-) -> float:
+def restitution_of(mechanism: Mechanism, one: int, two: int) -> float:
+    """Rebound speed over approach speed of two bodies."""
+    return _of_pair(mechanism, one, two, "restitution")
+
+
+def _of_pair(mechanism: Mechanism, one: int, two: int, field: str) -> float:
     """Of the last rule that names two bodies and the field, else the mean of their materials."""
     bodies = mechanism.bodies
     names = bodies[one].name, bodies[two].name
     for rule in reversed(mechanism.contacts):
-        value: float | None = getattr(rule, field)
+        value: float | None = getattr(rule, field, None)
         if value is not None and any(
             fnmatchcase(p, rule.between[0]) and fnmatchcase(q, rule.between[1])
             for p, q in (names, names[::-1])
         ):
             return value
-    found = [getattr(mechanism.materials.get(bodies[i].material or "", Material()), field)
-             for i in (one, two)]
-    return math.sqrt(found[0]) * math.sqrt(found[1])
+    a, b = (getattr(mechanism.materials.get(bodies[i].material or "", Material()), field)
+            for i in (one, two))
+    return math.sqrt(a) * math.sqrt(b)
 
 
 def pair_skins(mechanism: Mechanism) -> Array:
@@ -124,10 +117,3 @@ def pair_skins(mechanism: Mechanism) -> Array:
     total = yielding[:, None] + yielding
     stiffness = np.divide(1.0, total, out=np.zeros_like(total), where=total > 0)
     return np.stack([stiffness, stiffness**2 * (loss[:, None] + loss)])
-
-
-def restitution_of(mechanism: Mechanism, one: int, two: int) -> float:
-    """Rebound speed over approach speed of two bodies."""
-    found = [mechanism.materials.get(mechanism.bodies[i].material or "", Material()).restitution
-             for i in (one, two)]
-    return math.sqrt(found[0]) * math.sqrt(found[1])

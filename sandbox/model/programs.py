@@ -16,14 +16,11 @@ from sandbox.numeric import Array, Integers, Records
 from sandbox.values.expressions import CONSTANTS, MAX_EXPONENT, Expression, dotted, unknown_name
 from sandbox.values.tables import Function
 
+# operations; NAME and TABLE have the index of a name or table; NEXT_LT and so on are the second
+# comparisons of a chain (a < b < c), in the order of the first
 (NUMBER, NAME, TABLE, ADD, SUB, MUL, DIV, MOD, POW, NEG, SELECT, DROP, AND, OR, NOT, LT, LE, GT,
  GE, EQ, NE, NEXT_LT, NEXT_LE, NEXT_GT, NEXT_GE, NEXT_EQ, NEXT_NE, SIN, COS, TAN, ASIN, ACOS, ATAN,
  ATAN2, SQRT, EXP, LOG, TANH, ABS, HYPOT, SIGN, FLOOR, CEIL, MIN, MAX) = range(45)
-"""Operations; the number of NAME is which of the names, that of TABLE which of the tables.
-
-What is compared with what was compared before (``a < b < c``) has an operation of its own, in the
-same order as the first ones.
-"""
 
 _BINARY: dict[type[ast.operator], int] = {
     ast.Add: ADD, ast.Sub: SUB, ast.Mult: MUL, ast.Div: DIV, ast.Mod: MOD, ast.Pow: POW}
@@ -34,8 +31,7 @@ _FUNCTIONS: dict[str, int] = {
     "sqrt": SQRT, "exp": EXP, "log": LOG, "tanh": TANH, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
     "floor": FLOOR, "ceil": CEIL, "min": MIN, "max": MAX}
 
-LARGEST_EXPONENT = MAX_EXPONENT
-"""As expressions have it; compiled code takes it from here."""
+LARGEST_EXPONENT = MAX_EXPONENT  # of expressions, for compiled code
 STEP = np.dtype([
     ("op", np.int64),
     ("value", float),
@@ -47,8 +43,7 @@ CURVE = np.dtype([
 KNOT = np.dtype([
     ("x", float),           # where its piece begins; a curve's first piece ends there
     ("y", float), ("b", float), ("c", float), ("d", float),     # of the piece
-])
-"""A curve of n knots has n + 1 pieces, the one before its first knot in a row before that."""
+])  # A curve of n knots has n + 1 pieces, the one before its first knot in a row before that
 
 Step = tuple[int, float]
 
@@ -57,8 +52,7 @@ class Program(NamedTuple):
     """What an expression does, step by step."""
 
     steps: tuple[Step, ...]
-    depth: int
-    """Most numbers that wait on the stack."""
+    depth: int  # maximum size of the stack
 
 
 def compile_expression(
@@ -122,24 +116,20 @@ def _steps(
             yield _COMPARE[type(op)] + (NEXT_LT - LT if i else 0), 0.0
         yield DROP, 0.0
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-        yield from _call(node.func.id, [list(of(part)) for part in node.args], tables)
+        first, *others = node.args
+        yield from of(first)
+        if node.func.id == "clip":
+            low, high = others
+            yield from (*of(low), (MAX, 0.0), *of(high), (MIN, 0.0))
+        elif node.func.id not in _FUNCTIONS:
+            yield TABLE, tables[node.func.id]
+        elif not others:
+            yield _FUNCTIONS[node.func.id], 0.0
+        else:
+            for part in others:
+                yield from (*of(part), (_FUNCTIONS[node.func.id], 0.0))
     else:
         raise TypeError(f"{type(node).__name__} has no place in a checked expression")
-
-
-def _call(
-    name: str, arguments: list[list[Step]], tables: Mapping[str, int],
-) -> Iterator[Step]:
-    yield from arguments[0]
-    if name == "clip":
-        yield from (*arguments[1], (MAX, 0.0), *arguments[2], (MIN, 0.0))
-    elif name not in _FUNCTIONS:
-        yield TABLE, tables[name]
-    elif len(arguments) == 1:
-        yield _FUNCTIONS[name], 0.0
-    else:
-        for argument in arguments[1:]:
-            yield from (*argument, (_FUNCTIONS[name], 0.0))
 
 
 def curve_tables(functions: Sequence[Function]) -> tuple[Records, Records]:

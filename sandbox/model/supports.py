@@ -1,9 +1,9 @@
 """Redundant joints, whose loads statics does not determine: more rows than degrees of freedom.
 
-A joint requires rows J of the velocities of its bodies to be 0, and its forces are the multipliers
-of these rows. Where rows depend on one another, J^T p = 0 has nonzero solutions, and each joint
-with a part in one of them could carry more while others carry less. Of all possible sets of forces
-the engine finds the least sum of squares, weighted by the masses.
+A joint constrains rows J of the velocities of its bodies, and its forces are the multipliers of
+these rows. Where rows depend on one another, J^T p = 0 has nonzero solutions, and the reactions of
+each joint with a part in one of them are not unique. The engine finds the minimum sum of squares,
+weighted by the masses.
 """
 
 from __future__ import annotations
@@ -17,25 +17,18 @@ from sandbox.model.joints import flank_of, meeting, outward, place_in_slot, rota
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, connected_components
 
-LARGEST_GROUP = 300
-"""Largest number of connected rows that are examined."""
-RANK = 1e-9
-"""Singular values below this share of the largest count as none."""
-PART = 1e-6
-"""Least component of a joint in a unit vector of the null space."""
-
-
+LARGEST_GROUP = 300  # largest number of connected rows that are examined
+RANK = 1e-9  # singular values below this share of the largest count as none
+PART = 1e-6  # minimum component of a joint in a unit vector of the null space
+# bodies with coefficients of x, y and angle, or a force x, y and a moment, [3]
 Parts = Sequence[tuple[int, Array]]
-"""Bodies with coefficients of x, y and angle, or a force x, y and a moment, [3]."""
 
 
 class Shared(NamedTuple):
     """Redundant joints in a pose."""
 
-    joints: set[int]
-    """Those whose reactions are not unique."""
-    asked: bool
-    """Whether any group of joints was examined: one of at most :data:`LARGEST_GROUP` rows."""
+    joints: set[int]  # those whose reactions are not unique
+    examined: bool  # whether any group of joints had at most LARGEST_GROUP rows
 
 
 def shared_joints(model: Model, pose: Array) -> Shared:
@@ -44,17 +37,17 @@ def shared_joints(model: Model, pose: Array) -> Shared:
     Unilateral ones, ropes and the ends of grooves, are left out.
     """
     found: set[int] = set()
-    asked = False
+    examined = False
     for joints in together(model):
         rows = [(joint, row) for joint in joints for row in joint_rows(model, pose, joint)]
         if not rows or len(rows) > LARGEST_GROUP:
             continue
-        asked = True
+        examined = True
         left, values, _ = np.linalg.svd(_matrix(model, joints, [row for _, row in rows]))
         rank = int(np.count_nonzero(values > RANK * values[0]))
         part = np.linalg.norm(left[:, rank:], axis=1) > PART
         found |= {joint for (joint, _), has in zip(rows, part, strict=True) if has}
-    return Shared(found, asked)
+    return Shared(found, examined)
 
 
 def parting_wheels(model: Model, pose: Array) -> set[int]:
@@ -68,22 +61,27 @@ def parting_wheels(model: Model, pose: Array) -> set[int]:
         rows = [row for joint in joints for row in joint_rows(model, pose, joint, flank=1)]
         if not toothed or len(rows) > LARGEST_GROUP:
             continue
-        J = _matrix(model, joints, rows + [_parting(model, pose, joint) for joint in toothed])
-        kept, asked = J[:len(rows)], J[len(rows):]
+        for joint in toothed:  # the row of the distance of two wheels, or of a gear from its rack
+            a, b = model.joints.bodies[joint].tolist()
+            x, y = (float(v) for v in outward(model, joint, pose))
+            ax, ay = _arm(pose[a], model.joints.anchor[joint, 0])
+            bx, by = pose[a, 0] + ax - pose[b, 0], pose[a, 1] + ay - pose[b, 1]
+            rows.append(_row(a, b, x, y, (ax, ay), (bx, by)))
+        J = _matrix(model, joints, rows)
+        kept, parting = J[:-len(toothed)], J[-len(toothed):]
         _, values, right = np.linalg.svd(kept, full_matrices=False)
         held = right[values > RANK * values[0]]
-        left = asked - asked @ held.T @ held
-        free = np.linalg.norm(left, axis=1) > PART * np.linalg.norm(asked, axis=1)
+        left = parting - parting @ held.T @ held
+        free = np.linalg.norm(left, axis=1) > PART * np.linalg.norm(parting, axis=1)
         found |= {joint for joint, is_free in zip(toothed, free, strict=True) if is_free}
     return found
 
 
-def _parting(model: Model, pose: Array, joint: int) -> Parts:
-    """The row of the distance of two wheels, or of a gear from its rack."""
-    a, b = model.joints.bodies[joint].tolist()
-    x, y = (float(v) for v in outward(model, joint, pose))
-    ax, ay = _arm(pose[a], model.joints.anchor[joint, 0])
-    bx, by = pose[a, 0] + ax - pose[b, 0], pose[a, 1] + ay - pose[b, 1]
+def _row(
+    a: int, b: int, x: float, y: float, on_a: tuple[float, float], on_b: tuple[float, float],
+) -> Parts:
+    """The row of a direction x, y at points of two bodies relative to their frames."""
+    (ax, ay), (bx, by) = on_a, on_b
     return [(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
 
 
@@ -165,9 +163,7 @@ def joint_rows(
     if kind.wheels:
         x, y = (float(v) for v in meeting(model, joint, pose))
         ax, ay, bx, by = x - pose[a, 0], y - pose[a, 1], x - pose[b, 0], y - pose[b, 1]
-    rows: list[Parts] = [
-        [(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
-        for x, y in along]
+    rows = [_row(a, b, x, y, (ax, ay), (bx, by)) for x, y in along]
     if not joints.turns[joint]:
         rows.append([(a, np.array([0.0, 0.0, -1.0])), (b, np.array([0.0, 0.0, 1.0]))])
     return rows

@@ -19,12 +19,9 @@ class CableSpan(NamedTuple):
     """A piece of a tendon from one guide that holds it to the next, or to an end."""
 
     tendon: int
-    guides: tuple[int, ...]
-    """Numbers of the model's guides, in order; its first and last one hold it, or are ends."""
-    into: int
-    """Which of :attr:`sandbox.model.model.Tendons.grips` feeds it; -1 at an end."""
-    out_of: int
-    """Which takes from it; -1 at an end."""
+    guides: tuple[int, ...]  # numbers in order; the first and the last one hold it, or are ends
+    into: int  # which of Tendons.grips feeds it; -1 at an end
+    out_of: int  # which of them takes from it; -1 at an end
 
 
 def spans_of(tendons: Tendons, tendon: int) -> list[CableSpan]:
@@ -46,9 +43,8 @@ def spans_of(tendons: Tendons, tendon: int) -> list[CableSpan]:
 def lifted_at_start(model: Model) -> Flags:
     """Of every guide whether its tendon is off it at t = 0, [ng].
 
-    The tendon is off a wheel that stands clear of the straight way past it, on its own side: to lie
-    on it, it would have to go round it and cross itself, which it does only where its author says
-    so. A loop lies on its wheels unless that is said.
+    By default the tendon is off a wheel that stands clear of the straight path, with its centre on
+    its side: to lie on it, it would have to go round it and cross itself. A loop is on its wheels.
     """
     tendons = model.tendons
     off = np.zeros(len(tendons.guide_body), dtype=bool)
@@ -74,9 +70,9 @@ def lifted_at_start(model: Model) -> Flags:
 
 
 def passes_by(centres: list[Vec], radii: Sequence[float]) -> float:
-    """The distance at which a tendon between two wheels passes a third one in between [m].
+    """Gap between a tendon of two wheels and a third one between them [m], < 0 where it bends.
 
-    Below 0 if it has to bend there. ``radii`` are positive right of the path, 0 of eyes.
+    ``radii`` are positive right of the path, 0 of points.
     """
     (ax, ay), (cx, cy), (bx, by) = centres
     dx, dy, offset = bx - ax, by - ay, radii[0] - radii[2]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from sandbox.elements.controllers.equilibrium import Fingers, joint_model
+from sandbox.elements.controllers.equilibrium import joint_model
 from sandbox.elements.registry import Controller
 from sandbox.engine.inspect_control import control_problems
 from sandbox.errors import SceneError
@@ -62,7 +62,7 @@ def moment(theta: Any) -> np.ndarray:
 def test_arms_and_moments_are_those_of_the_closed_forms(finger):
     """However the finger lies, mirrored, turned or bent at the start; to rounding."""
     made = mechanism(law_spec(), **finger)
-    joints = joint_model(made.controllers[0], Fingers(made))
+    joints = joint_model(made.controllers[0], made)
     for theta in ([0.0, 0.0], [0.3, 0.5], [1.2, 0.9]):
         assert [j.tendon_arm(a) for j, a in zip(joints, theta, strict=True)] == pytest.approx(
             arm(theta), rel=1e-12)

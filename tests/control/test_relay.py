@@ -91,7 +91,7 @@ def test_a_reading_without_cycles_is_reported():
 def test_rules(rule, kp, integral, derivative):
     """The published tables, for Ku = 10 and Tu = 2 s."""
     gains = gains_of(rule, 10.0, 2.0)
-    assert gains.kp == pytest.approx(10 * kp)
-    assert gains.ki == pytest.approx(10 * kp / (2 * integral))
-    assert gains.kd == pytest.approx(10 * kp * 2 * derivative)
-    assert gains.filter == pytest.approx(0.1 * 2 * derivative)
+    assert gains["kp"] == pytest.approx(10 * kp)
+    assert gains["ki"] == pytest.approx(10 * kp / (2 * integral))
+    assert gains["kd"] == pytest.approx(10 * kp * 2 * derivative)
+    assert gains["filter"] == pytest.approx(0.1 * 2 * derivative)

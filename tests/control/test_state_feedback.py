@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.elements.controllers.pid import Gains, Pid
+from sandbox.elements.controllers.pid import Pid, PidController
 from sandbox.elements.controllers.state_feedback import StateFeedback, StateFeedbackController
 
 from .loops import cut, fed
@@ -47,7 +47,8 @@ def test_one_row_is_a_pi(kp, ki, limit, most, errors):
     """The same to rounding, with limits and rate limits."""
     limits = (-limit, limit)
     wanted, applied = fed(law([[kp]], [[ki]], bias=[0.5]), errors, limits=limits, most=most)
-    pi, pi_applied = fed(Pid(Gains(kp, ki), H, bias=0.5), errors, limits=limits, most=most)
+    pi, pi_applied = fed(Pid(PidController.model_construct(kp=kp, ki=ki, bias=0.5), H),
+                           errors, limits=limits, most=most)
     np.testing.assert_allclose(wanted, pi, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(applied, pi_applied, rtol=1e-12, atol=1e-12)
 

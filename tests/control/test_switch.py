@@ -10,7 +10,7 @@ from sandbox.elements.controllers.simple import Switch, SwitchController
 def switch(**more: Any) -> Switch:
     return Switch(SwitchController.model_validate({
         "type": "switch", "name": "s", "reads": "x.y", "writes": "u", "below": 1, "above": 2,
-        "value_below": 10, "value_above": 20, **more}))
+        "value_below": 10, "value_above": 20, **more}), 1e-3)
 
 
 def path(law: Switch, readings: list[float], has: float = 0.0) -> list[float]:

@@ -293,7 +293,7 @@ events = [{"name": "e", "at": 0.1, "release": "hinges"}] | name-not-found | ther
 events = [{"name": "e", "at": 0.1, "release": ["hinge", "disc"]}] | not-releasable | 'disc' is a
     body, which events cannot release @ events[0].release[1]
 events = [{"name": "e", "at": 0.1, "take_up": "mesh"}] | not-releasable | 'mesh' joins wheels where
-    they meet at t = 0, so events cannot take it up again @ events[0].take_up[0]
+    they meet at t = 0, so events cannot engage it again @ events[0].take_up[0]
 events = [{"name": "e", "at": 0.1, "release": "mesh", "lasts": 0.1}] | not-releasable | 'mesh' joins
     wheels @ events[0].lasts
 events = [{"name": "e", "at": 0.1, "release": "hinge", "take_up": "hinge"}] | conflicting-keys | one

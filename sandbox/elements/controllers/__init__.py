@@ -1,1 +1,1 @@
-"""Controllers: what reads quantities of the running mechanism and sets its drives."""
+"""Controllers: they read quantities during a run and set drives."""

@@ -1,13 +1,12 @@
 """The base of controllers, and the interface of their laws.
 
-A controller acts at a rate of its own. When it acts after step k it reads what
-a recording of every step has of step k, and what it writes holds from step k + 1 until
-it acts again; its first act is before the first step. The value of a drive
-that a controller writes is where that drive begins.
+A controller acts at its own rate. An act after step k reads the quantities of step k, and its
+values hold from step k + 1 to the next act; the first act is before the first step. The value of
+a drive that a controller writes is its initial value.
 
-Limits and rate limits are applied outside of the laws; a law is given what was in force, so that
-it does not wind up. Readings, targets and drive values come in the order of ``reads`` and
-``writes``, SI. Laws are plain Python on floats, which is faster than arrays of so few numbers.
+Limits and rate limits are applied outside of the laws, which get the applied values against
+windup. Readings, targets and drive values are in the order of ``reads`` and ``writes``, SI. Laws
+are plain Python on floats, which is faster than arrays of so few numbers.
 """
 
 from __future__ import annotations
@@ -19,30 +18,19 @@ from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from sandbox.elements.element import Element
 from sandbox.errors import Problem
-from sandbox.values.numbers import (
-    POSITIVE,
-    Flag,
-    Frequency,
-    Items,
-    Name,
-    Pair,
-    Quantity,
-    checked_expression,
-    parameters_of,
-)
+from sandbox.values import numbers as of
 from sandbox.values.signals import AnySignal
 from sandbox.wording import WrongValueError
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
 
-RATE = 1000.0
-"""How often a controller acts by default [Hz]; the nearest whole number of steps is used."""
+RATE = 1000.0  # default rate of acts [Hz]; the nearest whole number of steps is used
 
 
 def bound(text: str, info: ValidationInfo) -> str:
     """An expression of quantities with the scene's parameters put in; a plain name stays."""
-    expression = checked_expression(text, info).bind(parameters_of(info))
+    expression = of.checked_expression(text, info).bind(of.parameters_of(info))
     return f"={expression.text}" if text.lstrip().startswith("=") else text.strip()
 
 
@@ -53,12 +41,11 @@ def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
     return limits
 
 
-Range = Annotated[Pair[Quantity], AfterValidator(_ordered)]
-Positive = Annotated[Quantity, POSITIVE]
-Matrix = Items[Items[Quantity]]
+Range = Annotated[of.Pair[of.Quantity], AfterValidator(_ordered)]
+Positive = Annotated[of.Quantity, of.POSITIVE]
+Matrix = of.Items[of.Items[of.Quantity]]
 Reading = Annotated[str, AfterValidator(bound)]
-Row = Sequence[float]
-"""A number for each reading, target or drive."""
+Row = Sequence[float]  # a number for each reading, target or drive
 
 
 def every(rate: float | None, step: float) -> int:
@@ -69,30 +56,21 @@ def every(rate: float | None, step: float) -> int:
 class Law:
     """Computes drive values from readings; the base of laws is one without memory."""
 
+    def __init__(self, spec: Any, period: float) -> None:
+        """The law of a controller that acts every ``period`` [s]."""
+
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Begin, or begin anew after having been switched on.
-
-        A law that is switched on during a run goes on from what its drives
-        have, as far as it has a memory that can hold the difference.
-
-        Args:
-            readings: what the controller reads now, [number of readings].
-            targets: what its signals say now, [number of targets].
-            inputs: what its drives have now, [number of drives].
-        """
+        """Begin, or begin anew after being switched on during a run, from the drives' values."""
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """What the law wants of its drives until it acts again.
+        """A value for each drive, in its unit, until the next act.
 
         Args:
-            t: the instant [s]; one period after the last act.
+            t: time [s]; one period after the last act.
             readings: as in :meth:`begin`; at the first act after it the same.
             targets: as in :meth:`begin`.
-            applied: what was in force since the last act, [number of drives]. It equals what
-                was wanted, to the last bit, unless a limit or a rate limit cut it.
-
-        Returns:
-            One value for each drive, in its unit.
+            applied: values in force since the last act. They equal those that the law returned,
+                to the last bit, unless a limit or a rate limit cut them.
         """
         raise NotImplementedError
 
@@ -100,28 +78,31 @@ class Law:
         """Results of the law as plain JSON data for ``run.json``; {} if there are none."""
         return {}
 
+    @staticmethod
+    def integrated(integral: float, step: float, cut: float) -> float:
+        """An integral after a step, which is left out if it would increase a ``cut`` of output."""
+        return integral if cut and step * cut >= 0 else integral + step
+
 
 class ControllerSpec(Element):
     """The base of all controllers."""
 
     PYMUNK = "a controller"
 
+    LAW: ClassVar[Any]  # the class of its law, of the controller and its period [s]
     # fields with numbers in the unit of its drives, of its readings, of a force
     of_drive: ClassVar[tuple[str, ...]] = ()
     of_reading: ClassVar[tuple[str, ...]] = ()
     of_force: ClassVar[tuple[str, ...]] = ()
-    # the field that has its targets
-    target_key: ClassVar[str] = "target"
-    # the field that has its readings
-    reads_key: ClassVar[str] = "reads"
-    # whether it sets its drive to its target
-    sets_target: ClassVar[bool] = False
+    target_key: ClassVar[str] = "target"  # the field that has its targets
+    reads_key: ClassVar[str] = "reads"  # the field that has its readings
+    sets_target: ClassVar[bool] = False  # whether it sets its drive to its target
 
-    name: Name
+    name: of.Name
     """Its name, by which events set ``<name>.target`` and ``<name>.active``."""
-    rate: Frequency | None = None
+    rate: of.Frequency | None = None
     """How often it acts [Hz]; by default 1 kHz or the nearest rate that the step divides."""
-    active: Flag = True
+    active: of.Flag = True
     """Whether it acts from the start; an event may switch it by setting ``<name>.active``."""
 
     def _all_of(self, field: str) -> tuple[Any, ...]:
@@ -137,7 +118,8 @@ class ControllerSpec(Element):
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
         """Lowest and highest value of each drive; empty without limits."""
-        return ()
+        limits: Any = getattr(self, "limits", None)
+        return (limits,) if limits and isinstance(limits[0], float) else limits or ()
 
     @property
     def readings(self) -> tuple[str, ...]:
@@ -160,23 +142,19 @@ class ControllerSpec(Element):
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
-        raise NotImplementedError
+        law: Law = self.LAW(self, period)
+        return law
 
 
 class SingleController(ControllerSpec):
     """A controller of one drive."""
 
-    writes: Name
+    writes: of.Name
     """Name of the drive that it sets."""
     limits: Range | None = None
     """[lowest, highest] that it sets, in the drive's unit; none by default."""
     slew: Positive | None = None
     """Maximum change per second, in the drive's unit; none by default."""
-
-    @property
-    def ranges(self) -> tuple[tuple[float, float], ...]:
-        """Lowest and highest value of its drive."""
-        return () if self.limits is None else (self.limits,)
 
 
 class ReadingController(SingleController):
@@ -189,23 +167,20 @@ class ReadingController(SingleController):
 class SeveralController(ControllerSpec):
     """A controller of several drives."""
 
-    writes: Items[Name] = Field(min_length=1, max_length=32)
+    PER_DRIVE: ClassVar[tuple[str, ...]] = ("limits", "slew")  # fields with an entry for each
+
+    writes: of.Items[of.Name] = Field(min_length=1, max_length=32)
     """Names of the drives that it sets."""
-    limits: Items[Range] | None = None
+    limits: of.Items[Range] | None = None
     """[lowest, highest] of each drive, in its unit; none by default."""
-    slew: Items[Positive] | None = None
+    slew: of.Items[Positive] | None = None
     """Maximum change per second of each drive, in its unit; none by default."""
 
     @model_validator(mode="after")
     def _one_each(self) -> Self:
-        for key in ("limits", "slew"):
+        for key in self.PER_DRIVE:
             given = getattr(self, key)
             if given is not None and len(given) != len(self.writes):
                 raise WrongValueError("wrong-type", f"'{key}': expected {len(self.writes)} "
                                       f"entries, one a drive, got {len(given)}")
         return self
-
-    @property
-    def ranges(self) -> tuple[tuple[float, float], ...]:
-        """Lowest and highest value of each drive."""
-        return self.limits or ()

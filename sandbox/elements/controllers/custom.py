@@ -20,7 +20,7 @@ Range = tuple[float, float]
 
 
 class StopRun(Exception):
-    """What the function of a :class:`Custom` raises to end the run, as an event with ``stop`` does.
+    """Raised by the function of a :class:`Custom` to end the run, as an event with ``stop`` does.
 
     The run counts as complete. It ends before the next step, but not before its first sample.
 
@@ -46,8 +46,8 @@ def customs(given: object) -> tuple[Custom, ...]:
     Raises:
         SandboxError: they are none.
     """
-    found = tuple(given) if isinstance(given, Iterable) else (given,)
-    if not isinstance(given, Iterable) or not all(isinstance(one, Custom) for one in found):
+    found = tuple(given) if isinstance(given, Iterable) else (None,)
+    if not all(isinstance(one, Custom) for one in found):
         raise SandboxError(f"controllers: {quoted(given)} are no controllers; "
                            "pass a list of sandbox.Custom")
     return found
@@ -57,35 +57,33 @@ def customs(given: object) -> tuple[Custom, ...]:
 class Custom:
     """A controller made of a Python function.
 
-    ``act(t, readings)`` gets the instant [s] and a list of what ``reads`` names, and
-    returns what the drives of ``writes`` shall have: a number, or one for each drive.
-    If ``writes`` names none it only watches, and returns nothing; the run is the same as without
-    it. It may raise :class:`StopRun`. It is called in the order of time, once an act, so it may
-    remember. Arguments are put into their plain form: tuples, one entry a drive.
+    ``act(t, readings)`` gets the time [s] and the values of ``reads``, and returns the value of
+    the drive of ``writes``, or one for each drive. Without drives it only watches and returns
+    nothing; the run is the same as without it. It may raise :class:`StopRun`. It is called once an
+    act in the order of time, so it may keep a state. Arguments become tuples, one entry a drive.
 
     Raises:
-        ValueError: an argument of the wrong kind, or too few or many entries.
+        ValueError: an argument of another kind, or too few or many entries.
     """
 
     name: str
-    reads: Sequence[str]
-    """Quantities (``finger.mcp.angle``) or expressions of them (``"=a.angle - b.angle"``)."""
-    writes: Sequence[str]
-    """Drives; ``[]`` for a function that only watches."""
+    reads: Sequence[str]  #: quantities (``finger.mcp.angle``) or expressions (``"=2 * a.angle"``)
+    writes: Sequence[str]  #: drives; ``[]`` for a function that only watches
     act: Act
-    rate: float | None = None
-    """How often it acts [Hz]; by default 1 kHz, or the nearest rate that the step divides."""
-    limits: Sequence[Range] | Range | None = None
-    """(lowest, highest) of each drive; one pair will do for one drive."""
-    slew: Sequence[float] | float | None = None
-    """Largest change a second of each drive; one number will do for one drive."""
+    rate: float | None = None  #: of its acts [Hz]; by default 1 kHz or nearly, in whole steps
+    limits: Sequence[Range] | Range | None = None  #: (lowest, highest) of the drive or each drive
+    slew: Sequence[float] | float | None = None  #: maximum change per second, the same way
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not re.fullmatch(NAME, self.name):
             raise ValueError(f"a controller's name is made of letters, digits, underscores and "
                              f"dots, and {quoted(self.name)} is not")
-        reads = tuple(self._reading(text) for text in self._texts("reads"))
-        writes = self._texts("writes")
+        reads, writes = (self._texts(key) for key in ("reads", "writes"))
+        try:
+            reads = tuple(f"={plain}" if text.lstrip().startswith("=") else plain
+                          for text in reads for plain in [parse_expression(text).text])
+        except ValueError as error:
+            raise self._wrong(f"'reads': {error}") from None
         if len(set(writes)) < len(writes):
             raise self._wrong("'writes' names a drive twice")
         if not callable(self.act):
@@ -113,14 +111,6 @@ class Custom:
             raise self._wrong(f"'{key}' must be a list of names, got {quoted(given)}")
         return tuple(given)
 
-    def _reading(self, text: str) -> str:
-        """A quantity's name or an expression, in its plain form."""
-        try:
-            plain = parse_expression(text).text
-            return f"={plain}" if text.lstrip().startswith("=") else plain
-        except ValueError as error:
-            raise self._wrong(f"'reads': {error}") from None
-
     def _number(self, key: str, value: Any) -> float:
         if (isinstance(value, bool) or not isinstance(value, numbers.Real)
                 or not math.isfinite(value)):
@@ -133,63 +123,59 @@ class Custom:
             return None
         if isinstance(given, Sequence) and any(isinstance(x, numbers.Real) for x in given):
             given = [given]  # one pair for one drive
-        if not isinstance(given, Sequence) or len(given) != count:
-            raise self._wrong(f"'limits' must be {count} of [lowest, highest], one for each drive")
-        for pair in given:
-            if not isinstance(pair, Sequence) or len(pair) != 2:
-                raise self._wrong(f"'limits' must be [lowest, highest], got {quoted(pair)}")
-        pairs = [(self._number("limits", low), self._number("limits", high)) for low, high in given]
-        if wrong := [pair for pair in pairs if pair[0] >= pair[1]]:
-            raise self._wrong(f"'limits' are [lowest, highest], got {quoted(wrong[0])}")
-        return tuple(pairs)
+        if isinstance(given, Sequence) and len(given) == count and all(
+                isinstance(pair, Sequence) and len(pair) == 2 for pair in given):
+            pairs = tuple((self._number("limits", low), self._number("limits", high))
+                          for low, high in given)
+            if all(low < high for low, high in pairs):
+                return pairs
+        raise self._wrong(f"'limits' must be {count} of [lowest, highest], one for each drive, "
+                          f"got {quoted(given)}")
 
     def _slew(self, count: int) -> tuple[float, ...] | None:
         if self.slew is None:
             return None
         entries = self.slew if isinstance(self.slew, Sequence) else [self.slew]
         rates = tuple(self._number("slew", rate) for rate in entries)
-        if len(rates) != count:
-            raise self._wrong(f"'slew' must have {count} entries, one for each drive, "
-                              f"got {len(rates)}")
-        if min(rates) <= 0:
-            raise self._wrong(f"'slew' must be greater than 0, got {min(rates)!r}")
+        if len(rates) != count or min(rates) <= 0:
+            raise self._wrong(f"'slew' must have {count} entries greater than 0, one for each "
+                              f"drive, got {quoted(self.slew)}")
         return rates
 
 
 class CustomLaw(Law):
-    """Calls the function and looks over what it returns."""
+    """Calls the function and checks its result."""
 
     def __init__(self, spec: Custom) -> None:
         self._act, self._name, self._count = spec.act, spec.name, len(spec.writes)
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """What the function wants.
+        """The result of the function.
 
         Raises:
-            StopRun: it did.
-            ControllerFailed: it raised something else, or returned something else than one number
-                for each drive.
+            StopRun: the function raised it.
+            ControllerFailed: it raised something else, or did not return a number for each drive.
         """
         try:
             result: Any = self._act(t, readings)
         except StopRun:
             raise
         except Exception as error:
-            raise self._failed(t, f"raised {type(error).__name__}: {error}") from error
+            raise ControllerFailed(
+                t, self._name, f"raised {type(error).__name__}: {error}") from error
+        if not self._count and result is None:
+            return []
+        returned = f"returned {quoted(result)}"
         if not self._count:
-            if result is None:
-                return []
-            raise self._failed(t, f"returned {quoted(result)}, but 'writes' names no drive that "
-                                  "could have it")
+            raise ControllerFailed(t, self._name, f"{returned}, but 'writes' names no drive that "
+                                                  "could have it")
         try:
             if isinstance(result, str):
                 raise TypeError("a text, although its letters may be digits")
             wanted = [float(result)] if isinstance(result, numbers.Real) else [*map(float, result)]
         except (TypeError, ValueError):
-            raise self._failed(t, f"returned {quoted(result)} instead of numbers") from None
+            raise ControllerFailed(t, self._name, f"{returned} instead of numbers") from None
         if len(wanted) != self._count:
-            raise self._failed(t, f"returned {len(wanted)} values for {self._count} drives")
+            raise ControllerFailed(
+                t, self._name, f"returned {len(wanted)} values for {self._count} drives")
         return wanted
-
-    def _failed(self, t: float, reason: str) -> ControllerFailed:
-        return ControllerFailed(t, self._name, reason)

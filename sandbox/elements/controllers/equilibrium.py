@@ -1,9 +1,9 @@
 """The equilibrium law: the stiffness that balances the tendon at the target, and feedback on it.
 
 At rest T h = k s with s = dlm hm (equations (17), (29), (30)). So k = T h / s at the target holds
-it without any feedback, as far as the law knows the finger; and an additional torque tau against a
-joint is an additional stiffness tau / s, s at the joint's present rotation. Near the straight
-finger s goes to 0: there springs have no effect, and the law uses the s of a small rotation.
+an ideal finger without any feedback; and an additional torque tau against a joint is an additional
+stiffness tau / s, s at the joint's present rotation. Near the straight finger s goes to 0: there
+springs have no effect, and the law uses the s of a small rotation.
 
 Geometry is in the frames of the paper's section 4: x along the straight finger, the
 joint closing clockwise, so that a joint that counts counter-clockwise is mirrored.
@@ -13,9 +13,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,8 +24,8 @@ from sandbox.elements.controllers.controller import Law, Positive, Row, SeveralC
 from sandbox.elements.element import Vec
 from sandbox.elements.element_drives import StiffnessDrive
 from sandbox.elements.points import Pin
-from sandbox.elements.springs import LinearSpring, Spring
-from sandbox.elements.tendons import Guide, Tendon
+from sandbox.elements.springs import LinearSpring
+from sandbox.elements.tendons import Guide
 from sandbox.errors import Problem
 from sandbox.mechanics.springs import SpringSet, spring_set
 from sandbox.mechanics.tendon import TendonRoute, route
@@ -70,6 +69,7 @@ class EquilibriumController(SeveralController):
     rotations. h is the tendon's arm, dlm the spring's elongation and hm its arm.
     """
 
+    PER_DRIVE = ("limits", "slew", "joints", "targets", "kp", "ki", "kd")
     of_force = ("pull",)
     target_key = "targets"
 
@@ -77,8 +77,7 @@ class EquilibriumController(SeveralController):
     tendon: Name
     """Name of the tendon that turns the joints."""
     joints: Items[Name] = Field(min_length=1, max_length=32)
-    """Names of the hinges; ``writes`` are the stiffness drives of the springs across them, in this
-    order."""
+    """Names of the hinges, in the order of ``writes``, the stiffness drives of their springs."""
     targets: Items[AngleSignal]
     """Of the joints' rotations over time [rad], each in its hinge's sense."""
     pull: Positive | None = None
@@ -98,16 +97,11 @@ class EquilibriumController(SeveralController):
     """Finger geometry that the law uses; by default the finger's own."""
 
     @model_validator(mode="after")
-    def _per_joint(self) -> Self:
+    def _whole(self) -> Self:
         n = len(self.writes)
-        counts = {key: len(given) for key in ("joints", "targets", "kp", "ki", "kd")
-                  if (given := getattr(self, key)) is not None}
-        if self.geometry is not None:
-            counts["geometry"] = len(self.geometry.lengths)
-        for key, got in counts.items():
-            if got != n:
-                raise WrongValueError("wrong-type", f"'{key}': expected {n} entries, one a drive, "
-                                      f"got {got}")
+        if self.geometry is not None and len(self.geometry.lengths) != n:
+            raise WrongValueError("wrong-type", f"'geometry': expected {n} entries, one a drive, "
+                                  f"got {len(self.geometry.lengths)}")
         return self
 
     @property
@@ -118,15 +112,38 @@ class EquilibriumController(SeveralController):
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """Joints, tendon and springs that are not there, or do not belong to each other."""
-        return Fingers(mechanism).problems(self, path)
+        near, drives = NearMisses(), {drive.name for drive in mechanism.drives}
+        tendons = [tendon.name for tendon in mechanism.tendons]
+        pins = [joint.name for joint in mechanism.joints if isinstance(joint, Pin)]
+        if self.tendon not in tendons:
+            yield Problem("name-not-found",
+                          f"there is no tendon named {quoted(self.tendon)}", f"{path}.tendon",
+                          allowed=listed(tendons) or "none: the scene has no tendons",
+                          hint=near(self.tendon, tendons))
+        for i, (pin, guides, spring) in enumerate(crossings(self, mechanism)):
+            name, drive = self.joints[i], self.writes[i]
+            if pin is None:
+                yield Problem("name-not-found",
+                              f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
+                              allowed=listed(pins) or "none: the scene has no hinges",
+                              hint=near(name, pins))
+                continue
+            if self.tendon in tendons and (guides is None or guides[0].radius or guides[1].radius):
+                yield Problem("bad-control-law", f"the tendon {quoted(self.tendon)} does not run "
+                              f"straight from a guide on one side of {quoted(name)} to a guide on "
+                              "the other", f"{path}.joints[{i}]")
+            if drive in drives and (
+                    spring is None or {spring.a, spring.b} != {pin.a, pin.b}):
+                yield Problem("bad-control-law", f"{quoted(drive)} does not set the stiffness of a "
+                              f"linear spring across {quoted(name)}", f"{path}.writes[{i}]",
+                              allowed="a stiffness drive for each joint, in the joints' order")
 
     def law_problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """Springs without a moment at the rotation that the law falls back on."""
-        fingers = Fingers(mechanism)
-        if next(fingers.problems(self, ""), None) is not None:
+        if next(self.problems(mechanism, ""), None) is not None:
             return
         try:
-            joints = joint_model(self, fingers)
+            joints = joint_model(self, mechanism)
         except ValueError as error:
             yield Problem("bad-control-law", f"the law cannot use this finger: {error}", path,
                           allowed="guides and springs' ends away from the hinges")
@@ -140,108 +157,58 @@ class EquilibriumController(SeveralController):
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
-        return Equilibrium(self, joint_model(self, Fingers(mechanism)), period)
+        return Equilibrium(self, joint_model(self, mechanism), period)
 
 
-class Fingers:
-    """The tendons, hinges, springs and drives that equilibrium laws work with, by name."""
-
-    def __init__(self, mechanism: Mechanism) -> None:
-        self._mechanism = mechanism
-        self.tendons = {tendon.name: tendon for tendon in reversed(mechanism.tendons)}
-        self.pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
-        self._springs = {spring.name: spring for spring in reversed(mechanism.springs)}
-        self._drives = {drive.name: drive for drive in mechanism.drives}
-        self._near = NearMisses()
-
-    def spring_of(self, drive: str) -> Spring | None:
-        """The spring whose stiffness a drive sets."""
-        found = self._drives.get(drive)
-        return (self._springs.get(found.spring)
-                if isinstance(found, StiffnessDrive) and found.spring is not None else None)
-
-    def crossed(self, spec: EquilibriumController, i: int) -> JointGeometry:
-        """The tendon and the spring across a hinge, of a controller without :meth:`problems`."""
-        pin, spring = self.pins[spec.joints[i]], self.spring_of(spec.writes[i])
-        guides = _guides(self.tendons[spec.tendon], pin)
-        if guides is None or not isinstance(spring, LinearSpring):
-            raise ValueError(f"no guides or no linear spring across {spec.joints[i]}")
-        on_a, on_b = self._mechanism.anchors(pin)
-        side = 1.0 if pin.positive == "clockwise" else -1.0
-        c, s = math.cos(pin.zero), math.sin(pin.zero)
-
-        def before(point: Vec) -> Vec:
-            x, y = point[0] - on_a[0], side * (point[1] - on_a[1])
-            # at rotation 0 the frame after the hinge is turned by ``zero`` the joint's way
-            return c * x - s * y, s * x + c * y
-
-        def after(point: Vec) -> Vec:
-            return point[0] - on_b[0], side * (point[1] - on_b[1])
-
-        ends = {spring.a: spring.on_a, spring.b: spring.on_b}
-        rest = spring.rest_length
-        if rest is None:
-            rest = math.dist(*(self._mechanism.world(name, at) for name, at in ends.items()))
-        # one joint as a finger of one phalanx: its length moves no guide
-        return _joints(route([before(guides[0].at), after(guides[1].at)], [1.0]),
-                       spring_set([before(ends[pin.a])], [after(ends[pin.b])]), [rest])[0]
-
-    def problems(self, spec: EquilibriumController, path: str) -> Iterator[Problem]:
-        """Joints, tendon and springs that are not there, or do not belong to each other."""
-        tendons, pins, near = self.tendons, self.pins, self._near
-        if spec.tendon not in tendons:
-            yield Problem("name-not-found",
-                          f"there is no tendon named {quoted(spec.tendon)}", f"{path}.tendon",
-                          allowed=listed(tendons) or "none: the scene has no tendons",
-                          hint=near(spec.tendon, tendons))
-        for i, (name, drive) in enumerate(zip(spec.joints, spec.writes, strict=False)):
-            if name not in pins:
-                yield Problem("name-not-found",
-                              f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
-                              allowed=listed(pins) or "none: the scene has no hinges",
-                              hint=near(name, pins))
-                continue
-            guides = _guides(tendons[spec.tendon], pins[name]) if spec.tendon in tendons else ()
-            if guides is None or any(guide.radius for guide in guides):
-                yield Problem("bad-control-law", f"the tendon {quoted(spec.tendon)} does not run "
-                              f"straight from a guide on one side of {quoted(name)} to a guide on "
-                              "the other", f"{path}.joints[{i}]")
-            spring = self.spring_of(drive)
-            if drive in self._drives and (
-                    not isinstance(spring, LinearSpring)
-                    or {spring.a, spring.b} != {pins[name].a, pins[name].b}):
-                yield Problem("bad-control-law", f"{quoted(drive)} does not set the stiffness of a "
-                              f"linear spring across {quoted(name)}", f"{path}.writes[{i}]",
-                              allowed="a stiffness drive for each joint, in the joints' order")
+def crossings(spec: EquilibriumController, mechanism: Mechanism) -> Iterator[
+        tuple[Pin | None, tuple[Guide, Guide] | None, LinearSpring | None]]:
+    """Of each joint the hinge, the guides before and after it, and the spring across it."""
+    springs = {drive.name: drive.spring for drive in mechanism.drives
+               if isinstance(drive, StiffnessDrive)}
+    guides = next((each.guides for each in mechanism.tendons if each.name == spec.tendon), ())
+    spans = [pair for one, other in pairwise(guides) for pair in ((one, other), (other, one))]
+    for name, drive in zip(spec.joints, spec.writes, strict=False):
+        pin = next((each for each in mechanism.joints
+                    if each.name == name and isinstance(each, Pin)), None)
+        span = next((span for span in spans if pin is not None
+                     and (span[0].body, span[1].body) == (pin.a, pin.b)), None)
+        spring = next((each for each in mechanism.springs if each.name == springs.get(drive)), None)
+        yield pin, span, spring if isinstance(spring, LinearSpring) else None
 
 
-def _guides(tendon: Tendon, pin: Pin) -> tuple[Guide, Guide] | None:
-    """The guides that the tendon runs between across a hinge: before it, after it."""
-    for one, other in pairwise(tendon.guides):
-        for before, after in ((one, other), (other, one)):
-            if (before.body, after.body) == (pin.a, pin.b):
-                return before, after
-    return None
+def _crossed(
+    mechanism: Mechanism, pin: Pin, guides: tuple[Guide, Guide], spring: LinearSpring,
+) -> JointGeometry:
+    """The geometry of one joint as a finger of one phalanx, whose length moves no guide."""
+    on_a, on_b = mechanism.anchors(pin)
+    side = 1.0 if pin.positive == "clockwise" else -1.0
+    c, s = math.cos(pin.zero), math.sin(pin.zero)
+
+    def before(point: Vec) -> Vec:  # at rotation 0 the frame after it is turned by ``zero``
+        x, y = point[0] - on_a[0], side * (point[1] - on_a[1])
+        return c * x - s * y, s * x + c * y
+
+    def after(point: Vec) -> Vec:
+        return point[0] - on_b[0], side * (point[1] - on_b[1])
+
+    ends = {spring.a: spring.on_a, spring.b: spring.on_b}
+    rest = spring.rest_length
+    if rest is None:
+        rest = math.dist(*(mechanism.world(name, at) for name, at in ends.items()))
+    return _joints(route([before(guides[0].at), after(guides[1].at)], [1.0]),
+                   spring_set([before(ends[pin.a])], [after(ends[pin.b])]), [rest])[0]
 
 
-@dataclass(frozen=True)
-class JointGeometry:
+class JointGeometry(NamedTuple):
     """A joint in the law: two triangles at the hinge, of the tendon and of the spring."""
 
-    product: float
-    """dt rt of the tendon's triangle [m^2]."""
-    squares: float
-    """dt^2 + rt^2 [m^2]."""
-    beta_0: float
-    """[rad], equation (12)."""
-    spring_product: float
-    """dm rm of the spring's triangle [m^2]."""
-    spring_squares: float
-    """dm^2 + rm^2 [m^2]."""
-    delta_0: float
-    """[rad], equation (24)."""
-    rest: float
-    """Length of the slack spring [m]."""
+    product: float  # dt rt of the tendon's triangle [m^2]
+    squares: float  # dt^2 + rt^2 [m^2]
+    beta_0: float  # [rad], equation (12)
+    spring_product: float  # dm rm of the spring's triangle [m^2]
+    spring_squares: float  # dm^2 + rm^2 [m^2]
+    delta_0: float  # [rad], equation (24)
+    rest: float  # length of the slack spring [m]
 
     def tendon_arm(self, theta: float) -> float:
         """The arm h = dt rt sin(beta) / lt [m], from (17)."""
@@ -256,11 +223,12 @@ class JointGeometry:
         return (length - self.rest) * self.spring_product * math.sin(delta) / length
 
 
-def joint_model(spec: EquilibriumController, fingers: Fingers) -> list[JointGeometry]:
-    """The joints in the law: as given, or as they are in the mechanism."""
+def joint_model(spec: EquilibriumController, mechanism: Mechanism) -> list[JointGeometry]:
+    """The joints in the law, of a controller without :meth:`problems`."""
     given = spec.geometry
     if given is None:
-        return [fingers.crossed(spec, i) for i in range(len(spec.joints))]
+        return [_crossed(mechanism, pin, guides, spring)
+                for pin, guides, spring in crossings(spec, mechanism) if pin and guides and spring]
     springs = spring_set(given.on_previous, given.on_phalanx)
     return _joints(route(given.guides, given.lengths), springs,
                    springs.lengths(np.zeros(len(given.lengths))))
@@ -278,12 +246,12 @@ def _joints(tendon: TendonRoute, springs: SpringSet, rest: ArrayLike) -> list[Jo
 class Equilibrium(Law):
     """k = T h / s at the target + (kp e + kd rate + I) / s, with e = rotation - reference.
 
-    - The reference goes from where the joint was at the beginning to the target along a
-      straight line, within ``rise``; the feedforward is that of the target itself.
+    - The reference moves linearly from the joint's first rotation to the target within
+      ``rise``; the feedforward is that of the target itself.
     - I, a torque, integrates ki e over straight lines between acts once the reference has
-      arrived: on the way there the joint lags behind, which is no error of the model. It is
-      left as it is while its drive's value is cut and it would lead further out.
-    - s is taken no smaller than it is at the guard's rotation, and so never 0.
+      arrived: before, the lag of the joint is no error of the model. It stops while its
+      drive's value is cut and it would increase the cut.
+    - s is at least that at the guard's rotation, and so never 0.
     """
 
     def __init__(
@@ -302,10 +270,10 @@ class Equilibrium(Law):
         self._balancing: list[float] = []
 
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Start the reference where the joints are.
+        """Start the reference at the joints' rotations.
 
-        In the middle of a run the integrals take up the difference to what the drives have;
-        joints without an integral gain could never get rid of it, and begin at 0.
+        During a run the integrals take up the difference to the drives' values; without an
+        integral gain the difference would stay, so these joints begin at 0.
         """
         n = len(self._joints)
         self._starts = list(readings[:n])
@@ -333,7 +301,9 @@ class Equilibrium(Law):
             angle, start = readings[i], starts[i]
             error = angle - start - fraction * (targets[i] - start)
             if self._arrived:
-                self._integrate(i, error, applied[i])
+                self._integrals[i] = self.integrated(
+                    self._integrals[i], self._half_ki[i] * (error + self._errors[i]),
+                    self._wanted[i] - applied[i])
             torque = self._kp[i] * error + self._kd[i] * readings[n + i] + self._integrals[i]
             errors.append(error)
             wanted.append(ahead[i] + torque / self._moment(i, angle))
@@ -341,7 +311,7 @@ class Equilibrium(Law):
         return list(wanted)
 
     def _ahead(self, readings: Sequence[float], targets: Sequence[float]) -> list[float]:
-        """T h / s at the targets; worked out anew when one of them or T has changed."""
+        """T h / s at the targets; computed anew when one of them or T has changed."""
         pull = readings[-1] if self._pull is None else self._pull
         balanced_at = (pull, list(targets))
         if balanced_at != self._balanced_at:
@@ -353,13 +323,4 @@ class Equilibrium(Law):
 
     def _moment(self, i: int, theta: float) -> float:
         """The spring moment s of a joint, no less than the guard's."""
-        moment = self._joints[i].spring_moment(theta)
-        guard = self._guards[i]
-        return moment if moment > guard else guard
-
-    def _integrate(self, i: int, error: float, applied: float) -> None:
-        """Add one period, where it does not lead further out of what can be set."""
-        step = self._half_ki[i] * (error + self._errors[i])
-        cut = self._wanted[i] - applied
-        if not cut or step * cut < 0:
-            self._integrals[i] += step
+        return max(self._guards[i], self._joints[i].spring_moment(theta))

@@ -1,9 +1,9 @@
-"""The PID law, sampled: derivative of the reading, low-pass on it, anti-windup, bumpless start.
+"""The PID law, sampled, and its tuning by a relay.
 
 Sources: K. J. Astrom and R. M. Murray, Feedback Systems (2nd ed., 2021), chapter 11;
 K. J. Astrom and B. Wittenmark, Computer-Controlled Systems (3rd ed., 1997), section 8.5.
 
-Relay auto-tuning makes the loop swing, and computes gains from period and amplitude.
+Relay auto-tuning makes the loop oscillate, and computes gains from period and amplitude.
 
 Sources: K. J. Astrom and T. Hagglund, "Automatic tuning of simple regulators with
 specifications on phase and amplitude margins", Automatica 20 (1984) 645-651.
@@ -15,8 +15,7 @@ as in D. E. Seborg, T. F. Edgar and D. A. Mellichamp, Process Dynamics and Contr
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -25,83 +24,6 @@ from sandbox.values.numbers import Duration, Flag, Instant, Quantity
 from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
-
-if TYPE_CHECKING:
-    from sandbox.scene.mechanism import Mechanism
-
-class PidController(ReadingController):
-    """Brings a reading to its target by a drive: a PID controller.
-
-    u = bias + kp e + ki ∫e dt - kd d(reading)/dt with e = target - reading.
-
-    Gains may be negative, where more of the input makes the reading less.
-    """
-
-    of_drive = ("bias",)
-
-    type: Literal["pid"] = TYPE
-    target: Signal
-    """What the reading shall be over time, in the reading's unit; an event may set
-    ``<name>.target``."""
-    kp: Quantity = 0.0
-    """Gain of the error [drive's unit per reading's unit]."""
-    ki: Quantity = 0.0
-    """Gain of the error's integral [drive's unit per reading's unit and second]."""
-    kd: Quantity = 0.0
-    """Gain of the reading's rate, against it [drive's unit times seconds per reading's unit]."""
-    filter: Instant = 0.0
-    """Time constant of the low-pass on the derivative [s]; 0 is none."""
-    bias: Quantity | None = None
-    """What is added to the law, in the drive's unit; by default the drive's value when the
-    controller begins."""
-    bumpless: Flag = False
-    """Start with the integral that makes the first output equal the bias. A loop with an integral
-    that is switched on during a run starts from the drive's current value in any case."""
-    anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
-    """Integral while the output is saturated: ``clamp`` stops it, ``back_calculation`` drives it
-    back, ``none`` continues."""
-    tracking: Duration | None = None
-    """Time constant of the back-calculation [s]; by default |kp / ki|, and at once if kp is 0."""
-
-    @model_validator(mode="after")
-    def _tracking_is_used(self) -> Self:
-        if self.tracking is not None and self.anti_windup != "back_calculation":
-            raise WrongValueError("conflicting-keys", "'tracking' is for \"anti_windup\": "
-                                  "\"back_calculation\"")
-        return self
-
-    def make_law(self, mechanism: Mechanism, period: float) -> Law:
-        """Its law, which acts every ``period`` [s]."""
-        gains = Gains(self.kp, self.ki, self.kd, filter=self.filter, anti_windup=self.anti_windup,
-                      tracking=self.tracking)
-        return Pid(gains, period, bias=self.bias, bumpless=self.bumpless, resumes=not self.active)
-
-
-@dataclass(frozen=True)
-class Gains:
-    """A PID's numbers; see :class:`PidController`."""
-
-    kp: float = 0.0
-    ki: float = 0.0
-    kd: float = 0.0
-    filter: float = 0.0
-    """Time constant of the low-pass on the derivative [s]; 0 is none."""
-    anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
-    tracking: float | None = None
-    """Time constant of the back-calculation [s]; None is |kp / ki|."""
-
-    def fraction_back(self, period: float) -> float:
-        """How much of what was cut off comes off the integral at the next act, 0 to 1.
-
-        The integral is led back as dI/dt = (applied - wanted) / tracking, which
-        over a period h takes off exactly 1 - exp(-h / tracking). With kp = 0 and
-        no tracking time given that is all of it: such a loop has no other
-        memory that could be disturbed. Without ki nothing winds up.
-        """
-        if self.anti_windup != "back_calculation" or self.ki == 0:
-            return 0.0
-        tracking = abs(self.kp / self.ki) if self.tracking is None else self.tracking
-        return -math.expm1(-period / tracking) if tracking > 0 else 1.0
 
 
 class Pid(Law):
@@ -113,46 +35,31 @@ class Pid(Law):
       straight lines: D = a D_before + (1 - a) (reading - reading_before) / h with
       a = exp(-h / filter). It follows the reading and not the error, so a target that
       jumps gives no kick.
-    - Anti-windup looks at what was cut off the last output, by limits or by the rate limit.
-      ``clamp`` leaves the integral as it is while it would lead further out;
-      ``back_calculation`` leads it back (:meth:`Gains.fraction_back`).
+    - Anti-windup uses the difference between the output and what was applied, by limits or
+      the rate limit. ``clamp`` stops the integral while it would increase the difference.
+      ``back_calculation`` moves it as dI/dt = (applied - wanted) / tracking, over a period h
+      by 1 - exp(-h / tracking) of the difference; by all of it if kp is 0 and no tracking
+      time is given.
     """
 
-    def __init__(
-        self, gains: Gains, period: float, *, bias: float | None = None, bumpless: bool = False,
-        resumes: bool = False,
-    ) -> None:
-        """A law that acts every ``period`` [s].
-
-        Args:
-            gains: its numbers.
-            period: h [s].
-            bias: in the drive's unit; None takes what the drive has at the beginning.
-            bumpless: begin so that the first output is the bias.
-            resumes: begin so that the first output is what the drive has. So it is at
-                every later beginning.
-        """
-        self._given, self._bumpless, self._resumes = bias, bumpless, resumes
-        self._kp, self._half_ki, self._kd = gains.kp, 0.5 * period * gains.ki, gains.kd
-        self._keep = math.exp(-period / gains.filter) if gains.filter > 0 else 0.0
+    def __init__(self, spec: PidController, period: float) -> None:
+        self._given, self._bumpless, self._resumes = spec.bias, spec.bumpless, not spec.active
+        self._kp, self._half_ki, self._kd = spec.kp, 0.5 * period * spec.ki, spec.kd
+        self._keep = math.exp(-period / spec.filter) if spec.filter > 0 else 0.0
         self._weight = (1 - self._keep) / period
-        self._clamp = gains.anti_windup == "clamp"
-        self._back = gains.fraction_back(period)
+        self._clamp, self._back = spec.anti_windup == "clamp", 0.0
+        if spec.anti_windup == "back_calculation" and spec.ki != 0:
+            tracking = abs(spec.kp / spec.ki) if spec.tracking is None else spec.tracking
+            self._back = -math.expm1(-period / tracking) if tracking > 0 else 1.0
         self._bias = self._integral = self._slope = 0.0
         self._before = self._error = self._wanted = 0.0
         self._fresh = True
 
-    @property
-    def integral(self) -> float:
-        """The integral part I, in the drive's unit."""
-        return self._integral
-
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Set bias and integral.
 
-        Of a loop that begins in the middle of a run, the integral takes up the
-        difference to what the drive has. A loop without integral action keeps
-        to its bias: it could never get rid of the difference.
+        During a run the integral takes up the difference to the drive's value; without integral
+        action the difference would stay, so the law keeps to its bias.
         """
         now = inputs[0]
         self._bias = now if self._given is None else self._given
@@ -186,6 +93,47 @@ class Pid(Law):
         return [wanted]
 
 
+class PidController(ReadingController):
+    """Brings a reading to its target by a drive: a PID controller.
+
+    u = bias + kp e + ki ∫e dt - kd d(reading)/dt with e = target - reading.
+
+    Gains may be negative, where more of the input makes the reading less.
+    """
+
+    LAW = Pid
+    of_drive = ("bias",)
+
+    type: Literal["pid"] = TYPE
+    target: Signal
+    """Target of the reading over time, in its unit; an event may set ``<name>.target``."""
+    kp: Quantity = 0.0
+    """Gain of the error [drive's unit per reading's unit]."""
+    ki: Quantity = 0.0
+    """Gain of the error's integral [drive's unit per reading's unit and second]."""
+    kd: Quantity = 0.0
+    """Gain of the reading's rate, against it [drive's unit times seconds per reading's unit]."""
+    filter: Instant = 0.0
+    """Time constant of the low-pass on the derivative [s]; 0 is none."""
+    bias: Quantity | None = None
+    """Added to the law, in the drive's unit; by default the drive's value at the beginning."""
+    bumpless: Flag = False
+    """Start with the integral that makes the first output equal the bias. A loop with an integral
+    that is switched on during a run starts from the drive's current value in any case."""
+    anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
+    """Integral during saturation: ``clamp`` stops it, ``back_calculation`` drives it back."""
+    tracking: Duration | None = None
+    """Time constant of the back-calculation [s]; by default |kp / ki|, and at once if kp is 0."""
+
+    @model_validator(mode="after")
+    def _tracking_is_used(self) -> Self:
+        if self.tracking is not None and self.anti_windup != "back_calculation":
+            raise WrongValueError("conflicting-keys", "'tracking' is for \"anti_windup\": "
+                                  "\"back_calculation\"")
+        return self
+
+
+# kp / Ku, integral time / Tu, derivative time / Tu of each rule
 RULES: dict[str, tuple[float, float, float]] = {
     "ziegler_nichols_pi": (0.45, 1 / 1.2, 0.0),
     "ziegler_nichols_pid": (0.6, 1 / 2, 1 / 8),
@@ -193,9 +141,99 @@ RULES: dict[str, tuple[float, float, float]] = {
     "tyreus_luyben_pid": (1 / 2.2, 2.2, 1 / 6.3),
     "no_overshoot_pid": (0.2, 1 / 2, 1 / 3),
 }
-"""kp / Ku, integral time / Tu, derivative time / Tu of each rule."""
-FILTER = 0.1
-"""Low-pass on the derivative, as a fraction of the derivative time; 1/20 to 1/3 is usual."""
+FILTER = 0.1  # low-pass on the derivative over the derivative time; 1/20 to 1/3 is usual
+
+
+def gains_of(rule: str, gain: float, period: float) -> dict[str, Any]:
+    """Fields of a :class:`PidController` by a rule, for the ultimate gain Ku and period Tu [s]."""
+    proportional, integral, derivative = RULES[rule]
+    kp = proportional * gain
+    return {"kp": kp, "ki": kp / (integral * period), "kd": kp * derivative * period,
+            "filter": FILTER * derivative * period}
+
+
+class Relay(Law):
+    """Switches its drive until the reading has oscillated often enough, then is a PID.
+
+    A cycle lasts from one switch to bias + amplitude to the next. The first one is
+    not measured; of the others the mean period is Tu and the mean half-height of the
+    error is a. The half-height d of the input is that of what was applied, so limits
+    that cut the relay do no harm. The PID begins with the mean input of the measured
+    cycles, which held the reading around its target.
+    """
+
+    def __init__(self, spec: RelayController, period: float) -> None:
+        self._spec, self._period = spec, period
+        self._pid: Pid | None = None
+        self._found: dict[str, Any] = {}
+        self._began = self._up = False
+        self._bias = 0.0
+        self._starts: list[float] = []
+        self._cycle = list[tuple[float, float]]()  # error and applied input of each act
+        self._cycles = list[list[tuple[float, float]]]()
+
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
+        """Begin to oscillate; once tuned, continue as a PID from the drive's value."""
+        if self._pid is not None:
+            self._pid.begin(readings, targets, inputs)
+            return
+        self._began = True
+        self._bias = inputs[0] if self._spec.bias is None else self._spec.bias
+        self._up = targets[0] >= readings[0]
+        self._starts, self._cycles, self._cycle = [], [], []
+
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
+        """The relay's side, or the PID's output once there is one."""
+        if self._pid is not None:
+            return self._pid.act(t, readings, targets, applied)
+        error, hysteresis = targets[0] - readings[0], self._spec.hysteresis
+        self._cycle.append((error, applied[0]))
+        if self._up and error < -hysteresis:
+            self._up = False
+        elif not self._up and error > hysteresis:
+            self._up = True
+            if self._starts:  # a cycle is complete
+                self._cycles.append(self._cycle)
+            self._starts.append(t)
+            self._cycle = []
+            if len(self._cycles) == self._spec.cycles:
+                self._pid = self._tuned(t)
+                mean = [self._found["bias"]]
+                self._pid.begin(readings, targets, mean)
+                return self._pid.act(t, readings, targets, mean)
+        side = self._spec.amplitude if self._up else -self._spec.amplitude
+        return [self._bias + side]
+
+    def _tuned(self, t: float) -> Pid:
+        """The PID that the measured cycles give."""
+        cycles = [tuple(zip(*cycle, strict=True)) for cycle in self._cycles[1:]]
+        count = len(cycles)
+        period = (self._starts[-1] - self._starts[1]) / count
+        a = sum(max(errors) - min(errors) for errors, _ in cycles) / (2 * count)
+        d = sum(max(inputs) - min(inputs) for _, inputs in cycles) / (2 * count)
+        mean = sum(sum(inputs) for _, inputs in cycles) / sum(len(inputs) for _, inputs in cycles)
+        # the describing function of the relay: Ku = 4 d / (pi sqrt(a^2 - hysteresis^2))
+        hysteresis = self._spec.hysteresis
+        gain = 4 * math.copysign(d, self._spec.amplitude) / (
+            math.pi * math.sqrt((a - hysteresis) * (a + hysteresis)))
+        gains = gains_of(self._spec.rule, gain, period)
+        self._found = {
+            "tuned": True, "tuned_at_s": t, "rule": self._spec.rule,
+            "ultimate_gain": gain, "ultimate_period_s": period,
+            "reading_amplitude": a, "input_amplitude": d, "bias": mean,
+            **{key + "_s" * (key == "filter"): value for key, value in gains.items()}}
+        return Pid(PidController.model_construct(**gains, bias=mean, bumpless=True), self._period)
+
+    def report(self) -> dict[str, Any]:
+        """The gains, or why there are none."""
+        if self._found:
+            return self._found
+        why = "it was never switched on"
+        if self._began:
+            why = (f"the reading went round {len(self._cycles)} times of {self._spec.cycles}; a "
+                   "longer run, a larger amplitude or a bias nearer to what the target needs may "
+                   "help")
+        return {"tuned": False, "why": why}
 
 
 class RelayController(ReadingController):
@@ -207,26 +245,24 @@ class RelayController(ReadingController):
     the first give the gains. What was found stands in ``run.json``.
     """
 
+    LAW = Relay
     of_drive = ("bias", "amplitude")
     of_reading = ("hysteresis",)
 
     type: Literal["relay"] = TYPE
     target: Signal
-    """What the reading shall swing about, and then be, in the reading's unit."""
+    """Target of the reading over time, in its unit; first the reading oscillates about it."""
     amplitude: Quantity
-    """Amplitude of the switching, in the drive's unit; not 0; negative if more input lowers the
-    reading."""
+    """Amplitude of the switching, in the drive's unit, not 0; negative if input lowers reading."""
     hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
     """How far the reading passes the target before the relay switches, in the reading's unit."""
     cycles: int = Field(default=4, ge=2, le=100)
     """Number of oscillations before the gains are computed; the first one is not measured."""
     rule: Literal["ziegler_nichols_pi", "ziegler_nichols_pid", "tyreus_luyben_pi",
                   "tyreus_luyben_pid", "no_overshoot_pid"] = "tyreus_luyben_pi"
-    """Tuning rule that gives the gains from the ultimate gain and period, and whether the law has a
-    derivative."""
+    """Tuning rule that gives the gains from the ultimate gain and period."""
     bias: Quantity | None = None
-    """Mean of the switching, in the drive's unit; by default the drive's value when the controller
-    starts."""
+    """Mean of the switching, in the drive's unit; by default the drive's value at the start."""
 
     @field_validator("amplitude")
     @classmethod
@@ -234,127 +270,3 @@ class RelayController(ReadingController):
         if amplitude == 0:
             raise WrongValueError("out-of-range", "must not be 0: the relay would not switch")
         return amplitude
-
-    def make_law(self, mechanism: Mechanism, period: float) -> Law:
-        """Its law, which acts every ``period`` [s]."""
-        return Relay(self, period)
-
-
-def ultimate_gain(relay: float, amplitude: float, hysteresis: float) -> float:
-    """Ku = 4 d / (pi sqrt(a^2 - eps^2)), from the describing function of the relay.
-
-    Args:
-        relay: d, half of the height of what the relay switched; its sign is the gain's.
-        amplitude: a, half of the height of the reading's swing; more than ``hysteresis``.
-        hysteresis: eps, how far beyond the target the relay switches.
-    """
-    return 4 * relay / (math.pi * math.sqrt((amplitude - hysteresis) * (amplitude + hysteresis)))
-
-
-def gains_of(rule: str, gain: float, period: float) -> Gains:
-    """The gains that a rule gives for the ultimate gain Ku and period Tu [s]."""
-    proportional, integral, derivative = RULES[rule]
-    kp = proportional * gain
-    return Gains(kp, kp / (integral * period), kp * derivative * period,
-                 filter=FILTER * derivative * period)
-
-
-@dataclass
-class _Swing:
-    """One cycle: error and input at their extremes, sum of the input."""
-
-    acts: int = 0
-    high: float = -math.inf
-    low: float = math.inf
-    high_input: float = -math.inf
-    low_input: float = math.inf
-    sum_input: float = 0.0
-
-    def see(self, error: float, given: float) -> None:
-        """Take one act in."""
-        self.acts += 1
-        self.sum_input += given
-        self.high, self.low = max(self.high, error), min(self.low, error)
-        self.high_input = max(self.high_input, given)
-        self.low_input = min(self.low_input, given)
-
-
-class Relay(Law):
-    """Switches its drive until the reading has gone round often enough, then is a PID.
-
-    A cycle lasts from one switch to bias + amplitude to the next. The first one is
-    not measured; of the others the mean period is Tu and the mean half-height of the
-    error is a. The half-height d of the input is that of what was applied, so limits
-    that cut the relay do no harm. The PID begins with the mean input of the measured
-    cycles, which is what held the reading around its target.
-    """
-
-    def __init__(self, spec: RelayController, period: float) -> None:
-        self._given, self._amplitude = spec.bias, spec.amplitude
-        self._hysteresis, self._cycles, self._rule = spec.hysteresis, spec.cycles, spec.rule
-        self._period = period
-        self._pid: Pid | None = None
-        self._found: dict[str, Any] = {}
-        self._began = self._up = False
-        self._bias = 0.0
-        self._starts: list[float] = []
-        self._swing, self._swings = _Swing(), list[_Swing]()
-
-    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Begin to swing; once tuned, go on as a PID from what the drive has."""
-        if self._pid is not None:
-            self._pid.begin(readings, targets, inputs)
-            return
-        self._began = True
-        self._bias = inputs[0] if self._given is None else self._given
-        self._up = targets[0] >= readings[0]
-        self._starts, self._swings, self._swing = [], [], _Swing()
-
-    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """The relay's side, or the PID's output once there is one."""
-        if self._pid is not None:
-            return self._pid.act(t, readings, targets, applied)
-        error = targets[0] - readings[0]
-        self._swing.see(error, applied[0])
-        if self._up and error < -self._hysteresis:
-            self._up = False
-        elif not self._up and error > self._hysteresis:
-            self._up = True
-            if self._starts:  # a cycle is complete
-                self._swings.append(self._swing)
-            self._starts.append(t)
-            self._swing = _Swing()
-            if len(self._swings) == self._cycles:
-                pid, mean = self._tuned(t)
-                pid.begin(readings, targets, [mean])
-                self._pid = pid
-                return pid.act(t, readings, targets, [mean])
-        return [self._bias + self._amplitude if self._up else self._bias - self._amplitude]
-
-    def _tuned(self, t: float) -> tuple[Pid, float]:
-        """The PID that the measured cycles give, and the input that it begins with."""
-        swings = self._swings[1:]
-        period = (self._starts[-1] - self._starts[1]) / len(swings)
-        amplitude = sum(s.high - s.low for s in swings) / (2 * len(swings))
-        relay = math.copysign(
-            sum(s.high_input - s.low_input for s in swings) / (2 * len(swings)), self._amplitude)
-        mean = sum(s.sum_input for s in swings) / sum(s.acts for s in swings)
-        gain = ultimate_gain(relay, amplitude, self._hysteresis)
-        gains = gains_of(self._rule, gain, period)
-        self._found = {
-            "tuned": True, "tuned_at_s": t, "rule": self._rule,
-            "ultimate_gain": gain, "ultimate_period_s": period,
-            "reading_amplitude": amplitude, "input_amplitude": abs(relay), "bias": mean,
-            "kp": gains.kp, "ki": gains.ki, "kd": gains.kd, "filter_s": gains.filter,
-        }
-        return Pid(gains, self._period, bias=mean, bumpless=True), mean
-
-    def report(self) -> dict[str, Any]:
-        """What was found, or why nothing was."""
-        if self._found:
-            return self._found
-        why = "it was never switched on"
-        if self._began:
-            why = (f"the reading went round {len(self._swings)} times of {self._cycles}; a longer "
-                   "run, a larger amplitude or a bias nearer to what the target needs may help")
-        return {"tuned": False, "why": why}

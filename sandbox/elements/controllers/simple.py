@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, Self
+from typing import Literal, Self
 
 from pydantic import model_validator
 
@@ -18,13 +18,19 @@ from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
-if TYPE_CHECKING:
-    from sandbox.scene.mechanism import Mechanism
+
+class Direct(Law):
+    """Sets its target, or its reading where it has no target."""
+
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
+        """The current target or reading."""
+        return [(targets or readings)[0]]
 
 
 class ScheduleController(SingleController):
     """Sets a drive to a value over time, at its own rate and within limits."""
 
+    LAW = Direct
     target_key = "value"
     sets_target = True
 
@@ -32,14 +38,11 @@ class ScheduleController(SingleController):
     value: Signal
     """Value of the drive over time, in its unit."""
 
-    def make_law(self, mechanism: Mechanism, period: float) -> Law:
-        """Its law, which acts every ``period`` [s]."""
-        return Direct()
-
 
 class FeedbackController(SingleController):
     """Sets a drive to an expression of quantities and of the time ``t``."""
 
+    LAW = Direct
     reads_key = "value"
 
     type: Literal["feedback"] = TYPE
@@ -52,17 +55,29 @@ class FeedbackController(SingleController):
         """The expression."""
         return self.value
 
-    def make_law(self, mechanism: Mechanism, period: float) -> Law:
-        """Its law, which acts every ``period`` [s]."""
-        return Direct()
 
+class Switch(Law):
+    """One value from the moment the reading is below a threshold, another once it is above one.
 
-class Direct(Law):
-    """Wants its target, or its reading where it has no target."""
+    Between the thresholds it keeps its value. During a run it begins with the drive's value, at
+    the start of one with ``value_below``.
+    """
+
+    def __init__(self, spec: SwitchController, period: float) -> None:
+        self._spec, self._value, self._keeps = spec, spec.value_below, not spec.active
+
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
+        """Set the value to be kept between the thresholds."""
+        self._value = inputs[0] if self._keeps else self._spec.value_below
+        self._keeps = True
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """The target or the reading as it is now."""
-        return [(targets or readings)[0]]
+        """Switch if the reading is outside of the thresholds; on one of them it is not."""
+        if readings[0] < self._spec.below:
+            self._value = self._spec.value_below
+        elif readings[0] > self._spec.above:
+            self._value = self._spec.value_above
+        return [self._value]
 
 
 class SwitchController(ReadingController):
@@ -71,6 +86,7 @@ class SwitchController(ReadingController):
     In between the drive keeps what it has; at the start of a run that is ``value_below``.
     """
 
+    LAW = Switch
     of_drive = ("value_below", "value_above")
     of_reading = ("below", "above")
 
@@ -89,35 +105,3 @@ class SwitchController(ReadingController):
         if self.below >= self.above:
             raise WrongValueError("out-of-range", "'below' must be less than 'above'")
         return self
-
-    def make_law(self, mechanism: Mechanism, period: float) -> Law:
-        """Its law, which acts every ``period`` [s]."""
-        return Switch(self)
-
-
-class Switch(Law):
-    """One value from the moment the reading is below a threshold, another once it is above one.
-
-    Between the thresholds it keeps what it has. In the middle of a run it
-    begins with what the drive has, at the start of one with ``value_below``.
-    """
-
-    def __init__(self, spec: SwitchController) -> None:
-        self._below, self._above = spec.below, spec.above
-        self._value_below, self._value_above = spec.value_below, spec.value_above
-        self._value = spec.value_below
-        self._keeps = not spec.active
-
-    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Take the value to be kept between the thresholds."""
-        self._value = inputs[0] if self._keeps else self._value_below
-        self._keeps = True
-
-    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """Switch if the reading is outside of the thresholds; on one of them it is not."""
-        reading = readings[0]
-        if reading < self._below:
-            self._value = self._value_below
-        elif reading > self._above:
-            self._value = self._value_above
-        return [self._value]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from operator import add, mul, sub
-from typing import TYPE_CHECKING, Literal, Self
+from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -14,63 +14,14 @@ from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
-if TYPE_CHECKING:
-    from sandbox.scene.mechanism import Mechanism
-
-
-class StateFeedbackController(SeveralController):
-    """Brings several readings to their targets at once, by a gain for each.
-
-    u = bias + gains (targets - readings) + integral_gains ∫(targets - readings) dt.
-
-    The gains come from a design such as a linear-quadratic one.
-    """
-
-    of_drive = ("bias",)
-    target_key = "targets"
-
-    type: Literal["state_feedback"] = TYPE
-    reads: Items[Reading] = Field(min_length=1, max_length=64)
-    """Quantities, or expressions of them, in the order of the columns of ``gains``."""
-    targets: Items[Signal]
-    """What each reading shall be over time, in the reading's unit."""
-    gains: Matrix
-    """A row for each drive, a column for each reading [drive's unit per reading's unit]."""
-    integral_gains: Matrix | None = None
-    """Gains of the errors' integrals, in the shape of ``gains``; none by default. The integral of a
-    row stops while its drive is at its limit."""
-    bias: Items[Quantity] | None = None
-    """What is added for each drive, in its unit; by default the drives' values when the controller
-    begins."""
-
-    @model_validator(mode="after")
-    def _shapes(self) -> Self:
-        rows, columns = len(self.writes), len(self.reads)
-        wrong = [key for key in ("gains", "integral_gains")
-                 if (given := getattr(self, key)) is not None
-                 and (len(given) != rows or any(len(row) != columns for row in given))]
-        if wrong:
-            raise WrongValueError("wrong-type", f"'{wrong[0]}': expected {rows} rows (drives) and "
-                                  f"{columns} columns")
-        if len(self.targets) != columns:
-            raise WrongValueError("wrong-type", f"'targets': expected {columns} entries, one a "
-                                  "reading")
-        if self.bias is not None and len(self.bias) != rows:
-            raise WrongValueError("wrong-type", f"'bias': expected {rows} entries, one a drive")
-        return self
-
-    def make_law(self, mechanism: Mechanism, period: float) -> Law:
-        """Its law, which acts every ``period`` [s]."""
-        return StateFeedback(self, period)
-
 
 class StateFeedback(Law):
     """u = bias + K e + I with e = targets - readings, and for each drive an integral of its own.
 
     I is the integral of the row of ``integral_gains`` times e over straight lines
-    between acts. It is left as it is while its drive's output is cut, by limits or the
-    rate limit, and the integral would lead further out. Columns without an integral gain are
-    left out of the integrals. Rows are lists: numpy needs as long for 4 x 6 numbers.
+    between acts. It stops while its drive's output is cut, by limits or the rate limit, and
+    would increase the cut. Columns without an integral gain are left out of the integrals.
+    Rows are lists: numpy needs as long for 4 x 6 numbers.
     """
 
     def __init__(self, spec: StateFeedbackController, period: float) -> None:
@@ -90,8 +41,8 @@ class StateFeedback(Law):
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Set bias and integrals.
 
-        In the middle of a run the rows with integral gains take up the
-        difference to what their drives have; others keep to their bias.
+        During a run the rows with integral gains take up the difference to their drives' values;
+        others keep to their bias.
         """
         self._bias = tuple(inputs) if self._given is None else self._given
         self._integrals = [0.0] * len(self._bias)
@@ -109,18 +60,54 @@ class StateFeedback(Law):
         if self._kept:
             kept = [errors[j] for j in self._kept]
             if not self._fresh:
-                self._integrate(list(map(add, kept, self._errors)), applied)
+                sums = list(map(add, kept, self._errors))
+                self._integrals = [
+                    self.integrated(integral, sum(map(mul, half, sums)), wanted - value)
+                    for integral, half, wanted, value in zip(
+                        self._integrals, self._half_gains, self._wanted, applied, strict=False)]
             self._fresh, self._errors = False, kept
         self._wanted = [
             bias + sum(map(mul, row, errors)) + integral
             for bias, row, integral in zip(self._bias, self._gains, self._integrals, strict=True)]
         return self._wanted.copy()
 
-    def _integrate(self, sums: list[float], applied: Sequence[float]) -> None:
-        """Add one period, where it does not lead further out of what can be set."""
-        integrals = self._integrals
-        for i, half in enumerate(self._half_gains):
-            step = sum(map(mul, half, sums))
-            cut = self._wanted[i] - applied[i]
-            if not cut or step * cut < 0:
-                integrals[i] += step
+
+class StateFeedbackController(SeveralController):
+    """Brings several readings to their targets at once, by a gain for each.
+
+    u = bias + gains (targets - readings) + integral_gains ∫(targets - readings) dt.
+
+    The gains come from a design such as a linear-quadratic one.
+    """
+
+    LAW = StateFeedback
+    PER_DRIVE = ("limits", "slew", "bias")
+    of_drive = ("bias",)
+    target_key = "targets"
+
+    type: Literal["state_feedback"] = TYPE
+    reads: Items[Reading] = Field(min_length=1, max_length=64)
+    """Quantities, or expressions of them, in the order of the columns of ``gains``."""
+    targets: Items[Signal]
+    """Target of each reading over time, in its unit."""
+    gains: Matrix
+    """A row for each drive, a column for each reading [drive's unit per reading's unit]."""
+    integral_gains: Matrix | None = None
+    """Gains of the errors' integrals, in the shape of ``gains``; none by default. The integral of a
+    row stops while its drive is at its limit."""
+    bias: Items[Quantity] | None = None
+    """Added for each drive, in its unit; by default the drives' values at the beginning."""
+
+    @model_validator(mode="after")
+    def _shapes(self) -> Self:
+        rows, columns = len(self.writes), len(self.reads)
+        wrong = [key for key in ("gains", "integral_gains")
+                 if (given := getattr(self, key)) is not None
+                 and (len(given) != rows or any(len(row) != columns for row in given))]
+        if wrong:
+            raise WrongValueError("wrong-type", f"'{wrong[0]}': expected {rows} rows (drives) and "
+                                  f"{columns} columns")
+        if len(self.targets) != columns:
+            raise WrongValueError("wrong-type", f"'targets': expected {columns} entries, one a "
+                                  "reading")
+        return self

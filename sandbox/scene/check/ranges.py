@@ -13,7 +13,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from sandbox.elements.registry import KINDS
 from sandbox.errors import Problem
 from sandbox.numeric import Array
 from sandbox.scene.bodies import SHAPES, Body, Polygon, Polyline
@@ -47,17 +46,14 @@ def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
             if body.path is not None and (signal := getattr(body.path, axis)) is not None:
                 yield from _signal(signal, mechanism, f"$.bodies[{i}].path.{axis}", dimension)
     for i, joint in enumerate(mechanism.joints):
-        points, closed = joint.path_points()
-        if points and not path_through(points, closed=closed).is_smooth:
+        points = getattr(joint, "path", None)
+        if points and not path_through(points, closed=getattr(joint, "closed", False)).is_smooth:
             yield Problem("bad-outline", "this path turns back on itself at a point",
                           f"$.joints[{i}].path", allowed="points that lead on in a smooth curve")
-    for kind in KINDS:
-        for i, element in enumerate(getattr(mechanism, kind)):
-            yield from element.range_problems(f"$.{kind}[{i}]")
     for i, drive in enumerate(mechanism.drives):
         if drive.value is not None:
             yield from _signal(drive.value, mechanism, f"$.drives[{i}].value",
-                               drive.kind.dimension or "stiffness", positive=drive.positive_value)
+                               drive.kind.dimension or "stiffness", positive=drive.kind.positive)
     for i, controller in enumerate(mechanism.controllers):
         for j, signal in enumerate(controller.signals):
             place = f"[{j}]" if controller.target_key == "targets" else ""
