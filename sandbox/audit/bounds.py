@@ -42,10 +42,8 @@ from sandbox.model.supports import RANK, about_centre, components, joint_rows
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Batch
 
-MANY = 60
-"""Contacts at the end above which the audit leaves their bounds out."""
-MOST = 300
-"""Largest number of connected rows of balance, three a body."""
+MANY = 60  # Contacts at the end above which the audit leaves their bounds out
+MOST = 300  # Largest number of connected rows of balance, three a body
 
 
 class Unknown(NamedTuple):
@@ -53,17 +51,13 @@ class Unknown(NamedTuple):
 
     does: dict[int, Array]
     """Wrench of a unit: force x, y and moment about the centre of mass, by body, [3]."""
-    free: bool = False
-    """Whether it may have either sign."""
-    most: float = np.inf
-    """Largest magnitude [N, N m]."""
-    contact: int = NONE
-    """The contact row that it belongs to."""
+    free: bool = False  # Whether it may have either sign
+    most: float = np.inf  # Largest magnitude [N, N m]
+    contact: int = NONE  # The contact row that it belongs to
     normal: float = 0.0
     """Contribution of a unit to that row's normal force, and to its tangential one."""
     tangential: float = 0.0
-    below: float = 0.0
-    """Rounding error below 0 [N] of the recorded force."""
+    below: float = 0.0  # Rounding error below 0 [N] of the recorded force
 
 
 class Unknowns:
@@ -210,11 +204,9 @@ class Interval(NamedTuple):
     """A component of a contact force and its range [N]."""
 
     force: float
-    low: float
-    """-inf without a bound; nan where no forces balance."""
+    low: float  # -inf without a bound; nan where no forces balance
     high: float
-    allowed: tuple[float, float]
-    """Rounding error of either bound."""
+    allowed: tuple[float, float]  # Rounding error of either bound
 
     @property
     def excess(self) -> tuple[float, float]:
@@ -232,8 +224,7 @@ class Interval(NamedTuple):
 class Bounds(NamedTuple):
     """The ranges of one contact row."""
 
-    row: int
-    """Of the sample; contacts without a force have higher numbers."""
+    row: int  # Of the sample; contacts without a force have higher numbers
     body: int
     other: int
     normal: Interval

@@ -32,28 +32,18 @@ from sandbox.model.pairs import (
 from sandbox.numeric import Array, Flags
 from sandbox.samples.contacts import TOUCH
 
-CONE = 1e-6
-"""Relative error of the friction limit by sums over the points of a contact."""
-SLACK = 1e-9
-"""Tension [N] of a slack tendon."""
-SOLVED = 2e-9
-"""Error of rates relative to the fastest."""
-HELD = 2e-7
-"""Regularisation of impulses towards the last ones, for both rows (docs/engine.md)."""
-JOINT = 10.0
-"""Acceleration [m/s^2] that joints may add in the step of an impact."""
-STARTS = 0.1
-"""Relative speed of sliding before the step below which it may begin in the step."""
+CONE = 1e-6  # Relative error of the friction limit by sums over the points of a contact
+SLACK = 1e-9  # Tension [N] of a slack tendon
+SOLVED = 2e-9  # Error of rates relative to the fastest
+HELD = 2e-7  # Regularisation of impulses towards the last ones, for both rows (docs/engine.md)
+JOINT = 10.0  # Acceleration [m/s^2] that joints may add in the step of an impact
+STARTS = 0.1  # Relative speed of sliding before the step below which it may begin in the step
 LANDS = 0.2
 """Error of the gap of one point relative to the approach in a step, since the normal turns."""
-ROUND = 0.01
-"""Least radius of curvature [m] of sliding surfaces."""
-DEEP = 0.01
-"""Allowed overlap without a contact, relative to the smaller body: chords of curves."""
-UNSOLVED = 1e-6
-"""Rate [m/s, rad/s] by which a step may violate the laws of contacts and friction."""
-POSES = 20
-"""Number of samples in which overlaps without a contact force are searched."""
+ROUND = 0.01  # Least radius of curvature [m] of sliding surfaces
+DEEP = 0.01  # Allowed overlap without a contact, relative to the smaller body: chords of curves
+UNSOLVED = 1e-6  # Rate [m/s, rad/s] by which a step may violate the laws of contacts and friction
+POSES = 20  # Number of samples in which overlaps without a contact force are searched
 NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample_rate = "
              "1 / run.step records them all")
 
@@ -114,8 +104,7 @@ class _Rows:
         d, share = self.h * self.rate(self.others, self.out), self.instant / self.h
         self.opening = self.rate(self.before, self.out), self.rate(self.after, self.out)
         self.gap_rates = (self.opening[0] + (0.5 + share) * d, self.opening[1] - (0.5 - share) * d)
-        self.struck = self.count(self.hit) > 0
-        """Rows of a body that bounces in the step."""
+        self.struck = self.count(self.hit) > 0  # Rows of a body that bounces in the step
         self.alone = (self.hit & self.one & ~np.isnan(instant) & (self.count(self.pair >= 0) <= 1)
                       & (self.gap_rates[0] < -2 * REBOUND))
         """Impacts at one point of bodies without other contacts, fast enough to be judged."""

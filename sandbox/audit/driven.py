@@ -30,8 +30,7 @@ from sandbox.samples.cables import piece_tensions
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import values
 
-SOLVED = 1e-9
-"""Error of the rates of bounded rows, relative to the largest."""
+SOLVED = 1e-9  # Error of the rates of bounded rows, relative to the largest
 HELD, FADED = 1e-10, 0.01
 """Regularisation of impulses towards the last ones, and the fraction of these that fades
 (docs/engine.md)."""

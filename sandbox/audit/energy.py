@@ -40,8 +40,7 @@ from sandbox.values.signals import values
 
 LARGEST_STEP_ERROR = 0.01
 """Largest error of the step that is allowed, relative to all energy converted."""
-LEFT = 1e-8
-"""Overlap [m] whose removal does not count as a source of energy."""
+LEFT = 1e-8  # Overlap [m] whose removal does not count as a source of energy
 POSES = 5
 """Number of poses in which a joint has to be redundant: near a dead centre some are in one."""
 UNBALANCED = ("difference between {0} and the sum of all {1} on a body, relative to the largest, "
@@ -110,18 +109,12 @@ def _residuals(evidence: Evidence, worst: Worst, row: int) -> None:
 class _Balance(NamedTuple):
     """All works against the kinetic energy."""
 
-    scale: float
-    """All energy converted [J]."""
-    left: Array
-    """Kinetic energy minus the work of all but contacts and joints that hold [J], [n]."""
-    least: float
-    """Tolerance without the error of the step, relative to the scale."""
-    allowed: float
-    """Tolerance with it."""
-    cost: float
-    """Loss by motors that start at speed [J]."""
-    jumps: list[str]
-    """These motors, if their loss exceeds the error of the step."""
+    scale: float  # All energy converted [J]
+    left: Array  # Kinetic energy minus the work of all but contacts and joints that hold [J], [n]
+    least: float  # Tolerance without the error of the step, relative to the scale
+    allowed: float  # Tolerance with it
+    cost: float  # Loss by motors that start at speed [J]
+    jumps: list[str]  # These motors, if their loss exceeds the error of the step
 
 
 def _balance(evidence: Evidence) -> _Balance:

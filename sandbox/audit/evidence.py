@@ -20,13 +20,11 @@ from sandbox.scene.geometry import count_solids
 T = TypeVar("T")
 GAP, CLOSES = 1e-10, 1e-6
 """Gap of a joint that a step may leave each way [m], and per squared step [m/s^2]."""
-LEFT = 1e-9
-"""Unevenness of a flat contact [m]: gaps close to 1e-13 / h of speed."""
+LEFT = 1e-9  # Unevenness of a flat contact [m]: gaps close to 1e-13 / h of speed
 FALLS = 10.0
 """Gap of a contact that a step may leave, per squared step [m/s^2]: v^2 / R + omega v has it
 at 0.3 m/s on a radius of 10 mm. Bodies also fall so far in their first step."""
-REBOUND = 0.01
-"""Change of velocity [m/s, rad/s] in a step that may be an impact."""
+REBOUND = 0.01  # Change of velocity [m/s, rad/s] in a step that may be an impact
 CLOSES_IN = 40.0
 """A joint that was engaged is closed after so many of its time constants (docs/engine.md)."""
 NUMBERS = 500_000

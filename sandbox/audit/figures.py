@@ -15,20 +15,15 @@ from sandbox.wording import Count
 if TYPE_CHECKING:
     from sandbox.audit.evidence import Evidence
 
-ROUNDING = 1e-12
-"""Rounding error [m, rad] after a few dozen operations on lengths below 1 m."""
-DIGITS = 1e-15
-"""Relative error of a number that is rounded a few times."""
+ROUNDING = 1e-12  # Rounding error [m, rad] after a few dozen operations on lengths below 1 m
+DIGITS = 1e-15  # Relative error of a number that is rounded a few times
 NOT_EVERY_STEP = "not every step was recorded; run.sample_rate = 1 / run.step records them all"
 """Why checks that sum over steps are not computed."""
-SMALLEST_SCALE = 1e-12
-"""Least value [N, N m, J, rad/s] that relative errors refer to."""
+SMALLEST_SCALE = 1e-12  # Least value [N, N m, J, rad/s] that relative errors refer to
 EXACT = 1e-9
 """Relative to the largest force: rounding error of sums of some ten forces, with a margin."""
-STILL = 1e-11, 1e-10
-"""The engine stops bodies that are slower [m/s, rad/s]."""
-STOPPED = 1e-8
-"""Allowed overrun of a hinge [rad]: a gap of 1e-10 m at an arm of 10 mm."""
+STILL = 1e-11, 1e-10  # The engine stops bodies that are slower [m/s, rad/s]
+STOPPED = 1e-8  # Allowed overrun of a hinge [rad]: a gap of 1e-10 m at an arm of 10 mm
 
 
 def peak(values: Array) -> float:
@@ -51,16 +46,12 @@ class Figure:
     """The result of one check."""
 
     name: str
-    value: float
-    """nan where it was not computed."""
+    value: float  # nan where it was not computed
     unit: str
-    threshold: float
-    """Largest value that passes; nan where nothing was computed."""
+    threshold: float  # Largest value that passes; nan where nothing was computed
     verdict: Literal["pass", "look", "not computed"]
-    why: str
-    """The comparison, or the reason why it was not computed."""
-    source: str
-    """The equation."""
+    why: str  # The comparison, or the reason why it was not computed
+    source: str  # The equation
 
     def __repr__(self) -> str:
         if self.verdict == "not computed":
@@ -156,14 +147,10 @@ class Check(NamedTuple):
 
     name: str
     unit: str
-    source: str
-    """The equation."""
-    asks: str
-    """The question that it answers; yes means pass."""
-    compared: str
-    """The comparison in words, with ``{where}``, ``{count:noun}`` and ``{note}``."""
-    none: str
-    """Why it is not computed where nothing is compared."""
+    source: str  # The equation
+    asks: str  # The question that it answers; yes means pass
+    compared: str  # The comparison in words, with ``{where}``, ``{count:noun}`` and ``{note}``
+    none: str  # Why it is not computed where nothing is compared
     compare: Callable[[Evidence, Worst], str | None]
     """Adds the comparisons; returns a note, or raises :class:`NotComputed`."""
 

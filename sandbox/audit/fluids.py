@@ -26,8 +26,7 @@ from sandbox.model.model import NONE
 from sandbox.numeric import Array
 
 OLDER = "the recording is of an older version, without the times of fluid contents"
-NEWTON = 1e-8
-"""Relative error of the flow of an orifice at which iterations stop."""
+NEWTON = 1e-8  # Relative error of the flow of an orifice at which iterations stop
 
 
 def _growth(evidence: Evidence, velocity: Array) -> Array:

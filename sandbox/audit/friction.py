@@ -35,8 +35,7 @@ The solve leaves 1e-10 of the tensions on both sides, 2e-10 at most (docs/engine
 for the angle: :data:`ROUNDING` of a position turns a piece of 1 mm by 1e-9, and changes the bound
 by mu / 2 of that fraction of both tensions.
 """
-DRAG = 1e-7
-"""Damping of a loop, relative to the effect of its stiffness in a step (docs/engine.md)."""
+DRAG = 1e-7  # Damping of a loop, relative to the effect of its stiffness in a step (docs/engine.md)
 MEASURED = 1e-13
 """Change of rates [m/s, rad/s] below which the load of a joint is not measured again."""
 

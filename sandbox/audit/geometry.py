@@ -18,10 +18,8 @@ from sandbox.scene.geometry import pose_of, to_world
 from sandbox.values.signals import values
 
 Point = complex | NDArray[np.complex128]
-FEW = 8
-"""Least number of samples for differences of poses."""
-FAST = 0.1
-"""Fraction of its largest velocity above which a body counts as moving."""
+FEW = 8  # Least number of samples for differences of poses
+FAST = 0.1  # Fraction of its largest velocity above which a body counts as moving
 
 
 @check("poses", "m", "(31)", asks="are the links where their hinge angles put them?",

@@ -34,8 +34,7 @@ from sandbox.scene.geometry import corners, true_curves
 from sandbox.scene.outlines.curves import on_spans, spans_of
 from sandbox.scene.outlines.rings import wound
 
-ROWS = 5_000
-"""Number of contacts that are compared with a shape at once."""
+ROWS = 5_000  # Number of contacts that are compared with a shape at once
 NEWTON = 25
 ASKEW, ALIKE = 1e-6, 1e-3
 """Angle between a normal and those of a surface; and between normals of the same contact."""
@@ -50,14 +49,10 @@ class _Outline(NamedTuple):
     start: Array
     """Corners, the material to the left of the sides, and where each side ends [m], [k, 2]."""
     end: Array
-    radius: float
-    """Of the surface about the sides [m]."""
-    flat: bool
-    """Whether normals are those of the sides."""
-    spans: Array
-    """Smooth curves as :class:`sandbox.scene.outlines.curves.Spans` has them, [n, 12]."""
-    beside: Integers
-    """The spans before and after each, [2, n]; -1 at the ends of an open curve."""
+    radius: float  # Of the surface about the sides [m]
+    flat: bool  # Whether normals are those of the sides
+    spans: Array  # Smooth curves as sandbox.scene.outlines.curves.Spans has them, [n, 12]
+    beside: Integers  # The spans before and after each, [2, n]; -1 at the ends of an open curve
 
     def seen(self, at: Array, out: Array, radius: Array | float) -> tuple[Array, Array]:
         """Distances of points [m, 2] from sides [m], and of normals there from ``out``; [m, k]."""
@@ -227,8 +222,7 @@ class Touch(NamedTuple):
 
     body: int
     other: int
-    normal: Array
-    """Into the body."""
+    normal: Array  # Into the body
     point: Array
     gap: float
 

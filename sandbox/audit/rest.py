@@ -17,12 +17,9 @@ from sandbox.samples.contacts import TOUCH
 from sandbox.scene.settings import Group
 from sandbox.wording import counted
 
-LAST = 0.05
-"""Fraction of the run at its end that has to be at rest."""
-SPEED, RATE = 1e-3, 2e-2
-"""Largest speeds at rest [m/s, rad/s]; equal at arms of 50 mm."""
-MOMENT = 1e-4
-"""Residual moment at rest, relative to the largest moment about a hinge."""
+LAST = 0.05  # Fraction of the run at its end that has to be at rest
+SPEED, RATE = 1e-3, 2e-2  # Largest speeds at rest [m/s, rad/s]; equal at arms of 50 mm
+MOMENT = 1e-4  # Residual moment at rest, relative to the largest moment about a hinge
 
 
 def _at_rest(evidence: Evidence) -> Rest:
@@ -51,10 +48,8 @@ class _About(NamedTuple):
 
     contacts: float
     others: float
-    largest: float
-    """Of any single load."""
-    idle: float
-    """A hinge with less carries no load: bodies beyond it may still come to rest."""
+    largest: float  # Of any single load
+    idle: float  # A hinge with less carries no load: bodies beyond it may still come to rest
 
 
 class Rest:
@@ -74,8 +69,7 @@ class Rest:
         self.number, self.body, self.x, self.y, moment = (
             np.concatenate(part) for part in zip(*parts, strict=True))
         self.moment = moment + (frames.centre_x[self.body, 0] * self.y
-                                - frames.centre_y[self.body, 0] * self.x)
-        """About the origin [N m]."""
+                                - frames.centre_y[self.body, 0] * self.x)  # About the origin [N m]
 
     def about(self, joint: int, beyond: set[int], window: float = np.inf) -> _About:
         """Moments about a joint of the loads on the bodies ``beyond``.
@@ -132,12 +126,9 @@ class Grip(NamedTuple):
     """A finger's hinges, the external contacts on it in one sample, and their Jacobian."""
 
     hinges: list[int]
-    jacobian: Array
-    """Of the normals, counter-clockwise [m], [contacts, hinges]."""
-    tangents: Array
-    """Of the tangents of rough contacts."""
-    normal: Array
-    """Recorded normal forces [N]."""
+    jacobian: Array  # Of the normals, counter-clockwise [m], [contacts, hinges]
+    tangents: Array  # Of the tangents of rough contacts
+    normal: Array  # Recorded normal forces [N]
 
 
 def _chain(model: Model, group: Group) -> list[int]:

@@ -57,18 +57,15 @@ FORMAT = 1
 MECHANISM, INFO = "mechanism.json", "info.json"
 IN_MEMORY = 1 << 26
 """Bytes of arrays up to which a recording is read into memory; larger ones are mapped."""
-MOST_UNPACKED = 100_000_000
-"""Bytes that compressed members may have together."""
+MOST_UNPACKED = 100_000_000  # Bytes that compressed members may have together
 MOST_TEXT, MOST_INFO = 20_000_000, 1_000_000
 """Bytes of the mechanism's text, and of the description of the run."""
 ANY = 10**18
 LIMITS = Limits(problems=1, bodies=10_000, elements=100_000, values=1_000_000, steps=ANY,
                 samples=ANY, recorded_bytes=ANY, frames=ANY)
 """Of a mechanism, far above the defaults for scenes."""
-PIECE = 1 << 20
-"""Bytes that are read at a time; the archive's directory has to be within it."""
-AT_ONCE = PIECE
-"""Bytes of whole rows of numbers that are checked at a time."""
+PIECE = 1 << 20  # Bytes that are read at a time; the archive's directory has to be within it
+AT_ONCE = PIECE  # Bytes of whole rows of numbers that are checked at a time
 ROUNDING = 1e-9
 ALIGN, PADDING, SIZES = 64, "<HHH", 20
 """Alignment of arrays; zip's format of padding; bytes of sizes beyond 4 GB."""
@@ -151,8 +148,7 @@ class _Packed(NamedTuple):
     kind: Recorded
     member: zipfile.ZipInfo
     shape: tuple[int, ...]
-    header: int
-    """Bytes before its numbers."""
+    header: int  # Bytes before its numbers
 
     @property
     def bytes(self) -> int:

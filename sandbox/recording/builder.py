@@ -40,12 +40,9 @@ from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
 
-MEMORY = 1 << 26
-"""Bytes of samples that are kept in memory before files are used."""
-RECORDED_BYTES = Limits.recorded_bytes
-"""The default limit of a recording, contacts included."""
-FIRST_ROWS = 1024
-"""Contact rows that there is room for at first."""
+MEMORY = 1 << 26  # Bytes of samples that are kept in memory before files are used
+RECORDED_BYTES = Limits.recorded_bytes  # The default limit of a recording, contacts included
+FIRST_ROWS = 1024  # Contact rows that there is room for at first
 TIME = "time"
 ZEROS = bytes(1 << 20)
 
@@ -123,8 +120,7 @@ class Growing:
     """
 
     def __init__(self, room: Room, shape: tuple[int, ...], dtype: type[Any], planned: int) -> None:
-        self.count = 0
-        """Rows that were put in."""
+        self.count = 0  # Rows that were put in
         self._room, self._rows = room, room.array((planned, *shape), dtype)
 
     def put(self, first: int, values: NDArray[Any]) -> None:

@@ -35,15 +35,11 @@ FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS,
                                       "valves", "loads", "meters")))
 """The numbers of a run, whatever it records."""
 FILMS = ("animation.gif", "animation.mp4")
-PAGE = "report.html"
-"""What ``sandbox report`` writes."""
-FRAMES, FRAME = "frames", "frame_?????.png"
-"""Where pictures of a film go, and what they are called."""
+PAGE = "report.html"  # What ``sandbox report`` writes
+FRAMES, FRAME = "frames", "frame_?????.png"  # Where pictures of a film go, and what they are called
 ENDINGS = ("png", "svg", "pdf")
-PLOT = "plot"
-"""Name of the pictures of ``sandbox plot``, without the ending."""
-BESIDE = "incomplete"
-"""Where a run that was stopped is put if a complete one is there."""
+PLOT = "plot"  # Name of the pictures of ``sandbox plot``, without the ending
+BESIDE = "incomplete"  # Where a run that was stopped is put if a complete one is there
 OWN = (*FILES, *FILMS, PAGE, *(f"{PLOT}.{ending}" for ending in ENDINGS))
 """Names that a run, and what is made of it, have in its directory."""
 MADE, MOST_MADE = ".made", 1_000_000

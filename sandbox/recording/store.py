@@ -31,8 +31,7 @@ from sandbox.scene.mechanism import Mechanism
 RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
 EDITED = ("was changed: it does not name its run, and its checks are ignored")
 """The note of a run with a summary that was changed or cut off."""
-HEAD = 1024
-"""Bytes of a summary in which its id stands."""
+HEAD = 1024  # Bytes of a summary in which its id stands
 MOST_SUMMARY, MOST_WORDS = 64_000_000, 2000
 """Bytes of a summary that is read as a whole, and letters of a text in it."""
 

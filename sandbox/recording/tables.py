@@ -33,8 +33,7 @@ from sandbox.values.units import normal_unit
 NUMBER = "%.12g"
 ALWAYS = ("tendons", "joints", "bodies", "drives")
 """Tables that are written even without a column but the time."""
-BLOCK = 250_000
-"""Numbers that are turned into text at a time."""
+BLOCK = 250_000  # Numbers that are turned into text at a time
 
 
 def column_unit(unit: str) -> str:

@@ -27,11 +27,9 @@ from sandbox.samples.outcome import Stored
 class Places(NamedTuple):
     """Points of bodies over time, all [k, n] in m."""
 
-    x: Array
-    """In the world."""
+    x: Array  # In the world
     y: Array
-    arm_x: Array
-    """From the body's centre of mass, along the world's axes."""
+    arm_x: Array  # From the body's centre of mass, along the world's axes
     arm_y: Array
 
 
@@ -102,13 +100,10 @@ class Frames:
 class Stretches(NamedTuple):
     """Straight pieces of all tendons, [m, n], in the order of the model's ``tendons``."""
 
-    length: Array
-    """[m]"""
-    x: Array
-    """Unit vector along it."""
+    length: Array  # [m]
+    x: Array  # Unit vector along it
     y: Array
-    start: Places
-    """The guides' centres where the stretches begin and end."""
+    start: Places  # The guides' centres where the stretches begin and end
     end: Places
 
 
@@ -174,8 +169,7 @@ def _straight(start: Places, end: Places, tendons: Tendons) -> Stretches:
 class Pulls(NamedTuple):
     """What 1 N in every tendon does at t = 0."""
 
-    length: Array
-    """Along the path [m], [nt]."""
+    length: Array  # Along the path [m], [nt]
     does: list[dict[int, Array]]
     """Of every tendon: force x, y and moment about the centre of mass, [3], by body."""
 
@@ -314,10 +308,8 @@ def bends(frames: Frames, cables: Stretches, grip: int) -> Array:
 class Lying(NamedTuple):
     """How a tendon lies on, or passes, a wheel that it can lift off."""
 
-    angle: Array
-    """By which it lies on it [rad], [n]; 0 where it is off."""
-    clear: Array
-    """How far it passes it [m], [n]; below 0 if it is in its way, nan where it is on."""
+    angle: Array  # By which it lies on it [rad], [n]; 0 where it is off
+    clear: Array  # How far it passes it [m], [n]; below 0 if it is in its way, nan where it is on
 
 
 def lying(frames: Frames, cables: Stretches, wheel: int) -> Lying:

@@ -19,8 +19,7 @@ from sandbox.model.joints import placed
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
 
-TOUCH = 1e-6
-"""Normal force [N] above which a body counts as touched."""
+TOUCH = 1e-6  # Normal force [N] above which a body counts as touched
 CANCELLED = 1e-6
 """Least magnitude of a resultant with a line of action, relative to the sum of its forces."""
 
@@ -99,8 +98,7 @@ class Contacts:
         return total.astype(np.float64, copy=False)
 
 
-OBJECT = "object"
-"""The role of what is held."""
+OBJECT = "object"  # The role of what is held
 FARTHER = 1e-3
 """Share by which a way is longer than another, at least; what is less may be rounding."""
 

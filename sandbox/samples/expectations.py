@@ -22,29 +22,23 @@ from sandbox.samples.samples import Samples
 from sandbox.scene.settings import ROUNDING, WITHIN, Expect, Looked
 from sandbox.wording import is_pattern
 
-WHOLE = ("min", "max", "final")
-"""Statistics that are a whole number of whole numbers."""
+WHOLE = ("min", "max", "final")  # Statistics that are a whole number of whole numbers
 
 
 @dataclass(frozen=True, repr=False)
 class Verdict:
     """What became of an expectation of one quantity."""
 
-    quantity: str
-    """A concrete name; the pattern itself where it fits nothing."""
+    quantity: str  # A concrete name; the pattern itself where it fits nothing
     statistic: str
     """``mean``, ``min``, ``max``, ``std`` (of the population), ``final`` or ``at 0.5 s``."""
-    low: float
-    """Least value that passes; minus infinity where open."""
+    low: float  # Least value that passes; minus infinity where open
     high: float
-    value: float
-    """nan where there is none."""
+    value: float  # nan where there is none
     ok: bool
     unit: str = ""
-    because: str = ""
-    """Where the range comes from, in the scene's words."""
-    reason: str = ""
-    """Why it failed, where the value alone does not tell."""
+    because: str = ""  # Where the range comes from, in the scene's words
+    reason: str = ""  # Why it failed, where the value alone does not tell
 
     def __repr__(self) -> str:
         unit = "" if self.unit in ("", "1") else f" {self.unit}"

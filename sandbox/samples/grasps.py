@@ -26,8 +26,7 @@ from sandbox.samples.yielding import Yielding, without_stiffness
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
-OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
-"""Roles of parts of a hand that may be fixed."""
+OF_HANDS = ("phalanx", "palm", "rocker", "pulley")  # Roles of parts of a hand that may be fixed
 FLAT, IN_LINE = 1e-7, 1e-4
 """Distance [m] and angle [rad] from a plane within which a side presses on its whole length."""
 STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
@@ -39,18 +38,12 @@ MAX_STIFFNESS_SAMPLES = 25
 class _Holding(NamedTuple):
     """The conditions of ``held`` in every sample."""
 
-    hand: Flags
-    """Whether a hand presses on the object, [n]."""
-    carried: Flags
-    """Whether another body that is no object does."""
-    ready: Flags
-    """Whether the window lies within the run."""
-    let_go: Flags
-    """Whether no hand pressed on it in some sample of the window."""
-    way: Array
-    """Its travel, and its sliding, within the window [m], [2, n]."""
-    since: Integers
-    """The window's first sample, [n]."""
+    hand: Flags  # Whether a hand presses on the object, [n]
+    carried: Flags  # Whether another body that is no object does
+    ready: Flags  # Whether the window lies within the run
+    let_go: Flags  # Whether no hand pressed on it in some sample of the window
+    way: Array  # Its travel, and its sliding, within the window [m], [2, n]
+    since: Integers  # The window's first sample, [n]
 
 
 class Grasp:
@@ -64,11 +57,9 @@ class Grasp:
         normal = sign * a["contact_normal"][rows]
         push = np.einsum("ij,ij->i", sign * a["contact_force"][rows], normal)
         presses = push > TOUCH
-        self.push: Array = push[presses]
-        """Normal force of every contact that presses [N], [m]."""
+        self.push: Array = push[presses]  # Normal force of every contact that presses [N], [m]
         self.normal: Array = normal[presses]
-        self.row: Integers = rows[presses]
-        """Its number among those of all bodies."""
+        self.row: Integers = rows[presses]  # Its number among those of all bodies
         self.point: Array = a["contact_point"][rows[presses]]
         self.sample: Integers = a["contact_sample"][rows[presses]]
         self.other: Integers = np.where(
@@ -80,8 +71,7 @@ class Grasp:
         local = centre_of(bodies[body])
         self.size = reach_of(bodies[body], local)
         """rho: greatest distance of the outline from the centre of mass [m]."""
-        self.centre = placed(a["body_pose"][:, body], np.asarray(local))
-        """Of mass, [n, 2]."""
+        self.centre = placed(a["body_pose"][:, body], np.asarray(local))  # Of mass, [n, 2]
         self._stiffnesses: dict[int, Array] = {}
 
     def read(self, quantity: str) -> Array:
@@ -329,8 +319,7 @@ MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
     "isotropy": lambda grasp: grasp.of_contacts(grasp_isotropy),
     "spread": lambda grasp: grasp.spread(grasp.fingers),
     "spread_bodies": lambda grasp: grasp.spread(np.arange(len(grasp.run.mechanism.bodies))),
-}
-"""The function of each of :data:`sandbox.elements.quantities.GRASP`."""
+}  # The function of each of sandbox.elements.quantities.GRASP
 
 
 def of_hand(body: Body) -> bool:

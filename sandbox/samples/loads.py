@@ -21,23 +21,18 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import Frames, Stretches, piece_tensions, stretches
 from sandbox.samples.outcome import Stored
 
-Pair = tuple[Array, Array]
-"""Components x and y, [k, n] each."""
+Pair = tuple[Array, Array]  # Components x and y, [k, n] each
 
 
 class Batch(NamedTuple):
     """Loads of one kind, or the wrenches of unit efforts."""
 
     kind: str
-    element: Integers
-    """The element of each row, [k]."""
-    body: Integers
-    """The body on which each acts, [k]."""
-    x: Array
-    """Force in the world [N], [k, n]."""
+    element: Integers  # The element of each row, [k]
+    body: Integers  # The body on which each acts, [k]
+    x: Array  # Force in the world [N], [k, n]
     y: Array
-    moment: Array
-    """About the body's centre of mass, counter-clockwise [N m], [k, n]."""
+    moment: Array  # About the body's centre of mass, counter-clockwise [N m], [k, n]
 
     def times(self, effort: Array) -> Batch:
         """The loads of ``effort`` [elements, n] along coordinates."""
@@ -69,14 +64,10 @@ class ContactSides(NamedTuple):
 
     sample: Integers
     body: Integers
-    force: Array
-    """On the body [N], [2 m, 2]."""
-    moment: Array
-    """About its centre of mass [N m]."""
-    at: Array
-    """Where the force acts, in the world [m], [2 m, 2]."""
-    arm: Array
-    """From the centre of mass to there [m], [2 m, 2]."""
+    force: Array  # On the body [N], [2 m, 2]
+    moment: Array  # About its centre of mass [N m]
+    at: Array  # Where the force acts, in the world [m], [2 m, 2]
+    arm: Array  # From the centre of mass to there [m], [2 m, 2]
 
 
 class Loads:

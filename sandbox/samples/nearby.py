@@ -13,30 +13,23 @@ from sandbox.samples.outcome import Stored
 from sandbox.scene.bodies import Body, Circle
 from sandbox.scene.geometry import core, count_solids, solids
 
-SAME = 1e-12
-"""Rounding error of lengths below a metre [m]."""
+SAME = 1e-12  # Rounding error of lengths below a metre [m]
 
 
 class PlacedPiece(NamedTuple):
     """A convex shape of a body, in the world."""
 
-    corners: Array
-    """[k, 2]; of a circle its centre, of a capsule the two of its ends [m]."""
-    grown: float
-    """Radius about their convex hull [m]."""
-    faces: Array | None
-    """Arcs of surface normals in the body's frame; None if all of it is surface."""
+    corners: Array  # [k, 2]; of a circle its centre, of a capsule the two of its ends [m]
+    grown: float  # Radius about their convex hull [m]
+    faces: Array | None  # Arcs of surface normals in the body's frame; None if all of it is surface
 
 
 class Apart(NamedTuple):
     """Where two pieces are nearest."""
 
-    gap: float
-    """Between their outlines [m]; negative where they overlap."""
-    normal: Array
-    """Out of the first, to the second."""
-    at: Array
-    """In the middle between the outlines [m]."""
+    gap: float  # Between their outlines [m]; negative where they overlap
+    normal: Array  # Out of the first, to the second
+    at: Array  # In the middle between the outlines [m]
 
 
 def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
@@ -128,11 +121,9 @@ def _from_corners(points: Array, ring: Array) -> tuple[float, Array, Array]:
 class Face(NamedTuple):
     """The part of one convex shape that lies on a plane."""
 
-    low: float
-    """Interval along the plane [m]; of a round shape or a corner without length."""
+    low: float  # Interval along the plane [m]; of a round shape or a corner without length
     high: float
-    radius: float
-    """Of the shape there [m]; 0 of a corner."""
+    radius: float  # Of the shape there [m]; 0 of a corner
 
 
 def pressed(run: Stored, row: int, near: float) -> Array | None:

@@ -26,10 +26,8 @@ from sandbox.scene.settings import Run
 from sandbox.values.units import size_fault
 from sandbox.wording import quoted
 
-MOST = 1e18
-"""No number of an outcome is larger."""
-INTERRUPTED = "interrupted"
-"""The reason of a run that Ctrl-C ended."""
+MOST = 1e18  # No number of an outcome is larger
+INTERRUPTED = "interrupted"  # The reason of a run that Ctrl-C ended
 LIMITED = "more was recorded than the limit 'recorded_bytes' allows"
 """The reason of a run that recorded more than it may."""
 FAILED = "a controller failed: "
@@ -39,17 +37,14 @@ FAILED = "a controller failed: "
 class Status(Enum):
     """How a run ended; the value is the end of a sentence that begins with "the run"."""
 
-    DONE = "completed"
-    """All planned steps were made."""
+    DONE = "completed"  # All planned steps were made
     STOPPED = "was stopped on purpose"
     """An event of the scene, or a controller in Python that raised ``StopRun``, ended it: the run
     is complete."""
-    INTERRUPTED = "was interrupted"
-    """Ctrl-C."""
+    INTERRUPTED = "was interrupted"  # Ctrl-C
     DIVERGED = "diverged"
     """The motion ran away or was no longer a number; ``reason`` names the body."""
-    LIMITED = "was stopped by a limit"
-    """More was recorded than allowed."""
+    LIMITED = "was stopped by a limit"  # More was recorded than allowed
     FAILED = "was ended by its controller"
     """A controller in Python raised an exception; ``reason`` names it."""
     UNFINISHED = "stopped"
@@ -60,8 +55,7 @@ class Status(Enum):
 class Happened:
     """An event that happened, or an element that broke."""
 
-    event: str
-    """Its name."""
+    event: str  # Its name
     time: float
     """When [s]: of an event the end of the step after which it acted; of an element the instant
     within a step at which it reached its load."""
@@ -71,40 +65,28 @@ class Happened:
 class Stop:
     """The event that stopped a run."""
 
-    event: str
-    """Its name; or that of the controller in Python that stopped the run."""
-    verdict: Literal["pass", "fail"]
-    """What it says of the run."""
-    time: float
-    """When [s]."""
-    because: str = ""
-    """Why, in the scene's words."""
+    event: str  # Its name; or that of the controller in Python that stopped the run
+    verdict: Literal["pass", "fail"]  # What it says of the run
+    time: float  # When [s]
+    because: str = ""  # Why, in the scene's words
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
     """How a run ended, how it was computed, what happened in it."""
 
-    complete: bool = True
-    """Whether the run came to the end that its scene gives it."""
-    reason: str = ""
-    """Why the run is not complete, in a sentence."""
-    step: float
-    """Time step h [s]."""
-    steps: int = 0
-    """Steps that were planned; 0 if unknown."""
-    sample_rate: float
-    """Samples per second of simulated time [Hz], as kept."""
-    seed: int = 0
-    """Of random numbers; the engine draws none."""
+    complete: bool = True  # Whether the run came to the end that its scene gives it
+    reason: str = ""  # Why the run is not complete, in a sentence
+    step: float  # Time step h [s]
+    steps: int = 0  # Steps that were planned; 0 if unknown
+    sample_rate: float  # Samples per second of simulated time [Hz], as kept
+    seed: int = 0  # Of random numbers; the engine draws none
     versions: Mapping[str, str] = field(default_factory=dict)
     """Of sandbox, Python and the libraries that computed the run, by name."""
     wall: Mapping[str, float] = field(default_factory=dict)
     """Time that each phase took [s], by name: ``build``, ``simulate``."""
-    events: tuple[Happened, ...] = ()
-    """The events that happened, in order of time."""
-    broke: tuple[Happened, ...] = ()
-    """The joints, springs and tendons that broke, in order of time."""
+    events: tuple[Happened, ...] = ()  # The events that happened, in order of time
+    broke: tuple[Happened, ...] = ()  # The joints, springs and tendons that broke, in order of time
     stopped: Stop | None = None
     """The event that stopped the run; of several the one whose verdict counts."""
     controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -115,8 +97,7 @@ class Outcome:
     ``steps_above_1e-8``; ``relaxed_steps``. Where piles had compliant contacts also
     ``compliant_steps``, ``stiffness`` h^2 k G, ``damping`` ratio, ``tangential`` over normal
     stiffness."""
-    notes: tuple[str, ...] = ()
-    """Such as meters without a value."""
+    notes: tuple[str, ...] = ()  # Such as meters without a value
 
     @property
     def status(self) -> Status:

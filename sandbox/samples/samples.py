@@ -36,10 +36,8 @@ from sandbox.wording import is_pattern
 
 OLDER = ("this recording has no directions of forces; pymunk and older versions give none: "
          "reaction_x and reaction_y have no value")
-TIME = "time"
-"""What :attr:`Samples.time` is called, unless something of the mechanism has this name."""
-ROWS = 1_000_000
-"""Contact rows that are worked on at a time."""
+TIME = "time"  # What Samples.time is called, unless something of the mechanism has this name
+ROWS = 1_000_000  # Contact rows that are worked on at a time
 TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}
 """The tables of a recording and the kind of element each holds."""
 
@@ -49,8 +47,7 @@ class Columns(NamedTuple):
 
     names: list[str]
     units: list[str]
-    values: Array
-    """Shape [n, number of names]."""
+    values: Array  # Shape [n, number of names]
 
 
 class Samples(Stored):
@@ -349,8 +346,7 @@ class Samples(Stored):
         return less + wound_up(frames, stretches(frames), tendon)
 
 
-MOST = 8
-"""Largest number of notes of one kind."""
+MOST = 8  # Largest number of notes of one kind
 
 
 def broken(run: Stored) -> Iterator[str]:
@@ -368,8 +364,7 @@ def broken(run: Stored) -> Iterator[str]:
 
 AT_END = 1e-5
 """Distance [m] from an end of the groove at which a point that presses on it has reached it."""
-PRESSES = 1e-9
-"""Least force along the groove, relative to the joint's largest force."""
+PRESSES = 1e-9  # Least force along the groove, relative to the joint's largest force
 
 
 def ended(run: Stored) -> Iterator[str]:
@@ -398,10 +393,8 @@ def ended(run: Stored) -> Iterator[str]:
         yield f"{len(told) - MOST} more reached the ends of their slots later"
 
 
-AT_REST = 1e-6
-"""Largest speed at rest [m/s, rad/s]."""
-AT_MOST = 1e-6
-"""Distance from its limit, relative to it, at which a drive is at its limit."""
+AT_REST = 1e-6  # Largest speed at rest [m/s, rad/s]
+AT_MOST = 1e-6  # Distance from its limit, relative to it, at which a drive is at its limit
 
 
 def stalled(run: Stored) -> Iterator[str]:

@@ -28,19 +28,15 @@ from sandbox.numeric import Array
 from sandbox.samples.samples import Samples
 from sandbox.values.signals import values
 
-SUFFIX = ".target"
-"""Of a meter that holds the target of the quantity before it."""
+SUFFIX = ".target"  # Of a meter that holds the target of the quantity before it
 
 
 class Track(NamedTuple):
     """A quantity over a run, from t = 0 where its value there is known."""
 
-    time: Array
-    """[s], shape [n] or [n + 1]."""
-    value: Array
-    """The same shape, SI."""
-    target: Array | None
-    """The same shape; None without one."""
+    time: Array  # [s], shape [n] or [n + 1]
+    value: Array  # The same shape, SI
+    target: Array | None  # The same shape; None without one
 
 
 def track(run: Samples, name: str, goal: Array | None = None) -> Track:
@@ -173,39 +169,29 @@ def _changed(run: Samples, controller: str, target: Array) -> Array:
     return target
 
 
-BAND = 0.02
-"""Half the width of the band that counts as settled, as a fraction of the target."""
-LAST = 0.05
-"""The fraction of a run that counts as its end."""
+BAND = 0.02  # Half the width of the band that counts as settled, as a fraction of the target
+LAST = 0.05  # The fraction of a run that counts as its end
 
 
 @dataclass(frozen=True)
 class Response:
     """The response of a quantity to its target; SI."""
 
-    start: float
-    """The first value: where the step to the target begins."""
-    final: float
-    """The mean of the end of the run."""
-    target: float
-    """The last one."""
-    overshoot: float
-    """[%] of the step; nan where there was no step to make."""
-    settling: float
-    """[s]; inf where it never settles."""
+    start: float  # The first value: where the step to the target begins
+    final: float  # The mean of the end of the run
+    target: float  # The last one
+    overshoot: float  # [%] of the step; nan where there was no step to make
+    settling: float  # [s]; inf where it never settles
     steady_error: float
-    iae: float
-    """In the quantity's unit times seconds."""
+    iae: float  # In the quantity's unit times seconds
 
 
 @dataclass(frozen=True)
 class Effort:
     """The control effort of a drive, in its unit."""
 
-    variation: float
-    """The sum of all changes, up and down."""
-    peak: float
-    """Largest magnitude."""
+    variation: float  # The sum of all changes, up and down
+    peak: float  # Largest magnitude
     rate: float
     """Largest change from one sample to the next, per second: a jump counts by the sampling."""
 

@@ -28,21 +28,16 @@ from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.nearby import faces, pressed
 from sandbox.samples.outcome import Stored
 
-RANK = 1e-9
-"""Directions with a smaller share than this are rounding."""
-SMALL = 1e-7
-"""Motions [m, and by the size of the object rad] of central differences."""
+RANK = 1e-9  # Directions with a smaller share than this are rounding
+SMALL = 1e-7  # Motions [m, and by the size of the object rad] of central differences
 NOTHING = 1e-6
 """Least stiffness relative to the largest force over the object's size, which is the order of the
 geometric stiffness."""
 NEAR = 1e-8
 """Distance [m] from the plane of a contact, besides motion in a step, at which corners press."""
-AT_CONE = 1e-6
-"""Distance of friction from its limit, relative to it, that counts as 0."""
-SLIDES = 1e-6
-"""Least speed of sliding [m/s]."""
-SOFTLY = 1e-6
-"""Least component of an object in a motion without stiffness."""
+AT_CONE = 1e-6  # Distance of friction from its limit, relative to it, that counts as 0
+SLIDES = 1e-6  # Least speed of sliding [m/s]
+SOFTLY = 1e-6  # Least component of an object in a motion without stiffness
 Form = tuple[Array, tuple[float, float], Array, int]
 """The fields of a :class:`Rigid` from ``arms`` to ``turns``."""
 
@@ -50,14 +45,10 @@ Form = tuple[Array, tuple[float, float], Array, int]
 class Elastic(NamedTuple):
     """An element with a stiffness."""
 
-    kind: str
-    """``spring``, ``tendon`` or ``drive``."""
-    number: int
-    """Of the element among its kind."""
-    stiffness: float
-    """[N/m, N m/rad]"""
-    pull: Array
-    """Wrench of its unit force on all free bodies, [3 n]."""
+    kind: str  # ``spring``, ``tendon`` or ``drive``
+    number: int  # Of the element among its kind
+    stiffness: float  # [N/m, N m/rad]
+    pull: Array  # Wrench of its unit force on all free bodies, [3 n]
 
 
 class Yield(NamedTuple):
@@ -66,12 +57,9 @@ class Yield(NamedTuple):
     compliance: Array
     """Its motion (x, y, turn) by force (x, y) and couple [m/N, rad/N, rad/(N m)], [3, 3]; 0 where
     it is held rigidly."""
-    loose: Array
-    """Which of (x, y, turn) have no stiffness, [3] of bool."""
-    free: Array
-    """The directions (x, y) without stiffness, [k, 2]."""
-    signed: bool = False
-    """Whether instability is a negative stiffness, not 0."""
+    loose: Array  # Which of (x, y, turn) have no stiffness, [3] of bool
+    free: Array  # The directions (x, y) without stiffness, [k, 2]
+    signed: bool = False  # Whether instability is a negative stiffness, not 0
 
     def stiffness(self) -> Array:
         """Force along x over motion along x, the same of y and turn, the least of (x, y), [4].
@@ -106,14 +94,10 @@ class Rigid(NamedTuple):
     arms: Array
     """From the centres of mass to the centre of rounding of either side, or a point, [2, 2]."""
     radii: tuple[float, float]
-    along: Array
-    """Direction of the force on the first body, [2]."""
-    turns: int
-    """The line turns with body 0 or 1, with the line between both points (2), or not (3)."""
-    force: float
-    """The size of the force [N]."""
-    across: bool = False
-    """Whether it acts across that line, as friction does."""
+    along: Array  # Direction of the force on the first body, [2]
+    turns: int  # The line turns with body 0 or 1, with the line between both points (2), or not (3)
+    force: float  # The size of the force [N]
+    across: bool = False  # Whether it acts across that line, as friction does
 
 
 class _KeptRow(NamedTuple):
@@ -121,8 +105,7 @@ class _KeptRow(NamedTuple):
 
     row: Array = np.empty(0)
     number: int | None = None
-    across: int | None = None
-    """The number of its friction, ``share`` times it, where it slides."""
+    across: int | None = None  # The number of its friction, ``share`` times it, where it slides
     share: float = 0.0
 
 
@@ -162,8 +145,7 @@ class Yielding:
         self._keep()
         rows = self._turn()
         self.kept = [each.row if each.number is None else rows[each.number]
-                     for each in self._held]
-        """Rows of the constraints, each [3 n]."""
+                     for each in self._held]  # Rows of the constraints, each [3 n]
         self.pushes = [row if each.across is None else row + each.share * rows[each.across]
                        for row, each in zip(self.kept, self._held, strict=True)]
         """Forces of the constraints; they differ from the rows at sliding contacts."""
