@@ -277,8 +277,8 @@ def _stretched(evidence: Evidence) -> bool:
     along = [np.hypot(*force[:, j].T) for j in np.union1d(
         joints.keeping("range"), np.flatnonzero(joints.play > 0)).astype(int)]
     for j in joints.keeping("groove").tolist():
-        x, y = evidence.loads.frames.groove_direction(j)
-        pressed = np.abs(force[:, j, 0] * x + force[:, j, 1] * y)
+        place = evidence.loads.frames.place_in_slot(j)
+        pressed = np.abs(force[:, j, 0] * place.x + force[:, j, 1] * place.y)
         along.append(np.where(pressed > EXACT * peak(force[:, j]), pressed, 0.0))
     return any(each.any() for each in along)
 

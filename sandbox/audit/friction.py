@@ -190,8 +190,8 @@ def carried(evidence: Evidence, joint: int) -> Array:
     force = evidence.run.arrays["joint_force"][:, joint]
     if evidence.model.joints.kind[joint].keeps != "groove":
         return np.asarray(np.hypot(force[:, 0], force[:, 1]))
-    x, y = evidence.loads.frames.groove_direction(joint)
-    return np.asarray(np.abs(x * force[:, 1] - y * force[:, 0]))
+    place = evidence.loads.frames.place_in_slot(joint)
+    return np.asarray(np.abs(place.x * force[:, 1] - place.y * force[:, 0]))
 
 
 def _bend(evidence: Evidence, joint: int) -> Array | float:

@@ -76,7 +76,7 @@ class Live(Simulation):
         self._sampler.flush()
         builder, clock = self._builder, self._clock
         assert isinstance(builder, Latest)
-        steps = clock.sample_step(np.arange(builder.first, builder.first + builder.count))
+        steps = clock.sample_step(np.arange(builder.first, builder.first + builder.samples.count))
         return builder.arrays(clock.force_time(steps))
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:

@@ -47,7 +47,6 @@ from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_values
-from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.scopes import resolved_tables
 from sandbox.scene.read.source import parse_source
 from sandbox.values.messages import explain
@@ -64,7 +63,7 @@ ANY = 10**18
 LIMITS = Limits(problems=1, bodies=10_000, elements=100_000, values=1_000_000, steps=ANY,
                 samples=ANY, recorded_bytes=ANY, frames=ANY)
 """Of a mechanism, far above the defaults for scenes."""
-PIECE = 1 << 20  # Bytes that are read at a time; the archive's directory has to be within it
+PIECE = 1 << 20  # Bytes that are read at a time
 AT_ONCE = PIECE  # Bytes of whole rows of numbers that are checked at a time
 ROUNDING = 1e-9
 ALIGN, PADDING, SIZES = 64, "<HHH", 20
@@ -72,8 +71,6 @@ ALIGN, PADDING, SIZES = 64, "<HHH", 20
 RARE = ("events", "broke", "stopped", "controllers", "contact_solver")
 """Keys of ``info`` that are left out where they are empty."""
 NAME = re.compile(r"\w{1,64}\.(npy|json)", re.ASCII)
-HEADER = re.compile(rb"\{'descr': '([<>|=]?[a-zA-Z][0-9]{1,4})', 'fortran_order': (True|False), "
-                    rb"'shape': \(((?:[0-9]{1,18}(?:, ?|,?(?=\))))*)\),? *\} *\n")
 
 
 def write(run: Samples, file: IO[bytes]) -> None:
@@ -124,24 +121,6 @@ def _member(name: str) -> zipfile.ZipInfo:
     return info
 
 
-class _Pieces(io.FileIO):
-    """A file of which at most a piece is read at a time, whatever size its directory claims."""
-
-    def read(self, size: int | None = -1) -> bytes:
-        """So many bytes, all that are left if negative.
-
-        Raises:
-            ValueError: more than a piece.
-        """
-        if size is None or size < 0:
-            here = self.tell()
-            size = self.seek(0, io.SEEK_END) - here
-            self.seek(here)
-        if size > PIECE:
-            raise ValueError(f"its directory claims {size} bytes")
-        return super().read(size) or b""
-
-
 class _Packed(NamedTuple):
     """An array in the archive."""
 
@@ -149,11 +128,6 @@ class _Packed(NamedTuple):
     member: zipfile.ZipInfo
     shape: tuple[int, ...]
     header: int  # Bytes before its numbers
-
-    @property
-    def bytes(self) -> int:
-        """Bytes of its numbers."""
-        return math.prod(self.shape) * 8
 
 
 def read(path: Path) -> tuple[Mechanism, Arrays, Outcome, str]:
@@ -163,7 +137,7 @@ def read(path: Path) -> tuple[Mechanism, Arrays, Outcome, str]:
         OutputError: missing, not an archive, damaged, of a newer format, or not of a run.
     """
     try:
-        with _Pieces(path) as file, zipfile.ZipFile(file) as archive:
+        with path.open("rb") as file, zipfile.ZipFile(file) as archive:
             return _Reading(path, file, archive).whole()
     except FileNotFoundError:
         raise OutputError(f"there is no recording in {path.parent}: {path.name} is missing",
@@ -181,7 +155,7 @@ def read(path: Path) -> tuple[Mechanism, Arrays, Outcome, str]:
 class _Reading:
     """One archive that is read."""
 
-    def __init__(self, path: Path, file: _Pieces, archive: zipfile.ZipFile) -> None:
+    def __init__(self, path: Path, file: IO[bytes], archive: zipfile.ZipFile) -> None:
         self.path, self.file, self.archive = path, file, archive
         self.members = self._members()
 
@@ -250,15 +224,11 @@ class _Reading:
 
     def _info(self) -> dict[str, Any]:
         try:
-            info: Any = json.loads(self._text(INFO, MOST_INFO))
-            deep = _deeper(info, LIMITS.nesting)
-            half = "" if deep else half_character(json.dumps(info, ensure_ascii=False))
-        except (ValueError, RecursionError) as error:
-            raise self.damaged(f"{INFO!r} cannot be read: {line_of(error)}") from None
-        if half:
-            raise self.damaged(f"{INFO!r} cannot be read: {half}")
+            info: Any = parse_source(self._text(INFO, MOST_INFO), limits=LIMITS).data
+        except SceneError as error:
+            raise self.damaged(f"{INFO!r} cannot be read: {line_of(error.problems[0])}") from None
         version = info.pop("format", None) if isinstance(info, dict) else None
-        if type(version) is not int or version < 1 or deep:
+        if type(version) is not int or version < 1:
             raise self.damaged(f"{INFO!r} does not describe a run")
         if version > FORMAT:
             raise OutputError(f"{self.path} has format {quoted(version)}; this version reads up to "
@@ -299,8 +269,8 @@ class _Reading:
             raise self.damaged("; ".join(found))
         size = sizes(mechanism, samples=places["time"].shape[0])
         end = mechanism.run.duration + mechanism.run.step
-        mapped = sum(place.bytes for place in places.values()) > IN_MEMORY
-        arrays = {name: self._array(place, size, end, mapped=mapped and place.bytes > 0
+        large = 8 * sum(math.prod(place.shape) for place in places.values()) > IN_MEMORY
+        arrays = {name: self._array(place, size, end, mapped=large and math.prod(place.shape) > 0
                                     and place.member.compress_type == zipfile.ZIP_STORED)
                   for name, place in places.items()}
         for body, mass in zip(mechanism.bodies, arrays["body_mass"], strict=True):
@@ -311,22 +281,22 @@ class _Reading:
 
     def _place(self, row: Recorded, member: zipfile.ZipInfo) -> _Packed:
         with self.archive.open(member) as stream:
-            begins = stream.read(10)
-            length = int.from_bytes(begins[8:10], "little")
-            header = HEADER.fullmatch(stream.read(length))
-        if begins[:8] != b"\x93NUMPY\x01\x00" or header is None:
-            raise self.damaged(f"{member.filename!r} is not an array of numbers")
-        given, wanted = np.dtype(header[1].decode()), np.dtype(dtype_of(row.name))
+            try:
+                if np.lib.format.read_magic(stream) != (1, 0):
+                    raise ValueError
+                shape, by_columns, given = np.lib.format.read_array_header_1_0(stream)
+            except ValueError:
+                raise self.damaged(f"{member.filename!r} is not an array of numbers") from None
+            header = stream.tell()
+        wanted = np.dtype(dtype_of(row.name))
         if given != wanted.newbyteorder("<"):
             raise self.damaged(f"array {row.name!r} holds {given}, expected {wanted}")
-        shape = tuple(int(part) for part in header[3].replace(b",", b" ").split())
-        if header[2] == b"True" and len(shape) > 1:
+        if by_columns and len(shape) > 1:
             raise self.damaged(f"array {row.name!r} is stored column by column")
-        place = _Packed(row, member, shape, 10 + length)
-        if place.header + place.bytes != member.file_size:
+        if min(shape, default=0) < 0 or header + 8 * math.prod(shape) != member.file_size:
             raise self.damaged(f"array {row.name!r} of shape {shape} does not take the "
                                f"{member.file_size} bytes that it has")
-        return place
+        return _Packed(row, member, shape, header)
 
     def _array(
         self, place: _Packed, size: Mapping[str, int], end: float, *, mapped: bool,
@@ -361,15 +331,10 @@ def fault(
     kind: Recorded, first: int, values: NDArray[Any], last: Any, size: Mapping[str, int],
     end: float,
 ) -> str:
-    """What is wrong with some rows of an array; empty if nothing is.
+    """What is wrong with rows of an array from number ``first`` on; empty if nothing is.
 
-    Args:
-        kind: of the array.
-        first: number of the first row.
-        values: the rows.
-        last: the row before them, or None.
-        size: the lengths of all axes, which numbers of elements refer to.
-        end: no sample is later [s].
+    ``last`` is the row before them or None, ``size`` the lengths of all axes; no sample is later
+    than ``end`` [s].
     """
     if kind.name == "time":
         back = ~(np.diff(values, prepend=-1.0 if last is None else last) > 0) | ~(values >= 0)
@@ -405,15 +370,6 @@ def fault(
 def _first(wrong: Flags) -> int:
     """The first row in which something is wrong."""
     return int(np.argmax(wrong.reshape(len(wrong), -1).any(axis=1)))
-
-
-def _deeper(data: Any, levels: int) -> bool:
-    """Whether data nest deeper than so many levels."""
-    layer = [data]
-    for _ in range(levels):
-        layer = [each for one in layer if isinstance(one, (dict, list))
-                 for each in (one.values() if isinstance(one, dict) else one)]
-    return bool(layer)
 
 
 def line_of(error: object) -> str:

@@ -62,37 +62,17 @@ def save_summary(
     """Write ``run.json`` (``run.incomplete.json``) last of all; returns its path.
 
     ``figures`` are those of the audit, none for a run without one; ``derived`` are the parameters
-    that follow from others; ``wall_s`` adds to the wall times that the recording knows.
+    that follow from others; ``wall_s`` adds to the wall times that the recording knows. In the
+    file null stands for infinite and for no value.
 
     Raises:
         OutputError: it cannot be written.
     """
     path = directory / (SUMMARY if run.complete else INCOMPLETE)
-    content = summary(run, verdicts=verdicts, figures=figures, parameters=parameters,
-                      derived=derived, wall_s=wall_s, run_id=archive.read_id(directory / ARCHIVE))
-    write_atomic(path, json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
-    return path
-
-
-def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path) -> None:
-    """Write what contact forces could be in some samples, by their numbers, as a CSV file.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
-    write_atomic(path, "".join(tables.bound_rows(run, found)))
-
-
-def summary(
-    run: Samples, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
-    parameters: Mapping[str, float] | None = None, derived: Sequence[str] = (),
-    wall_s: Mapping[str, float] | None = None, run_id: str = "",
-) -> dict[str, Any]:
-    """What ``run.json`` says, as plain JSON data (null stands for infinite and for no value)."""
     info, mechanism = outcome_data(run.info), run.mechanism
     content = {
         "format": archive.FORMAT,
-        "run_id": run_id,
+        "run_id": archive.read_id(directory / ARCHIVE),
         "complete": info["complete"],
         "reason": info["reason"],
         "name": mechanism.name,
@@ -117,8 +97,18 @@ def summary(
         "audit": [figure_data(figure) for figure in figures],
         "scene": mechanism.model_dump(mode="json", by_alias=True),
     }
-    plain: dict[str, Any] = _plain(content)
-    return plain
+    write_atomic(path, json.dumps(
+        _plain(content), indent=2, allow_nan=False, ensure_ascii=False) + "\n")
+    return path
+
+
+def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path) -> None:
+    """Write the bounds of contact forces in some samples, by their numbers, as a CSV file.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    write_atomic(path, "".join(tables.bound_rows(run, found)))
 
 
 def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]:
@@ -148,46 +138,28 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
             raise OutputError(f"{folder} is damaged: {path.name} and {ARCHIVE} are of different "
                               "runs", code="run-damaged")
     if not complete and outcome.complete:
-        outcome = unfinished(outcome)
+        note = f"{SUMMARY} is missing: the run was stopped before all of its files were in place"
+        outcome = replace(outcome, complete=False, notes=(*outcome.notes, note))
     return mechanism, arrays, outcome
 
 
-def unfinished(outcome: Outcome) -> Outcome:
-    """The outcome of a run whose files are not all in place."""
-    note = f"{SUMMARY} is missing: the run was stopped before all of its files were in place"
-    return replace(outcome, complete=False, notes=(*outcome.notes, note))
-
-
 def saved_audit(directory: Path) -> list[Figure]:
-    """The audit that was saved with a run; none where it has none, or none that can be read."""
-    found = []
+    """The audit that was saved with a run; empty where there is none, or none that can be read."""
+    path, found = directory / SUMMARY, []
+    path = path if path.exists() else directory / INCOMPLETE
     try:
-        for row in _saved(directory).get("audit") or []:
+        if path.stat().st_size > MOST_SUMMARY:
+            return []
+        for row in json.loads(path.read_bytes()).get("audit") or []:
             if row["verdict"] not in ("pass", "look", "not computed"):
                 return []
             words = {key: str(row[key])[:MOST_WORDS] for key in ("name", "unit", "why", "source")}
             value, threshold = (math.nan if row[key] is None else float(row[key])
                                 for key in ("value", "threshold"))
             found.append(Figure(value=value, threshold=threshold, verdict=row["verdict"], **words))
-    except (ValueError, TypeError, KeyError):
+    except (AttributeError, OSError, ValueError, TypeError, KeyError, RecursionError):
         return []
     return found
-
-
-def _saved(directory: Path) -> dict[str, Any]:
-    """A run's summary; empty where there is none that can be read."""
-    for name in (SUMMARY, INCOMPLETE):
-        path = directory / name
-        try:
-            if path.stat().st_size > MOST_SUMMARY:
-                return {}
-            found = json.loads(path.read_bytes())
-            return found if isinstance(found, dict) else {}
-        except FileNotFoundError:
-            continue
-        except (OSError, ValueError, RecursionError):
-            break
-    return {}
 
 
 def _plain(value: Any) -> Any:

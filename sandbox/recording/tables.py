@@ -91,11 +91,12 @@ def bound_rows(run: Samples, found: Mapping[int, Sequence[Bounds]]) -> Iterator[
 def contact_rows(run: Samples) -> Iterator[str]:
     """The text of ``contacts.csv``: the force on ``body`` by ``other``, row by row."""
     yield _pair_head(CONTACT_COLUMNS)
-    for part in run.parts(max(1, BLOCK // 64), rows=BLOCK // 8):
-        contacts = part.mean_contacts
-        yield _pair_rows(run, part.time[contacts.sample], contacts.body, contacts.other,
-                         part.mean_rows["contact_point"], contacts.force, contacts.normal,
-                         contacts.tangential)
+    contacts, points = run.mean_contacts, run.mean_rows["contact_point"]
+    for first in range(0, len(points), BLOCK // 8):
+        rows = slice(first, first + BLOCK // 8)
+        yield _pair_rows(run, run.time[contacts.sample[rows]], contacts.body[rows],
+                         contacts.other[rows], points[rows], contacts.force[rows],
+                         contacts.normal[rows], contacts.tangential[rows])
 
 
 def impact_rows(run: Samples) -> Iterator[str]:

@@ -47,8 +47,7 @@ class Frames:
         for function, into in ((np.cos, self.cos), (np.sin, self.sin)):
             into[~still] = function(self.angle[~still])
             into[still] = function(self.angle[still, :1])
-        centre = run.arrays["body_centre"]
-        self._centre = centre
+        self._centre = centre = run.arrays["body_centre"]
         self.centre_x = self.x + self.cos * centre[:, :1] - self.sin * centre[:, 1:]
         """Centres of mass in the world, [nb, n] m."""
         self.centre_y = self.y + self.sin * centre[:, :1] + self.cos * centre[:, 1:]
@@ -69,16 +68,10 @@ class Frames:
         return (self.places(joints.bodies[:, 0], joints.anchor[:, 0]),
                 self.places(joints.bodies[:, 1], joints.anchor[:, 1]))
 
-    def groove_direction(self, joint: int) -> tuple[Array, Array]:
-        """Direction of a slot from its start to its end, in the world, [n] each."""
-        place = self.place_in_slot(joint)
-        return place.x, place.y
-
     def place_in_slot(self, joint: int) -> Place:
         """The place of a slot's point along its groove or path, [n] each."""
-        arrays = self.run.arrays
-        return place_in_slot(self.model, joint, arrays["body_pose"],
-                             arrays["joint_length"][:, joint])
+        a = self.run.arrays
+        return place_in_slot(self.model, joint, a["body_pose"], a["joint_length"][:, joint])
 
     @cached_property
     def velocity(self) -> Array:
@@ -209,12 +202,7 @@ def stretches_at_start(model: Model) -> Stretches:
 class _Course:
     """One tendon at t = 0, and in all samples where ``frames`` and ``cables`` are given.
 
-    Args:
-        model: the mechanism.
-        first: all stretches at t = 0.
-        tendon: its number.
-        frames: poses of the bodies.
-        tendons: all stretches in them.
+    ``first`` are all stretches at t = 0, ``cables`` those in the samples.
     """
 
     def __init__(
@@ -253,10 +241,17 @@ class _Course:
         return np.asarray(sign * self.radii[place] * (angle - angle[0]))
 
     def on_wheel(self, place: int) -> Array:
-        """Length on the wheel at a place [m], at an end what it wound up, [1 + n]."""
+        """Length on the wheel at a place [m], at an end the length wound up, [1 + n]."""
         if self.inner(place):
             return np.asarray(abs(self.radii[place]) * self.wrap(place))
         return self.wound(place, -1 if place else 0, 1.0 if place else -1.0)
+
+    @property
+    def wraps(self) -> Array:
+        """Angle of wrap on each wheel at t = 0 [rad]; 0 on eyes and at the ends."""
+        count = len(self.own) if self.closed else len(self.own) + 1
+        return np.array([float(self.wrap(place)[0]) if radius and self.inner(place) else 0.0
+                         for place, radius in enumerate(self.radii[:count])])
 
 
 def _course(frames: Frames, cables: Stretches, tendon: int) -> _Course:
@@ -275,16 +270,14 @@ def lengths(frames: Frames, cables: Stretches) -> Array:
     """
     tendons = frames.model.tendons
     total = np.zeros((len(tendons.name), frames.samples))
-    for row, tendon in enumerate(tendons.stretch_tendon):
-        total[tendon] += cables.length[row]
+    np.add.at(total, tendons.stretch_tendon, cables.length)
     first = stretches_at_start(frames.model) if tendons.guide_radius.any() else cables
     for tendon in range(len(tendons.name)):
-        places = np.flatnonzero(tendons.guide_radius[tendons.guides(tendon)]).tolist()
-        if not places:
+        if not tendons.guide_radius[tendons.guides(tendon)].any():
             continue
         course = _Course(frames.model, first, tendon, frames, cables)
         on_wheels = np.zeros(frames.samples)
-        for place in places:
+        for place in np.flatnonzero(course.radii).tolist():
             if place or not course.closed:  # else it comes last again
                 on_wheels += course.on_wheel(place)[1:]
         total[tendon] += on_wheels
@@ -305,16 +298,11 @@ def bends(frames: Frames, cables: Stretches, grip: int) -> Array:
     return np.asarray(np.abs(np.arctan2(across, along)))
 
 
-class Lying(NamedTuple):
-    """How a tendon lies on, or passes, a wheel that it can lift off."""
+def lying(frames: Frames, cables: Stretches, wheel: int) -> tuple[Array, Array]:
+    """Angle of wrap [rad] and clearance [m] of one of the wheels that a tendon can lift off, [n].
 
-    angle: Array  # By which it lies on it [rad], [n]; 0 where it is off
-    clear: Array  # How far it passes it [m], [n]; below 0 if it is in its way, nan where it is on
-
-
-def lying(frames: Frames, cables: Stretches, wheel: int) -> Lying:
-    """The same of one of :attr:`sandbox.model.model.Tendons.wheels`.
-
+    ``wheel`` counts :attr:`sandbox.model.model.Tendons.wheels`. The angle is 0 where the tendon is
+    off; the clearance is negative where the wheel is in its way, nan where the tendon is on.
     A wheel that is beyond an end of the straight piece is not in its way.
     """
     tendons, off = frames.model.tendons, off_wheels(frames.run.arrays)
@@ -340,8 +328,8 @@ def lying(frames: Frames, cables: Stretches, wheel: int) -> Lying:
     across = u[0] * (centre - begin)[1] - u[1] * (centre - begin)[0]
     clear = -np.sign(radius) * across - abs(radius)
     beside = ((u * (centre - begin)).sum(axis=0) > 0) & ((u * (end - centre)).sum(axis=0) > 0)
-    return Lying(course.wrap(place)[1:], np.where(
-        off[:, wheel], np.where(beside, clear, np.inf), np.nan))
+    return course.wrap(place)[1:], np.where(
+        off[:, wheel], np.where(beside, clear, np.inf), np.nan)
 
 
 def span_length(frames: Frames, cables: Stretches, span: CableSpan) -> tuple[Array, Array]:
@@ -387,23 +375,17 @@ def lengths_at_start(model: Model) -> Array:
     for tendon in range(len(tendons.name)):
         radii = np.abs(tendons.guide_radius[tendons.guides(tendon)])
         if radii.any():
-            wraps = _wraps(_Course(model, first, tendon))
+            wraps = _Course(model, first, tendon).wraps
             total[tendon] += radii[:len(wraps)] @ wraps
     return total
 
 
 def wraps_at_start(model: Model, tendon: int) -> Array:
-    """By how much a tendon lies on each of its wheels at t = 0 [rad], 0 on eyes and at its ends.
+    """Angle of wrap of a tendon on each of its wheels at t = 0 [rad], 0 on eyes and at its ends.
 
-    Of a loop its first guide counts, and does not come last again.
+    The first guide of a loop counts, and does not come last again.
     """
-    return _wraps(_Course(model, stretches_at_start(model), tendon))
-
-
-def _wraps(course: _Course) -> Array:
-    count = len(course.own) if course.closed else len(course.own) + 1
-    return np.array([float(course.wrap(place)[0]) if radius and course.inner(place) else 0.0
-                     for place, radius in enumerate(course.radii[:count])])
+    return _Course(model, stretches_at_start(model), tendon).wraps
 
 
 def rest_lengths(model: Model) -> Array:

@@ -27,7 +27,7 @@ WHOLE = ("min", "max", "final")  # Statistics that are a whole number of whole n
 
 @dataclass(frozen=True, repr=False)
 class Verdict:
-    """What became of an expectation of one quantity."""
+    """The result of an expectation of one quantity."""
 
     quantity: str  # A concrete name; the pattern itself where it fits nothing
     statistic: str
@@ -42,9 +42,9 @@ class Verdict:
 
     def __repr__(self) -> str:
         unit = "" if self.unit in ("", "1") else f" {self.unit}"
-        said = "; ".join(each for each in (
+        parts = "; ".join(each for each in (
             self.allowed, self.reason, "pass" if self.ok else "FAIL") if each)
-        return f"<Verdict: {self.quantity} {self.statistic} {self.value:.6g}{unit}; {said}>"
+        return f"<Verdict: {self.quantity} {self.statistic} {self.value:.6g}{unit}; {parts}>"
 
     @property
     def allowed(self) -> str:
@@ -71,13 +71,13 @@ def verdicts(run: Samples) -> list[Verdict]:
 
 
 def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
-    name, wrong = expect.quantity, ""
+    name, fault = expect.quantity, ""
     try:
         low, high = expect.range()
     except ValueError as error:
-        low, high, wrong = math.nan, math.nan, f"the range cannot be read: {error}"
+        low, high, fault = math.nan, math.nan, f"the range cannot be read: {error}"
     blank = Verdict(name, expect.statistic, low, high, math.nan, False, because=expect.because,
-                    reason=wrong)
+                    reason=fault)
     names = run.match(name)
     if not names:
         near = run.catalogue.near(name)
@@ -90,9 +90,14 @@ def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
     for name in names:
         source = run.catalogue.find(name)
         found = replace(blank, quantity=name, unit=run.unit(name))
-        if expect.value is not None and expect.within == WITHIN and _exact(expect, source, found):
-            found = replace(found, low=expect.value, high=expect.value)
-        if not wrong:
+        if expect.value is not None and expect.within == WITHIN:
+            # the default range has no width for 1 or 0, and for counts if it holds no other
+            alone = found.high - found.low < 1 and expect.statistic in WHOLE and (
+                float(expect.value).is_integer())
+            if is_yes_no(source.kind, source.quantity) or (
+                    alone and is_count(source.kind, source.quantity)):
+                found = replace(found, low=expect.value, high=expect.value)
+        if not fault:
             value, reason = measured(run, name, expect, chosen)
             if not reason:
                 reason = unreached
@@ -102,14 +107,6 @@ def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
                 found = replace(found, ok=found.low <= value <= found.high and not unreached)
             found = replace(found, value=value, reason=reason)
         yield found
-
-
-def _exact(expect: Expect, source: Source, found: Verdict) -> bool:
-    """Whether a default range has no width: of 1 or 0, and of counts if it holds no other."""
-    alone = found.high - found.low < 1 and expect.statistic in WHOLE and float(
-        expect.value or 0.0).is_integer()
-    return is_yes_no(source.kind, source.quantity) or (
-        alone and is_count(source.kind, source.quantity))
 
 
 def measured(run: Samples, quantity: str, asked: Looked, chosen: slice) -> tuple[float, str]:
@@ -152,7 +149,7 @@ def _not_held(run: Samples, source: Source, looked: slice) -> str:
 
 
 def number_of(asked: Looked, time: Array, values: Array) -> float:
-    """The number that is made of the values [n] of the instants ``time`` [n], n > 0."""
+    """The statistic of the values [n] at the instants ``time`` [n], n > 0."""
     if asked.at is not None:
         if len(time) == 1:
             return float(values[0])

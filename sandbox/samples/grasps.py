@@ -8,7 +8,7 @@ sides press on each other from end to end, and count as both ends.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, partial
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotrop
 from sandbox.model.joints import placed, rotated
 from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.contacts import TOUCH
+from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.nearby import flat_sides, pressed
 from sandbox.samples.outcome import Stored
 from sandbox.samples.yielding import Yielding, without_stiffness
@@ -41,7 +41,7 @@ class _Holding(NamedTuple):
     hand: Flags  # Whether a hand presses on the object, [n]
     carried: Flags  # Whether another body that is no object does
     ready: Flags  # Whether the window lies within the run
-    let_go: Flags  # Whether no hand pressed on it in some sample of the window
+    released: Flags  # Whether no hand pressed on it in some sample of the window
     way: Array  # Its travel, and its sliding, within the window [m], [2, n]
     since: Integers  # The window's first sample, [n]
 
@@ -91,18 +91,23 @@ class Grasp:
         return np.array(found, dtype=np.float64)[which]
 
     def of_contacts(self, measure: Callable[..., Array]) -> Array:
-        """A measure of the hand's contacts; samples with equally many of them at a time."""
+        """A measure of the hand's contacts, [n]; nan where there are none, or too many."""
         result, (rows, points) = np.full(len(self.run), np.nan), self._pressed
-        few = self.count <= MOST_PRESSING
-        count = np.bincount(self.sample[rows], minlength=len(self.run))
-        begin = np.cumsum(count) - count
-        for m in np.unique(count[(count > 0) & few]).tolist():
-            samples = np.flatnonzero((count == m) & few)
-            at = begin[samples, None] + np.arange(m)
+        few = self.count[self.sample[rows]] <= MOST_PRESSING
+        rows, points = rows[few], points[few]
+        for samples, at in self._equal_counts(self.sample[rows]):
             result[samples] = measure(
                 points[at], self.normal[rows[at]], self.friction[rows[at]],
                 centre=self.centre[samples], length=self.size)
         return result
+
+    def _equal_counts(self, samples: Integers) -> Iterator[tuple[Integers, Integers]]:
+        """Samples with equally many rows, and these rows, [k] and [k, m]."""
+        count = np.bincount(samples, minlength=len(self.run))
+        begin = np.cumsum(count) - count
+        for m in np.unique(count[count > 0]).tolist():
+            found = np.flatnonzero(count == m)
+            yield found, begin[found, None] + np.arange(m)
 
     @cached_property
     def count(self) -> Integers:
@@ -194,12 +199,9 @@ class Grasp:
         pairs, which = np.unique(
             np.stack([self.sample[rows], part[self.other[rows]]]), axis=1, return_inverse=True)
         total = np.bincount(which.ravel(), weights=self.push[rows], minlength=pairs.shape[1])
-        count = np.bincount(pairs[0], minlength=len(self.run))
-        begin = np.cumsum(count) - count
         result = np.full(len(self.run), np.nan)
-        for m in np.unique(count[count > 0]).tolist():
-            samples = np.flatnonzero(count == m)
-            result[samples] = force_spread(total[begin[samples, None] + np.arange(m)])
+        for samples, at in self._equal_counts(pairs[0]):
+            result[samples] = force_spread(total[at])
         return result
 
     # --- at rest in the hand
@@ -209,7 +211,7 @@ class Grasp:
         """Whether a hand alone has carried it at rest for :data:`WINDOW`, [n]."""
         rest = self._rest
         still = (rest.way < STRAY * self.size).all(axis=0)
-        return np.asarray(rest.hand & ~rest.carried & rest.ready & ~rest.let_go & still)
+        return np.asarray(rest.hand & ~rest.carried & rest.ready & ~rest.released & still)
 
     @cached_property
     def _rest(self) -> _Holding:
@@ -237,7 +239,7 @@ class Grasp:
             reasons.append(self._untouched(sample))
         elif not rest.ready[sample]:
             reasons.append(f"the run was not {WINDOW:g} s old")
-        elif rest.let_go[sample]:
+        elif rest.released[sample]:
             reasons.append(f"the hand released it {window}")
         if rest.carried[sample]:
             rows = np.flatnonzero(self._others & (self.sample == sample))
@@ -250,7 +252,7 @@ class Grasp:
             rows = np.flatnonzero(self.of_hand & (self.sample > rest.since[sample])
                                   & (self.sample <= sample))
             took = np.diff(self.run.time)[self.sample[rows] - 1]
-            name, way = self._most(rows, self._slips(rows) * took)
+            name, way = self._most(rows, slip_speeds(self.run.arrays, self.row[rows]) * took)
             reasons.append(f"it slid by {_mm(slid)} {window}, {most}, along {name!r} by {_mm(way)}")
         return "; ".join(reasons)
 
@@ -274,19 +276,10 @@ class Grasp:
         steps = np.hypot(*np.diff(at, axis=0).T) + self.size * np.abs(np.diff(angle))
         slides = np.zeros(len(self.run))
         rows = np.flatnonzero(self.of_hand)
-        np.maximum.at(slides, self.sample[rows], self._slips(rows))
+        np.maximum.at(slides, self.sample[rows], slip_speeds(self.run.arrays, self.row[rows]))
         slid = slides[1:] * np.diff(self.run.time)
         ways = np.cumsum([steps, slid], axis=1)
         return np.concatenate([np.zeros((2, min(1, len(at)))), ways], axis=1)
-
-    def _slips(self, rows: Integers) -> Array:
-        """Sliding speeds of the object at contacts [m/s], [k]."""
-        a, sample, other = self.run.arrays, self.sample[rows], self.other[rows]
-        points, normal = self.point[rows], self.normal[rows]
-        theirs = placed(a["body_pose"][sample, other], a["body_centre"][other])
-        apart = (_at(a["body_velocity"][sample, self.body], points - self.centre[sample])
-                 - _at(a["body_velocity"][sample, other], points - theirs))
-        return np.abs(apart[:, 1] * normal[:, 0] - apart[:, 0] * normal[:, 1])
 
     def _seen(self) -> tuple[Array, Array]:
         """Its centre [n, 2] and angle [n] in the frame of a moving palm, else in the world."""
@@ -325,12 +318,6 @@ MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
 def of_hand(body: Body) -> bool:
     """Whether a body is part of a hand."""
     return body.role in OF_HANDS or (body.role == "link" and body.motion != "fixed")
-
-
-def _at(velocity: Array, arm: Array) -> Array:
-    """Velocity of a point at an arm from the centre of mass, [n, 2]."""
-    turn = velocity[:, 2:] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
-    return np.asarray(velocity[:, :2] + turn)
 
 
 def _mm(length: float) -> str:

@@ -146,7 +146,8 @@ class Loads:
         model, a = self.model, self.run.arrays
         joints, springs = model.joints, model.springs
         if model.tendons.name:
-            yield self.cable_loads
+            loads = self.piece_efforts.times(-piece_tensions(model, a))
+            yield loads._replace(element=self.cable_efforts.element)
         if model.lines.name:
             yield self.line_efforts.times(a["line_pressure"].T)
         if any(model.mechanism.gravity):
@@ -161,7 +162,8 @@ class Loads:
             torque = np.nan_to_num(a[f"joint_{kind}"].T)
             acts = joints.hinges[torque[joints.hinges].any(axis=1)]
             if len(acts):
-                yield self._turning(kind, acts, acts).times(torque)
+                yield self._along(kind, acts, joints.bodies[acts], joints.anchor[acts],
+                                  acts).times(torque)
         if len(joints.frictional):
             yield self.friction_efforts.times(np.nan_to_num(a["joint_friction"].T))
         if model.loads.name:
@@ -171,7 +173,15 @@ class Loads:
         if len(model.drives.giving("torque", "push")):
             yield self.drive_efforts.times(np.nan_to_num(self.given))
         if len(pushing := model.drives.giving("force")):
-            yield self._forces(pushing)
+            drives, body = model.drives, model.drives.target[pushing]
+            value, along = a["drive_value"].T[pushing], drives.direction[pushing]
+            at = self.frames.places(body, drives.at[pushing])
+            turns = drives.turning[pushing, None]
+            c = np.where(turns, self.frames.cos[body], 1.0)
+            s = np.where(turns, self.frames.sin[body], 0.0)
+            fx = value * (c * along[:, :1] - s * along[:, 1:])
+            fy = value * (s * along[:, :1] + c * along[:, 1:])
+            yield Batch("force", pushing, body, fx, fy, at.arm_x * fy - at.arm_y * fx)
 
     # -- coordinates: wrenches of unit efforts --------------------------------------------
 
@@ -179,15 +189,9 @@ class Loads:
         self, kind: str, element: Integers, bodies: Integers, force: Pair, arms: tuple[Pair, Pair],
         couple: Array | float = 0.0,
     ) -> Batch:
-        """A force and a couple on bodies ``b``, and the opposite ones on bodies ``a``.
+        """A force [k, n] and a couple on bodies ``b``, and the opposite ones on bodies ``a``.
 
-        Args:
-            kind: of the batch.
-            element: number of the element of each, [k].
-            bodies: ``a`` and ``b``, [k, 2].
-            force: on ``b``, [k, n] each.
-            arms: from the centres of mass of ``a`` and ``b`` to the force.
-            couple: on ``b``, counter-clockwise.
+        ``bodies`` are ``a`` and ``b``, [k, 2]; ``arms`` go from their centres of mass to the force.
         """
         (x, y), ((ax, ay), (bx, by)) = force, arms
         return Batch(kind, np.tile(element, 2), np.concatenate([bodies[:, 1], bodies[:, 0]]),
@@ -208,11 +212,6 @@ class Loads:
             couple = np.where(turns, gain * self.model.joints.sense[joint][:, None], 0.0)
         return self._pair(kind, element, bodies, (gain * dx / length, gain * dy / length),
                           ((one.arm_x, one.arm_y), (two.arm_x, two.arm_y)), couple)
-
-    def _turning(self, kind: str, element: Integers, joint: Integers) -> Batch:
-        """Unit torques about hinges [k], in the hinges' positive sense."""
-        joints = self.model.joints
-        return self._along(kind, element, joints.bodies[joint], joints.anchor[joint], joint)
 
     def distances(self, bodies: Integers, anchor: Array) -> Array:
         """Distances of two points of bodies [k, 2], in their frames [k, 2, 2]; [k, n] m."""
@@ -274,7 +273,8 @@ class Loads:
         x, y, couple = np.zeros((3, len(which), self.frames.samples))
         couple[~slots] = joints.sense[which[~slots], None]
         for k in np.flatnonzero(slots):
-            x[k], y[k] = self.frames.groove_direction(int(which[k]))
+            place = self.frames.place_in_slot(int(which[k]))
+            x[k], y[k] = place.x, place.y
         (ax, ay), (bx, by) = self._joint_arms
         return self._pair("friction", which, joints.bodies[which], (x, y),
                           ((ax[which], ay[which]), (bx[which], by[which])), couple)
@@ -315,11 +315,9 @@ class Loads:
         """The effect of -1 N in every straight piece of a tendon: efforts along its length."""
         tendons, cables = self.model.tendons, self.cables
         one, two = tendons.stretch_first, tendons.stretch_first + 1
-        moments = []
-        for nodes, end in ((one, cables.start), (two, cables.end)):
-            moment = end.arm_x * cables.y - end.arm_y * cables.x
-            moment -= tendons.guide_radius[nodes, None]  # n x u = -1
-            moments.append(moment)
+        moments = [end.arm_x * cables.y - end.arm_y * cables.x  # n x u = -1
+                   - tendons.guide_radius[nodes, None]
+                   for nodes, end in ((one, cables.start), (two, cables.end))]
         return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
                      np.concatenate([tendons.guide_body[one], tendons.guide_body[two]]),
                      np.concatenate([-cables.x, cables.x]), np.concatenate([-cables.y, cables.y]),
@@ -330,12 +328,6 @@ class Loads:
         """The same with the number of the straight piece as element."""
         count = len(self.model.tendons.stretch_first)
         return self.cable_efforts._replace(element=np.tile(np.arange(count), 2))
-
-    @cached_property
-    def cable_loads(self) -> Batch:
-        """The loads of tendons, piece by piece, at either end."""
-        loads = self.piece_efforts.times(-piece_tensions(self.model, self.run.arrays))
-        return loads._replace(element=self.cable_efforts.element)
 
     @cached_property
     def given(self) -> Array:
@@ -350,18 +342,6 @@ class Loads:
         joined = joined[~limited[joined]]
         given[joined] *= held_of(self.model.bonds.joint[drives.target[joined]], a["held"])
         return np.asarray(given)
-
-    def _forces(self, which: Integers) -> Batch:
-        drives = self.model.drives
-        body, along = drives.target[which], drives.direction[which]
-        at = self.frames.places(body, drives.at[which])
-        value = self.run.arrays["drive_value"].T[which]
-        turns = drives.turning[which, None]
-        c = np.where(turns, self.frames.cos[body], 1.0)
-        s = np.where(turns, self.frames.sin[body], 0.0)
-        fx = value * (c * along[:, :1] - s * along[:, 1:])
-        fy = value * (s * along[:, :1] + c * along[:, 1:])
-        return Batch("force", which, body, fx, fy, at.arm_x * fy - at.arm_y * fx)
 
     # -- contacts -----------------------------------------------------------------------
 

@@ -65,7 +65,9 @@ def apart(one: PlacedPiece, two: PlacedPiece) -> Apart | None:
     sharp = not (one.grown or two.grown)
     if along < -SAME and not sharp:
         return None
-    p, q = _nearest(one.corners, two.corners)
+    off, p, q = _from_corners(one.corners, two.corners)
+    other, on_two, on_one = _from_corners(two.corners, one.corners)
+    p, q = (p, q) if off <= other else (on_one, on_two)
     way = q - p
     length = float(np.hypot(*way))
     if (sharp and along < 0) or length <= along + SAME:
@@ -99,15 +101,8 @@ def _along_sides(one: Array, two: Array) -> tuple[float, Array]:
     return float(off[best]), out[best]
 
 
-def _nearest(one: Array, two: Array) -> tuple[Array, Array]:
-    """The nearest points of two rings that do not overlap; one of them is a corner."""
-    off, p, q = _from_corners(one, two)
-    other, on_two, on_one = _from_corners(two, one)
-    return (p, q) if off <= other else (on_one, on_two)
-
-
 def _from_corners(points: Array, ring: Array) -> tuple[float, Array, Array]:
-    """The least distance of points from the sides of a ring, that point, and where on the ring."""
+    """The least distance of points from the sides of a ring, and the nearest point of either."""
     start = ring[:max(len(_sides(ring)), 1)]
     along = _sides(ring) if len(ring) > 1 else np.zeros((1, 2))
     square = np.maximum(np.einsum("ei,ei->e", along, along), 1e-300)

@@ -6,15 +6,16 @@ is not, and which event stopped it.
 
 from __future__ import annotations
 
-import math
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import AliasChoices, Field, TypeAdapter, ValidationError
 
 from sandbox.elements.arrays import Arrays, completed, dtype_of, faults
 from sandbox.model.compile import compile_mechanism
@@ -26,7 +27,6 @@ from sandbox.scene.settings import Run
 from sandbox.values.units import size_fault
 from sandbox.wording import quoted
 
-MOST = 1e18  # No number of an outcome is larger
 INTERRUPTED = "interrupted"  # The reason of a run that Ctrl-C ended
 LIMITED = "more was recorded than the limit 'recorded_bytes' allows"
 """The reason of a run that recorded more than it may."""
@@ -51,12 +51,16 @@ class Status(Enum):
     """Not at its end, without a reason: its recording was taken during the run."""
 
 
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Time = Annotated[Finite, Field(alias="time_s")]
+
+
 @dataclass(frozen=True)
 class Happened:
     """An event that happened, or an element that broke."""
 
-    event: str  # Its name
-    time: float
+    event: Annotated[str, Field(validation_alias=AliasChoices("event", "name"))]  # Its name
+    time: Time
     """When [s]: of an event the end of the step after which it acted; of an element the instant
     within a step at which it reached its load."""
 
@@ -66,8 +70,8 @@ class Stop:
     """The event that stopped a run."""
 
     event: str  # Its name; or that of the controller in Python that stopped the run
-    verdict: Literal["pass", "fail"]  # What it says of the run
-    time: float  # When [s]
+    verdict: Literal["pass", "fail"]
+    time: Time  # When [s]
     because: str = ""  # Why, in the scene's words
 
 
@@ -77,13 +81,13 @@ class Outcome:
 
     complete: bool = True  # Whether the run came to the end that its scene gives it
     reason: str = ""  # Why the run is not complete, in a sentence
-    step: float  # Time step h [s]
+    step: Finite  # Time step h [s]
     steps: int = 0  # Steps that were planned; 0 if unknown
-    sample_rate: float  # Samples per second of simulated time [Hz], as kept
+    sample_rate: Finite  # Samples per second of simulated time [Hz], as kept
     seed: int = 0  # Of random numbers; the engine draws none
     versions: Mapping[str, str] = field(default_factory=dict)
     """Of sandbox, Python and the libraries that computed the run, by name."""
-    wall: Mapping[str, float] = field(default_factory=dict)
+    wall: Annotated[Mapping[str, Finite], Field(alias="wall_s")] = field(default_factory=dict)
     """Time that each phase took [s], by name: ``build``, ``simulate``."""
     events: tuple[Happened, ...] = ()  # The events that happened, in order of time
     broke: tuple[Happened, ...] = ()  # The joints, springs and tendons that broke, in order of time
@@ -91,7 +95,7 @@ class Outcome:
     """The event that stopped the run; of several the one whose verdict counts."""
     controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Results of laws of controllers, by controller: plain JSON data."""
-    contact_solver: Mapping[str, float] = field(default_factory=dict)
+    contact_solver: Mapping[str, Finite] = field(default_factory=dict)
     """How contacts, limits and friction were solved; empty where unknown or there are none.
     ``residual``: the largest violation of their laws [m/s, rad/s]; ``time_s``: when;
     ``steps_above_1e-8``; ``relaxed_steps``. Where piles had compliant contacts also
@@ -160,51 +164,17 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
     Raises:
         ValueError: a value that no run has; names its key.
     """
-    base = outcome_data(planned(run, complete=False))
-    for key, dimension in (("step", "time"), ("sample_rate", "frequency")):
-        if fault := size_fault(_taken(data, key, float, base[key]), dimension):
+    given = outcome_data(planned(run, complete=False)) | dict(data)
+    try:
+        found = TypeAdapter(Outcome).validate_json(json.dumps(given), strict=True)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise ValueError(f"{quoted('.'.join(map(str, first['loc'])))}: {first['msg']}") from None
+    for key, size, dimension in (("step", found.step, "time"),
+                                 ("sample_rate", found.sample_rate, "frequency")):
+        if fault := size_fault(size, dimension):
             raise ValueError(f"its {key} is {fault}")
-    for name, found in _taken(data, "controllers", dict, {}).items():
-        if not isinstance(found, dict):
-            raise ValueError(f"it says {quoted(found)} of the controller {quoted(name)}")
-    given = {key: _taken(data, key, type(default), default)
-             for key, default in base.items() if key != "stopped"}
-    stop = _taken(data, "stopped", (dict, type(None)), None)
-    stopped = stop and _stop(stop)
-    return Outcome(
-        complete=given["complete"], reason=given["reason"], step=given["step"],
-        steps=given["steps"], sample_rate=given["sample_rate"], seed=given["seed"],
-        versions=given["versions"], wall=given["wall_s"],
-        events=tuple(_happened(event, "event") for event in given["events"]),
-        broke=tuple(_happened(one, "name") for one in given["broke"]), stopped=stopped,
-        controllers=given["controllers"],
-        contact_solver={name: _taken(given["contact_solver"], name, float)
-                        for name in given["contact_solver"]},
-        notes=tuple(str(note) for note in given["notes"]))
-
-
-def _happened(data: Mapping[str, Any], key: str) -> Happened:
-    return Happened(_taken(data, key, str), _taken(data, "time_s", float))
-
-
-def _stop(data: Mapping[str, Any]) -> Stop:
-    verdict = _taken(data, "verdict", str)
-    if verdict not in ("pass", "fail"):
-        raise ValueError(f"its stop has the verdict {verdict!r}")
-    return Stop(_taken(data, "event", str), verdict, _taken(data, "time_s", float),
-                _taken(data, "because", str, ""))
-
-
-def _taken(data: Any, key: str, kind: type | tuple[type, ...], default: Any = None) -> Any:
-    """What a key holds, if it is of a kind; a whole number is a float, too."""
-    value = data.get(key, default) if isinstance(data, Mapping) else None
-    if kind is float and type(value) is int:
-        value = float(value) if abs(value) < MOST else math.inf
-    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise ValueError(f"it says {quoted(value)} for {key!r}")
-    if isinstance(value, (int, float)) and not abs(value) < MOST:
-        raise ValueError(f"it says {quoted(value)} for {key!r}")
-    return value
+    return found
 
 
 class Stored:

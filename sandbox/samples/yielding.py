@@ -23,7 +23,7 @@ from sandbox.model.joints import rotated
 from sandbox.model.model import NONE, Model
 from sandbox.model.pairs import friction_of, pair_skins
 from sandbox.numeric import Array, Integers
-from sandbox.samples.contacts import TOUCH
+from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.nearby import faces, pressed
 from sandbox.samples.outcome import Stored
@@ -38,8 +38,6 @@ NEAR = 1e-8
 AT_CONE = 1e-6  # Distance of friction from its limit, relative to it, that counts as 0
 SLIDES = 1e-6  # Least speed of sliding [m/s]
 SOFTLY = 1e-6  # Least component of an object in a motion without stiffness
-Form = tuple[Array, tuple[float, float], Array, int]
-"""The fields of a :class:`Rigid` from ``arms`` to ``turns``."""
 
 
 class Elastic(NamedTuple):
@@ -96,17 +94,8 @@ class Rigid(NamedTuple):
     radii: tuple[float, float]
     along: Array  # Direction of the force on the first body, [2]
     turns: int  # The line turns with body 0 or 1, with the line between both points (2), or not (3)
-    force: float  # The size of the force [N]
+    force: float = 0.0  # Magnitude [N]
     across: bool = False  # Whether it acts across that line, as friction does
-
-
-class _KeptRow(NamedTuple):
-    """A row of a constraint: given, or that of a rigid force by number."""
-
-    row: Array = np.empty(0)
-    number: int | None = None
-    across: int | None = None  # The number of its friction, ``share`` times it, where it slides
-    share: float = 0.0
 
 
 class Yielding:
@@ -131,7 +120,9 @@ class Yielding:
         self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
         turned = np.zeros((self.count, 2 * self.count))  # of loads of constant magnitude
         for batch in self.loads.batches:
-            self._add_to(turned, batch, slice(1, None))
+            on = self._at[batch.body] >= 0
+            for k, part in enumerate((batch.x, batch.y, batch.moment)):
+                np.add.at(turned, self._at[batch.body[on]] + k, part[on, 1:])
         self.stiffness = np.asarray(
             (turned[:, self.count:] - turned[:, :self.count]) / (2 * self.steps))
         elastic = np.zeros((self.count, self.count))
@@ -140,23 +131,19 @@ class Yielding:
         self.stiffness += elastic
         self.largest = max((float(np.hypot(batch.x[:, 0], batch.y[:, 0]).max(initial=0.0))
                             for batch in self.loads.batches), default=0.0)
-        self._held: list[_KeptRow] = []
+        self._held: list[Array | int] = []  # rows of constraints, or numbers of rigid forces
+        self._slides: dict[int, tuple[int, float]] = {}  # of some: their friction, and mu
         self._rigids: list[Rigid] = []
-        self._keep()
-        rows = self._turn()
-        self.kept = [each.row if each.number is None else rows[each.number]
-                     for each in self._held]  # Rows of the constraints, each [3 n]
-        self.pushes = [row if each.across is None else row + each.share * rows[each.across]
-                       for row, each in zip(self.kept, self._held, strict=True)]
+        self._constrain()
+        rows = self._rigid_rows()
+        self.kept = [rows[each] if isinstance(each, int) else each for each in self._held]
+        """Rows of the constraints, each [3 n]."""
+        self.pushes = list(self.kept)
         """Forces of the constraints; they differ from the rows at sliding contacts."""
+        for k, (friction, share) in self._slides.items():
+            self.pushes[k] = self.kept[k] + share * rows[friction]
 
     # --- stiffness
-
-    def _add_to(self, total: Array, batch: Batch, columns: slice | int) -> None:
-        """Add the loads of a batch on free bodies, in some columns, to rows of freedoms."""
-        on = self._at[batch.body] >= 0
-        for k, part in enumerate((batch.x, batch.y, batch.moment)):
-            np.add.at(total, self._at[batch.body[on]] + k, part[on, columns])
 
     def _row(self, bodies: tuple[int, int], wrench: Array) -> Array:
         """Wrenches on two bodies, [6], as one on all free bodies, [3 n]."""
@@ -216,22 +203,22 @@ class Yielding:
 
     # --- constraints
 
-    def _keep(self) -> None:
+    def _constrain(self) -> None:
+        """Collect all constraints, and the rigid forces among them."""
         a, joints, s = self.run.arrays, self.model.joints, self.sample
-        for i, u in self._placing():
-            if not np.isfinite(self.model.drives.stiffness[i]):
-                self._held.append(_KeptRow(u))
+        self._held += [u for i, u in self._placing()
+                       if not np.isfinite(self.model.drives.stiffness[i])]
         stopped = joints.stopped[a["joint_stop"][s, joints.stopped] != 0.0]
         stuck = joints.frictional[a["joint_sticks"][s, joints.frictional] == 1.0]
         for efforts, held in ((self.loads.joint_efforts, stopped),
                               (self.loads.friction_efforts, stuck)):
-            self._held += map(_KeptRow, self._rows(efforts, len(joints.name))[held])
+            self._held += list(self._rows(efforts, len(joints.name))[held])
         for j in np.flatnonzero(held_of(self.model.bonds.joint, a["held"])[:, s]).tolist():
             if not joints.turns[j]:
                 one, two = joints.bodies[j].tolist()
-                self._held.append(_KeptRow(
-                    self._row((one, two), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 1.0]))))
-            self._held += [_KeptRow(number=self._add(rigid)) for rigid in self._joint(j)]
+                self._held.append(
+                    self._row((one, two), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 1.0])))
+            self._held += [self._add(rigid) for rigid in self._joint(j)]
         for row in np.flatnonzero(a["contact_sample"] == s).tolist():
             self._touch(row)
 
@@ -240,7 +227,7 @@ class Yielding:
         self._rigids.append(rigid)
         return len(self._rigids) - 1
 
-    def _turn(self) -> Array:
+    def _rigid_rows(self) -> Array:
         """The rows of all such forces, [k, 3 n]; adds their geometric stiffness."""
         found = np.zeros((len(self._rigids), self.count))
         if not self._rigids:
@@ -302,8 +289,9 @@ class Yielding:
         elif keeps == "groove":
             place = frames.place_in_slot(j)
             x, y, bend = (float(v[0]) for v in (place.x, place.y, place.bend))
-            rub = abs(float(np.nan_to_num(self.run.arrays["joint_friction"][self.sample, j])))
-            if abs(float(f[0]) * x + float(f[1]) * y) > TOUCH + rub:  # an end pushes the point
+            friction = abs(float(np.nan_to_num(
+                self.run.arrays["joint_friction"][self.sample, j])))
+            if abs(float(f[0]) * x + float(f[1]) * y) > TOUCH + friction:  # an end pushes the point
                 yield rigid(np.array([x, y]), 1)
             if bend == 0.0:
                 yield rigid(np.array([-y, x]), 1)
@@ -321,49 +309,35 @@ class Yielding:
             yield from (rigid(n, 2, radius, across=across) for across in (False, True))
 
     def _touch(self, row: int) -> None:
-        """A contact that presses: normal and, unless it slides, friction."""
+        """Add a contact that presses: normal and, unless it slides, friction."""
         a = self.run.arrays
         pair = int(a["contact_body"][row]), int(a["contact_other"][row])
         u, force = a["contact_normal"][row], a["contact_force"][row]
-        normal = float(force @ u)
+        normal, tangential = float(force @ u), float(force @ np.array([-u[1], u[0]]))
         if normal <= TOUCH or not any(body in self.place for body in pair):
             return
         mu = friction_of(self.run.mechanism, *pair)
-        rub = float(force @ np.array([-u[1], u[0]]))
-        slides = abs(rub) >= mu * normal * (1 - AT_CONE) and self._slip(row) > SLIDES
-        for k, (share, form) in enumerate(self._places(row)):
-            along, across = (
-                self._add(Rigid(pair, *form, part, cross))
-                for part, cross in ((share * normal, False), (share * rub, True)))
+        slides = abs(tangential) >= mu * normal * (1 - AT_CONE) and slip_speeds(
+            a, np.array([row]))[0] > SLIDES
+        for k, (share, rigid) in enumerate(self._points(row, pair)):
+            along = self._add(rigid._replace(force=share * normal))
+            across = self._add(rigid._replace(force=share * tangential, across=True))
             if mu and slides:
-                self._held.append(_KeptRow(number=along, across=across, share=np.copysign(mu, rub)))
-                continue
-            self._held.append(_KeptRow(number=along))
-            if mu and k == 0:
-                self._held.append(_KeptRow(number=across))
+                self._slides[len(self._held)] = across, float(np.copysign(mu, tangential))
+            self._held.append(along)
+            if mu and k == 0 and not slides:
+                self._held.append(across)
 
-    def _slip(self, row: int) -> float:
-        """Speed of sliding at a contact row [m/s]."""
-        a, s = self.run.arrays, self.sample
-        u, at = a["contact_normal"][row], a["contact_point"][row]
-        speeds = []
-        for body in (int(a["contact_body"][row]), int(a["contact_other"][row])):
-            vx, vy, turn = a["body_velocity"][s, body]
-            x, y = at - self.centre[body]
-            speeds.append((vy + turn * x) * u[0] - (vx - turn * y) * u[1])
-        return abs(float(speeds[0] - speeds[1]))
-
-    def _places(self, row: int) -> list[tuple[float, Form]]:
-        """Points of a contact: share of the force; arms, radii, normal and the body that turns it.
+    def _points(self, row: int, pair: tuple[int, int]) -> list[tuple[float, Rigid]]:
+        """Points of a contact: share of the force, and its normal force.
 
         Raises:
             ArithmeticError: several normals, or a corner on a corner.
         """
-        a, s = self.run.arrays, self.sample
-        pair = [int(a["contact_body"][row]), int(a["contact_other"][row])]
+        a, s, both = self.run.arrays, self.sample, list(pair)
         u, point = a["contact_normal"][row], a["contact_point"][row]
         near = NEAR + self.run.info.step * float(
-            np.hypot(*a["body_velocity"][s, pair, :2].T).sum())
+            np.hypot(*a["body_velocity"][s, both, :2].T).sum())
         ends, along = pressed(self.run, row, near), np.array([-u[1], u[0]])
         near += abs(float(a["contact_gap"][row])) / 2
         place = float(point @ along)
@@ -376,15 +350,14 @@ class Yielding:
         if len(ends) == 2:
             way = ends[1] - ends[0]
             second = min(max(float((point - ends[0]) @ way / (way @ way)), 0.0), 1.0)
-            shares = [(1 - second, ends[0]), (second, ends[1])]
-            shares = [each for each in shares if each[0] > AT_CONE]
-            return [(share, (at - self.centre[pair], (0.0, 0.0), u, 1)) for share, at in shares]
+            return [(share, Rigid(pair, at - self.centre[both], (0.0, 0.0), u, 1))
+                    for share, at in zip((1 - second, second), ends, strict=True)
+                    if share > AT_CONE]
         radii = (0.0 if flat[0] else one.radius, 0.0 if flat[1] else two.radius)
         if not any(flat) and sum(radii) <= near:
             raise ArithmeticError("corner on corner")
-        turns = 0 if flat[0] else 1 if flat[1] else 2
-        arms = np.array([point + radii[0] * u, point - radii[1] * u]) - self.centre[pair]
-        return [(1.0, (arms, radii, u, turns))]
+        arms = np.array([point + radii[0] * u, point - radii[1] * u]) - self.centre[both]
+        return [(1.0, Rigid(pair, arms, radii, u, 0 if flat[0] else 1 if flat[1] else 2))]
 
     # --- response
 
@@ -425,10 +398,9 @@ class Yielding:
         bodies = [np.abs(each).reshape(len(each), self.count // 3, 3).max(axis=2) > 0
                   for each in (rows, self.stiffness)]
         joins = bodies[0].T @ bodies[0] | bodies[1][0::3] | bodies[1][1::3] | bodies[1][2::3]
-        first = self.place[body] // 3
+        joins, first = joins | joins.T, self.place[body] // 3
         reached = np.arange(len(joins)) == first
-        while (more := reached | joins[reached].any(axis=0) | joins[:, reached].any(axis=1)
-               ).sum() > reached.sum():
+        while (more := reached | joins[reached].any(axis=0)).sum() > reached.sum():
             reached = more
         at = 3 * int(reached[:first].sum())
         return slice(at, at + 3), np.flatnonzero(np.repeat(reached, 3))
