@@ -236,11 +236,7 @@ def contact_bounds(
 ) -> list[Bounds]:
     """Bounds of all contact rows in one sample of a recording, then of contacts without a force.
 
-    ``near`` [m] is the distance within which outlines count as touching, by default the gap that a
-    step may leave. Groups of more than :data:`MOST` rows are left out.
-
-    Raises:
-        ArithmeticError: a linear program does not converge.
+    ``near`` [m] is the distance within which outlines touch, by default the gap that a step leaves.
     """
     unknowns = Unknowns(touched(evidence.alone(sample % len(evidence.run), near)))
     return sorted(bounds for bodies, forces in _groups(unknowns) if 3 * len(bodies) <= MOST

@@ -49,15 +49,12 @@ NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample
 
 
 def used_friction(evidence: Evidence) -> Array:
-    """Tangential force of every contact row relative to static friction, [m]; 1 is the limit.
-
-    Without friction any tangential force counts relative to the normal force.
-    """
+    """Tangential over static friction force of every row, without friction over the normal, [m]."""
     rows = evidence.once(_Rows)
     limit, size = rows.static * rows.normal, np.abs(rows.force)
-    rough = limit > TOUCH
     smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(rows.normal, TOUCH)
-    return np.where(rough, size / np.where(rough, limit, 1.0), np.where(size > TOUCH, smooth, 0.0))
+    return np.where(limit > TOUCH, size / np.maximum(limit, TOUCH),
+                    np.where(size > TOUCH, smooth, 0.0))
 
 
 @check("contact.friction", source="|t| <= μ n", asks="is contact friction at most mu N?",

@@ -152,10 +152,7 @@ def _limited_drives(evidence: Evidence) -> Integers:
 
 
 def bend(evidence: Evidence, joint: int) -> Array:
-    """Rate of an actuator's length in a step besides that along its line [m/s], [n]; 0 of hinges.
-
-    It follows from the velocities before the step, as in the engine.
-    """
+    """Rate of an actuator's length besides that along its line [m/s], [n]; 0 of hinges."""
     joints, frames, h = evidence.model.joints, evidence.loads.frames, evidence.h
     if not joints.kind[joint].line:
         return np.zeros(len(evidence.run))

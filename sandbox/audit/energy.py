@@ -43,6 +43,7 @@ LARGEST_STEP_ERROR = 0.01
 LEFT = 1e-8  # Overlap [m] whose removal does not count as a source of energy
 POSES = 5
 """Number of poses in which a joint has to be redundant: near a dead centre some are in one."""
+OUTLIER = 10.0  # Largest power of a joint relative to that in the samples beside
 UNBALANCED = ("difference between {0} and the sum of all {1} on a body, relative to the largest, "
               "{{count:body|bodies}}, worst: {{where}}")
 
@@ -96,14 +97,14 @@ def _residuals(evidence: Evidence, worst: Worst, row: int) -> None:
     """Compare the residuals of m a - sum F (``row`` 0) or of I alpha - sum M (1)."""
     if not evidence.vectors:
         raise NotComputed(OLDER)
-    model, loads = evidence.model, evidence.loads
-    for b in np.flatnonzero(model.bodies.free).tolist():
+    loads = evidence.loads
+    for b in np.flatnonzero(evidence.model.bodies.free).tolist():
         force, moment = loads.largest[:, b].tolist()
         scale = max(moment, force * ROUNDING / EXACT) if row else force
-        scale = max(scale, SMALLEST_SCALE)
-        left = loads.left[:, b]
+        scale, left = max(scale, SMALLEST_SCALE), loads.left[:, b]
         error = np.abs(left[2]) if row else np.hypot(left[0], left[1])
-        worst.add(model.bodies.name[b], error / scale, evidence.left_allowed[row, b] / scale)
+        worst.add(evidence.model.bodies.name[b], error / scale,
+                  evidence.left_allowed[row, b] / scale)
 
 
 class _Balance(NamedTuple):
@@ -171,10 +172,9 @@ def _started(evidence: Evidence, worst: Worst) -> str:
     if not paced(evidence.model).any():
         raise NotComputed("there is no motor")
     worst.judge(balance.cost / balance.scale, balance.allowed)
-    if not balance.jumps:
-        return "every motor starts at the speed of its hinge"
-    return (f"{'; '.join(balance.jumps[:3])}. This is an impact in one step: its forces "
-            "grow as 1 / step. A signal that starts at the hinge's speed avoids it")
+    return "every motor starts at the speed of its hinge" if not balance.jumps else (
+        f"{'; '.join(balance.jumps[:3])}. This is an impact in one step: its forces "
+        "grow as 1 / step. A signal that starts at the hinge's speed avoids it")
 
 
 @check("energy.created", source="ΔE = Σ W", asks="is there no more energy than was supplied?",
@@ -301,16 +301,23 @@ def _of_gaps(evidence: Evidence) -> float:
 
 
 def _of_the_step(evidence: Evidence) -> float:
-    """Work of joints, and what contacts and taut ropes supply, by the error of the step [J]."""
+    """Work of joints, and what contacts and taut ropes supply, by the error of the step [J].
+
+    A single sample with a much larger power than those beside it does not widen the tolerance.
+    """
     a, time = evidence.run.arrays, evidence.run.time
     power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
     power = power.reshape(2, -1, len(time)).sum(axis=0)
     ropes = evidence.model.joints.keeping("range")
     power[ropes] = np.maximum(power[ropes], 0.0)
+    power = np.abs(power)
+    if len(time) > 1:
+        beside = np.pad(power, ((0, 0), (1, 1)), mode="reflect")
+        power = np.minimum(power, OUTLIER * np.maximum(beside[:, :-2], beside[:, 2:]))
     rate = evidence.contact_rate(evidence.velocity, a["contact_normal"])
     contacts = np.maximum(evidence.run.contacts.normal * rate, 0.0).sum()
     apart = evidence.h if evidence.every_step or len(time) < 2 else np.median(np.diff(time))
-    return float(apart * (np.abs(power).sum() + contacts)) + _unknown_weight(evidence)
+    return float(apart * (power.sum() + contacts)) + _unknown_weight(evidence)
 
 
 # -- motors that start at speed ---------------------------------------------------------------

@@ -32,10 +32,9 @@ NUMBERS = 500_000
 
 
 class Evidence:
-    """A recording, its loads, quantities from its poses and velocities, and their accuracy.
+    """A recording, its loads, quantities from poses and velocities, and their accuracy.
 
-    A single sample is ``alone``: there is no step before it. Outlines count as touching within
-    ``near`` [m], by default the gap that a step may leave.
+    A single sample is ``alone``, without a step before; outlines touch within ``near`` [m].
     """
 
     def __init__(self, run: Samples, *, alone: bool = False, near: float | None = None) -> None:
@@ -150,11 +149,7 @@ class Evidence:
 
     @cached_property
     def one_normal(self) -> Flags:
-        """Contact rows with one normal: of one point, or of two convex bodies, [m] of bool.
-
-        A row of several points between bodies of several shapes has a place and a normal that are
-        none of the points' own.
-        """
+        """Contact rows with one normal: of one point, or of two convex bodies, [m] of bool."""
         a, bodies = self.run.arrays, self.model.mechanism.bodies
         simple = np.array([count_solids(body) <= 1 for body in bodies], dtype=bool)
         return np.asarray(simple[a["contact_body"]] & simple[a["contact_other"]]
@@ -200,10 +195,7 @@ class Evidence:
     def contact_rate(
         self, velocity: Array, along: Array, arms: tuple[Array, Array] | None = None,
     ) -> Array:
-        """Velocity of a body against the other ``along`` [m, 2] at contact rows, [m].
-
-        Bodies move with ``velocity`` [3, nb, n]; ``arms`` are by default those of the places.
-        """
+        """Relative velocity of the first body ``along`` [m, 2] at contact rows, [m]."""
         a, total = self.run.arrays, np.zeros(len(along))
         for sign, key, arm in zip((1.0, -1.0), ("contact_body", "contact_other"),
                                   arms or self.contact_arms, strict=True):

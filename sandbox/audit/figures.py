@@ -86,10 +86,7 @@ class Worst:
     def add(
         self, where: str, error: Array, tolerance: Array | float, among: Flags | None = None,
     ) -> None:
-        """Add errors of one element over samples [n] with their tolerances.
-
-        ``among`` selects samples. An error that is nan is the worst of all.
-        """
+        """Add errors [n] of one element and their tolerances; nan is the worst."""
         error, tolerance = np.broadcast_arrays(error, tolerance)
         if among is not None:
             error, tolerance = error[among], tolerance[among]
@@ -106,10 +103,7 @@ class Worst:
         self, where: str, laws: Sequence[tuple[Array, Array | float]],
         among: Flags | None = None, *, throughout: bool = True,
     ) -> None:
-        """Add the comparison with the nearest of several laws, each an error [n] and its tolerance.
-
-        An element follows one of them throughout, or any of them in each sample.
-        """
+        """Add the nearest of several laws (error, tolerance), one ``throughout`` or per sample."""
         error, tolerance = np.array([np.broadcast_arrays(*law) for law in laws]).swapaxes(0, 1)
         ratio = np.nan_to_num(error / tolerance, nan=np.inf)
         if throughout:

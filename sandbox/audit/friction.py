@@ -81,10 +81,8 @@ def _drag(evidence: Evidence, span: CableSpan, grip: int) -> float:
 
 def _tension(evidence: Evidence, span: CableSpan) -> Array:
     """Tension of a span, that of its first straight piece [N], [n]."""
-    tendons = evidence.model.tendons
-    piece = int(np.flatnonzero(tendons.stretch_first == span.guides[0])[0])
-    return np.asarray(piece_tensions(
-        evidence.model, evidence.run.arrays, np.array([piece]))[0])
+    piece = np.flatnonzero(evidence.model.tendons.stretch_first == span.guides[0])[:1]
+    return np.asarray(piece_tensions(evidence.model, evidence.run.arrays, piece)[0])
 
 
 @check("tendon.spans", source="T = EA (L - M) / M",

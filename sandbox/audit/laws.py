@@ -28,10 +28,7 @@ def follow(
     worst: Worst, name: str, force: Array, law: Callable[..., Array], states: Sequence[State],
     among: Flags | None = None, *, size: Array | float | None = None, throughout: bool = True,
 ) -> None:
-    """Compare a force, [n] or [k, n], with a law at the nearest of several states.
-
-    Errors are relative to ``size``, by default the largest force.
-    """
+    """Compare a force, [n] or [k, n], with the nearest of several states of a law."""
     size, nearest = whole(force) if size is None else size, []
     for values, errors in states:
         here = law(*values)

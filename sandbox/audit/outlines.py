@@ -27,7 +27,7 @@ from sandbox.model.pairs import allowed_pairs, restitution_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples import nearby
 from sandbox.samples.contacts import TOUCH
-from sandbox.samples.nearby import PlacedPiece, apart, pieces_of
+from sandbox.samples.nearby import PlacedPiece, apart, pieces_of, radius_of
 from sandbox.scene import geometry
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import corners, true_curves
@@ -92,17 +92,16 @@ class _Outline(NamedTuple):
 
 @lru_cache(maxsize=256)
 def _outline(shape: Shape) -> _Outline:
-    radius = 0.0 if isinstance(shape, Box | Polygon) else shape.radius
     flat = isinstance(shape, Box | Polygon)
     if isinstance(shape, Box | Polygon):
-        rings = [np.array(corners(shape)),
-                 *(np.array(wound(hole, -1)) for hole in getattr(shape, "holes", ()))]
+        radius, rings = 0.0, [np.array(corners(shape)), *(
+            np.array(wound(hole, -1)) for hole in getattr(shape, "holes", ()))]
         start = np.concatenate(rings)
         end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
     else:
         points = np.array([shape.at] * 2 if isinstance(shape, Circle) else
                           [shape.start, shape.end] if isinstance(shape, Capsule) else shape.points)
-        start, end = points[:-1], points[1:]
+        radius, start, end = shape.radius, points[:-1], points[1:]
     spans = [spans_of(nodes, closed=flat).terms for nodes in true_curves(shape)] if isinstance(
         shape, Polygon | Polyline) and shape.nodes else [np.zeros((0, 12))]
     numbers = np.split(np.arange(sum(map(len, spans))), np.cumsum([len(each) for each in spans]))
@@ -188,11 +187,8 @@ def _in_frame(evidence: Evidence, rows: Integers, body: int, out: Array) -> tupl
 
 def _radius(evidence: Evidence, rows: Integers, body: int, shape: int) -> Array | float:
     """Radius about the sides of a shape [m]; of a circle that a drive may set at the rows."""
-    a, drives = evidence.run.arrays, evidence.model.drives
-    for i in drives.giving("radius").tolist():
-        if drives.target[i] == body and drives.shape[i] == shape:
-            return np.asarray(a["drive_value"][a["contact_sample"][rows], i])
-    return _outline(evidence.model.mechanism.bodies[body].shapes[shape]).radius
+    return radius_of(evidence.run, evidence.run.arrays["contact_sample"][rows], body, shape,
+                     _outline(evidence.model.mechanism.bodies[body].shapes[shape]).radius)
 
 
 def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple[Array, Array]:
@@ -249,8 +245,6 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
                    for normal, at, several in planes):
             planes.append((touch.normal, touch.point, False))
             found.append(touch)
-    if not found and len(kept) == len(a["contact_gap"]):
-        return evidence
     rows: Arrays = {}
     for key in CONTACT:
         new = np.zeros((len(found), *a[key].shape[1:]), dtype=a[key].dtype)
@@ -263,10 +257,7 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
 
 
 def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:
-    """Near pairs without a contact row in a single sample.
-
-    With the largest overlap of outlines that still approach [m], or 0.
-    """
+    """Near pairs without a row, and the largest overlap of outlines that approach [m], or 0."""
     a, deepest = evidence.run.arrays, dict[tuple[int, int], float]()
     rows = {tuple(sorted(pair)) for pair in zip(
         a["contact_body"].tolist(), a["contact_other"].tolist(), strict=True)}
@@ -323,10 +314,7 @@ def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> b
 
 
 def pressed(evidence: Evidence, row: int) -> Array | None:
-    """The points between which a contact row of the single sample may press.
-
-    As :func:`sandbox.samples.nearby.pressed`, with the gap that the engine may leave.
-    """
+    """The points between which a contact row of the single sample may press."""
     a = evidence.run.arrays
     pair = int(a["contact_body"][row]), int(a["contact_other"][row])
     size, speed = np.abs(a["body_pose"][0, pair, :2]).max(), np.hypot(

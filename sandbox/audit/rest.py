@@ -72,10 +72,7 @@ class Rest:
                                 - frames.centre_y[self.body, 0] * self.x)  # About the origin [N m]
 
     def about(self, joint: int, beyond: set[int], window: float = np.inf) -> _About:
-        """Moments about a joint of the loads on the bodies ``beyond``.
-
-        Within :data:`RATE` for ``window`` [s] the mean acceleration is 2 RATE / window at most.
-        """
+        """Moments about a joint of loads on the bodies ``beyond``, at rest for ``window`` [s]."""
         frames, arrays, bodies = self.loads.frames, self.loads.run.arrays, list(beyond)
         cx, cy = (float(part[joint, 0]) for part in (frames.anchors[1].x, frames.anchors[1].y))
         on = np.isin(self.body, bodies)
@@ -143,10 +140,7 @@ def _chain(model: Model, group: Group) -> list[int]:
 
 
 def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
-    """The contacts of a finger in the sample of ``rest``; None if it is no chain of hinges.
-
-    Contacts count that press with more than ``least`` [N].
-    """
+    """The contacts of a finger that press with more than ``least`` [N]; None if it is no chain."""
     model, loads = rest.model, rest.loads
     hinges = _chain(model, group)
     if not hinges:

@@ -74,11 +74,7 @@ NAME = re.compile(r"\w{1,64}\.(npy|json)", re.ASCII)
 
 
 def write(run: Samples, file: IO[bytes]) -> None:
-    """Write the archive of a run into an open file.
-
-    Raises:
-        OSError: the disk is full, or gone.
-    """
+    """Write the archive of a run into an open file."""
     with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
         none = IMPACT if not len(run.arrays["impact_time"]) else ()
         for key, array in sorted(run.with_meters().items()):
@@ -200,11 +196,7 @@ class _Reading:
         return found
 
     def _bytes(self, stream: IO[bytes], size: int) -> Iterator[bytes]:
-        """So many bytes of a member, in pieces.
-
-        Raises:
-            OutputError: there are less.
-        """
+        """So many bytes of a member, in pieces; an error if there are fewer."""
         while size:
             piece = stream.read(min(PIECE, size))
             if not piece:

@@ -48,13 +48,7 @@ ZEROS = bytes(1 << 20)
 
 
 class Room:
-    """A budget of memory [bytes], and files for arrays beyond it.
-
-    The files are in a temporary directory, which is removed with the last reference to the room.
-
-    Raises:
-        OutputError: there is no room for an array, or no directory can be made.
-    """
+    """A budget of memory [bytes], and files for arrays beyond it, removed with the room."""
 
     def __init__(self, memory: float, directory: str | os.PathLike[str] | None) -> None:
         self.left = memory
@@ -110,17 +104,10 @@ class Room:
 
 
 class Rows:
-    """Arrays in a room that grow by rows, all with ``count`` of them.
+    """Arrays that grow by rows, all with ``count`` of them, and room for ``planned`` at first.
 
-    Rows of contacts and impacts are sorted by the first array, or by the first three: (sample,
-    body, other) or (time, body, other).
-
-    Args:
-        room: where they are kept.
-        size: lengths of all axes but the first.
-        keys: of the arrays.
-        planned: rows that there is room for from the start.
-        by: number of arrays to sort by.
+    ``size`` has the lengths of all axes but the first. Rows of contacts and impacts are sorted by
+    the first ``by`` arrays: (sample, body, other) or (time, body, other).
     """
 
     def __init__(
@@ -148,10 +135,7 @@ class Rows:
         self.count = end
 
     def append(self, *values: NDArray[Any]) -> None:
-        """Add rows, the values of all arrays in their order.
-
-        Those of the first array are not below those that are there.
-        """
+        """Add rows, the values of all arrays in their order, not below those that are there."""
         if self._by > 1 and not _in_order(values[2::-1]):
             order = np.lexsort(values[2::-1])
             values = tuple(column[order] for column in values)

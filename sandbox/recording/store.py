@@ -37,11 +37,7 @@ MOST_SUMMARY, MOST_WORDS = 64_000_000, 2000
 
 
 def save_data(run: Samples, directory: Path) -> None:
-    """Write everything but the summary into a directory that holds no run.
-
-    Raises:
-        OutputError: the directory or a file cannot be written.
-    """
+    """Write everything but the summary into a directory that holds no run."""
     with atomic_file(directory / ARCHIVE, durable=False) as part, part.open("wb") as file:
         archive.write(run, file)
     texts = {CONTACTS: tables.contact_rows(run)}
@@ -103,11 +99,7 @@ def save_summary(
 
 
 def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path) -> None:
-    """Write the bounds of contact forces in some samples, by their numbers, as a CSV file.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
+    """Write the bounds of contact forces in some samples, by their numbers, as a CSV file."""
     write_atomic(path, "".join(tables.bound_rows(run, found)))
 
 

@@ -117,11 +117,7 @@ def _pair_rows(
 
 
 def chosen(run: Samples, quantities: tuple[str, ...]) -> list[str]:
-    """The names that names and patterns stand for, each once; of none all that CSV files have.
-
-    Raises:
-        UnknownQuantityError: what fits nothing; with a near miss.
-    """
+    """The names that names and patterns stand for, each once; of none all that CSV files have."""
     if quantities:
         return list(dict.fromkeys(name for each in quantities for name in run.names(each)))
     return [name for kind in TABLES for name in run.table(kind).names]

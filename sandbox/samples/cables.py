@@ -200,10 +200,7 @@ def stretches_at_start(model: Model) -> Stretches:
 
 
 class _Course:
-    """One tendon at t = 0, and in all samples where ``frames`` and ``cables`` are given.
-
-    ``first`` are all stretches at t = 0, ``cables`` those in the samples.
-    """
+    """One tendon at t = 0 (``first``), and in all samples with ``frames`` and ``cables``."""
 
     def __init__(
         self, model: Model, first: Stretches, tendon: int, frames: Frames | None = None,
@@ -263,11 +260,7 @@ def _tendon_of(tendons: Tendons, guide: int) -> int:
 
 
 def lengths(frames: Frames, cables: Stretches) -> Array:
-    """Length of every tendon along its path [m], [nt, n], as the poses have it.
-
-    How often a tendon goes around its wheels is counted from t = 0 through all samples, between
-    which no stretch may turn by half a turn.
-    """
+    """Length of every tendon along its path [m], [nt, n]; turns are counted from t = 0."""
     tendons = frames.model.tendons
     total = np.zeros((len(tendons.name), frames.samples))
     np.add.at(total, tendons.stretch_tendon, cables.length)
@@ -333,10 +326,7 @@ def lying(frames: Frames, cables: Stretches, wheel: int) -> tuple[Array, Array]:
 
 
 def span_length(frames: Frames, cables: Stretches, span: CableSpan) -> tuple[Array, Array]:
-    """Length of a span [m], [1 + n], from t = 0: as if fixed to both its guides, and free.
-
-    The first counts what wheels there have wound up since t = 0.
-    """
+    """Length of a span [m], [1 + n], from t = 0: as if fixed to both its guides, and free."""
     course = _course(frames, cables, span.tendon)
     places = [guide - course.path.start for guide in span.guides]
     total = np.zeros(1 + frames.samples)
@@ -353,10 +343,7 @@ def span_length(frames: Frames, cables: Stretches, span: CableSpan) -> tuple[Arr
 def piece_tensions(
     model: Model, arrays: Mapping[str, Array], pieces: Integers | None = None,
 ) -> Array:
-    """Tension of every straight piece [N], [m, n]; of some ``pieces`` only, by their numbers.
-
-    Behind a guide with friction it is larger than before it by what is recorded.
-    """
+    """Tension of every straight piece [N], [m, n]; of some ``pieces`` only, by their numbers."""
     tendons = model.tendons
     of = np.arange(len(tendons.stretch_tendon)) if pieces is None else np.asarray(pieces)
     found = arrays["tendon_tension"].T[tendons.stretch_tendon[of]]
@@ -381,10 +368,7 @@ def lengths_at_start(model: Model) -> Array:
 
 
 def wraps_at_start(model: Model, tendon: int) -> Array:
-    """Angle of wrap of a tendon on each of its wheels at t = 0 [rad], 0 on eyes and at its ends.
-
-    The first guide of a loop counts, and does not come last again.
-    """
+    """Angle of wrap of a tendon on each wheel at t = 0 [rad]; 0 on eyes and at its ends."""
     return _Course(model, stretches_at_start(model), tendon).wraps
 
 
@@ -398,10 +382,7 @@ def rest_lengths(model: Model) -> Array:
 
 
 def wound_up(frames: Frames, cables: Stretches, tendon: int, *, last: bool = False) -> Array:
-    """Length that the wheels at a tendon's ends have wound up since t = 0 [m], [n].
-
-    With ``last`` only that at its last guide.
-    """
+    """Length wound up by the wheels at both ends, or the ``last``, since t = 0 [m], [n]."""
     course = _course(frames, cables, tendon)
     end = len(course.radii) - 1
     return np.asarray(sum(course.on_wheel(place)[1:] for place in ((end,) if last else (0, end))))

@@ -158,10 +158,7 @@ def said_of(model: Model, shown_on: Integers, other: Integers) -> str:
 
 
 def mean_contact_rows(arrays: Arrays) -> Arrays:
-    """Contact rows of means over sample intervals: sample, body, other, point, force and normal.
-
-    Samples without means of their own have the rows of their steps.
-    """
+    """Contact rows of means over sample intervals; rows of the steps where there are none."""
     keys = ("sample", "body", "other", "point", "force", "normal")
     if "mean_sample" not in arrays:
         return {f"contact_{key}": arrays[f"contact_{key}"] for key in keys}
@@ -204,22 +201,10 @@ def merge_contacts(
     sample: Integers, body: Integers, other: Integers, point: Array, force: Array, normal: Array,
     weight: Array, gap: Array, twist: Array,
 ) -> dict[str, NDArray[Any]]:
-    """One row per touching pair of bodies and sample.
+    """One row per touching pair of bodies and sample, of points [r] in order of samples.
 
-    Points of one pair of bodies are summed. The position is the centre of pressure, the mean
-    weighted by the normal forces, moved onto the line of action of the resultant, so that the
-    resultant has the moment of all points.
-
-    Args:
-        sample: of each point, in order, [r].
-        body: that the force acts on, [r].
-        other: that it comes from, [r].
-        point: place [m], [r, 2].
-        force: on the body [N], [r, 2].
-        normal: unit vector into the body, [r, 2].
-        weight: sizes of the normal forces, in any unit, [r].
-        gap: between the two [m], [r].
-        twist: moment on the other body besides that of the force at the place [N m], [r].
+    The point is the mean weighted by the normal forces ``weight``, moved onto the line of action of
+    the resultant. ``twist`` is the moment on ``other`` besides that of the force [N m].
     """
     bodies = 1 + max(body.max(initial=0), other.max(initial=0))
     pair = (sample * bodies + body) * bodies + other
@@ -248,11 +233,7 @@ def merge_contacts(
 
 
 def _on_line(mean: Array, point: Array, force: Array, start: Integers) -> Array:
-    """Points ``mean`` [p, 2] moved onto the lines of action of the forces at ``point`` [m, 2].
-
-    Rows of each pair begin at ``start``. Points of forces that almost cancel stay: such forces are
-    a couple, which has no line of action.
-    """
+    """Points ``mean`` [p, 2] moved onto the resultants of the forces; those of couples stay."""
     pair = np.repeat(np.arange(len(start)), np.diff(start, append=len(point)))
     arm = point - mean[pair]
     moment = np.add.reduceat(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0], start)

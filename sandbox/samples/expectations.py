@@ -58,10 +58,7 @@ class Verdict:
 
 
 def verdicts(run: Samples) -> list[Verdict]:
-    """The verdicts on a run, in the order of its scene's ``expect`` list.
-
-    A run that an event stopped ends with that event's verdict.
-    """
+    """The verdicts on a run: of its scene's ``expect`` list, then of the event that stopped it."""
     found = [verdict for expect in run.mechanism.expect for verdict in _judge(run, expect)]
     if stop := run.info.stopped:
         found.append(Verdict(
@@ -110,11 +107,7 @@ def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
 
 
 def measured(run: Samples, quantity: str, asked: Looked, chosen: slice) -> tuple[float, str]:
-    """The :func:`number_of` a quantity over samples; nan and why if it has none.
-
-    Raises:
-        UnknownQuantityError: the run has no such quantity.
-    """
+    """The :func:`number_of` a quantity over samples; nan and the reason if it has none."""
     looked = _looked_at(run, asked, chosen)
     if looked.stop <= looked.start:
         return math.nan, "no sample lies in the window"
@@ -178,10 +171,7 @@ def window(run: Samples, expect: Looked) -> tuple[slice, str]:
 
 
 def among(time: Array, expect: Looked) -> slice:
-    """Which of the instants ``time`` [n], n > 0, rising, lie in an expectation's window.
-
-    Of an expectation at an instant, the two about it: the first or last two beyond the ends.
-    """
+    """The samples at instants [n], n > 0, in a window; the two beside ``at``, or at the ends."""
     if expect.at is not None:
         first = max(min(int(np.searchsorted(time, expect.at)), len(time) - 1) - 1, 0)
         return slice(first, first + 2)

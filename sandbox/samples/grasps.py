@@ -191,10 +191,7 @@ class Grasp:
         return finger
 
     def spread(self, part: Integers) -> Array:
-        """Relative deviation of the normal forces of parts of fingers, [n]; nan without any.
-
-        ``part`` is the number of each body's part.
-        """
+        """Relative deviation of normal forces of parts [n], by the number ``part`` of each body."""
         rows = np.flatnonzero(self.on_finger)
         pairs, which = np.unique(
             np.stack([self.sample[rows], part[self.other[rows]]]), axis=1, return_inverse=True)

@@ -105,10 +105,7 @@ class Loads:
 
     @cached_property
     def largest(self) -> Array:
-        """Largest single force [N] and moment [N m] on every body in the whole run, [2, nb].
-
-        The loads of joints and the inertial forces m a and I alpha count, too.
-        """
+        """Largest force [N] and moment [N m] on every body, joints and inertia included, [2, nb]."""
         sides, most = self.contact_sides, np.zeros((2, len(self.model.bodies.name)))
         np.maximum.at(most[0], sides.body, np.hypot(*sides.force.T))
         np.maximum.at(most[1], sides.body, np.abs(sides.moment))
@@ -331,10 +328,7 @@ class Loads:
 
     @cached_property
     def given(self) -> Array:
-        """Values of drives, of those with a limit the torque or force of the solver, [nd, n].
-
-        Drives that set the effort of a joint give nothing while it is released.
-        """
+        """Values of drives, solved efforts of those with a limit, 0 while released, [nd, n]."""
         drives, a = self.model.drives, self.run.arrays
         limited = np.array([kind.limited for kind in drives.kind], dtype=bool)
         given = np.where(limited, a["drive_torque"], a["drive_value"]).T

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 from sandbox.samples.outcome import Stored
 from sandbox.scene.bodies import Body, Circle
 from sandbox.scene.geometry import core, count_solids, solids
@@ -41,16 +41,18 @@ def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
         for solid, faces in solids(shape):
             points, grown = core(solid)
             if isinstance(solid, Circle):
-                grown = _radius(run, sample, body, number, grown)
+                grown = float(radius_of(run, sample, body, number, grown))
             yield PlacedPiece(np.array(points) @ turn.T + (x, y), grown, faces)
 
 
-def _radius(run: Stored, sample: int, body: int, shape: int, radius: float) -> float:
-    """Radius of a circle [m], which a drive may set."""
+def radius_of(
+    run: Stored, samples: int | Integers, body: int, shape: int, radius: float,
+) -> Array | float:
+    """Radius of a shape in samples [m], which is ``radius`` unless a drive sets it."""
     model: Model = run.model
     for drive in model.drives.giving("radius").tolist():
         if (int(model.drives.target[drive]), int(model.drives.shape[drive])) == (body, shape):
-            return float(run.arrays["drive_value"][sample, drive])
+            return np.asarray(run.arrays["drive_value"][samples, drive])
     return radius
 
 
@@ -86,10 +88,7 @@ def _sides(ring: Array) -> Array:
 
 
 def _along_sides(one: Array, two: Array) -> tuple[float, Array]:
-    """The largest distance of rings along the normals of their sides, and that normal.
-
-    -inf for two points, negative for rings that overlap.
-    """
+    """The largest distance of rings along the normals of their sides, and that normal."""
     sides = np.concatenate([_sides(one), _sides(two)])
     sides = sides[np.hypot(*sides.T) > 0]
     if not len(sides):

@@ -40,11 +40,7 @@ class Track(NamedTuple):
 
 
 def track(run: Samples, name: str, goal: Array | None = None) -> Track:
-    """A quantity and its target [n], with the value at t = 0 before the samples if it is known.
-
-    Raises:
-        UnknownQuantityError: not in the catalogue.
-    """
+    """A quantity and its target [n], with the value at t = 0 before the samples if it is known."""
     begins = start(run, name)
     if begins is None or not len(run) or run.time[0] <= 0:
         return Track(run.time, run[name], goal)
@@ -53,10 +49,7 @@ def track(run: Samples, name: str, goal: Array | None = None) -> Track:
 
 
 def start(run: Samples, name: str) -> float | None:
-    """The value of a quantity at t = 0 as the scene gives it, SI; None where it does not.
-
-    The scene gives angles of hinges, poses of bodies, shortenings of tendons and values of drives.
-    """
+    """The value of a quantity at t = 0 as the scene gives it, SI; None where it does not."""
     bodies, joints, source = run.model.bodies, run.model.joints, run.catalogue.find(name)
     match source.kind, source.quantity:
         case "tendon", "shortening":
@@ -71,10 +64,7 @@ def start(run: Samples, name: str) -> float | None:
 
 
 def targets(run: Samples, given: Mapping[str, float] | None = None) -> dict[str, Array]:
-    """Quantity to its target over time, shape [n], SI.
-
-    ``given`` are targets by hand; those of quantities that the run does not have are left out.
-    """
+    """Quantity to its target over time [n], SI; ``given`` are targets by hand."""
     found: dict[str, Array] = {name: np.full(len(run), value)
                                for name, value in (given or {}).items() if name in run.catalogue}
     for controller in sorted(run.mechanism.controllers, key=lambda each: not each.active):

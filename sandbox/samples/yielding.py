@@ -74,11 +74,7 @@ class Yield(NamedTuple):
 
 
 def without_stiffness(model: Model) -> str:
-    """Elements whose stiffness does not follow from one sample, in words; empty without them.
-
-    The pressure of fluids depends on time; slopes of load laws, of teeth and of soft contacts are
-    not computed.
-    """
+    """Elements whose stiffness one sample does not determine, in words; empty without them."""
     if pair_skins(model.mechanism).size:
         return "soft skin"
     return ("fluids" if model.lines.name else "loads by laws" if model.loads.name else "teeth"
@@ -407,10 +403,7 @@ class Yielding:
 
 
 def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
-    """Copies of one sample, without contacts, moved by ``moved`` [k, nb, 3].
-
-    Rotations are about the centres of mass.
-    """
+    """Copies of one sample, without contacts, moved about the centres of mass by [k, nb, 3]."""
     which = np.full(len(moved), sample)
     arrays = {key: run.arrays[key][:0] if key in CONTACT else
               run.arrays[key][which] if key in PER_SAMPLE else run.arrays[key] for key in LAYOUT}
