@@ -45,8 +45,8 @@ def audit(run: Samples) -> list[Figure]:
     """All figures of a recording, in the order of the docs."""
     if not len(run):
         return [each.missing("nothing was recorded") for each in CHECKS.values()]
-    evidence = Evidence(run)
     with np.errstate(all="ignore"):
+        evidence = Evidence(run)
         figures = [each.figure(evidence) for each in CHECKS.values()]
     if run.mechanism.run.solver == "pymunk":
         figures = [CHECKS[figure.name].missing("pymunk does not give its numbers")

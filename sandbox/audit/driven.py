@@ -93,8 +93,7 @@ def set_while_running(mechanism: Mechanism) -> set[str]:
 
 @check("drive.signal", source="u(t)", asks="do drives have the values of the scene?",
        compared="values of {count:drive} against their signals, relative to the largest of each, "
-                "worst: {where}",
-       none="there is no drive")
+                "worst: {where}")
 def _signals(evidence: Evidence, worst: Worst) -> None:
     """A drive's value is its signal at the sample; a motor's, a rigid servo's is that of later."""
     mechanism, drives, a = evidence.model.mechanism, evidence.model.drives, evidence.run.arrays

@@ -51,8 +51,7 @@ UNBALANCED = ("difference between {0} and the sum of all {1} on a body, relative
 @check("reaction.size", source="|R|",
        asks="is each reaction the magnitude of its x and y components?",
        compared="magnitude of each reaction against its components, relative to the largest of its "
-                "joint, {count:joint}, worst: {where}",
-       none="there is no joint")
+                "joint, {count:joint}, worst: {where}")
 def _reaction_sizes(evidence: Evidence, worst: Worst) -> None:
     a = evidence.run.arrays
     if not evidence.vectors:

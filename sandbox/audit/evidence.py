@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -49,26 +49,17 @@ class Evidence:
         self.near = self.open if near is None else near
         self.every_step = (not alone and stride == 1 and len(run) > 1
                            and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)
-
-    @property
-    def closed(self) -> float:
+        self.closed = 1.5 * max(GAP, CLOSES * self.h**2)
         """Gap [m] of a joint that a step may leave, both directions together."""
-        return 1.5 * max(GAP, CLOSES * self.h**2)
-
-    @cached_property
-    def loads(self) -> Loads:
-        """The loads in all samples."""
-        return Loads(self.run)
-
-    @property
-    def velocity(self) -> Array:
+        self.loads = Loads(self.run)
+        self.velocity = self.loads.frames.velocity
         """Velocities of the bodies at the instant of each sample, [3, nb, n]."""
-        return self.loads.frames.velocity
-
-    @cached_property
-    def velocity_after(self) -> Array:
-        """Velocities of the bodies at the end of each sample's step, [3, nb, n]."""
-        return np.asarray(self.velocity + self.h / 2 * self.loads.frames.acceleration)
+        self.velocity_after = self.velocity + self.h / 2 * self.loads.frames.acceleration
+        """The same at the end of each sample's step."""
+        self.contact_arms = np.split(self.loads.contact_sides.arm, 2)
+        """From the centres of mass of both bodies to the contact points [m], [m, 2] each."""
+        self.vectors = not self.model.joints.name or not np.isnan(
+            self.run.arrays["joint_force"]).all()  # Whether joint forces were kept as vectors
 
     @cached_property
     def struck(self) -> Flags:
@@ -155,12 +146,6 @@ class Evidence:
         return np.asarray(simple[a["contact_body"]] & simple[a["contact_other"]]
                           | (a["contact_merged"] == 1))
 
-    @property
-    def contact_arms(self) -> tuple[Array, Array]:
-        """From the centres of mass of both bodies to the contact points [m], [m, 2] each."""
-        one, two = np.split(self.loads.contact_sides.arm, 2)
-        return one, two
-
     @cached_property
     def contact_depth(self) -> Array:
         """How deep soft contacts may be for their forces, N / k [m], [m]; 0 of rigid ones.
@@ -193,7 +178,7 @@ class Evidence:
         return np.asarray(on & model.bodies.free)
 
     def contact_rate(
-        self, velocity: Array, along: Array, arms: tuple[Array, Array] | None = None,
+        self, velocity: Array, along: Array, arms: Sequence[Array] | None = None,
     ) -> Array:
         """Relative velocity of the first body ``along`` [m, 2] at contact rows, [m]."""
         a, total = self.run.arrays, np.zeros(len(along))
@@ -203,11 +188,6 @@ class Evidence:
             total += sign * ((vx - turn * arm[:, 1]) * along[:, 0]
                              + (vy + turn * arm[:, 0]) * along[:, 1])
         return total
-
-    @cached_property
-    def vectors(self) -> bool:
-        """Whether joints' forces were kept as vectors."""
-        return not np.isnan(self.run.arrays["joint_force"]).all() or not self.model.joints.name
 
     def answer(self, efforts: Batch, element: int) -> Array:
         """Change of an element's rate by an effort of 1 N s or 1 N m s on separate bodies, [n]."""

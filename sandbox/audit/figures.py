@@ -176,5 +176,6 @@ def check(
     name: str, unit: str = "", source: str = "", *, asks: str, compared: str = "{note}",
     none: str = "",
 ) -> Callable[[Callable[[Evidence, Worst], str | None]], Check]:
-    """Make a check of a function; arguments as of :class:`Check`."""
+    """Make a check of a function; ``none`` says by default that there is no element to count."""
+    none = none or f"there is no {compared.partition('{count:')[2].partition('}')[0]}"
     return lambda compare: Check(name, unit, source, asks, compared, none, compare)

@@ -47,8 +47,7 @@ def _grown(evidence: Evidence) -> tuple[Array, Array]:
 
 @check("line.volume", "m^3", "V = V0 + Σ A (L - L0)",
        asks="is the volume of each fluid line the sum of its chambers?",
-       compared="volumes of {count:line} from the recorded poses, worst: {where}",
-       none="there is no line")
+       compared="volumes of {count:line} from the recorded poses, worst: {where}")
 def _volumes(evidence: Evidence, worst: Worst) -> None:
     lines = evidence.model.lines
     (grown, gains), recorded = _grown(evidence), evidence.run.arrays["line_volume"].T
@@ -80,8 +79,7 @@ def _flows(evidence: Evidence, worst: Worst) -> None:
 
 @check("line.law", "m^3", "M = V + C p", asks="does each line's pressure match its content?",
        compared="content of {count:line} against volume and pressure, worst: {where}; for gas, "
-                "the linearisation error of a step is allowed",
-       none="there is no line")
+                "the linearisation error of a step is allowed")
 def _pressures(evidence: Evidence, worst: Worst) -> None:
     lines, a, h = evidence.model.lines, evidence.run.arrays, evidence.h
     if np.isnan(a["line_ahead"]).any():
@@ -122,8 +120,7 @@ def _holds(
 @check("valve.law", source="Δp = R Q + ρ/2 (Q / Cd A)²",
        asks="does the pressure drop of each valve match its flow?",
        compared="pressure drops of {count:valve} against their flows, relative to the largest of "
-                "each, worst: {where}; below 0.001 Pa an orifice counts as a long passage",
-       none="there is no valve")
+                "each, worst: {where}; below 0.001 Pa an orifice counts as a long passage")
 def _valves(evidence: Evidence, worst: Worst) -> None:
     """A valve that is shut has no flow; one that opens one way has none against a pressure drop."""
     valves, a = evidence.model.valves, evidence.run.arrays

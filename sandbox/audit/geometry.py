@@ -34,8 +34,7 @@ def _poses(evidence: Evidence, worst: Worst) -> None:
     waiting = _kept_pivots(evidence)
     while ready := [j for j in waiting
                     if sum(int(body) in placed for body in joints.bodies[j]) == 1]:
-        j = ready[0]
-        waiting.remove(j)
+        waiting.remove(j := ready[0])
         sides = [0, 1] if int(joints.bodies[j, 0]) in placed else [1, 0]
         near, far = joints.bodies[j, sides].tolist()
         start, turn, allowed = placed[near]
@@ -75,8 +74,7 @@ def _across(evidence: Evidence, bodies: Array, points: Array) -> tuple[Array, in
 @check("tendon.path", "m", "(17), (19)",
        asks="is each tendon as long as its path along the guides?",
        compared="length along all guides in the recorded poses against the recorded length, "
-                "{count:tendon}, worst: {where}",
-       none="there is no tendon")
+                "{count:tendon}, worst: {where}")
 def _tendon_paths(evidence: Evidence, worst: Worst) -> None:
     loads, names = evidence.loads, evidence.model.tendons.name
     if names:
@@ -108,10 +106,10 @@ def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
        none="no tendon crosses a hinge between point guides")
 def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
     loads, tendons = evidence.loads, evidence.model.tendons
-    for tendon in range(len(tendons.name)):
-        pieces = np.flatnonzero(tendons.stretch_tendon == tendon)
+    path = lengths(loads.frames, loads.cables)
+    for tendon, name in enumerate(tendons.name):
         total, allowed, crossed = np.zeros(len(evidence.run)), ROUNDING + np.zeros(1), False
-        for row in pieces.tolist():
+        for row in np.flatnonzero(tendons.stretch_tendon == tendon).tolist():
             ends = tendons.stretch_first[row] + np.arange(2)
             found = None if tendons.guide_radius[ends].any() else _across(
                 evidence, tendons.guide_body[ends], tendons.guide_at[ends])
@@ -119,9 +117,8 @@ def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
                 total += found[0] - loads.cables.length[row]
                 allowed, crossed = allowed + evidence.joint_slack[found[1]], True
         if crossed:
-            path = lengths(loads.frames, loads.cables)[tendon]
             recorded = evidence.run.arrays["tendon_length"][:, tendon]
-            worst.add(tendons.name[tendon], np.abs(total + path - recorded), allowed)
+            worst.add(name, np.abs(total + path[tendon] - recorded), allowed)
 
 
 @check("spring.length", "m", "(28)-(30)",
@@ -270,13 +267,14 @@ def _clock(evidence: Evidence, worst: Worst) -> str:
        none="there is no body")
 def _numbers(evidence: Evidence, worst: Worst) -> None:
     model, a = evidence.model, evidence.run.arrays
-    bodies = model.bodies
-    compared = {"centre": (bodies.name, np.hypot(*(a["body_centre"] - bodies.centre).T))} | {
-        what: (bodies.name, np.where(a[f"body_{what}"] == of, 0.0, a[f"body_{what}"] / of - 1))
-        for what, of in (("mass", bodies.mass), ("inertia", bodies.inertia))}
-    compared |= {what: (model.tendons.name, a[f"tendon_{what}"] - of(model)) for what, of in (
-        ("initial", lengths_at_start), ("rest", rest_lengths))}
-    for what, (names, off) in compared.items():
+    bodies, tendons = model.bodies, model.tendons
+    for what, names, off in (
+        ("centre", bodies.name, np.hypot(*(a["body_centre"] - bodies.centre).T)),
+        *((what, bodies.name, np.where(a[f"body_{what}"] == of, 0.0, a[f"body_{what}"] / of - 1))
+          for what, of in (("mass", bodies.mass), ("inertia", bodies.inertia))),
+        ("initial", tendons.name, a["tendon_initial"] - lengths_at_start(model)),
+        ("rest", tendons.name, a["tendon_rest"] - rest_lengths(model)),
+    ):
         for name, error in zip(names, np.abs(off), strict=True):
             worst.add(f"{what} of {name}", error[None], ROUNDING)
 
@@ -286,8 +284,7 @@ def _numbers(evidence: Evidence, worst: Worst) -> None:
                 "{where}",
        none="all bodies move freely")
 def _schedules(evidence: Evidence, worst: Worst) -> None:
-    bodies, frames = evidence.model.bodies, evidence.loads.frames
-    time = evidence.run.time
+    bodies, frames, time = evidence.model.bodies, evidence.loads.frames, evidence.run.time
     for b in np.flatnonzero(~bodies.free).tolist():
         body = evidence.model.mechanism.bodies[b]
         pose = np.tile(np.array([*body.at, body.angle])[:, None], len(time))
@@ -306,57 +303,53 @@ def _schedules(evidence: Evidence, worst: Worst) -> None:
                 "{count:comparison}, worst: {where}",
        none="there is no body")
 def _velocities(evidence: Evidence, worst: Worst) -> str:
-    bodies = evidence.model.bodies
+    bodies, frames = evidence.model.bodies, evidence.loads.frames
     if len(evidence.run) < FEW:
         raise NotComputed("there are too few samples")
     for b in np.flatnonzero(~bodies.fixed).tolist():
-        (_in_every_step if evidence.every_step else _between)(evidence, b, worst)
+        for pose, v, a in zip((frames.centre_x[b], frames.centre_y[b], frames.angle[b]),
+                              evidence.velocity[:, b], frames.acceleration[:, b], strict=True):
+            (_in_every_step if evidence.every_step else _between)(
+                evidence, bodies.name[b], pose, v, a, worst)
     for b in np.flatnonzero(bodies.fixed).tolist():
-        v, a = evidence.velocity[:, b], evidence.loads.frames.acceleration[:, b]
+        v, a = evidence.velocity[:, b], frames.acceleration[:, b]
         worst.add(bodies.name[b], np.abs(np.concatenate([v, a])).max(axis=0), ROUNDING)
     return "" if evidence.every_step else ", where samples are far apart by the trapezoid rule"
 
 
-def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
+def _in_every_step(
+    evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst,
+) -> None:
     """A step moves by h v and then changes v by h a, except where an impact displaced the pose."""
-    frames, h = evidence.loads.frames, evidence.h
-    v, a = evidence.velocity[:, b], frames.acceleration[:, b]
-    name = evidence.model.bodies.name[b]
-    for axis, pose in enumerate((frames.centre_x[b], frames.centre_y[b], frames.angle[b])):
-        after, top = v[axis] + h / 2 * a[axis], peak(v[axis])
-        lost = 8 * DIGITS * (1 + peak(pose)) / h
-        worst.add(name, np.abs(np.diff(pose) / h - after[:-1])[~evidence.struck[:-1]], lost)
-        before = v[axis] - h / 2 * a[axis]
-        worst.add(name, np.abs(after[:-1] - before[1:]), ROUNDING + 8 * DIGITS * (
-            top + h * peak(a[axis])))
+    h, after = evidence.h, v + evidence.h / 2 * a
+    lost = 8 * DIGITS * (1 + peak(pose)) / h
+    worst.add(name, np.abs(np.diff(pose) / h - after[:-1])[~evidence.struck[:-1]], lost)
+    worst.add(name, np.abs(after[:-1] - (v - h / 2 * a)[1:]), ROUNDING + 8 * DIGITS * (
+        peak(v) + h * peak(a)))
 
 
-def _between(evidence: Evidence, b: int, worst: Worst) -> None:
+def _between(
+    evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst,
+) -> None:
     """Compare the mean velocity with the displacement between samples.
 
     The error of the trapezoid rule is a sixth of the second difference of v where samples resolve
     the motion, else the difference between the changes of velocity and the accelerations. Impacts
     are in few samples, so the median is compared with the mean tolerance.
     """
-    frames, time = evidence.loads.frames, evidence.run.time
-    dt = float(np.median(np.diff(time)))
-    for axis, pose in enumerate((frames.centre_x[b], frames.centre_y[b], frames.angle[b])):
-        v = evidence.velocity[axis, b]
-        a = frames.acceleration[axis, b]
-        bend = (np.abs(v[2:] - 2 * v[1:-1] + v[:-2])
-                + np.abs(v[2:] - v[:-2] - dt / 2 * (a[2:] + 2 * a[1:-1] + a[:-2])))
-        error = np.abs((pose[2:] - pose[:-2]) / (2 * dt) - (v[2:] + 2 * v[1:-1] + v[:-2]) / 4)
-        moving = np.abs(v[1:-1]) >= FAST * peak(v)
-        if np.count_nonzero(moving) < FEW and np.isfinite(error).all():
-            continue
+    dt = float(np.median(np.diff(evidence.run.time)))
+    bend = (np.abs(v[2:] - 2 * v[1:-1] + v[:-2])
+            + np.abs(v[2:] - v[:-2] - dt / 2 * (a[2:] + 2 * a[1:-1] + a[:-2])))
+    error = np.abs((pose[2:] - pose[:-2]) / (2 * dt) - (v[2:] + 2 * v[1:-1] + v[:-2]) / 4)
+    moving = np.abs(v[1:-1]) >= FAST * peak(v)
+    if np.count_nonzero(moving) >= FEW or not np.isfinite(error).all():
         allowed = float(np.mean(bend[moving])) + 8 * DIGITS * (1 + np.abs(pose).max()) / dt
-        worst.add(evidence.model.bodies.name[b], np.median(error[moving], keepdims=True), allowed)
+        worst.add(name, np.median(error[moving], keepdims=True), allowed)
 
 
 @check("hinge", "rad", "q = θb - θa", asks="is each hinge angle the angle between its two bodies?",
        compared="angles and rates of hinges against those of their bodies, {count:hinge}, worst: "
-                "{where}",
-       none="there is no hinge")
+                "{where}")
 def _hinges(evidence: Evidence, worst: Worst) -> None:
     joints, a = evidence.model.joints, evidence.run.arrays
     for j in joints.hinges.tolist():

@@ -62,8 +62,7 @@ def _as_built(evidence: Evidence, kind: str) -> Flags:
 @check("spring.law", source="F = k (L - L0) + c dL/dt",
        asks="is each spring force stiffness times stretch, plus damping?",
        compared="forces of {count:straight spring} from the recorded poses and velocities, "
-                "relative to the largest of each, worst: {where}",
-       none="there is no straight spring")
+                "relative to the largest of each, worst: {where}")
 def _springs(evidence: Evidence, worst: Worst) -> None:
     _compare_springs(evidence, worst, straight=True)
 
@@ -104,8 +103,7 @@ def _tendons(evidence: Evidence, worst: Worst) -> None:
 @check("spring.torque", source="τ = k (q - q0) + c dq/dt",
        asks="does each rotary spring's torque follow from its angle?",
        compared="torques of {count:rotary spring} from the recorded poses and velocities, "
-                "relative to the largest of each, worst: {where}",
-       none="there is no rotary spring")
+                "relative to the largest of each, worst: {where}")
 def _rotary_springs(evidence: Evidence, worst: Worst) -> None:
     _compare_springs(evidence, worst, straight=False)
 
@@ -140,8 +138,7 @@ def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> Non
 @check("damper.law", source="τ = -c dq/dt",
        asks="is each hinge damper's torque its damping times the hinge's rate?",
        compared="torques of the dampers of {count:hinge} from the recorded velocities, relative "
-                "to the largest of each, worst: {where}",
-       none="there is no hinge")
+                "to the largest of each, worst: {where}")
 def _dampers(evidence: Evidence, worst: Worst) -> None:
     model, holds = evidence.model, evidence.holds("joint")
     for j in model.joints.hinges.tolist():

@@ -165,8 +165,7 @@ def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
 @check("rest.contacts", source="f = J⁻ᵀ τ",
        asks="at rest, do contact forces balance the tendon tension?",
        compared="contact forces from tensions, springs and geometry against the recorded ones, "
-                "{count:finger}, worst: {where}",
-       none="there is no finger")
+                "{count:finger}, worst: {where}")
 def _contacts(evidence: Evidence, worst: Worst) -> None:
     """Forces f = J^-T tau of fingers with as many frictionless contacts as joints."""
     rest = _at_rest(evidence)

@@ -74,8 +74,13 @@ class Loads:
     """The loads of a recording, in batches by kind, and their sums over bodies."""
 
     def __init__(self, run: Stored) -> None:
-        self.run, self.model = run, run.model
-        self.frames = Frames(run)
+        self.run, self.model, self.frames = run, run.model, Frames(run)
+        self.actuators: Flags = np.array([kind.line for kind in run.model.joints.kind], dtype=bool)
+        """Which joints are actuators, [nj]."""
+        mass, inertia = run.arrays["body_mass"], run.arrays["body_inertia"]
+        self.weights: Array = np.where(
+            run.model.bodies.free[:, None], np.stack([mass, mass, inertia], axis=1), 0.0)
+        """Inertia along x, y and about the centre: m, m, I, [nb, 3]; 0 of bodies not free."""
 
     @cached_property
     def cables(self) -> Stretches:
@@ -105,7 +110,7 @@ class Loads:
 
     @cached_property
     def largest(self) -> Array:
-        """Largest force [N] and moment [N m] on every body, joints and inertia included, [2, nb]."""
+        """Largest force [N] and moment [N m] on every body, inertia included, [2, nb]."""
         sides, most = self.contact_sides, np.zeros((2, len(self.model.bodies.name)))
         np.maximum.at(most[0], sides.body, np.hypot(*sides.force.T))
         np.maximum.at(most[1], sides.body, np.abs(sides.moment))
@@ -117,13 +122,6 @@ class Loads:
             np.fmax.at(most[0], batch.body, force)
             np.fmax.at(most[1], batch.body, np.abs(batch.moment).max(axis=1, initial=0.0))
         return most
-
-    @cached_property
-    def weights(self) -> Array:
-        """Inertia along x, y and about the centre: m, m, I, [nb, 3]; 0 of bodies not free."""
-        mass, inertia = self.run.arrays["body_mass"], self.run.arrays["body_inertia"]
-        return np.where(self.model.bodies.free[:, None],
-                        np.stack([mass, mass, inertia], axis=1), 0.0)
 
     @cached_property
     def left(self) -> Array:
@@ -247,11 +245,6 @@ class Loads:
         which = np.flatnonzero(joints.angle | self.actuators)
         return self._along("joint", which, joints.bodies[which], joints.anchor[which],
                            np.where(self.actuators, NONE, np.arange(len(joints.name)))[which])
-
-    @cached_property
-    def actuators(self) -> Flags:
-        """Which joints are actuators, [nj]."""
-        return np.array([kind.line for kind in self.model.joints.kind], dtype=bool)
 
     @cached_property
     def drive_efforts(self) -> Batch:
