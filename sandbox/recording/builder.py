@@ -154,7 +154,9 @@ class Rows:
     def finished(self, count: int, copies: Room | None = None) -> Arrays:
         """The first rows; with ``copies`` copied into that room, in memory or in files as here."""
         found = {key: column[:count] for key, column in self._columns.items()}
-        for key, rows in found.items() if copies else ():
+        if copies is None:
+            return found
+        for key, rows in found.items():
             copies.left = 0 if isinstance(rows, np.memmap) else rows.nbytes
             found[key] = copies.array(rows.shape, rows.dtype)
             found[key][...] = rows

@@ -101,7 +101,7 @@ def slip_speeds(arrays: Mapping[str, NDArray[Any]], rows: Integers) -> Array:
             arrays["body_pose"][sample, body], arrays["body_centre"][body])).T
         vx, vy, turn = arrays["body_velocity"][sample, body].T
         rates.append((vy + turn * x) * normal[:, 0] - (vx - turn * y) * normal[:, 1])
-    return np.abs(rates[0] - rates[1])
+    return np.asarray(np.abs(rates[0] - rates[1]))
 
 
 OBJECT = "object"  # The role of what is held

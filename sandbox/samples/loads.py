@@ -50,12 +50,11 @@ class Batch(NamedTuple):
         np.add.at(found, self.element, self.power(velocity))
         return found
 
-    def on_bodies(self, element: int, sample: int = 0) -> dict[int, Array]:
-        """Wrenches x, y, moment [3] of one element in one sample, by body."""
-        found: dict[int, Array] = {}
-        for k in np.flatnonzero(self.element == element).tolist():
-            own = np.array([part[k, sample] for part in (self.x, self.y, self.moment)])
-            found[int(self.body[k])] = found.get(int(self.body[k]), 0.0) + own
+    def wrenches(self, count: int, bodies: int) -> Array:
+        """Wrenches x, y, moment of ``count`` elements in the first sample, [count, bodies, 3]."""
+        found = np.zeros((count, bodies, 3))
+        np.add.at(found, (self.element, self.body),
+                  np.stack([self.x[:, 0], self.y[:, 0], self.moment[:, 0]], axis=1))
         return found
 
 

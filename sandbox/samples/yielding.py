@@ -141,20 +141,10 @@ class Yielding:
 
     # --- stiffness
 
-    def _row(self, bodies: tuple[int, int], wrench: Array) -> Array:
-        """Wrenches on two bodies, [6], as one on all free bodies, [3 n]."""
-        row = np.zeros(self.count)
-        for k, body in enumerate(bodies):
-            if body in self.place:
-                row[self.place[body]:self.place[body] + 3] += wrench[3 * k:3 * k + 3]
-        return row
-
     def _rows(self, efforts: Batch, count: int) -> Array:
         """Wrenches of unit efforts of ``count`` elements on all free bodies, [count, 3 n]."""
-        rows, on = np.zeros((count, self.count)), self._at[efforts.body] >= 0
-        for k, part in enumerate((efforts.x, efforts.y, efforts.moment)):
-            np.add.at(rows, (efforts.element[on], self._at[efforts.body[on]] + k), part[on, 0])
-        return rows
+        found = efforts.wrenches(count, len(self._at))
+        return found[:, self._at >= 0].reshape(count, self.count)
 
     def elastic(self) -> Iterator[Elastic]:
         """Elastic elements: springs, taut tendons, servos with a stiffness."""
@@ -211,9 +201,11 @@ class Yielding:
             self._held += list(self._rows(efforts, len(joints.name))[held])
         for j in np.flatnonzero(held_of(self.model.bonds.joint, a["held"])[:, s]).tolist():
             if not joints.turns[j]:
-                one, two = joints.bodies[j].tolist()
-                self._held.append(
-                    self._row((one, two), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 1.0])))
+                row = np.zeros(self.count)
+                for body, sign in zip(joints.bodies[j].tolist(), (-1.0, 1.0), strict=True):
+                    if body in self.place:
+                        row[self.place[body] + 2] = sign
+                self._held.append(row)
             self._held += [self._add(rigid) for rigid in self._joint(j)]
         for row in np.flatnonzero(a["contact_sample"] == s).tolist():
             self._touch(row)
@@ -235,14 +227,11 @@ class Yielding:
         for i, (rigid, wrench, slopes) in enumerate(zip(
                 self._rigids, all_of[:, 0], slopes_of, strict=True)):
             self.largest = max(self.largest, abs(rigid.force))
-            found[i] = self._row(rigid.bodies, wrench)
-            slopes *= -rigid.force
-            for j, one in enumerate(rigid.bodies):
-                for k, two in enumerate(rigid.bodies):
-                    if one in self.place and two in self.place:
-                        at, to = self.place[one], self.place[two]
-                        self.stiffness[at:at + 3, to:to + 3] += slopes[
-                            3 * j:3 * j + 3, 3 * k:3 * k + 3]
+            places = self._at[list(rigid.bodies)]
+            on = np.repeat(places >= 0, 3)
+            at = (places[:, None] + np.arange(3)).ravel()[on]
+            found[i, at] = wrench[on]
+            self.stiffness[np.ix_(at, at)] -= rigid.force * slopes[np.ix_(on, on)]
         return found
 
     def _wrenches(self, moved: Array) -> Array:
