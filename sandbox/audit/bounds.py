@@ -70,7 +70,7 @@ class Unknowns:
 
     def __init__(self, evidence: Evidence) -> None:
         self.evidence, self.model, self.loads = evidence, evidence.model, evidence.loads
-        self.arrays, frames = evidence.run.arrays, evidence.loads.frames
+        self.arrays, frames = evidence.arrays, evidence.frames
         self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
         tendons, drives = self.model.tendons, self.model.drives
         # with friction at guides tensions depend on the past: they are known
@@ -105,9 +105,7 @@ class Unknowns:
                     wrench[body] = about_centre(model, pose, body, part)
                 yield Unknown(wrench, free=True)
 
-    def _pair(
-        self, one: int, two: int, at: Array, force: Array, couple: float = 0.0,
-    ) -> Array:
+    def _pair(self, one: int, two: int, at: Array, force: Array, couple: float = 0.0) -> Array:
         """A force at a position in the world, and a couple, on ``one`` by ``two``, [nb, 3]."""
         wrench = np.zeros((len(self.centre), 3))
         for sign, body in ((1.0, one), (-1.0, two)):
@@ -219,9 +217,7 @@ class Bounds(NamedTuple):
     tangential: Interval
 
 
-def contact_bounds(
-    evidence: Evidence, sample: int = -1, near: float | None = None,
-) -> list[Bounds]:
+def contact_bounds(evidence: Evidence, sample: int = -1, near: float | None = None) -> list[Bounds]:
     """Bounds of all contact rows in one sample of a recording, then of contacts without a force.
 
     ``near`` [m] is the distance within which outlines touch, by default the gap that a step leaves.

@@ -23,12 +23,7 @@ from sandbox.audit.evidence import REBOUND, Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, STILL, NotComputed, Worst, check, peak
 from sandbox.audit.outlines import overlaps, reach_of
 from sandbox.elements.arrays import Arrays
-from sandbox.model.pairs import (
-    friction_of,
-    pair_skins,
-    restitution_of,
-    static_friction_of,
-)
+from sandbox.model.pairs import friction_of, pair_skins, restitution_of, static_friction_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.contacts import TOUCH
 
@@ -62,7 +57,7 @@ def used_friction(evidence: Evidence) -> Array:
        none="no contact has one normal")
 def _friction(evidence: Evidence, worst: Worst) -> None:
     """Rows that sum forces along different normals (a disc wedged in a V) have no limit."""
-    if not len(evidence.run.arrays["contact_gap"]):
+    if not len(evidence.arrays["contact_gap"]):
         raise NotComputed("nothing touches")
     rows = evidence.once(_Rows)
     rows.add(worst, used_friction(evidence), 1 + CONE, evidence.one_normal)
@@ -72,7 +67,7 @@ class _Rows:
     """Motion of both bodies at every contact row, [m] each; of impacts at their instants."""
 
     def __init__(self, evidence: Evidence) -> None:
-        self.evidence, self.h, a = evidence, evidence.h, evidence.run.arrays
+        self.evidence, self.h, a = evidence, evidence.h, evidence.arrays
         self.sample, self.one = a["contact_sample"], a["contact_merged"] == 1
         self.sides = a["contact_body"], a["contact_other"]
         self.normal, self.force = evidence.run.contacts.normal, evidence.run.contacts.tangential
@@ -133,8 +128,7 @@ class _Rows:
             after, force = when - time[sample], self.h * a["contact_force"][row]
             near = ((np.abs(after) <= self.h * (1 + EXACT)) & (key[row] == wanted)
                     & (self.restitution[row] > 0))
-            own = near & (np.hypot(*(a["impact_impulse"] - force).T)
-                          <= EXACT * np.hypot(*force.T))
+            own = near & (np.hypot(*(a["impact_impulse"] - force).T) <= EXACT * np.hypot(*force.T))
             hit[row[own | (near & ~self.one[row])]] = True
             instant[row[own]] = after[own]
         return hit, instant
@@ -168,7 +162,7 @@ class _Rows:
         drives, belt = self.evidence.model.drives, np.zeros(len(self.pair))
         for i in drives.giving("surface").tolist():
             on = (np.stack(self.sides) == drives.target[i]).any(axis=0)
-            value = self.evidence.run.arrays["drive_value"][self.sample, i]
+            value = self.evidence.arrays["drive_value"][self.sample, i]
             belt += np.where(on, drives.sense[i] * value, 0.0)
         turn = sum(sign * self.before[2, b, self.sample]**2 * (arm * self.along).sum(axis=1)
                    for sign, b, arm in zip((-0.5, 0.5), self.sides, self.arms, strict=True))
@@ -226,7 +220,7 @@ def _slides(evidence: Evidence, worst: Worst) -> None:
        none="nothing touches")
 def _closes(evidence: Evidence, worst: Worst) -> None:
     rows, h = evidence.once(_Rows), evidence.h
-    gap, (first, last) = evidence.run.arrays["contact_gap"], rows.opening
+    gap, (first, last) = evidence.arrays["contact_gap"], rows.opening
     # curved surfaces that stay closed have no rate at mid-step, and one at the step's end
     low, high = np.sort([gap + h * last, gap + h * (first + last) / 2], axis=0)
     error = np.maximum(np.maximum(np.minimum(gap, low), np.minimum(gap, 0.0) - high), 0.0)
@@ -307,7 +301,7 @@ def _residual(evidence: Evidence, worst: Worst) -> str:
                 "{where}", none="no skin with a thickness is touched")
 def _depth(evidence: Evidence, worst: Worst) -> None:
     """Two skins in series share the depth as their compliances."""
-    a, mechanism = evidence.run.arrays, evidence.model.mechanism
+    a, mechanism = evidence.arrays, evidence.model.mechanism
     one, two = a["contact_body"], a["contact_other"]
     stiffness = pair_skins(mechanism)[0]
     for i, body in enumerate(mechanism.bodies):
@@ -326,7 +320,7 @@ def _slack(evidence: Evidence, worst: Worst) -> str:
     tendons, time = evidence.model.tendons.name, evidence.run.time
     if not tendons or len(time) < 2:
         raise NotComputed("there are too few samples" if tendons else "there is no tendon")
-    slack = evidence.run.arrays["tendon_tension"] <= SLACK
+    slack = evidence.arrays["tendon_tension"] <= SLACK
     slack &= evidence.holds("tendon").T
     once = np.maximum.accumulate(~slack, axis=0)
     seconds = np.count_nonzero(slack & once, axis=0) * float(time[1] - time[0])

@@ -53,7 +53,7 @@ UNBALANCED = ("difference between {0} and the sum of all {1} on a body, relative
        compared="magnitude of each reaction against its components, relative to the largest of its "
                 "joint, {count:joint}, worst: {where}")
 def _reaction_sizes(evidence: Evidence, worst: Worst) -> None:
-    a = evidence.run.arrays
+    a = evidence.arrays
     if not evidence.vectors:
         raise NotComputed(OLDER)
     off = np.abs(np.hypot(*a["joint_force"].transpose(2, 0, 1)) - a["joint_reaction"])
@@ -65,7 +65,7 @@ def _reaction_sizes(evidence: Evidence, worst: Worst) -> None:
        compared="joints whose reactions statics does not determine: {note}")
 def _shared(evidence: Evidence, worst: Worst) -> str:
     """Joints with undetermined reactions in each of a few poses."""
-    model, poses = evidence.model, evidence.run.arrays["body_pose"]
+    model, poses = evidence.model, evidence.arrays["body_pose"]
     if not len(model.joints.name):
         raise NotComputed("there is no joint")
     if not evidence.joints_hold.all():
@@ -119,7 +119,7 @@ class _Balance(NamedTuple):
 
 def _balance(evidence: Evidence) -> _Balance:
     """The balance of energy; joints that close, as those that are engaged, do work."""
-    a, model, drives = evidence.run.arrays, evidence.model, evidence.model.drives
+    a, model, drives = evidence.arrays, evidence.model, evidence.model.drives
     if len(moved := np.flatnonzero(model.bodies.scheduled)):
         raise NotComputed(
             f"the work of {model.bodies.name[moved[0]]!r}, moved by a schedule, is not recorded")
@@ -128,7 +128,7 @@ def _balance(evidence: Evidence) -> _Balance:
             f"the work of {drives.name[grown[0]]!r}, which changes a radius, is not recorded")
     weights, by_weight = evidence.loads.weights.T[:, :, None], _work_of_weight(evidence)
     # the mean of the kinetic energies before and after the step
-    change = evidence.h / 2 * evidence.loads.frames.acceleration
+    change = evidence.h / 2 * evidence.frames.acceleration
     kinetic = (weights * (evidence.velocity**2 + change**2)).sum(axis=(0, 1)) / 2
     works = np.abs(by_weight) + sum(np.abs(a[f"{kind}_work"]).sum(axis=1)
                                     for kind in ("drive", "spring", "line", "load"))
@@ -152,11 +152,10 @@ def _balance(evidence: Evidence) -> _Balance:
 
 def _closed_balance(evidence: Evidence) -> _Balance:
     """The balance, if the work of joints that close is known."""
-    found, a, bonds = evidence.once(_balance), evidence.run.arrays, evidence.model.bonds
+    found, a, bonds = evidence.once(_balance), evidence.arrays, evidence.model.bonds
     open_ = ~evidence.joints_hold
     if not evidence.every_step:
-        carried = (np.nan_to_num(a["joint_reaction"])
-                   + np.abs(np.nan_to_num(a["joint_couple"]))).T
+        carried = (np.nan_to_num(a["joint_reaction"]) + np.abs(np.nan_to_num(a["joint_couple"]))).T
         breaks = (bonds.joint >= 0) & np.isfinite(np.append(bonds.breaks_at, np.inf))[bonds.joint]
         if (breaks & open_.any(axis=1)).any() or carried[open_].any():
             raise NotComputed(
@@ -192,7 +191,7 @@ def _created(evidence: Evidence, worst: Worst) -> None:
        asks="is energy lost only to friction, dampers and impacts?")
 def _lost(evidence: Evidence, worst: Worst) -> str:
     """The energy that joints and contacts take, against the work of contacts and stops."""
-    balance, run, a = _closed_balance(evidence), evidence.run, evidence.run.arrays
+    balance, run, a = _closed_balance(evidence), evidence.run, evidence.arrays
     touched = (len(run.mean_contacts.sample) + len(a["impact_time"]) > 0
                or bool(np.nan_to_num(run.means("joint_stop")["joint_stop"]).any())
                or _stretched(evidence))
@@ -235,7 +234,7 @@ def _work_of_joints(evidence: Evidence, among: Flags) -> Array:
 
 def _work_of_contacts(evidence: Evidence) -> Array:
     """Work of contacts and stops up to the middle of each step [J], [n]."""
-    a, sides = evidence.run.arrays, evidence.loads.contact_sides
+    a, sides = evidence.arrays, evidence.loads.contact_sides
     v = (evidence.velocity * evidence.model.bodies.free[:, None])[:, sides.body, sides.sample]
     power = sides.force[:, 0] * v[0] + sides.force[:, 1] * v[1] + sides.moment * v[2]
     step = np.bincount(sides.sample, weights=power, minlength=len(evidence.run))
@@ -245,21 +244,21 @@ def _work_of_contacts(evidence: Evidence) -> Array:
 
 def _work_of_weight(evidence: Evidence) -> Array:
     """M g . (c - c_0 + h^2 a / 4) [J], [n], with half of the known displacements by impacts."""
-    frames, h, free = evidence.loads.frames, evidence.h, evidence.model.bodies.free
+    frames, h, free = evidence.frames, evidence.h, evidence.model.bodies.free
     now, a = np.stack([frames.centre_x, frames.centre_y]), frames.acceleration[:2]
     if evidence.run.time[0] < h:
         first = now[:, :, 0] - h / 2 * (evidence.velocity[:2] - h / 2 * a)[:, :, 0]
     else:
-        first = placed(evidence.model.bodies.pose, evidence.run.arrays["body_centre"]).T
+        first = placed(evidence.model.bodies.pose, evidence.arrays["body_centre"]).T
     moved = now - first[:, :, None] + h * h / 4 * a + evidence.displacement[:2] / 2
-    weight = np.outer(evidence.model.mechanism.gravity, evidence.run.arrays["body_mass"][free])
+    weight = np.outer(evidence.model.mechanism.gravity, evidence.arrays["body_mass"][free])
     return np.asarray(np.einsum("ab,abn->n", weight, moved[:, free]))
 
 
 def _unknown_weight(evidence: Evidence) -> float:
     """Largest work of weight before the first sample, and by unknown displacements [J]."""
     weight = np.hypot(*evidence.model.mechanism.gravity) * evidence.loads.weights[:, 0]
-    change = evidence.h**2 * np.hypot(*evidence.loads.frames.acceleration[:2])
+    change = evidence.h**2 * np.hypot(*evidence.frames.acceleration[:2])
     found = 0.0
     if evidence.run.time[0] >= evidence.h:
         fall = evidence.h**2 * np.hypot(*evidence.model.mechanism.gravity)
@@ -276,7 +275,7 @@ def _stretched(evidence: Evidence) -> bool:
     along = [np.hypot(*force[:, j].T) for j in np.union1d(
         joints.keeping("range"), np.flatnonzero(joints.play > 0)).astype(int)]
     for j in joints.keeping("groove").tolist():
-        place = evidence.loads.frames.place_in_slot(j)
+        place = evidence.frames.place_in_slot(j)
         pressed = np.abs(force[:, j, 0] * place.x + force[:, j, 1] * place.y)
         along.append(np.where(pressed > EXACT * peak(force[:, j]), pressed, 0.0))
     return any(each.any() for each in along)
@@ -287,7 +286,7 @@ def _stretched(evidence: Evidence) -> bool:
 
 def _of_gaps(evidence: Evidence) -> float:
     """Work of joints and contacts that close gaps, and rounding of weights [J]."""
-    a, free = evidence.run.arrays, evidence.model.bodies.free
+    a, free = evidence.arrays, evidence.model.bodies.free
     work = evidence.closed * np.hypot(*np.nan_to_num(a["joint_force"]).T).max(axis=1, initial=0.0)
     pair = a["contact_body"] * len(free) + a["contact_other"]
     size, touch = np.hypot(*a["contact_force"].T), 0.0
@@ -304,7 +303,7 @@ def _of_the_step(evidence: Evidence) -> float:
 
     A single sample with a much larger power than those beside it does not widen the tolerance.
     """
-    a, time = evidence.run.arrays, evidence.run.time
+    a, time = evidence.arrays, evidence.run.time
     power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
     power = power.reshape(2, -1, len(time)).sum(axis=0)
     ropes = evidence.model.joints.keeping("range")
@@ -324,8 +323,8 @@ def _of_the_step(evidence: Evidence) -> float:
 
 def starts(evidence: Evidence) -> tuple[list[str], float, float]:
     """Motors that start at speed, their loss, and the most that joints do besides unseen [J]."""
-    a, drives, texts, cost, unsure = evidence.run.arrays, evidence.model.drives, [], 0.0, 0.0
-    weights, acceleration = evidence.loads.weights.T, evidence.loads.frames.acceleration
+    a, drives, texts, cost, unsure = evidence.arrays, evidence.model.drives, [], 0.0, 0.0
+    weights, acceleration = evidence.loads.weights.T, evidence.frames.acceleration
     for drive, sample, before, speed in _jumps(evidence):
         rate = evidence.rates[drives.target[drive], sample]
         # the rate of a sample in the step of an impact is the mean of before and after
@@ -352,7 +351,7 @@ def starts(evidence: Evidence) -> tuple[list[str], float, float]:
 
 def _jumps(evidence: Evidence) -> Iterator[tuple[int, int, float, float]]:
     """Motors that change a rate at once: drive, sample after it, rates before and after."""
-    a, drives, mechanism = evidence.run.arrays, evidence.model.drives, evidence.model.mechanism
+    a, drives, mechanism = evidence.arrays, evidence.model.drives, evidence.model.mechanism
     set_by, times = set_while_running(mechanism), np.array([evidence.h, 2 * evidence.h])
     for i in np.flatnonzero(paced(evidence.model)).tolist():
         # at its limit a motor speeds its hinge up step by step

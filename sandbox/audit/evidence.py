@@ -51,32 +51,33 @@ class Evidence:
                            and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)
         self.closed = 1.5 * max(GAP, CLOSES * self.h**2)
         """Gap [m] of a joint that a step may leave, both directions together."""
-        self.loads = Loads(self.run)
-        self.velocity = self.loads.frames.velocity
+        self.loads, self.arrays = Loads(self.run), self.run.arrays
+        self.frames = self.loads.frames
+        self.velocity = self.frames.velocity
         """Velocities of the bodies at the instant of each sample, [3, nb, n]."""
-        self.velocity_after = self.velocity + self.h / 2 * self.loads.frames.acceleration
+        self.velocity_after = self.velocity + self.h / 2 * self.frames.acceleration
         """The same at the end of each sample's step."""
         self.contact_arms = np.split(self.loads.contact_sides.arm, 2)
         """From the centres of mass of both bodies to the contact points [m], [m, 2] each."""
         self.vectors = not self.model.joints.name or not np.isnan(
-            self.run.arrays["joint_force"]).all()  # Whether joint forces were kept as vectors
+            self.arrays["joint_force"]).all()  # Whether joint forces were kept as vectors
 
     @cached_property
     def struck(self) -> Flags:
         """Samples in which contacts may have rebounded, which displaces the pose, [n] of bool."""
-        a, mechanism, count = self.run.arrays, self.model.mechanism, len(self.model.bodies.name)
+        a, mechanism, count = self.arrays, self.model.mechanism, len(self.model.bodies.name)
         pair = a["contact_body"] * count + a["contact_other"]
         bounces = [kind for kind in np.unique(pair).tolist()
                    if restitution_of(mechanism, *divmod(kind, count)) > 0]
         result = np.zeros(len(self.run), dtype=bool)
         result[a["contact_sample"][np.isin(pair, bounces)]] = True
-        change = np.abs(self.loads.frames.acceleration).max(axis=(0, 1), initial=0.0)
+        change = np.abs(self.frames.acceleration).max(axis=(0, 1), initial=0.0)
         return np.asarray(result & (self.h * change > REBOUND))
 
     @cached_property
     def displacement(self) -> Array:
         """Known displacement of the next pose by impacts in each sample's step, [3, nb, n]."""
-        frames = self.loads.frames
+        frames = self.frames
         poses = np.stack([frames.centre_x, frames.centre_y, frames.angle])
         moved = np.zeros_like(poses)
         if self.every_step:
@@ -91,10 +92,10 @@ class Evidence:
     @cached_property
     def angles(self) -> Array:
         """Angles of hinges from the bodies' poses [rad], lengths of actuators [m], [nj, n]."""
-        joints, angle = self.model.joints, self.loads.frames.angle
+        joints, angle = self.model.joints, self.frames.angle
         a, b = joints.bodies.T
         angles = joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None]
-        return np.where(self.loads.actuators[:, None], self.loads.frames.gaps, angles)
+        return np.where(self.loads.actuators[:, None], self.frames.gaps, angles)
 
     def rates_of(self, velocity: Array) -> Array:
         """Rates of hinges and actuators, nan of other joints, [nj, n]."""
@@ -116,7 +117,7 @@ class Evidence:
     def holds(self, kind: str) -> Flags:
         """Which joints, springs or tendons hold in which samples, [elements, n]."""
         if kind not in self._made:
-            self._made[kind] = held_of(self.model.bonds.of(kind), self.run.arrays["held"])
+            self._made[kind] = held_of(self.model.bonds.of(kind), self.arrays["held"])
         found: Flags = self._made[kind]
         return found
 
@@ -141,7 +142,7 @@ class Evidence:
     @cached_property
     def one_normal(self) -> Flags:
         """Contact rows with one normal: of one point, or of two convex bodies, [m] of bool."""
-        a, bodies = self.run.arrays, self.model.mechanism.bodies
+        a, bodies = self.arrays, self.model.mechanism.bodies
         simple = np.array([count_solids(body) <= 1 for body in bodies], dtype=bool)
         return np.asarray(simple[a["contact_body"]] & simple[a["contact_other"]]
                           | (a["contact_merged"] == 1))
@@ -153,7 +154,7 @@ class Evidence:
         The stiffness k of contacts in piles follows from the response G of the bodies: h^2 k G is
         known. A row of several points may have a smaller k.
         """
-        a, normal = self.run.arrays, self.run.contacts.normal
+        a, normal = self.arrays, self.run.contacts.normal
         one, two = a["contact_body"], a["contact_other"]
         skins = pair_skins(self.model.mechanism)[0]
         stiffness = skins[one, two] if skins.size else np.zeros(len(one))
@@ -166,8 +167,7 @@ class Evidence:
             piled = (stiffness == 0) & ~self.held_by_others[one] & ~self.held_by_others[two]
             stiffness = np.where(piled, scale / (self.h**2 * response), stiffness)
         stiffness = np.where(a["contact_merged"] == 1, stiffness, stiffness / 8)
-        return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal),
-                         where=stiffness > 0)
+        return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal), where=stiffness > 0)
 
     @cached_property
     def held_by_others(self) -> Flags:
@@ -181,7 +181,7 @@ class Evidence:
         self, velocity: Array, along: Array, arms: Sequence[Array] | None = None,
     ) -> Array:
         """Relative velocity of the first body ``along`` [m, 2] at contact rows, [m]."""
-        a, total = self.run.arrays, np.zeros(len(along))
+        a, total = self.arrays, np.zeros(len(along))
         for sign, key, arm in zip((1.0, -1.0), ("contact_body", "contact_other"),
                                   arms or self.contact_arms, strict=True):
             vx, vy, turn = velocity[:, a[key], a["contact_sample"]]
@@ -230,7 +230,7 @@ class Evidence:
         r h^3 (w^3 / 6 + w alpha / 2) and r h^4 alpha^2 / 8, which later steps close to
         :attr:`closed`. A path bends away as an arm with its radius of curvature.
         """
-        joints, frames, h = self.model.joints, self.loads.frames, self.h
+        joints, frames, h = self.model.joints, self.frames, self.h
         result = np.full(frames.gaps.shape, self.closed)
         alpha = np.abs(frames.acceleration[2])
         omega = np.abs(self.velocity[2]) + h * alpha
@@ -243,7 +243,7 @@ class Evidence:
                 result[j, :1] += abs(float(start.across))  # no scene starts exactly on a curve
                 a, b = joints.bodies[j].tolist()
                 curve, speed = np.abs(frames.place_in_slot(j).bend), np.abs(
-                    self.run.arrays["joint_speed"][:, j])
+                    self.arrays["joint_speed"][:, j])
                 change = np.hypot(*(frames.acceleration[:2, b] - frames.acceleration[:2, a]))
                 result[j] += h**3 * (speed**3 * curve**2 / 6 + speed * change * curve / 2)
         return result

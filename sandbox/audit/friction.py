@@ -47,14 +47,14 @@ MEASURED = 1e-13
                 "{count:comparison}, worst: {where}",
        none="no guide has friction")
 def _bounds(evidence: Evidence, worst: Worst) -> None:
-    tendons, a, held = evidence.model.tendons, evidence.run.arrays, evidence.holds("tendon")
+    tendons, a, held = evidence.model.tendons, evidence.arrays, evidence.holds("tendon")
     spans = [span for k in range(len(tendons.name)) for span in spans_of(tendons, k)]
     behind = {span.into: span for span in spans}
     for k, guide in enumerate(tendons.grips.tolist()):
         span, friction = behind[k], a["guide_friction"][:, k]
         after = _tension(evidence, span)
         most, floor = whole(after), SOLVED * whole(after) + _drag(evidence, span, k)
-        phi = np.maximum(bends(evidence.loads.frames, evidence.loads.cables, k), 0.0)
+        phi = np.maximum(bends(evidence.frames, evidence.loads.cables, k), 0.0)
         # the absolute value, since a tendon that breaks may reverse the sign
         bound = np.tanh(0.5 * float(tendons.friction[k]) * phi) * np.abs(2 * after - friction)
         place = evidence.model.bodies.name[tendons.guide_body[guide]]
@@ -71,10 +71,10 @@ def _drag(evidence: Evidence, span: CableSpan, grip: int) -> float:
     tendons, h = evidence.model.tendons, evidence.h
     if not tendons.closed[span.tendon]:
         return 0.0
-    slid = np.diff(evidence.run.arrays["guide_slip"][:, grip], prepend=0.0)
+    slid = np.diff(evidence.arrays["guide_slip"][:, grip], prepend=0.0)
     apart = h if evidence.every_step else float(np.diff(evidence.run.time[:2]).sum()) or h
     stiffness = float(tendons.stiffness[span.tendon] * rest_lengths(evidence.model)[span.tendon])
-    shortest = min(float(span_length(evidence.loads.frames, evidence.loads.cables, each)[1].min())
+    shortest = min(float(span_length(evidence.frames, evidence.loads.cables, each)[1].min())
                    for each in spans_of(tendons, span.tendon))
     return 5 * DRAG * h * stiffness / max(shortest, ROUNDING) * float(np.abs(slid).max()) / apart
 
@@ -82,7 +82,7 @@ def _drag(evidence: Evidence, span: CableSpan, grip: int) -> float:
 def _tension(evidence: Evidence, span: CableSpan) -> Array:
     """Tension of a span, that of its first straight piece [N], [n]."""
     piece = np.flatnonzero(evidence.model.tendons.stretch_first == span.guides[0])[:1]
-    return np.asarray(piece_tensions(evidence.model, evidence.run.arrays, piece)[0])
+    return np.asarray(piece_tensions(evidence.model, evidence.arrays, piece)[0])
 
 
 @check("tendon.spans", source="T = EA (L - M) / M",
@@ -109,7 +109,7 @@ def _add_laws(
 ) -> None:
     """Compare spans with the law at the step's end or at mid-step; M is that at its end."""
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
-    tendon, count, slip = spans[0].tendon, len(tension), evidence.run.arrays["guide_slip"]
+    tendon, count, slip = spans[0].tendon, len(tension), evidence.arrays["guide_slip"]
     damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])
     measured = [span_length(loads.frames, loads.cables, span) for span in spans]
     length, free = (np.array(each) for each in zip(*measured, strict=True))
@@ -159,7 +159,7 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
     sliding may begin in this step (:mod:`sandbox.engine.friction`): the joint stuck in the sample
     before, or slipped the other way.
     """
-    model, a, h = evidence.model, evidence.run.arrays, evidence.h
+    model, a, h = evidence.model, evidence.arrays, evidence.h
     joints, pushes = model.joints, evidence.loads.friction_efforts
     rates = pushes.rates(len(joints.name), evidence.velocity_after)
     for j in joints.frictional.tolist():
@@ -185,16 +185,16 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
 
 def carried(evidence: Evidence, joint: int) -> Array:
     """Load of a joint that its friction depends on [N], [n]; of a groove the force across it."""
-    force = evidence.run.arrays["joint_force"][:, joint]
+    force = evidence.arrays["joint_force"][:, joint]
     if evidence.model.joints.kind[joint].keeps != "groove":
         return np.asarray(np.hypot(force[:, 0], force[:, 1]))
-    place = evidence.loads.frames.place_in_slot(joint)
+    place = evidence.frames.place_in_slot(joint)
     return np.asarray(np.abs(place.x * force[:, 1] - place.y * force[:, 0]))
 
 
 def _bend(evidence: Evidence, joint: int) -> Array | float:
     """Acceleration off the tangent of a groove as bodies turn [m/s^2], [n]."""
-    joints, frames = evidence.model.joints, evidence.loads.frames
+    joints, frames = evidence.model.joints, evidence.frames
     if joints.kind[joint].keeps != "groove":
         return 0.0
     a, b = joints.bodies[joint].tolist()

@@ -27,7 +27,7 @@ FAST = 0.1  # Fraction of its largest velocity above which a body counts as movi
                 "worst: {where}; the hinge gaps on the way are allowed",
        none="no chain of hinges starts at a fixed body")
 def _poses(evidence: Evidence, worst: Worst) -> None:
-    model, frames = evidence.model, evidence.loads.frames
+    model, frames = evidence.model, evidence.frames
     at, angle, joints = frames.x + 1j * frames.y, frames.angle, model.joints
     placed: dict[int, tuple[Point, Array, Array | float]] = {
         i: (at[i], angle[i], 0.0) for i in np.flatnonzero(~model.bodies.free).tolist()}
@@ -56,7 +56,7 @@ def _kept_pivots(evidence: Evidence) -> list[int]:
 def _turned(evidence: Evidence, hinge: int) -> Array:
     """Angle of the second body against the first, from a hinge's recorded angle [rad], [n]."""
     joints = evidence.model.joints
-    angle = evidence.run.arrays["joint_angle"][:, hinge] + joints.zero[hinge]
+    angle = evidence.arrays["joint_angle"][:, hinge] + joints.zero[hinge]
     return np.asarray(joints.sense[hinge] * angle)
 
 
@@ -78,7 +78,7 @@ def _across(evidence: Evidence, bodies: Array, points: Array) -> tuple[Array, in
 def _tendon_paths(evidence: Evidence, worst: Worst) -> None:
     loads, names = evidence.loads, evidence.model.tendons.name
     if names:
-        off = lengths(loads.frames, loads.cables) - evidence.run.arrays["tendon_length"].T
+        off = lengths(loads.frames, loads.cables) - evidence.arrays["tendon_length"].T
         for name, error in zip(names, np.abs(off), strict=True):
             worst.add(name, error, ROUNDING)
 
@@ -117,7 +117,7 @@ def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
                 total += found[0] - loads.cables.length[row]
                 allowed, crossed = allowed + evidence.joint_slack[found[1]], True
         if crossed:
-            recorded = evidence.run.arrays["tendon_length"][:, tendon]
+            recorded = evidence.arrays["tendon_length"][:, tendon]
             worst.add(name, np.abs(total + path[tendon] - recorded), allowed)
 
 
@@ -132,7 +132,7 @@ def _spring_triangles(evidence: Evidence, worst: Worst) -> None:
         found, allowed = _across(evidence, springs.bodies[i], springs.anchor[i]), ROUNDING
         length = found[0] if found else evidence.loads.distances(
             springs.bodies[i:i + 1], springs.anchor[i:i + 1])[0]
-        worst.add(springs.name[i], np.abs(length - evidence.run.arrays["spring_length"][:, i]),
+        worst.add(springs.name[i], np.abs(length - evidence.arrays["spring_length"][:, i]),
                   allowed + evidence.joint_slack[found[1]] if found else allowed)
 
 
@@ -149,11 +149,11 @@ def _drift(evidence: Evidence, worst: Worst) -> None:
 
 def _gap(evidence: Evidence, j: int) -> tuple[Array, Array]:
     """Distance of the points of a joint from where it keeps them [m], [n], and its tolerance."""
-    joints, pose = evidence.model.joints, evidence.run.arrays["body_pose"]
-    gap, allowed = evidence.loads.frames.gaps[j], evidence.joint_slack[j] + ROUNDING
+    joints, pose = evidence.model.joints, evidence.arrays["body_pose"]
+    gap, allowed = evidence.frames.gaps[j], evidence.joint_slack[j] + ROUNDING
     match joints.kind[j].keeps:
         case "groove":
-            gap = evidence.loads.frames.place_in_slot(j).off
+            gap = evidence.frames.place_in_slot(j).off
         case "distance":
             gap = np.abs(gap - joints.reach[j, 0])
         case "roll":
@@ -166,7 +166,7 @@ def _gap(evidence: Evidence, j: int) -> tuple[Array, Array]:
             gap = (np.maximum(-gaps.min(axis=0) - play, 0.0) if play > 0
                    else np.abs(gaps).min(axis=0))
             if play == 0 and joints.stiffness[j] > 0:
-                reaction = np.nan_to_num(evidence.run.arrays["joint_reaction"][:, j])
+                reaction = np.nan_to_num(evidence.arrays["joint_reaction"][:, j])
                 allowed = allowed + peak(reaction) / float(joints.stiffness[j])
     return np.asarray(gap), np.asarray(allowed)
 
@@ -196,7 +196,7 @@ def _differential(evidence: Evidence, worst: Worst) -> None:
 
 def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
     """Add one rocker or wheel; a reason if it cannot be compared."""
-    model, frames = evidence.model, evidence.loads.frames
+    model, frames = evidence.model, evidence.frames
     joints, tendons, body = model.joints, model.tendons, model.names.body[name]
     slots = [j for j in joints.keeping("groove") if joints.bodies[j, 1] == body]
     if not slots:
@@ -236,7 +236,7 @@ def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> t
         loads.frames, cables, tendon, last=True)
     moved = ((cables.start.x[row] + 1j * cables.start.y[row] - far) * pull.conjugate()).real
     # with the present length: the stretch T / k is not an error of the rocker
-    displacement = (moved + evidence.run.arrays["tendon_length"][:, tendon] - before
+    displacement = (moved + evidence.arrays["tendon_length"][:, tendon] - before
                     - np.sqrt(abs(near - far)**2 - offset**2))
     slant = 1 - np.abs(((cables.x[row] + 1j * cables.y[row]) * pull.conjugate()).real)
     return arm, displacement, straight * slant
@@ -255,8 +255,7 @@ def _clock(evidence: Evidence, worst: Worst) -> str:
     if len(time) > 1:
         off = np.maximum(off, np.abs(np.diff(k, prepend=k[0] - every) - every))
     step = abs(run.info.step / h - 1)
-    worst.judge(max(peak(off), step),
-                8 * DIGITS * float(np.abs(k).max(initial=1.0)) + ROUNDING)
+    worst.judge(max(peak(off), step), 8 * DIGITS * float(np.abs(k).max(initial=1.0)) + ROUNDING)
     return (f"distance of samples from the middle of a step of {h:g} s, and from a spacing of "
             f"{every} steps")
 
@@ -266,7 +265,7 @@ def _clock(evidence: Evidence, worst: Worst) -> str:
                 "scene, {count:number}, worst: {where}",
        none="there is no body")
 def _numbers(evidence: Evidence, worst: Worst) -> None:
-    model, a = evidence.model, evidence.run.arrays
+    model, a = evidence.model, evidence.arrays
     bodies, tendons = model.bodies, model.tendons
     for what, names, off in (
         ("centre", bodies.name, np.hypot(*(a["body_centre"] - bodies.centre).T)),
@@ -284,7 +283,7 @@ def _numbers(evidence: Evidence, worst: Worst) -> None:
                 "{where}",
        none="all bodies move freely")
 def _schedules(evidence: Evidence, worst: Worst) -> None:
-    bodies, frames, time = evidence.model.bodies, evidence.loads.frames, evidence.run.time
+    bodies, frames, time = evidence.model.bodies, evidence.frames, evidence.run.time
     for b in np.flatnonzero(~bodies.free).tolist():
         body = evidence.model.mechanism.bodies[b]
         pose = np.tile(np.array([*body.at, body.angle])[:, None], len(time))
@@ -303,7 +302,7 @@ def _schedules(evidence: Evidence, worst: Worst) -> None:
                 "{count:comparison}, worst: {where}",
        none="there is no body")
 def _velocities(evidence: Evidence, worst: Worst) -> str:
-    bodies, frames = evidence.model.bodies, evidence.loads.frames
+    bodies, frames = evidence.model.bodies, evidence.frames
     if len(evidence.run) < FEW:
         raise NotComputed("there are too few samples")
     for b in np.flatnonzero(~bodies.fixed).tolist():
@@ -328,9 +327,7 @@ def _in_every_step(
         peak(v) + h * peak(a)))
 
 
-def _between(
-    evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst,
-) -> None:
+def _between(evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst) -> None:
     """Compare the mean velocity with the displacement between samples.
 
     The error of the trapezoid rule is a sixth of the second difference of v where samples resolve
@@ -351,7 +348,7 @@ def _between(
        compared="angles and rates of hinges against those of their bodies, {count:hinge}, worst: "
                 "{where}")
 def _hinges(evidence: Evidence, worst: Worst) -> None:
-    joints, a = evidence.model.joints, evidence.run.arrays
+    joints, a = evidence.model.joints, evidence.arrays
     for j in joints.hinges.tolist():
         for what, found in (("angle", evidence.angles[j]), ("rate", evidence.rates[j])):
             size = 1 + peak(found)

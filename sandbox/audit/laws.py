@@ -73,7 +73,7 @@ def _springs(evidence: Evidence, worst: Worst) -> None:
                 "relative to the largest of each, worst: {where}",
        none="no tendon slides freely")
 def _tendons(evidence: Evidence, worst: Worst) -> None:
-    loads, tendons, a = evidence.loads, evidence.model.tendons, evidence.run.arrays
+    loads, tendons, a = evidence.loads, evidence.model.tendons, evidence.arrays
     if not tendons.name:
         return
     holds, rates = _as_built(evidence, "tendon"), [
@@ -110,7 +110,7 @@ def _rotary_springs(evidence: Evidence, worst: Worst) -> None:
 
 def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> None:
     """Compare straight or rotary springs; the damper of a rotary one is always at mid-step."""
-    springs, loads, a = evidence.model.springs, evidence.loads, evidence.run.arrays
+    springs, loads, a = evidence.model.springs, evidence.loads, evidence.arrays
     which = np.flatnonzero(springs.straight == straight)
     rates = [loads.spring_efforts.rates(len(springs.name), v) for v in (
         evidence.velocity, evidence.velocity_after)] if len(which) else []
@@ -144,7 +144,7 @@ def _dampers(evidence: Evidence, worst: Worst) -> None:
     for j in model.joints.hinges.tolist():
         if model.bodies.free[model.joints.bodies[j]].any():
             c, rate = float(model.hinge_damping[j]), evidence.rates[j]
-            follow(worst, model.joints.name[j], evidence.run.arrays["joint_damping"][:, j],
+            follow(worst, model.joints.name[j], evidence.arrays["joint_damping"][:, j],
                    lambda v, c=c: -c * v, [((rate,), (lost_rate(rate, turning=True),))], holds[j])
 
 
@@ -155,8 +155,7 @@ def _dampers(evidence: Evidence, worst: Worst) -> None:
        none="there is no load")
 def _loads(evidence: Evidence, worst: Worst) -> None:
     """F(x, v, a, t) at the sample or, for stiff laws, F(x + h v, v, a, t) at the step's end."""
-    a, loads, frames, h = evidence.run.arrays, evidence.model.loads, evidence.loads.frames, (
-        evidence.h)
+    a, loads, frames, h = evidence.arrays, evidence.model.loads, evidence.frames, (evidence.h)
     for i, name in enumerate(loads.name):
         body = int(loads.body[i])
         force = np.stack([*a["load_force"][:, i].T, a["load_torque"][:, i]])

@@ -119,7 +119,7 @@ def _outline(shape: Shape) -> _Outline:
        none="nothing touches")
 def _places(evidence: Evidence, worst: Worst) -> None:
     """Compare contacts with the outlines; rows of several points with the hulls."""
-    a, names = evidence.run.arrays, evidence.model.bodies.name
+    a, names = evidence.arrays, evidence.model.bodies.name
     rows = np.flatnonzero(np.hypot(*a["contact_force"].T) > TOUCH)
     pair = a["contact_body"][rows] * len(names) + a["contact_other"][rows]
     for kind in np.unique(pair).tolist():
@@ -150,7 +150,7 @@ def _nearest(
     evidence: Evidence, rows: Integers, body: int, sign: float, allowed: Array,
 ) -> tuple[Array, Array, Flags]:
     """Distances of points and normals from the best sides of a body, and what is a circle."""
-    a, half, found = evidence.run.arrays, evidence.run.arrays["contact_gap"][rows] / 2, []
+    a, half, found = evidence.arrays, evidence.arrays["contact_gap"][rows] / 2, []
     points, out = _in_frame(evidence, rows, body, sign * a["contact_normal"][rows])
     shapes = evidence.model.mechanism.bodies[body].shapes
     for number, shape in enumerate(shapes):
@@ -166,7 +166,7 @@ def _nearest(
 
 def _beyond(evidence: Evidence, rows: Integers, body: int) -> Array:
     """How far rows are beyond the hull of a body along their forces [m]."""
-    force, beyond = evidence.run.arrays["contact_force"][rows], np.zeros(len(rows))
+    force, beyond = evidence.arrays["contact_force"][rows], np.zeros(len(rows))
     for sign in (1.0, -1.0):
         points, out = _in_frame(evidence, rows, body, (sign * force.T / np.hypot(*force.T)).T)
         reach = [(out @ _outline(shape).start.T).max(axis=1)
@@ -178,7 +178,7 @@ def _beyond(evidence: Evidence, rows: Integers, body: int) -> Array:
 
 def _in_frame(evidence: Evidence, rows: Integers, body: int, out: Array) -> tuple[Array, Array]:
     """Places and directions ``out`` of rows in the body's frame, [m, 2] each."""
-    a, frames = evidence.run.arrays, evidence.loads.frames
+    a, frames = evidence.arrays, evidence.frames
     sample = a["contact_sample"][rows]
     x, y, angle = frames.x[body, sample], frames.y[body, sample], frames.angle[body, sample]
     return (rotated(a["contact_point"][rows] - np.stack([x, y], axis=1), -angle),
@@ -187,13 +187,13 @@ def _in_frame(evidence: Evidence, rows: Integers, body: int, out: Array) -> tupl
 
 def _radius(evidence: Evidence, rows: Integers, body: int, shape: int) -> Array | float:
     """Radius about the sides of a shape [m]; of a circle that a drive may set at the rows."""
-    return radius_of(evidence.run, evidence.run.arrays["contact_sample"][rows], body, shape,
+    return radius_of(evidence.run, evidence.arrays["contact_sample"][rows], body, shape,
                      _outline(evidence.model.mechanism.bodies[body].shapes[shape]).radius)
 
 
 def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple[Array, Array]:
     """Tolerance by rounding, and by the motion in a step between two points in turn [m]."""
-    a, frames, h = evidence.run.arrays, evidence.loads.frames, evidence.h
+    a, frames, h = evidence.arrays, evidence.frames, evidence.h
     sample, size, speed = a["contact_sample"][rows], np.zeros(len(rows)), np.zeros((2, len(rows)))
     for b in pair:
         reach, step = reach_of(evidence, b), h / 2 * frames.acceleration[:, b, sample]
@@ -229,7 +229,7 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
     Rows with a normal force of no more than ``least`` [N] are removed first. A row with several
     normals covers all contacts between its two bodies.
     """
-    a, found = evidence.run.arrays, list[Touch]()
+    a, found = evidence.arrays, list[Touch]()
     kept = np.flatnonzero(evidence.run.contacts.normal > least)
     known: dict[tuple[int, int], list[tuple[Array, Array, bool]]] = {}
     for row in kept.tolist():
@@ -258,7 +258,7 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
 
 def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:
     """Near pairs without a row, and the largest overlap of outlines that approach [m], or 0."""
-    a, deepest = evidence.run.arrays, dict[tuple[int, int], float]()
+    a, deepest = evidence.arrays, dict[tuple[int, int], float]()
     rows = {tuple(sorted(pair)) for pair in zip(
         a["contact_body"].tolist(), a["contact_other"].tolist(), strict=True)}
     for touch, parts in _near(evidence):
@@ -271,7 +271,7 @@ def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:
 
 def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
     """Where outlines are near or overlap, and their rate of separation there [m/s]."""
-    frames, velocity = evidence.loads.frames, evidence.velocity_after[:, :, 0]
+    frames, velocity = evidence.frames, evidence.velocity_after[:, :, 0]
     for bodies, pieces in _close(evidence):
         here = apart(*pieces)
         if here is None or here.gap > evidence.near or not all(
@@ -285,9 +285,7 @@ def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
         yield (Touch(*bodies, -here.normal, here.at, here.gap), float((two - one) @ here.normal))
 
 
-def _close(
-    evidence: Evidence,
-) -> Iterator[tuple[tuple[int, int], tuple[PlacedPiece, PlacedPiece]]]:
+def _close(evidence: Evidence) -> Iterator[tuple[tuple[int, int], tuple[PlacedPiece, PlacedPiece]]]:
     """Pieces of bodies that may touch and whose bounding boxes overlap, the lower body first."""
     allowed = allowed_pairs(evidence.model)
     owned = [(body, piece) for body in np.flatnonzero(allowed.any(axis=1)).tolist()
@@ -306,7 +304,7 @@ def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> b
     """Whether ``out`` is within an arc of normals of the outline's surface on this piece."""
     if piece.faces is None:
         return True
-    x, y = rotated(out, -evidence.run.arrays["body_pose"][0, body, 2])
+    x, y = rotated(out, -evidence.arrays["body_pose"][0, body, 2])
     ax, ay, bx, by = piece.faces.T
     within = (ax * y - ay * x >= 0) & (x * by - y * bx >= 0) & (x * (ax + bx) + y * (ay + by) > 0)
     return bool((within | (np.minimum(np.hypot(ax - x, ay - y), np.hypot(bx - x, by - y))
@@ -315,7 +313,7 @@ def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> b
 
 def pressed(evidence: Evidence, row: int) -> Array | None:
     """The points between which a contact row of the single sample may press."""
-    a = evidence.run.arrays
+    a = evidence.arrays
     pair = int(a["contact_body"][row]), int(a["contact_other"][row])
     size, speed = np.abs(a["body_pose"][0, pair, :2]).max(), np.hypot(
         *a["body_velocity"][0, pair, :2].T).sum()

@@ -92,8 +92,7 @@ def write(run: Samples, file: IO[bytes]) -> None:
         info |= {"format": FORMAT, "notes": run.notes}
         archive.writestr(_member(MECHANISM), run.mechanism.model_dump_json(by_alias=True))
         archive.writestr(_member(INFO), json.dumps(info, sort_keys=True, indent=1))
-        members = [f"{one.filename} {one.file_size} {one.CRC:08x}\n"
-                   for one in archive.infolist()]
+        members = [f"{one.filename} {one.file_size} {one.CRC:08x}\n" for one in archive.infolist()]
         archive.comment = hashlib.sha256("".join(members).encode()).hexdigest()[:32].encode()
 
 
@@ -134,7 +133,11 @@ def read(path: Path) -> tuple[Mechanism, Arrays, Outcome, str]:
     """
     try:
         with path.open("rb") as file, zipfile.ZipFile(file) as archive:
-            return _Reading(path, file, archive).whole()
+            reading = _Reading(path, file, archive)
+            info, mechanism = reading.info(), reading.mechanism()
+            outcome = read_outcome(info, mechanism.run)
+            return (mechanism, reading.arrays(mechanism), outcome,
+                    archive.comment.decode("ascii", "replace"))
     except FileNotFoundError:
         raise OutputError(f"there is no recording in {path.parent}: {path.name} is missing",
                           code="no-run") from None
@@ -143,35 +146,19 @@ def read(path: Path) -> tuple[Mechanism, Arrays, Outcome, str]:
                           code="run-damaged") from None
     except OutputError:
         raise
+    except ValueError as error:
+        raise OutputError(f"{path} is damaged: {line_of(error)}", code="run-damaged") from None
     except Exception as error:  # zip, zlib, numpy and json each raise their own on garbage
         raise OutputError(f"{path} is not a recording, or damaged: {line_of(error)}",
                           code="run-damaged") from None
 
 
 class _Reading:
-    """One archive that is read."""
+    """One archive that is read; ValueError where it is damaged."""
 
     def __init__(self, path: Path, file: IO[bytes], archive: zipfile.ZipFile) -> None:
         self.path, self.file, self.archive = path, file, archive
         self.members = self._members()
-
-    def damaged(self, what: str) -> OutputError:
-        """The error that names a fault of the file."""
-        return OutputError(f"{self.path} is damaged: {what}", code="run-damaged")
-
-    def whole(self) -> tuple[Mechanism, Arrays, Outcome, str]:
-        """Everything, in the order of the module's text."""
-        if lacking := sorted({MECHANISM, INFO} - self.members.keys()):
-            raise OutputError(f"{self.path} is not a recording: it has no {lacking[0]!r}",
-                              code="run-damaged")
-        info = self._info()
-        mechanism = self._mechanism()
-        try:
-            outcome = read_outcome(info, mechanism.run)
-        except ValueError as error:
-            raise self.damaged(f"{INFO!r} does not describe a run: {error}") from None
-        return (mechanism, self._arrays(mechanism), outcome,
-                self.archive.comment.decode("ascii", "replace"))
 
     def _members(self) -> dict[str, zipfile.ZipInfo]:
         end, unpacked = self.file.seek(0, io.SEEK_END), 0
@@ -179,18 +166,18 @@ class _Reading:
         for one in self.archive.infolist():
             name, stored = one.filename, one.compress_type == zipfile.ZIP_STORED
             if not NAME.fullmatch(name):
-                raise self.damaged(f"no part of a recording is called {quoted(name)}")
+                raise ValueError(f"no part of a recording is called {quoted(name)}")
             if name in found:
-                raise self.damaged(f"{name!r} is in it twice")
+                raise ValueError(f"{name!r} is in it twice")
             if one.flag_bits & 1 or not (stored or one.compress_type == zipfile.ZIP_DEFLATED):
-                raise self.damaged(f"{name!r} is encrypted, or packed in a way that is not read")
+                raise ValueError(f"{name!r} is encrypted, or packed in a way that is not read")
             if one.compress_size > end - one.header_offset or (
                     stored and one.file_size != one.compress_size):
-                raise self.damaged(f"{name!r} claims more bytes than there are")
+                raise ValueError(f"{name!r} claims more bytes than there are")
             found[name] = one
             unpacked += 0 if stored else one.file_size
         if unpacked > MOST_UNPACKED:
-            raise self.damaged(
+            raise ValueError(
                 f"its compressed parts would take {unpacked} bytes; allowed: at most "
                 f"{MOST_UNPACKED}, or any size stored without compression")
         return found
@@ -200,34 +187,37 @@ class _Reading:
         while size:
             piece = stream.read(min(PIECE, size))
             if not piece:
-                raise self.damaged(f"{stream.name!r} ends too soon")
+                raise ValueError(f"{stream.name!r} ends too soon")
             size -= len(piece)
             yield piece
 
     # -- texts ------------------------------------------------------------------------
 
     def _text(self, name: str, most: int) -> str:
+        if name not in self.members:
+            raise ValueError(f"it has no {name!r}")
         size = self.members[name].file_size
         if size > most:
-            raise self.damaged(f"{name!r} has {size} bytes; allowed: at most {most}")
+            raise ValueError(f"{name!r} has {size} bytes; allowed: at most {most}")
         with self.archive.open(self.members[name]) as stream:
             text = b"".join(self._bytes(stream, size)) + stream.read(1)
         return text.decode()
 
-    def _info(self) -> dict[str, Any]:
+    def info(self) -> dict[str, Any]:
+        """How the run ended."""
         try:
             info: Any = parse_source(self._text(INFO, MOST_INFO), limits=LIMITS).data
         except SceneError as error:
-            raise self.damaged(f"{INFO!r} cannot be read: {line_of(error.problems[0])}") from None
+            raise ValueError(f"{INFO!r} cannot be read: {line_of(error.problems[0])}") from None
         version = info.pop("format", None) if isinstance(info, dict) else None
         if type(version) is not int or version < 1:
-            raise self.damaged(f"{INFO!r} does not describe a run")
+            raise ValueError(f"{INFO!r} does not describe a run")
         if version > FORMAT:
             raise OutputError(f"{self.path} has format {quoted(version)}; this version reads up to "
                               f"{FORMAT}: use a newer sandbox", code="unsupported-format")
         return dict(info)
 
-    def _mechanism(self) -> Mechanism:
+    def mechanism(self) -> Mechanism:
         """Checked as a scene is, except for the length of the run."""
         text = self._text(MECHANISM, MOST_TEXT)
         data: Any = None
@@ -246,19 +236,19 @@ class _Reading:
             problems = explain(error, data, Mechanism)
         if problems:
             more = f", and {len(problems) - 1} more" if len(problems) > 1 else ""
-            raise self.damaged(f"its mechanism is not valid: {line_of(problems[0])}{more}")
+            raise ValueError(f"its mechanism is not valid: {line_of(problems[0])}{more}")
         return mechanism
 
     # -- arrays -----------------------------------------------------------------------
 
-    def _arrays(self, mechanism: Mechanism) -> Arrays:
+    def arrays(self, mechanism: Mechanism) -> Arrays:
         """The numbers, checked and kept in memory, or mapped where they are many."""
         places = {row.name: self._place(row, self.members[f"{row.name}.npy"])
                   for row in ARRAYS if f"{row.name}.npy" in self.members}
         if mechanism.meters and METERS not in places:
-            raise self.damaged(f"array {METERS!r} is missing")
+            raise ValueError(f"array {METERS!r} is missing")
         if found := misshapen(mechanism, {name: place.shape for name, place in places.items()}):
-            raise self.damaged("; ".join(found))
+            raise ValueError("; ".join(found))
         size = sizes(mechanism, samples=places["time"].shape[0])
         end = mechanism.run.duration + mechanism.run.step
         large = 8 * sum(math.prod(place.shape) for place in places.values()) > IN_MEMORY
@@ -267,8 +257,8 @@ class _Reading:
                   for name, place in places.items()}
         for body, mass in zip(mechanism.bodies, arrays["body_mass"], strict=True):
             if body.motion == "dynamic" and np.isinf(mass):
-                raise self.damaged(f"array 'body_mass' has no weight for {quoted(body.name)}, "
-                                   "which moves freely")
+                raise ValueError(f"array 'body_mass' has no weight for {quoted(body.name)}, "
+                                 "which moves freely")
         return arrays
 
     def _place(self, row: Recorded, member: zipfile.ZipInfo) -> _Packed:
@@ -278,16 +268,16 @@ class _Reading:
                     raise ValueError
                 shape, by_columns, given = np.lib.format.read_array_header_1_0(stream)
             except ValueError:
-                raise self.damaged(f"{member.filename!r} is not an array of numbers") from None
+                raise ValueError(f"{member.filename!r} is not an array of numbers") from None
             header = stream.tell()
         wanted = np.dtype(dtype_of(row.name))
         if given != wanted.newbyteorder("<"):
-            raise self.damaged(f"array {row.name!r} holds {given}, expected {wanted}")
+            raise ValueError(f"array {row.name!r} holds {given}, expected {wanted}")
         if by_columns and len(shape) > 1:
-            raise self.damaged(f"array {row.name!r} is stored column by column")
+            raise ValueError(f"array {row.name!r} is stored column by column")
         if min(shape, default=0) < 0 or header + 8 * math.prod(shape) != member.file_size:
-            raise self.damaged(f"array {row.name!r} of shape {shape} does not take the "
-                               f"{member.file_size} bytes that it has")
+            raise ValueError(f"array {row.name!r} of shape {shape} does not take the "
+                             f"{member.file_size} bytes that it has")
         return _Packed(row, member, shape, header)
 
     def _array(
@@ -306,7 +296,7 @@ class _Reading:
                 piece = b"".join(self._bytes(stream, number * row))
                 values = np.frombuffer(piece, dtype).reshape(number, *shape)
                 if wrong := fault(kind, first, values, last, size, end):
-                    raise self.damaged(f"array {kind.name!r} {wrong}")
+                    raise ValueError(f"array {kind.name!r} {wrong}")
                 last = values[-1]
                 if not mapped:
                     kept[first:first + number] = values

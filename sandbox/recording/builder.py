@@ -73,9 +73,7 @@ class Room:
             self.left += old.nbytes
         return made
 
-    def _mapped(
-        self, path: Path, shape: tuple[int, ...], dtype: Any, size: int,
-    ) -> NDArray[Any]:
+    def _mapped(self, path: Path, shape: tuple[int, ...], dtype: Any, size: int) -> NDArray[Any]:
         """An array in a file whose blocks are allocated, as a full disk is an error only here."""
         try:
             with path.open("ab") as file:

@@ -76,16 +76,15 @@ def _pair_head(units: Mapping[str, str]) -> str:
 
 
 def bound_rows(run: Samples, found: Mapping[int, Sequence[Bounds]]) -> Iterator[str]:
-    """The text of ``contact_bounds.csv``: what contact forces could be, by number of the sample."""
+    """The text of ``contact_bounds.csv``: bounds of contact forces, by number of the sample."""
     yield _pair_head({f"{kind}{end}": "N" for kind in ("normal", "tangential")
                       for end in ("", "_low", "_high")})
-    names = [body.name for body in run.mechanism.bodies]
     for sample in sorted(found):
-        for one in found[sample]:
-            numbers = [value + 0.0 for part in (one.normal, one.tangential)
-                       for value in (part.force, part.low, part.high)]
-            yield ",".join([NUMBER % run.time[sample], names[one.body], names[one.other],
-                            *(NUMBER % value for value in numbers)]) + "\n"
+        if each := found[sample]:
+            numbers = np.array([[value for part in (one.normal, one.tangential)
+                                 for value in (part.force, part.low, part.high)] for one in each])
+            yield _pair_rows(run, np.full(len(each), run.time[sample]),
+                             *np.array([(one.body, one.other) for one in each]).T, numbers)
 
 
 def contact_rows(run: Samples) -> Iterator[str]:
@@ -105,9 +104,7 @@ def impact_rows(run: Samples) -> Iterator[str]:
     yield _pair_rows(run, *(run.arrays[key] for key in IMPACT))
 
 
-def _pair_rows(
-    run: Samples, time: Array, body: Integers, other: Integers, *numbers: Array,
-) -> str:
+def _pair_rows(run: Samples, time: Array, body: Integers, other: Integers, *numbers: Array) -> str:
     """Lines of an instant, the names of two bodies and numbers."""
     names = [body.name for body in run.mechanism.bodies]
     values = np.column_stack([time, *numbers]) + 0.0

@@ -321,8 +321,7 @@ def lying(frames: Frames, cables: Stretches, wheel: int) -> tuple[Array, Array]:
     across = u[0] * (centre - begin)[1] - u[1] * (centre - begin)[0]
     clear = -np.sign(radius) * across - abs(radius)
     beside = ((u * (centre - begin)).sum(axis=0) > 0) & ((u * (end - centre)).sum(axis=0) > 0)
-    return course.wrap(place)[1:], np.where(
-        off[:, wheel], np.where(beside, clear, np.inf), np.nan)
+    return course.wrap(place)[1:], np.where(off[:, wheel], np.where(beside, clear, np.inf), np.nan)
 
 
 def span_length(frames: Frames, cables: Stretches, span: CableSpan) -> tuple[Array, Array]:

@@ -182,8 +182,7 @@ def mean_arrays(arrays: Arrays, keys: Iterable[str]) -> Arrays:
         return {}
     rows, (joints, tendons, guides) = arrays["mean_sample"], (
         arrays[key].shape[1] for key in ("joint_stop", "tendon_tension", "guide_friction"))
-    parts = np.split(arrays["mean_force"],
-                     np.cumsum([FORCES * joints, tendons, guides]), axis=1)
+    parts = np.split(arrays["mean_force"], np.cumsum([FORCES * joints, tendons, guides]), axis=1)
     forces = parts[0].reshape(len(rows), joints, FORCES)
     means = {"joint_force": forces[..., :2], "joint_reaction": np.hypot(*forces.T[:2]).T,
              "joint_couple": forces[..., 2], "joint_stop": forces[..., 3],

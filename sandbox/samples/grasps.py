@@ -66,8 +66,13 @@ class Grasp:
             first, a["contact_other"][rows], a["contact_body"][rows])[presses]
         bodies = run.mechanism.bodies
         self.of_hand: Flags = np.array([of_hand(each) for each in bodies])[self.other]
+        objects = np.array([each.role == "object" for each in bodies])
+        self.of_others: Flags = ~self.of_hand & ~objects[self.other]
+        """Contacts with bodies that are neither hand nor object, [m]."""
         self.on_finger: Flags = self.of_hand & np.array(
             [each.role != "palm" for each in bodies])[self.other]
+        self.count = np.bincount(self.sample[self.of_hand], minlength=len(run))
+        """Contacts of the hand in every sample, [n]."""
         local = centre_of(bodies[body])
         self.size = reach_of(bodies[body], local)
         """rho: greatest distance of the outline from the centre of mass [m]."""
@@ -110,11 +115,6 @@ class Grasp:
             yield found, begin[found, None] + np.arange(m)
 
     @cached_property
-    def count(self) -> Integers:
-        """Contacts of the hand in every sample, [n]."""
-        return np.bincount(self.sample[self.of_hand], minlength=len(self.run))
-
-    @cached_property
     def _pressed(self) -> tuple[Integers, Array]:
         """Rows of the hand [p] and the points at which each may press [p, 2]."""
         rows = np.flatnonzero(self.of_hand)
@@ -155,21 +155,18 @@ class Grasp:
         held = np.flatnonzero(self.held[asked])
         count = min(len(held), MAX_STIFFNESS_SAMPLES)
         at = np.linspace(0, len(held) - 1, count).round().astype(np.int64)
-        values = np.array([self._stiffness_at(sample)[STIFFNESS.index(name)]
-                           for sample in asked[held[at]].tolist()])
+        samples = asked[held[at]].tolist()
+        for sample in samples:
+            if sample not in self._stiffnesses:
+                self._stiffnesses[sample] = np.full(len(STIFFNESS), np.nan)
+                with contextlib.suppress(ArithmeticError):
+                    self._stiffnesses[sample] = Yielding(
+                        self.run, sample, self.size).of(self.body).stiffness()
+        values = np.array([self._stiffnesses[sample][STIFFNESS.index(name)] for sample in samples])
         result[held] = np.repeat(values, np.diff(at, append=len(held)))
         if len(self.run.model.tendons.grips):  # friction at guides adds to what holds
             result[np.isfinite(result)] = np.nan
         return result
-
-    def _stiffness_at(self, sample: int) -> Array:
-        """All of :data:`STIFFNESS` in a sample in which the object is held, [4]."""
-        if sample not in self._stiffnesses:
-            found = np.full(len(STIFFNESS), np.nan)
-            with contextlib.suppress(ArithmeticError):
-                found = Yielding(self.run, sample, self.size).of(self.body).stiffness()
-            self._stiffnesses[sample] = found
-        return self._stiffnesses[sample]
 
     @property
     def no_stiffness(self) -> str:
@@ -214,18 +211,12 @@ class Grasp:
     def _rest(self) -> _Holding:
         n, time = len(self.run), self.run.time
         hand, carried = (np.bincount(self.sample[rows], minlength=n) > 0
-                         for rows in (self.of_hand, self._others))
+                         for rows in (self.of_hand, self.of_others))
         since = np.searchsorted(time, time - WINDOW * (1 + 1e-9), side="left")
         ready = time - WINDOW >= (time[0] if n else 0.0) - WINDOW * 1e-9
         lost = np.cumsum(np.concatenate([[0.0], ~hand]))
         way = self._ways()
         return _Holding(hand, carried, ready, lost[1:] > lost[since], way - way[:, since], since)
-
-    @cached_property
-    def _others(self) -> Flags:
-        """Contacts with bodies that are neither hand nor object, [m]."""
-        objects = np.array([each.role == "object" for each in self.run.mechanism.bodies])
-        return np.asarray(~self.of_hand & ~objects[self.other])
 
     def why_not(self, sample: int) -> str:
         """The conditions of ``held`` that a sample does not meet, with numbers; empty if held."""
@@ -233,13 +224,16 @@ class Grasp:
         window = f"in the {WINDOW:g} s before"
         reasons = []
         if not rest.hand[sample]:
-            reasons.append(self._untouched(sample))
+            before = np.flatnonzero(rest.hand[:sample])
+            reasons.append(
+                f"no body of a hand touched it after {self.run.time[before[-1]]:.6g} s"
+                if len(before) else "no body of a hand had touched it yet")
         elif not rest.ready[sample]:
             reasons.append(f"the run was not {WINDOW:g} s old")
         elif rest.released[sample]:
             reasons.append(f"the hand released it {window}")
         if rest.carried[sample]:
-            rows = np.flatnonzero(self._others & (self.sample == sample))
+            rows = np.flatnonzero(self.of_others & (self.sample == sample))
             carrier = self._most(rows, self.push[rows])[0]
             reasons.append(f"{carrier!r}, which is no hand, carries it")
         moved, slid = rest.way[:, sample]
@@ -253,14 +247,6 @@ class Grasp:
             reasons.append(f"it slid by {_mm(slid)} {window}, {most}, along {name!r} by {_mm(way)}")
         return "; ".join(reasons)
 
-    def _untouched(self, sample: int) -> str:
-        if not self._rest.hand.any():
-            return "no body of a hand ever touches it"
-        before = np.flatnonzero(self._rest.hand[:sample])
-        if not len(before):
-            return "no body of a hand had touched it yet"
-        return f"no body of a hand touched it after {self.run.time[before[-1]]:.6g} s"
-
     def _most(self, rows: Integers, amounts: Array) -> tuple[str, float]:
         """The touching body with the largest sum of amounts over contacts, and the sum."""
         bodies = self.run.mechanism.bodies
@@ -269,7 +255,7 @@ class Grasp:
 
     def _ways(self) -> Array:
         """Total travel of its outline relative to the hand, and total sliding [m], [2, n]."""
-        at, angle = self._seen()
+        at, angle = self._in_palm()
         steps = np.hypot(*np.diff(at, axis=0).T) + self.size * np.abs(np.diff(angle))
         slides = np.zeros(len(self.run))
         rows = np.flatnonzero(self.of_hand)
@@ -278,7 +264,7 @@ class Grasp:
         ways = np.cumsum([steps, slid], axis=1)
         return np.concatenate([np.zeros((2, min(1, len(at)))), ways], axis=1)
 
-    def _seen(self) -> tuple[Array, Array]:
+    def _in_palm(self) -> tuple[Array, Array]:
         """Its centre [n, 2] and angle [n] in the frame of a moving palm, else in the world."""
         pose = self.run.arrays["body_pose"]
         angle = pose[:, self.body, 2]
@@ -293,7 +279,7 @@ class Grasp:
         """Largest displacement of its points [m], [n], since the first sample of being held."""
         begins = self.held & ~np.concatenate([np.zeros(1, dtype=bool), self.held[:-1]])
         since = np.maximum.accumulate(np.where(begins, np.arange(len(begins)), 0))
-        at, angle = self._seen()
+        at, angle = self._in_palm()
         turned = 2 * self.size * np.abs(np.sin((angle - angle[since]) / 2))
         moved = np.hypot(*(at - at[since]).T) + turned
         return np.where(self.held, moved, np.nan)

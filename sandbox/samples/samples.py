@@ -250,7 +250,12 @@ class Samples(Stored):
         elif kind == "drive" and quantity == "power":
             result = self._power(index)
         elif quantity == "shortening":
-            result = self._shortening(index)
+            tendons, a = self.model.tendons, self.arrays
+            result = a["tendon_initial"][index] - a["tendon_length"][:, index]
+            radii = tendons.guide_radius[tendons.guides(index)]
+            if not tendons.closed[index] and (radii[0] or radii[-1]):
+                frames = Frames(self)
+                result = result + wound_up(frames, stretches(frames), index)
         elif kind == "joint" and quantity == "tension":
             result = link_tensions(
                 self.model, self.means("joint_force", "joint_reaction"), np.array([index]))[:, 0]
@@ -293,16 +298,6 @@ class Samples(Stored):
             return np.asarray(a["drive_torque"][:, drive] * rate)
         holds = held_one(self.model.bonds.joint[joint], a["held"])
         return np.asarray(holds * a["drive_value"][:, drive] * rate)
-
-    def _shortening(self, tendon: int) -> Array:
-        """Shortening of a tendon between its ends, without what wheels there wound up [m], [n]."""
-        less: Array = (self.arrays["tendon_initial"][tendon]
-                       - self.arrays["tendon_length"][:, tendon])
-        radii = self.model.tendons.guide_radius[self.model.tendons.guides(tendon)]
-        if self.model.tendons.closed[tendon] or not (radii[0] or radii[-1]):
-            return less
-        frames = Frames(self)
-        return less + wound_up(frames, stretches(frames), tendon)
 
 
 MOST = 8  # Largest number of notes of one kind

@@ -103,16 +103,14 @@ def initial(run: Samples, drive: str) -> float:
     """The value of a drive at t = 0, before anything acts; SI."""
     spec = run.mechanism.drives[run.model.names.drive[drive]]
     try:
-        return float(values(
-            spec.signal(run.mechanism), np.zeros(1), run.mechanism.functions)[0])
+        return float(values(spec.signal(run.mechanism), np.zeros(1), run.mechanism.functions)[0])
     except ValueError:  # such as log(t): what it had first
         return float(run[f"{drive}.value"][0])
 
 
 def _led(run: Samples, controller: Controller) -> Iterator[tuple[str, Array]]:
     """The quantities that a controller reads by their plain names, and their targets."""
-    for i, (text, signal) in enumerate(zip(
-            controller.readings, controller.signals, strict=False)):
+    for i, (text, signal) in enumerate(zip(controller.readings, controller.signals, strict=False)):
         name = text.removeprefix("=").strip()
         if name in run:  # else an expression of several quantities
             target = values(signal, run.time, run.mechanism.functions)

@@ -262,9 +262,7 @@ class Yielding:
         ends = [np.array([end.x[j, 0], end.y[j, 0]]) for end in reversed(frames.anchors)]
         arms = np.array([ends[0] - self.centre[b], ends[1] - self.centre[a]])
 
-        def rigid(
-            along: Array, turns: int, radius: float = 0.0, *, across: bool = False,
-        ) -> Rigid:
+        def rigid(along: Array, turns: int, radius: float = 0.0, *, across: bool = False) -> Rigid:
             way = np.array([-along[1], along[0]]) if across else along
             return Rigid((b, a), arms, (radius, 0.0), along, turns, float(f @ way), across)
 
@@ -274,8 +272,7 @@ class Yielding:
         elif keeps == "groove":
             place = frames.place_in_slot(j)
             x, y, bend = (float(v[0]) for v in (place.x, place.y, place.bend))
-            friction = abs(float(np.nan_to_num(
-                self.run.arrays["joint_friction"][self.sample, j])))
+            friction = abs(float(np.nan_to_num(self.run.arrays["joint_friction"][self.sample, j])))
             if abs(float(f[0]) * x + float(f[1]) * y) > TOUCH + friction:  # an end pushes the point
                 yield rigid(np.array([x, y]), 1)
             if bend == 0.0:
@@ -321,8 +318,7 @@ class Yielding:
         """
         a, s, both = self.run.arrays, self.sample, list(pair)
         u, point = a["contact_normal"][row], a["contact_point"][row]
-        near = NEAR + self.run.info.step * float(
-            np.hypot(*a["body_velocity"][s, both, :2].T).sum())
+        near = NEAR + self.run.info.step * float(np.hypot(*a["body_velocity"][s, both, :2].T).sum())
         ends, along = pressed(self.run, row, near), np.array([-u[1], u[0]])
         near += abs(float(a["contact_gap"][row])) / 2
         place = float(point @ along)
