@@ -2,14 +2,10 @@
 
 With friction, or with more contacts than degrees of freedom, balance does not determine single
 contact forces. The possible forces are a convex set: on every free body m a = sum F and I alpha =
-sum M, with contacts that push within their friction cones (in the plane two straight lines, so that
-nothing is approximated) and tendons that pull. A linear program gives the least and the largest of
-each component over this set (:mod:`sandbox.mechanics.linear_program`). The recorded forces have to
-lie between them.
-
-The largest push on an object follows from the same program with one more unknown: a force along a
-direction at the centre of mass of one body. Drives, springs and weights stay as they are. Beyond
-the largest such force there is no balance at rest in this pose; below it something may move, too.
+sum M, with contacts that push within their friction cones (in the plane two straight lines) and
+tendons that pull. A linear program gives the least and the largest of each component. The largest
+push on an object follows with one more unknown: a force at the centre of mass. Beyond it there is
+no balance at rest in this pose; below it something may move, too.
 """
 
 from __future__ import annotations

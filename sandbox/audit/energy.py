@@ -14,6 +14,7 @@ h/2 dv . M da.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -80,19 +81,7 @@ def _shared(evidence: Evidence, worst: Worst) -> str:
     return "; ".join(shared[:6]) + more if shared else "none"
 
 
-@check("momentum.force", source="m a = Σ F", asks="is F = m a for every body?",
-       compared=UNBALANCED.format("m a", "forces"), none="nothing moves freely")
-def _momentum(evidence: Evidence, worst: Worst) -> None:
-    _residuals(evidence, worst, 0)
-
-
-@check("momentum.moment", source="I α = Σ M", asks="is M = I alpha for every body?",
-       compared=UNBALANCED.format("I alpha", "moments"), none="nothing moves freely")
-def _angular_momentum(evidence: Evidence, worst: Worst) -> None:
-    _residuals(evidence, worst, 1)
-
-
-def _residuals(evidence: Evidence, worst: Worst, row: int) -> None:
+def _residuals(evidence: Evidence, worst: Worst, *, row: int) -> None:
     """Compare the residuals of m a - sum F (``row`` 0) or of I alpha - sum M (1)."""
     if not evidence.vectors:
         raise NotComputed(OLDER)
@@ -102,8 +91,17 @@ def _residuals(evidence: Evidence, worst: Worst, row: int) -> None:
         scale = max(moment, force * ROUNDING / EXACT) if row else force
         scale, left = max(scale, SMALLEST_SCALE), loads.left[:, b]
         error = np.abs(left[2]) if row else np.hypot(left[0], left[1])
-        worst.add(evidence.model.bodies.name[b], error / scale,
-                  evidence.left_allowed[row, b] / scale)
+        allowed = evidence.left_allowed[row, b]
+        worst.add(evidence.model.bodies.name[b], error / scale, allowed / scale)
+
+
+_momentum = check("momentum.force", source="m a = Σ F", asks="is F = m a for every body?",
+                  compared=UNBALANCED.format("m a", "forces"),
+                  none="nothing moves freely")(partial(_residuals, row=0))
+_angular_momentum = check("momentum.moment", source="I α = Σ M",
+                          asks="is M = I alpha for every body?",
+                          compared=UNBALANCED.format("I alpha", "moments"),
+                          none="nothing moves freely")(partial(_residuals, row=1))
 
 
 class _Balance(NamedTuple):
@@ -192,9 +190,9 @@ def _created(evidence: Evidence, worst: Worst) -> None:
 def _lost(evidence: Evidence, worst: Worst) -> str:
     """The energy that joints and contacts take, against the work of contacts and stops."""
     balance, run, a = _closed_balance(evidence), evidence.run, evidence.arrays
-    touched = (len(run.mean_contacts.sample) + len(a["impact_time"]) > 0
-               or bool(np.nan_to_num(run.means("joint_stop")["joint_stop"]).any())
-               or _stretched(evidence))
+    stops = np.nan_to_num(run.means("joint_stop")["joint_stop"])
+    touched = len(run.mean_contacts.sample) or len(a["impact_time"]) or stops.any() or (
+        _stretched(evidence))
     if touched and not evidence.every_step:
         raise NotComputed(
             f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
@@ -238,8 +236,8 @@ def _work_of_contacts(evidence: Evidence) -> Array:
     v = (evidence.velocity * evidence.model.bodies.free[:, None])[:, sides.body, sides.sample]
     power = sides.force[:, 0] * v[0] + sides.force[:, 1] * v[1] + sides.moment * v[2]
     step = np.bincount(sides.sample, weights=power, minlength=len(evidence.run))
-    return _to_middle(evidence.h * (
-        step + np.nan_to_num(a["joint_stop"] * a["joint_rate"]).sum(axis=1)))
+    stops = np.nan_to_num(a["joint_stop"] * a["joint_rate"]).sum(axis=1)
+    return _to_middle(evidence.h * (step + stops))
 
 
 def _work_of_weight(evidence: Evidence) -> Array:
@@ -301,7 +299,8 @@ def _of_gaps(evidence: Evidence) -> float:
 def _of_the_step(evidence: Evidence) -> float:
     """Work of joints, and what contacts and taut ropes supply, by the error of the step [J].
 
-    A single sample with a much larger power than those beside it does not widen the tolerance.
+    Except where motors jump, a single sample with a much larger power than those beside it does not
+    widen the tolerance.
     """
     a, time = evidence.arrays, evidence.run.time
     power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
@@ -311,7 +310,10 @@ def _of_the_step(evidence: Evidence) -> float:
     power = np.abs(power)
     if len(time) > 1:
         beside = np.pad(power, ((0, 0), (1, 1)), mode="reflect")
-        power = np.minimum(power, OUTLIER * np.maximum(beside[:, :-2], beside[:, 2:]))
+        most = OUTLIER * np.maximum(beside[:, :-2], beside[:, 2:])
+        for _, sample, _, _ in _jumps(evidence):
+            most[:, max(sample - 1, 0):sample + 2] = np.inf
+        power = np.minimum(power, most)
     rate = evidence.contact_rate(evidence.velocity, a["contact_normal"])
     contacts = np.maximum(evidence.run.contacts.normal * rate, 0.0).sum()
     apart = evidence.h if evidence.every_step or len(time) < 2 else np.median(np.diff(time))

@@ -189,6 +189,10 @@ class Evidence:
                              + (vy + turn * arm[:, 0]) * along[:, 1])
         return total
 
+    def rates_twice(self, efforts: Batch, count: int) -> list[Array]:
+        """Rates of elements at mid-step and at the step's end, [count, n] each."""
+        return [efforts.rates(count, v) for v in (self.velocity, self.velocity_after)]
+
     def answer(self, efforts: Batch, element: int) -> Array:
         """Change of an element's rate by an effort of 1 N s or 1 N m s on separate bodies, [n]."""
         own = efforts.element == element

@@ -54,7 +54,7 @@ def _bounds(evidence: Evidence, worst: Worst) -> None:
         span, friction = behind[k], a["guide_friction"][:, k]
         after = _tension(evidence, span)
         most, floor = whole(after), SOLVED * whole(after) + _drag(evidence, span, k)
-        phi = np.maximum(bends(evidence.frames, evidence.loads.cables, k), 0.0)
+        phi = np.maximum(bends(evidence.frames, k), 0.0)
         # the absolute value, since a tendon that breaks may reverse the sign
         bound = np.tanh(0.5 * float(tendons.friction[k]) * phi) * np.abs(2 * after - friction)
         place = evidence.model.bodies.name[tendons.guide_body[guide]]
@@ -74,7 +74,7 @@ def _drag(evidence: Evidence, span: CableSpan, grip: int) -> float:
     slid = np.diff(evidence.arrays["guide_slip"][:, grip], prepend=0.0)
     apart = h if evidence.every_step else float(np.diff(evidence.run.time[:2]).sum()) or h
     stiffness = float(tendons.stiffness[span.tendon] * rest_lengths(evidence.model)[span.tendon])
-    shortest = min(float(span_length(evidence.frames, evidence.loads.cables, each)[1].min())
+    shortest = min(float(span_length(evidence.frames, each)[1].min())
                    for each in spans_of(tendons, span.tendon))
     return 5 * DRAG * h * stiffness / max(shortest, ROUNDING) * float(np.abs(slid).max()) / apart
 
@@ -111,7 +111,7 @@ def _add_laws(
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
     tendon, count, slip = spans[0].tendon, len(tension), evidence.arrays["guide_slip"]
     damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])
-    measured = [span_length(loads.frames, loads.cables, span) for span in spans]
+    measured = [span_length(evidence.frames, span) for span in spans]
     length, free = (np.array(each) for each in zip(*measured, strict=True))
     wound = (length - free)[:count, 1:]
     rest = float(rest_lengths(evidence.model)[tendon])
@@ -127,8 +127,7 @@ def _add_laws(
         inside = np.where(last >= 0, even[:, last] + came - came[:, last], inside)
     slid = np.diff(came, axis=1, prepend=0.0 if evidence.every_step else came[:, :1])
     apart = float(np.diff(evidence.run.time[:2]).sum()) or h
-    each = [loads.piece_efforts.rates(len(tendons.stretch_first), v)
-            for v in (evidence.velocity, evidence.velocity_after)]
+    each = evidence.rates_twice(loads.piece_efforts, len(tendons.stretch_first))
     for n, span in enumerate(spans[:count]):
         pieces = np.isin(tendons.stretch_first, span.guides[:-1])
         now, after = (rates[pieces].sum(axis=0) for rates in each)

@@ -13,7 +13,7 @@ from sandbox.audit.figures import DIGITS, ROUNDING, STOPPED, NotComputed, Worst,
 from sandbox.elements.element import GRAZE
 from sandbox.model.joints import flank_gaps, slipped
 from sandbox.numeric import Array
-from sandbox.samples.cables import lengths, lengths_at_start, lying, rest_lengths, wound_up
+from sandbox.samples.cables import lengths_at_start, lying, rest_lengths, wound_up
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.values.signals import values
 
@@ -76,9 +76,8 @@ def _across(evidence: Evidence, bodies: Array, points: Array) -> tuple[Array, in
        compared="length along all guides in the recorded poses against the recorded length, "
                 "{count:tendon}, worst: {where}")
 def _tendon_paths(evidence: Evidence, worst: Worst) -> None:
-    loads, names = evidence.loads, evidence.model.tendons.name
-    if names:
-        off = lengths(loads.frames, loads.cables) - evidence.arrays["tendon_length"].T
+    if names := evidence.model.tendons.name:
+        off = evidence.frames.lengths - evidence.arrays["tendon_length"].T
         for name, error in zip(names, np.abs(off), strict=True):
             worst.add(name, error, ROUNDING)
 
@@ -89,12 +88,12 @@ def _tendon_paths(evidence: Evidence, worst: Worst) -> None:
                 "with a wheel that it has left, {count:comparison}, worst: {where}",
        none="no tendon can lift off a wheel")
 def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
-    tendons, loads = evidence.model.tendons, evidence.loads
+    tendons = evidence.model.tendons
     for k, guide in enumerate(tendons.wheels.tolist()):
         tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
         name = f"{tendons.name[tendon]} at guide {guide - int(tendons.first[tendon])}"
         radius = abs(float(tendons.guide_radius[guide]))
-        angle, clear = lying(loads.frames, loads.cables, k)
+        angle, clear = lying(evidence.frames, k)
         worst.add(name, radius * np.maximum(-angle, 0.0), ROUNDING + GRAZE * radius)
         worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-clear, 0.0)), ROUNDING)
 
@@ -105,8 +104,7 @@ def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
                 "worst: {where}; the gap of each hinge is allowed",
        none="no tendon crosses a hinge between point guides")
 def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
-    loads, tendons = evidence.loads, evidence.model.tendons
-    path = lengths(loads.frames, loads.cables)
+    frames, tendons = evidence.frames, evidence.model.tendons
     for tendon, name in enumerate(tendons.name):
         total, allowed, crossed = np.zeros(len(evidence.run)), ROUNDING + np.zeros(1), False
         for row in np.flatnonzero(tendons.stretch_tendon == tendon).tolist():
@@ -114,11 +112,11 @@ def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
             found = None if tendons.guide_radius[ends].any() else _across(
                 evidence, tendons.guide_body[ends], tendons.guide_at[ends])
             if found:
-                total += found[0] - loads.cables.length[row]
+                total += found[0] - frames.cables.length[row]
                 allowed, crossed = allowed + evidence.joint_slack[found[1]], True
         if crossed:
             recorded = evidence.arrays["tendon_length"][:, tendon]
-            worst.add(name, np.abs(total + path[tendon] - recorded), allowed)
+            worst.add(name, np.abs(total + frames.lengths[tendon] - recorded), allowed)
 
 
 @check("spring.length", "m", "(28)-(30)",
@@ -223,8 +221,8 @@ def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
 def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> tuple[
         float, Array, Array]:
     """Arm of a string at its last guide [m], displacement of its far side, inclination, [n]."""
-    loads, tendons = evidence.loads, evidence.model.tendons
-    last, cables = int(tendons.first[tendon + 1]) - 1, loads.cables
+    frames, tendons, cables = evidence.frames, evidence.model.tendons, evidence.frames.cables
+    last = int(tendons.first[tendon + 1]) - 1
     near, far = (complex(*to_world(
         pose_of(evidence.model.mechanism.bodies[tendons.guide_body[guide]]),
         tuple(tendons.guide_at[guide]))) for guide in (last, last - 1))
@@ -232,8 +230,7 @@ def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> t
     arm = ((near - place) * pull.conjugate()).imag + radius
     row = int(np.flatnonzero(tendons.stretch_tendon == tendon)[-1])
     straight, offset = cables.length[row], float(tendons.guide_radius[last - 1]) - radius
-    before = lengths(loads.frames, cables)[tendon] - straight - wound_up(
-        loads.frames, cables, tendon, last=True)
+    before = frames.lengths[tendon] - straight - wound_up(frames, tendon, last=True)
     moved = ((cables.start.x[row] + 1j * cables.start.y[row] - far) * pull.conjugate()).real
     # with the present length: the stretch T / k is not an error of the rocker
     displacement = (moved + evidence.arrays["tendon_length"][:, tendon] - before

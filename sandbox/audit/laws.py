@@ -9,6 +9,7 @@ rounding of x and v is found by evaluating the law beside them.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from sandbox.model.laws import SpringLaw
 from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags
-from sandbox.samples.cables import lengths, rest_lengths
+from sandbox.samples.cables import rest_lengths
 
 State = tuple[Sequence[Array], Sequence[Array | float]]
 """Arguments of a law, [n] each, and their errors."""
@@ -59,12 +60,37 @@ def _as_built(evidence: Evidence, kind: str) -> Flags:
     return holds
 
 
-@check("spring.law", source="F = k (L - L0) + c dL/dt",
-       asks="is each spring force stiffness times stretch, plus damping?",
-       compared="forces of {count:straight spring} from the recorded poses and velocities, "
-                "relative to the largest of each, worst: {where}")
-def _springs(evidence: Evidence, worst: Worst) -> None:
-    _compare_springs(evidence, worst, straight=True)
+def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> None:
+    """Compare straight or rotary springs; the damper of a rotary one is always at mid-step."""
+    springs, loads, a = evidence.model.springs, evidence.loads, evidence.arrays
+    which = np.flatnonzero(springs.straight == straight)
+    rates = evidence.rates_twice(loads.spring_efforts, len(springs.name)) if len(which) else []
+    holds = _as_built(evidence, "spring")
+    for i in which.tolist():
+        recorded, c, joint = a["spring_force"][:, i], float(springs.damping[i]), springs.joint[i]
+        among = holds[i] if straight else holds[i] & evidence.joints_hold[joint]
+        place = (loads.distances(springs.bodies[i:i + 1], springs.anchor[i:i + 1])[0]
+                 if straight else evidence.angles[joint])
+        k = (a["drive_value"][:, springs.drive[i]] if springs.drive[i] != NONE
+             else float(springs.stiffness[i]))
+        own, force = springs.law[i], recorded
+        if own is None and not straight:
+            force, c = recorded - c * rates[0][i], 0.0
+
+        def law(s: Array, v: Array, k: Array | float = k, c: float = c,
+                own: SpringLaw | None = own) -> Array:
+            return np.asarray(k * s + c * v if own is None else own.force(s, v, k))
+
+        follow(worst, springs.name[i], force, law, states_of(
+            evidence.h, place - springs.rest[i], [v[i] for v in rates], turning=not straight),
+            among, size=whole(recorded), throughout=own is None)
+
+
+_springs = check(
+    "spring.law", source="F = k (L - L0) + c dL/dt",
+    asks="is each spring force stiffness times stretch, plus damping?",
+    compared="forces of {count:straight spring} from the recorded poses and velocities, relative "
+             "to the largest of each, worst: {where}")(partial(_compare_springs, straight=True))
 
 
 @check("tendon.law", source="T = k (L - L0) + c dL/dt",
@@ -76,10 +102,9 @@ def _tendons(evidence: Evidence, worst: Worst) -> None:
     loads, tendons, a = evidence.loads, evidence.model.tendons, evidence.arrays
     if not tendons.name:
         return
-    holds, rates = _as_built(evidence, "tendon"), [
-        loads.cable_efforts.rates(len(tendons.name), v)
-        for v in (evidence.velocity, evidence.velocity_after)]
-    stretch = lengths(loads.frames, loads.cables) - rest_lengths(loads.model)[:, None]
+    holds = _as_built(evidence, "tendon")
+    rates = evidence.rates_twice(loads.cable_efforts, len(tendons.name))
+    stretch = evidence.frames.lengths - rest_lengths(loads.model)[:, None]
     for i, name in enumerate(tendons.name):
         tension, c = a["tendon_tension"][:, i], float(tendons.damping[i])
         if len(tendons.gripped(i)):
@@ -100,39 +125,11 @@ def _tendons(evidence: Evidence, worst: Worst) -> None:
             evidence.h, stretch[i], [v[i] for v in rates], turning=False), holds[i])
 
 
-@check("spring.torque", source="τ = k (q - q0) + c dq/dt",
-       asks="does each rotary spring's torque follow from its angle?",
-       compared="torques of {count:rotary spring} from the recorded poses and velocities, "
-                "relative to the largest of each, worst: {where}")
-def _rotary_springs(evidence: Evidence, worst: Worst) -> None:
-    _compare_springs(evidence, worst, straight=False)
-
-
-def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> None:
-    """Compare straight or rotary springs; the damper of a rotary one is always at mid-step."""
-    springs, loads, a = evidence.model.springs, evidence.loads, evidence.arrays
-    which = np.flatnonzero(springs.straight == straight)
-    rates = [loads.spring_efforts.rates(len(springs.name), v) for v in (
-        evidence.velocity, evidence.velocity_after)] if len(which) else []
-    holds = _as_built(evidence, "spring")
-    for i in which.tolist():
-        recorded, c, joint = a["spring_force"][:, i], float(springs.damping[i]), springs.joint[i]
-        among = holds[i] if straight else holds[i] & evidence.joints_hold[joint]
-        place = (loads.distances(springs.bodies[i:i + 1], springs.anchor[i:i + 1])[0]
-                 if straight else evidence.angles[joint])
-        k = (a["drive_value"][:, springs.drive[i]] if springs.drive[i] != NONE
-             else float(springs.stiffness[i]))
-        own, force = springs.law[i], recorded
-        if own is None and not straight:
-            force, c = recorded - c * rates[0][i], 0.0
-
-        def law(s: Array, v: Array, k: Array | float = k, c: float = c,
-                own: SpringLaw | None = own) -> Array:
-            return np.asarray(k * s + c * v if own is None else own.force(s, v, k))
-
-        follow(worst, springs.name[i], force, law, states_of(
-            evidence.h, place - springs.rest[i], [v[i] for v in rates], turning=not straight),
-            among, size=whole(recorded), throughout=own is None)
+_rotary_springs = check(
+    "spring.torque", source="τ = k (q - q0) + c dq/dt",
+    asks="does each rotary spring's torque follow from its angle?",
+    compared="torques of {count:rotary spring} from the recorded poses and velocities, relative to "
+             "the largest of each, worst: {where}")(partial(_compare_springs, straight=False))
 
 
 @check("damper.law", source="τ = -c dq/dt",

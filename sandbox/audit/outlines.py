@@ -1,14 +1,10 @@
 """Contacts against the shapes: places, normals and gaps of rows, and contacts without a force.
 
-A row of one point lies in the middle between two outlines, half a gap from each, along the normal.
-So does a row of several points between two convex shapes, which share a face. Between bodies of
-several shapes (a disc in a V) the place of several points is none of them: it is their mean, moved
-perpendicular to the force onto its line of action. The mean lies within the convex hulls of both
-bodies, and so does the place along the force.
-
-A contact without a force has no row, but may carry a force in another set of forces that balances
-the same pose. It is found from poses and shapes: outlines of bodies that may touch, within the gap
-that a step may leave, that neither approach nor separate.
+A row of one point, or of two convex shapes, lies in the middle between two outlines, half a gap
+from each, along the normal. Between bodies of several shapes (a disc in a V) the place of several
+points is their mean, moved along the line of action; it lies within both convex hulls along the
+force. A contact without a force has no row, but may carry a force in another balance of the same
+pose: outlines within the gap that a step may leave, which neither approach nor separate.
 """
 
 from __future__ import annotations
@@ -272,21 +268,6 @@ def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:
 def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
     """Where outlines are near or overlap, and their rate of separation there [m/s]."""
     frames, velocity = evidence.frames, evidence.velocity_after[:, :, 0]
-    for bodies, pieces in _close(evidence):
-        here = apart(*pieces)
-        if here is None or here.gap > evidence.near or not all(
-                _surface(evidence, body, piece, sign * here.normal)
-                for body, piece, sign in zip(bodies, pieces, (1, -1), strict=True)):
-            continue
-        one, two = (
-            velocity[:2, b] + velocity[2, b] * np.array([frames.centre_y[b, 0] - here.at[1],
-                                                         here.at[0] - frames.centre_x[b, 0]])
-            for b in bodies)
-        yield (Touch(*bodies, -here.normal, here.at, here.gap), float((two - one) @ here.normal))
-
-
-def _close(evidence: Evidence) -> Iterator[tuple[tuple[int, int], tuple[PlacedPiece, PlacedPiece]]]:
-    """Pieces of bodies that may touch and whose bounding boxes overlap, the lower body first."""
     allowed = allowed_pairs(evidence.model)
     owned = [(body, piece) for body in np.flatnonzero(allowed.any(axis=1)).tolist()
              for piece in pieces_of(evidence.run, 0, body)]
@@ -294,10 +275,20 @@ def _close(evidence: Evidence) -> Iterator[tuple[tuple[int, int], tuple[PlacedPi
     low, high = (np.array([edge(p.corners, axis=0) + sign * p.grown for _, p in owned]
                           ).reshape(-1, 2) for edge, sign in ((np.min, -1), (np.max, 1)))
     reach = evidence.near + 8 * DIGITS * float(np.abs(low).max(initial=0.0))
-    for i in range(len(owned) - 1):
+    for i, (body, piece) in enumerate(owned):
         beside = ((low[i + 1:] <= high[i] + reach) & (high[i + 1:] >= low[i] - reach)).all(axis=1)
-        for j in (i + 1 + np.flatnonzero(beside & allowed[of[i], of[i + 1:]])).tolist():
-            yield (owned[i][0], owned[j][0]), (owned[i][1], owned[j][1])
+        for other, beyond in (owned[j] for j in (
+                i + 1 + np.flatnonzero(beside & allowed[body, of[i + 1:]])).tolist()):
+            here = apart(piece, beyond)
+            if here is None or here[0] > evidence.near or not (
+                    _surface(evidence, body, piece, here[1])
+                    and _surface(evidence, other, beyond, -here[1])):
+                continue
+            gap, normal, at = here
+            one, two = (velocity[:2, b] + velocity[2, b] * np.array(
+                [frames.centre_y[b, 0] - at[1], at[0] - frames.centre_x[b, 0]])
+                for b in (body, other))
+            yield Touch(body, other, -normal, at, gap), float((two - one) @ normal)
 
 
 def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> bool:

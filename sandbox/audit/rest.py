@@ -128,24 +128,16 @@ class Grip(NamedTuple):
     normal: Array  # Recorded normal forces [N]
 
 
-def _chain(model: Model, group: Group) -> list[int]:
-    """The hinges of a finger from the palm out; empty if it is no chain of hinges."""
+def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
+    """The contacts of a finger that press with more than ``least`` [N]; None if it is no chain."""
+    model, loads = rest.model, rest.loads
     members = [model.names.body[name] for name in group.bodies if name in model.names.body]
     pivots = model.joints.pivots
     own = [pivots[model.joints.bodies[pivots, 1] == body].tolist() for body in members]
     hinges = [each[0] for each in own if len(each) == 1]
-    chained = len(hinges) == len(members) and (
-        model.joints.bodies[hinges[1:], 0].tolist() == members[:-1])
-    return hinges if chained else []
-
-
-def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
-    """The contacts of a finger that press with more than ``least`` [N]; None if it is no chain."""
-    model, loads = rest.model, rest.loads
-    hinges = _chain(model, group)
-    if not hinges:
+    if not hinges or len(hinges) < len(members) or (
+            model.joints.bodies[hinges[1:], 0].tolist() != members[:-1]):
         return None
-    members = [int(model.joints.bodies[j, 1]) for j in hinges]
     a, normal, anchor = loads.run.arrays, loads.run.contacts.normal, loads.frames.anchors[1]
     pair = np.stack([a["contact_body"], a["contact_other"]])
     inside = np.isin(pair, members)

@@ -2,11 +2,8 @@
 
 A plain zip that ``numpy.load`` reads too: arrays in order of their names, without compression,
 aligned so that they can be mapped, with a fixed date, then ``mechanism.json`` and ``info.json``;
-the run's id is the archive's comment. No wall times.
-
-Reading unpacks nothing before its names, sizes, shapes and types are checked: first the members,
-then the texts, then the headers of the arrays, last their numbers, in pieces. A large recording is
-mapped from its file, not read into memory.
+the run's id is the archive's comment. No wall times. Reading checks names, sizes, shapes and types
+before it unpacks anything; a large recording is mapped from its file.
 """
 
 from __future__ import annotations

@@ -1,16 +1,8 @@
 """The CSV files of a run, and its tables of pandas and data sets of xarray.
 
-CSV files have one row per sample, columns ``time_s,<name>.<quantity>_<unit>``.
-A unit is spelled for a column's name: a space becomes ``_``, ``/`` becomes
-``_per_``, ``%`` becomes ``percent``, ``^`` and ``1`` vanish:
-
-==========  ============  ============  =============  ==========  =========
-m           ``_m``        m/s           ``_m_per_s``   m/s^2       ``_m_per_s2``
-rad         ``_rad``      rad/s         ``_rad_per_s`` rad/s^2     ``_rad_per_s2``
-N           ``_N``        N m           ``_N_m``       (none)      nothing
-==========  ============  ============  =============  ==========  =========
-
-Numbers have 12 significant digits; zero has no sign; what has no value is ``nan``.
+CSV files have one row per sample, columns ``time_s,<name>.<quantity>_<unit>``. In a unit a space
+becomes ``_``, ``/`` becomes ``_per_``, ``%`` becomes ``percent``, ``^`` and ``1`` vanish. Numbers
+have 12 significant digits; zero has no sign; a missing value is ``nan``.
 """
 
 from __future__ import annotations
@@ -47,8 +39,7 @@ def column_unit(unit: str) -> str:
 
 def column(name: str, unit: str) -> str:
     """The name of a column: ``finger1.tendon.tension_N``."""
-    suffix = column_unit(unit)
-    return f"{name}_{suffix}" if suffix else name
+    return "_".join(filter(None, (name, column_unit(unit))))
 
 
 def written(run: Samples) -> list[str]:

@@ -74,6 +74,35 @@ class Frames:
         return place_in_slot(self.model, joint, a["body_pose"], a["joint_length"][:, joint])
 
     @cached_property
+    def cables(self) -> Stretches:
+        """The straight pieces of all tendons."""
+        tendons = self.model.tendons
+        start, end = (self.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
+                      for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
+        return _past(_straight(start, end, tendons), tendons, off_wheels(self.run.arrays))
+
+    @cached_property
+    def first(self) -> Stretches:
+        """The same at t = 0, [m, 1]."""
+        return stretches_at_start(self.model)
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Length of every tendon along its path [m], [nt, n]; turns are counted from t = 0."""
+        tendons = self.model.tendons
+        total = np.zeros((len(tendons.name), self.samples))
+        np.add.at(total, tendons.stretch_tendon, self.cables.length)
+        for tendon in range(len(tendons.name)):
+            if not tendons.guide_radius[tendons.guides(tendon)].any():
+                continue
+            course, on_wheels = _course(self, tendon), np.zeros(self.samples)
+            for place in np.flatnonzero(course.radii).tolist():
+                if place or not course.closed:  # else it comes last again
+                    on_wheels += course.on_wheel(place)[1:]
+            total[tendon] += on_wheels
+        return total
+
+    @cached_property
     def velocity(self) -> Array:
         """Velocities of the centres of mass, and angular velocities, [3, nb, n]."""
         return np.ascontiguousarray(self.run.arrays["body_velocity"].transpose(2, 1, 0))
@@ -98,14 +127,6 @@ class Stretches(NamedTuple):
     y: Array
     start: Places  # The guides' centres where the stretches begin and end
     end: Places
-
-
-def stretches(frames: Frames) -> Stretches:
-    """All stretches in all samples."""
-    tendons = frames.model.tendons
-    start, end = (frames.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
-                  for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
-    return _past(_straight(start, end, tendons), tendons, off_wheels(frames.run.arrays))
 
 
 def off_wheels(arrays: Mapping[str, Array]) -> Flags:
@@ -200,17 +221,16 @@ def stretches_at_start(model: Model) -> Stretches:
 
 
 class _Course:
-    """One tendon at t = 0 (``first``), and in all samples with ``frames`` and ``cables``."""
+    """One tendon at t = 0 (``first``), and in all samples with ``frames``."""
 
     def __init__(
         self, model: Model, first: Stretches, tendon: int, frames: Frames | None = None,
-        cables: Stretches | None = None,
     ) -> None:
         self.model, self.frames, tendons = model, frames, model.tendons
         self.path, self.closed = tendons.guides(tendon), bool(tendons.closed[tendon])
         self.radii = tendons.guide_radius[self.path].tolist()
         self.own = np.flatnonzero(tendons.stretch_tendon == tendon)
-        both = [first] if cables is None else [first, cables]
+        both = [first] if frames is None else [first, frames.cables]
         self.length = np.concatenate([each.length[self.own] for each in both], axis=1)
         """Of its stretches [m], [stretches, 1 + n], from t = 0."""
         self.angle = np.concatenate(
@@ -251,37 +271,19 @@ class _Course:
                          for place, radius in enumerate(self.radii[:count])])
 
 
-def _course(frames: Frames, cables: Stretches, tendon: int) -> _Course:
-    return _Course(frames.model, stretches_at_start(frames.model), tendon, frames, cables)
+def _course(frames: Frames, tendon: int) -> _Course:
+    return _Course(frames.model, frames.first, tendon, frames)
 
 
 def _tendon_of(tendons: Tendons, guide: int) -> int:
     return int(np.searchsorted(tendons.first, guide, side="right")) - 1
 
 
-def lengths(frames: Frames, cables: Stretches) -> Array:
-    """Length of every tendon along its path [m], [nt, n]; turns are counted from t = 0."""
-    tendons = frames.model.tendons
-    total = np.zeros((len(tendons.name), frames.samples))
-    np.add.at(total, tendons.stretch_tendon, cables.length)
-    first = stretches_at_start(frames.model) if tendons.guide_radius.any() else cables
-    for tendon in range(len(tendons.name)):
-        if not tendons.guide_radius[tendons.guides(tendon)].any():
-            continue
-        course = _Course(frames.model, first, tendon, frames, cables)
-        on_wheels = np.zeros(frames.samples)
-        for place in np.flatnonzero(course.radii).tolist():
-            if place or not course.closed:  # else it comes last again
-                on_wheels += course.on_wheel(place)[1:]
-        total[tendon] += on_wheels
-    return total
-
-
-def bends(frames: Frames, cables: Stretches, grip: int) -> Array:
+def bends(frames: Frames, grip: int) -> Array:
     """By how much a tendon bends at a guide with friction [rad], [n]; below 0 off its wheel."""
-    tendons = frames.model.tendons
+    tendons, cables = frames.model.tendons, frames.cables
     guide = int(tendons.grips[grip])
-    course = _course(frames, cables, _tendon_of(tendons, guide))
+    course = _course(frames, _tendon_of(tendons, guide))
     place = (guide - course.path.start) or len(course.radii) - 1
     if tendons.guide_radius[guide]:
         return np.asarray(course.wrap(place)[1:])
@@ -291,16 +293,16 @@ def bends(frames: Frames, cables: Stretches, grip: int) -> Array:
     return np.asarray(np.abs(np.arctan2(across, along)))
 
 
-def lying(frames: Frames, cables: Stretches, wheel: int) -> tuple[Array, Array]:
+def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
     """Angle of wrap [rad] and clearance [m] of one of the wheels that a tendon can lift off, [n].
 
     ``wheel`` counts :attr:`sandbox.model.model.Tendons.wheels`. The angle is 0 where the tendon is
     off; the clearance is negative where the wheel is in its way, nan where the tendon is on.
     A wheel that is beyond an end of the straight piece is not in its way.
     """
-    tendons, off = frames.model.tendons, off_wheels(frames.run.arrays)
+    tendons, cables, off = frames.model.tendons, frames.cables, off_wheels(frames.run.arrays)
     guide = int(tendons.wheels[wheel])
-    course = _course(frames, cables, _tendon_of(tendons, guide))
+    course = _course(frames, _tendon_of(tendons, guide))
     place, own = guide - course.path.start, course.own
 
     def edge(which: int) -> Array:
@@ -324,9 +326,9 @@ def lying(frames: Frames, cables: Stretches, wheel: int) -> tuple[Array, Array]:
     return course.wrap(place)[1:], np.where(off[:, wheel], np.where(beside, clear, np.inf), np.nan)
 
 
-def span_length(frames: Frames, cables: Stretches, span: CableSpan) -> tuple[Array, Array]:
+def span_length(frames: Frames, span: CableSpan) -> tuple[Array, Array]:
     """Length of a span [m], [1 + n], from t = 0: as if fixed to both its guides, and free."""
-    course = _course(frames, cables, span.tendon)
+    course = _course(frames, span.tendon)
     places = [guide - course.path.start for guide in span.guides]
     total = np.zeros(1 + frames.samples)
     for place in places[:-1]:
@@ -380,8 +382,8 @@ def rest_lengths(model: Model) -> Array:
     return np.where(np.isnan(tendons.pretension), rest + tendons.slack, pulled)
 
 
-def wound_up(frames: Frames, cables: Stretches, tendon: int, *, last: bool = False) -> Array:
+def wound_up(frames: Frames, tendon: int, *, last: bool = False) -> Array:
     """Length wound up by the wheels at both ends, or the ``last``, since t = 0 [m], [n]."""
-    course = _course(frames, cables, tendon)
+    course = _course(frames, tendon)
     end = len(course.radii) - 1
     return np.asarray(sum(course.on_wheel(place)[1:] for place in ((end,) if last else (0, end))))

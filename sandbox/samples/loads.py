@@ -18,7 +18,7 @@ from sandbox.model.bonds import held_of
 from sandbox.model.joints import meeting
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cables import Frames, Stretches, piece_tensions, stretches
+from sandbox.samples.cables import Frames, piece_tensions
 from sandbox.samples.outcome import Stored
 
 Pair = tuple[Array, Array]  # Components x and y, [k, n] each
@@ -80,11 +80,6 @@ class Loads:
         self.weights: Array = np.where(
             run.model.bodies.free[:, None], np.stack([mass, mass, inertia], axis=1), 0.0)
         """Inertia along x, y and about the centre: m, m, I, [nb, 3]; 0 of bodies not free."""
-
-    @cached_property
-    def cables(self) -> Stretches:
-        """The straight pieces of all tendons."""
-        return stretches(self.frames)
 
     # -- sums ---------------------------------------------------------------------------
 
@@ -302,7 +297,7 @@ class Loads:
     @cached_property
     def cable_efforts(self) -> Batch:
         """The effect of -1 N in every straight piece of a tendon: efforts along its length."""
-        tendons, cables = self.model.tendons, self.cables
+        tendons, cables = self.model.tendons, self.frames.cables
         one, two = tendons.stretch_first, tendons.stretch_first + 1
         moments = [end.arm_x * cables.y - end.arm_y * cables.x  # n x u = -1
                    - tendons.guide_radius[nodes, None]

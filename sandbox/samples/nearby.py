@@ -24,14 +24,6 @@ class PlacedPiece(NamedTuple):
     faces: Array | None  # Arcs of surface normals in the body's frame; None if all of it is surface
 
 
-class Apart(NamedTuple):
-    """Where two pieces are nearest."""
-
-    gap: float  # Between their outlines [m]; negative where they overlap
-    normal: Array  # Out of the first, to the second
-    at: Array  # In the middle between the outlines [m]
-
-
 def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
     """The convex shapes of a body in a sample."""
     x, y, angle = run.arrays["body_pose"][sample, body]
@@ -56,12 +48,12 @@ def radius_of(
     return radius
 
 
-def apart(one: PlacedPiece, two: PlacedPiece) -> Apart | None:
-    """Where two pieces are nearest; None for round ones with a deep overlap.
+def apart(one: PlacedPiece, two: PlacedPiece) -> tuple[float, Array, Array] | None:
+    """Gap between two outlines [m], normal out of the first, and the place in the middle [m].
 
-    The distance of polygons is the largest along the normals of their sides, unless corner is
-    nearest to corner. This normal is exact at any distance; the direction between two nearest
-    points is exact where radii separate them.
+    None for round pieces with a deep overlap. The distance of polygons is the largest along the
+    normals of their sides, unless corner is nearest to corner. This normal is exact at any
+    distance; the direction between two nearest points is exact where radii separate them.
     """
     along, normal = _along_sides(one.corners, two.corners)
     sharp = not (one.grown or two.grown)
@@ -79,7 +71,7 @@ def apart(one: PlacedPiece, two: PlacedPiece) -> Apart | None:
     else:
         return None
     gap = length - one.grown - two.grown
-    return Apart(gap, normal, (p + one.grown * normal + q - two.grown * normal) / 2)
+    return gap, normal, (p + one.grown * normal + q - two.grown * normal) / 2
 
 
 def _sides(ring: Array) -> Array:

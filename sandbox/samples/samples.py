@@ -26,7 +26,7 @@ from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, uni
 from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels, slot_length
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
-from sandbox.samples.cables import Frames, piece_tensions, stretches, wound_up
+from sandbox.samples.cables import Frames, piece_tensions, wound_up
 from sandbox.samples.contacts import Contacts, mean_arrays, mean_contact_rows
 from sandbox.samples.grasps import STIFFNESS, Grasp
 from sandbox.samples.loads import Loads
@@ -254,8 +254,7 @@ class Samples(Stored):
             result = a["tendon_initial"][index] - a["tendon_length"][:, index]
             radii = tendons.guide_radius[tendons.guides(index)]
             if not tendons.closed[index] and (radii[0] or radii[-1]):
-                frames = Frames(self)
-                result = result + wound_up(frames, stretches(frames), index)
+                result = result + wound_up(Frames(self), index)
         elif kind == "joint" and quantity == "tension":
             result = link_tensions(
                 self.model, self.means("joint_force", "joint_reaction"), np.array([index]))[:, 0]
