@@ -84,8 +84,7 @@ class Unknowns:
         for batch in self.loads.batches:
             rows = known[batch.kind][batch.element] if batch.kind in known else np.full(
                 len(batch.body), batch.kind != "stop")
-            np.subtract.at(self.target, batch.body[rows], np.stack(
-                [part[rows, 0] for part in (batch.x, batch.y, batch.moment)], axis=1))
+            np.subtract.at(self.target, batch.body[rows], batch.wrench[rows, :, 0])
 
     def _joints(self) -> Iterator[Unknown]:
         pose, model = self.arrays["body_pose"][0], self.model
@@ -131,7 +130,8 @@ class Unknowns:
         torques = self.loads.joint_efforts.wrenches(len(joints.name), len(self.centre))
         for j in joints.stopped.tolist():
             rate = np.abs(evidence.rates[j, 0]) + np.abs(evidence.rates_after[j, 0])
-            for sign in _reached(float(evidence.angles[j, 0]), *joints.stops[j].tolist(),
+            low, high = joints.stops[j].tolist()
+            for sign in _reached(float(evidence.angles[j, 0]), low, high,
                                  STOPPED + h * float(rate)):
                 yield Unknown(sign * torques[j])
 

@@ -43,24 +43,22 @@ NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample
              "1 / run.step records them all")
 
 
-def used_friction(evidence: Evidence) -> Array:
-    """Tangential over static friction force of every row, without friction over the normal, [m]."""
-    rows = evidence.once(_Rows)
-    limit, size = rows.static * rows.normal, np.abs(rows.force)
-    smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(rows.normal, TOUCH)
-    return np.where(limit > TOUCH, size / np.maximum(limit, TOUCH),
-                    np.where(size > TOUCH, smooth, 0.0))
-
-
 @check("contact.friction", source="|t| <= μ n", asks="is contact friction at most mu N?",
        compared="ratio of friction to its limit, {count:pair}, worst: {where}",
        none="no contact has one normal")
 def _friction(evidence: Evidence, worst: Worst) -> None:
-    """Rows that sum forces along different normals (a disc wedged in a V) have no limit."""
+    """Rows that sum forces along different normals (a disc wedged in a V) have no limit.
+
+    Without friction any tangential force counts relative to the normal force.
+    """
     if not len(evidence.arrays["contact_gap"]):
         raise NotComputed("nothing touches")
     rows = evidence.once(_Rows)
-    rows.add(worst, used_friction(evidence), 1 + CONE, evidence.one_normal)
+    limit, size = rows.static * rows.normal, np.abs(rows.force)
+    smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(rows.normal, TOUCH)
+    used = np.where(limit > TOUCH, size / np.maximum(limit, TOUCH),
+                    np.where(size > TOUCH, smooth, 0.0))
+    rows.add(worst, used, 1 + CONE, evidence.one_normal)
 
 
 class _Rows:
@@ -86,7 +84,7 @@ class _Rows:
         self.before, self.after = evidence.velocity - self.change / 2, evidence.velocity_after
         # accelerations of free bodies by all forces but contacts and joints
         total, sides = loads.totals.copy(), loads.contact_sides
-        for axis, push in zip(total, (*sides.force.T, sides.moment), strict=True):
+        for axis, push in zip(total, sides.wrench.T, strict=True):
             np.subtract.at(axis, (sides.body, sides.sample), push)
         self.others = self.inverse.T[:, :, None] * total
         self.hit, instant = self._impacts(a)

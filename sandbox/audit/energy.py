@@ -234,7 +234,8 @@ def _work_of_contacts(evidence: Evidence) -> Array:
     """Work of contacts and stops up to the middle of each step [J], [n]."""
     a, sides = evidence.arrays, evidence.loads.contact_sides
     v = (evidence.velocity * evidence.model.bodies.free[:, None])[:, sides.body, sides.sample]
-    power = sides.force[:, 0] * v[0] + sides.force[:, 1] * v[1] + sides.moment * v[2]
+    x, y, moment = sides.wrench.T
+    power = x * v[0] + y * v[1] + moment * v[2]
     step = np.bincount(sides.sample, weights=power, minlength=len(evidence.run))
     stops = np.nan_to_num(a["joint_stop"] * a["joint_rate"]).sum(axis=1)
     return _to_middle(evidence.h * (step + stops))

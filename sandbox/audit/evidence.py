@@ -198,9 +198,10 @@ class Evidence:
         own = efforts.element == element
         mass, _, inertia = self.loads.weights[efforts.body[own]].T[..., None]
         free = mass > 0
+        wrench = efforts.wrench[own]
         push, turn = (np.divide(size, weight, out=np.zeros_like(size), where=free)
-                      for size, weight in ((efforts.x[own]**2 + efforts.y[own]**2, mass),
-                                           (efforts.moment[own]**2, inertia)))
+                      for size, weight in ((wrench[:, 0]**2 + wrench[:, 1]**2, mass),
+                                           (wrench[:, 2]**2, inertia)))
         return np.asarray((push + turn).sum(axis=0))
 
     @cached_property

@@ -176,10 +176,10 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
         worst.add(f"bound of {name}", np.maximum(size - most, 0.0) / largest, unsure)
         worst.add(f"slip of {name}", np.maximum(beyond, 0.0) / largest, unsure,
                   evidence.holds("joint")[j])
-        wrong = np.where(sticks, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
+        slip = np.where(sticks, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
         floor = SOLVED * fast + STILL[joints.kind[j].friction_unit == "N m"] + DIGITS / h + (
             HELD * alone * h * 2 * peak(friction) + h * _bend(evidence, j))
-        worst.add(name, wrong / fast, floor / fast, evidence.holds("joint")[j])
+        worst.add(name, slip / fast, floor / fast, evidence.holds("joint")[j])
 
 
 def carried(evidence: Evidence, joint: int) -> Array:

@@ -50,7 +50,7 @@ class _Outline(NamedTuple):
     spans: Array  # Smooth curves as sandbox.scene.outlines.curves.Spans has them, [n, 12]
     beside: Integers  # The spans before and after each, [2, n]; -1 at the ends of an open curve
 
-    def seen(self, at: Array, out: Array, radius: Array | float) -> tuple[Array, Array]:
+    def distances(self, at: Array, out: Array, radius: Array | float) -> tuple[Array, Array]:
         """Distances of points [m, 2] from sides [m], and of normals there from ``out``; [m, k]."""
         if len(self.spans):
             return self._from_curves(at, out)
@@ -151,7 +151,7 @@ def _nearest(
     shapes = evidence.model.mechanism.bodies[body].shapes
     for number, shape in enumerate(shapes):
         radius = _radius(evidence, rows, body, number)
-        found.append(_outline(shape).seen(points - half[:, None] * out, out, radius))
+        found.append(_outline(shape).distances(points - half[:, None] * out, out, radius))
     off, turned = (np.concatenate(part, axis=1) for part in zip(*found, strict=True))
     circle = np.repeat([isinstance(shape, Circle) for shape in shapes],
                        [part.shape[1] for part, _ in found])

@@ -60,14 +60,13 @@ class Rest:
         self.fingers = [group for group in self.model.mechanism.groups if group.kind == "finger"]
         frames, sides, parts, count = self.loads.frames, self.loads.contact_sides, [], 0
         for batch in self.loads.batches:
-            parts.append((count + batch.element, batch.body, batch.x[:, 0], batch.y[:, 0],
-                          batch.moment[:, 0]))
+            parts.append((count + batch.element, batch.body, batch.wrench[..., 0]))
             count += int(batch.element.max(initial=-1)) + 1
         # both sides of a contact have one number: they cancel between bodies beyond a hinge
         self.contacts = count + np.tile(np.arange(len(sides.body) // 2), 2)
-        parts.append((self.contacts, sides.body, *sides.force.T, sides.moment))
-        self.number, self.body, self.x, self.y, moment = (
-            np.concatenate(part) for part in zip(*parts, strict=True))
+        parts.append((self.contacts, sides.body, sides.wrench))
+        self.number, self.body, wrench = (np.concatenate(part) for part in zip(*parts, strict=True))
+        self.x, self.y, moment = wrench.T
         self.moment = moment + (frames.centre_x[self.body, 0] * self.y
                                 - frames.centre_y[self.body, 0] * self.x)  # About the origin [N m]
 
@@ -133,8 +132,8 @@ def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
     model, loads = rest.model, rest.loads
     members = [model.names.body[name] for name in group.bodies if name in model.names.body]
     pivots = model.joints.pivots
-    own = [pivots[model.joints.bodies[pivots, 1] == body].tolist() for body in members]
-    hinges = [each[0] for each in own if len(each) == 1]
+    pins = [pivots[model.joints.bodies[pivots, 1] == body].tolist() for body in members]
+    hinges = [each[0] for each in pins if len(each) == 1]
     if not hinges or len(hinges) < len(members) or (
             model.joints.bodies[hinges[1:], 0].tolist() != members[:-1]):
         return None

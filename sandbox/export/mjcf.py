@@ -344,7 +344,7 @@ def add_tendons(draft: Draft) -> float:
                 law["range"] = (0.0, rest)
                 draft.sense("tendonlimitfrc", f"{name}.tension", tendon=name)
             else:
-                mobility = _mobility(draft.model.bodies, pulls.does[tendon])
+                mobility = _mobility(draft.model.bodies, pulls[tendon])
                 step = min(step, FRACTION / math.sqrt(stiffness * mobility))
                 if tendons.damping[tendon]:
                     _pulling_only(draft, tendon, rest)

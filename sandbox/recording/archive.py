@@ -292,8 +292,8 @@ class _Reading:
                 number = min(rows, count - first)
                 piece = b"".join(self._bytes(stream, number * row))
                 values = np.frombuffer(piece, dtype).reshape(number, *shape)
-                if wrong := fault(kind, first, values, last, size, end):
-                    raise ValueError(f"array {kind.name!r} {wrong}")
+                if bad := fault(kind, first, values, last, size, end):
+                    raise ValueError(f"array {kind.name!r} {bad}")
                 last = values[-1]
                 if not mapped:
                     kept[first:first + number] = values
@@ -310,7 +310,7 @@ def fault(
     kind: Recorded, first: int, values: NDArray[Any], last: Any, size: Mapping[str, int],
     end: float,
 ) -> str:
-    """What is wrong with rows of an array from number ``first`` on; empty if nothing is.
+    """The fault of rows of an array from number ``first`` on; empty if there is none.
 
     ``last`` is the row before them or None, ``size`` the lengths of all axes; no sample is later
     than ``end`` [s].
@@ -332,23 +332,23 @@ def fault(
         back = np.diff(values, prepend=0 if last is None else last) < 0
         return (f"is not in order in row {first + _first(back)}"
                 if kind.name in IN_ORDER and back.any() else "")
-    wrong = ~(np.abs(values) <= LARGEST)
+    bad = ~(np.abs(values) <= LARGEST)
     if kind.also == "inf":
         if (values <= 0).any():
             return "is not greater than 0"
-        wrong &= values != np.inf
+        bad &= values != np.inf
     elif kind.also == "nan" or kind.late:
-        wrong &= ~np.isnan(values)
-    if not wrong.any():
+        bad &= ~np.isnan(values)
+    if not bad.any():
         return ""
     row = {"once": "element", "sample": "sample", "mean": "sample", "meters": "sample"}.get(
         kind.when, "row")
-    return f"holds {values[wrong][0]:.6g} in {row} {first + _first(wrong)}"
+    return f"holds {values[bad][0]:.6g} in {row} {first + _first(bad)}"
 
 
-def _first(wrong: Flags) -> int:
-    """The first row in which something is wrong."""
-    return int(np.argmax(wrong.reshape(len(wrong), -1).any(axis=1)))
+def _first(bad: Flags) -> int:
+    """The first bad row."""
+    return int(np.argmax(bad.reshape(len(bad), -1).any(axis=1)))
 
 
 def line_of(error: object) -> str:

@@ -120,13 +120,13 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
     if path.exists() and run_id:
         try:
             with path.open("rb") as file:
-                said = RUN_ID.search(file.read(HEAD))
+                named = RUN_ID.search(file.read(HEAD))
         except OSError as error:
             raise OutputError(f"cannot read {path}: {error.strerror or error}",
                               code="run-damaged") from None
-        if said is None:
+        if named is None:
             outcome = replace(outcome, notes=(*outcome.notes, f"{path.name} {EDITED}"))
-        elif said[1].decode() != run_id:
+        elif named[1].decode() != run_id:
             raise OutputError(f"{folder} is damaged: {path.name} and {ARCHIVE} are of different "
                               "runs", code="run-damaged")
     if not complete and outcome.complete:

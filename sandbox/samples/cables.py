@@ -180,20 +180,8 @@ def _straight(start: Places, end: Places, tendons: Tendons) -> Stretches:
     return Stretches(*_tangent(dx, dy, (radius[first] - radius[first + 1])[:, None]), start, end)
 
 
-class Pulls(NamedTuple):
-    """What 1 N in every tendon does at t = 0."""
-
-    length: Array  # Along the path [m], [nt]
-    does: list[dict[int, Array]]
-    """Of every tendon: force x, y and moment about the centre of mass, [3], by body."""
-
-    def parts(self, tendon: int) -> list[tuple[int, Array]]:
-        """Bodies that a tendon pulls, and how."""
-        return list(self.does[tendon].items())
-
-
-def pulls_at_start(model: Model) -> Pulls:
-    """The tendons in the scene's poses."""
+def pulls_at_start(model: Model) -> list[dict[int, Array]]:
+    """Force x, y and moment [3] of 1 N in every tendon at t = 0, by body."""
     tendons, first = model.tendons, stretches_at_start(model)
     does: list[dict[int, Array]] = [{} for _ in tendons.name]
     for row, tendon in enumerate(tendons.stretch_tendon.tolist()):
@@ -205,7 +193,7 @@ def pulls_at_start(model: Model) -> Pulls:
                               model.at_start(body, model.bodies.centre[body]))
             moment = arm[0] * u[1] - arm[1] * u[0] - tendons.guide_radius[node]  # n x u = -1
             does[tendon][body] = does[tendon].get(body, np.zeros(3)) + sign * np.array([*u, moment])
-    return Pulls(lengths_at_start(model), does)
+    return does
 
 
 def stretches_at_start(model: Model) -> Stretches:
@@ -374,7 +362,7 @@ def wraps_at_start(model: Model, tendon: int) -> Array:
 
 
 def rest_lengths(model: Model) -> Array:
-    """Up to which length every tendon hangs slack [m], [nt]; without one said that of t = 0."""
+    """Rest length of every tendon [m], [nt]; by default the length at t = 0."""
     tendons = model.tendons
     length = lengths_at_start(model)
     rest: Array = np.where(np.isnan(tendons.rest), length, tendons.rest)

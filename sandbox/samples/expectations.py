@@ -106,14 +106,14 @@ def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
         yield found
 
 
-def measured(run: Samples, quantity: str, asked: Looked, chosen: slice) -> tuple[float, str]:
+def measured(run: Samples, quantity: str, spec: Looked, chosen: slice) -> tuple[float, str]:
     """The :func:`number_of` a quantity over samples; nan and the reason if it has none."""
-    looked = _looked_at(run, asked, chosen)
+    looked = _looked_at(run, spec, chosen)
     if looked.stop <= looked.start:
         return math.nan, "no sample lies in the window"
     values = run.within(quantity, looked)
     if not (lacking := np.isnan(values)).any():
-        return number_of(asked, run.time[looked], values), ""
+        return number_of(spec, run.time[looked], values), ""
     lacks = (f"{np.count_nonzero(lacking)} of {len(lacking)} samples have no value"
             if len(lacking) > 1 else "the last sample has no value")
     source = run.catalogue.find(quantity)
@@ -125,10 +125,10 @@ def measured(run: Samples, quantity: str, asked: Looked, chosen: slice) -> tuple
     return math.nan, f"{lacks}: {when} then{because}" if when else lacks
 
 
-def _looked_at(run: Samples, asked: Looked, chosen: slice) -> slice:
+def _looked_at(run: Samples, spec: Looked, chosen: slice) -> slice:
     """The samples that a statistic is taken of; empty where the window is."""
     start, stop, _ = chosen.indices(len(run))
-    return slice(stop - 1, stop) if asked.key == "final" and stop > start else slice(start, stop)
+    return slice(stop - 1, stop) if spec.key == "final" and stop > start else slice(start, stop)
 
 
 def _not_held(run: Samples, source: Source, looked: slice) -> str:
@@ -141,17 +141,17 @@ def _not_held(run: Samples, source: Source, looked: slice) -> str:
         if len(lost) else ""
 
 
-def number_of(asked: Looked, time: Array, values: Array) -> float:
+def number_of(spec: Looked, time: Array, values: Array) -> float:
     """The statistic of the values [n] at the instants ``time`` [n], n > 0."""
-    if asked.at is not None:
+    if spec.at is not None:
         if len(time) == 1:
             return float(values[0])
-        share = (asked.at - time[0]) / (time[1] - time[0])
+        share = (spec.at - time[0]) / (time[1] - time[0])
         return float((1 - share) * values[0] + share * values[1])
-    if asked.key == "final":
+    if spec.key == "final":
         return float(values[-1])
     with np.errstate(invalid="ignore"):  # of what is infinite there is no deviation
-        return float(getattr(np, asked.key)(values))
+        return float(getattr(np, spec.key)(values))
 
 
 def window(run: Samples, expect: Looked) -> tuple[slice, str]:

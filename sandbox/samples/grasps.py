@@ -148,14 +148,14 @@ class Grasp:
         held, evenly spread, with the first and the last of them. Samples in between repeat the
         value before.
         """
-        asked = np.arange(len(self.run))[chosen]
-        result = np.full(len(asked), np.nan)
+        numbers = np.arange(len(self.run))[chosen]
+        result = np.full(len(numbers), np.nan)
         if without_stiffness(self.run.model):
             return result
-        held = np.flatnonzero(self.held[asked])
+        held = np.flatnonzero(self.held[numbers])
         count = min(len(held), MAX_STIFFNESS_SAMPLES)
         at = np.linspace(0, len(held) - 1, count).round().astype(np.int64)
-        samples = asked[held[at]].tolist()
+        samples = numbers[held[at]].tolist()
         for sample in samples:
             if sample not in self._stiffnesses:
                 self._stiffnesses[sample] = np.full(len(STIFFNESS), np.nan)

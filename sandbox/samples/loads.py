@@ -30,19 +30,17 @@ class Batch(NamedTuple):
     kind: str
     element: Integers  # The element of each row, [k]
     body: Integers  # The body on which each acts, [k]
-    x: Array  # Force in the world [N], [k, n]
-    y: Array
-    moment: Array  # About the body's centre of mass, counter-clockwise [N m], [k, n]
+    wrench: Array
+    """Force x, y [N] and moment about the body's centre of mass [N m] in the world, [k, 3, n]."""
 
     def times(self, effort: Array) -> Batch:
         """The loads of ``effort`` [elements, n] along coordinates."""
-        own = effort[self.element]
-        return self._replace(x=self.x * own, y=self.y * own, moment=self.moment * own)
+        return self._replace(wrench=self.wrench * effort[self.element][:, None])
 
     def power(self, velocity: Array) -> Array:
         """Power of each row as bodies move with ``velocity`` [3, nb, n]; [k, n] W."""
-        v = velocity[:, self.body]
-        return np.asarray(self.x * v[0] + self.y * v[1] + self.moment * v[2])
+        v, (x, y, moment) = velocity[:, self.body], np.moveaxis(self.wrench, 1, 0)
+        return np.asarray(x * v[0] + y * v[1] + moment * v[2])
 
     def rates(self, count: int, velocity: Array) -> Array:
         """Power of each of ``count`` elements; of unit efforts the rate of q, [count, n]."""
@@ -51,10 +49,9 @@ class Batch(NamedTuple):
         return found
 
     def wrenches(self, count: int, bodies: int) -> Array:
-        """Wrenches x, y, moment of ``count`` elements in the first sample, [count, bodies, 3]."""
+        """Wrenches of ``count`` elements in the first sample, [count, bodies, 3]."""
         found = np.zeros((count, bodies, 3))
-        np.add.at(found, (self.element, self.body),
-                  np.stack([self.x[:, 0], self.y[:, 0], self.moment[:, 0]], axis=1))
+        np.add.at(found, (self.element, self.body), self.wrench[..., 0])
         return found
 
 
@@ -63,10 +60,8 @@ class ContactSides(NamedTuple):
 
     sample: Integers
     body: Integers
-    force: Array  # On the body [N], [2 m, 2]
-    moment: Array  # About its centre of mass [N m]
-    at: Array  # Where the force acts, in the world [m], [2 m, 2]
-    arm: Array  # From the centre of mass to there [m], [2 m, 2]
+    wrench: Array  # Force x, y [N] and moment about the body's centre of mass [N m], [2 m, 3]
+    arm: Array  # From the centre of mass to the place of the force [m], [2 m, 2]
 
 
 class Loads:
@@ -89,8 +84,7 @@ class Loads:
         count, n, sides = len(self.model.bodies.name), self.frames.samples, self.contact_sides
         slot = sides.body * n + sides.sample
         total = np.array([np.bincount(slot, weights=column, minlength=count * n)
-                          for column in (*sides.force.T, sides.moment)]
-                         ).astype(float).reshape(3, count, n)
+                          for column in sides.wrench.T]).astype(float).reshape(3, count, n)
         for batch in self.batches:
             self._add(batch, total)
         return total
@@ -98,23 +92,21 @@ class Loads:
     def _add(self, batch: Batch, total: Array) -> None:
         for k, body in enumerate(batch.body):
             if self.model.bodies.free[body]:
-                total[0, body] += batch.x[k]
-                total[1, body] += batch.y[k]
-                total[2, body] += batch.moment[k]
+                total[:, body] += batch.wrench[k]
 
     @cached_property
     def largest(self) -> Array:
         """Largest force [N] and moment [N m] on every body, inertia included, [2, nb]."""
         sides, most = self.contact_sides, np.zeros((2, len(self.model.bodies.name)))
-        np.maximum.at(most[0], sides.body, np.hypot(*sides.force.T))
-        np.maximum.at(most[1], sides.body, np.abs(sides.moment))
+        np.maximum.at(most[0], sides.body, np.hypot(*sides.wrench.T[:2]))
+        np.maximum.at(most[1], sides.body, np.abs(sides.wrench[:, 2]))
         inertial = self.weights.T[:, :, None] * self.frames.acceleration
         np.maximum(most[0], np.hypot(*inertial[:2]).max(axis=1, initial=0.0), out=most[0])
         np.maximum(most[1], np.abs(inertial[2]).max(axis=1, initial=0.0), out=most[1])
         for batch in (*self.batches, self.joints):
-            force = np.sqrt((batch.x**2 + batch.y**2).max(axis=1, initial=0.0))
+            force = np.sqrt((batch.wrench[:, :2]**2).sum(axis=1).max(axis=1, initial=0.0))
             np.fmax.at(most[0], batch.body, force)
-            np.fmax.at(most[1], batch.body, np.abs(batch.moment).max(axis=1, initial=0.0))
+            np.fmax.at(most[1], batch.body, np.abs(batch.wrench[:, 2]).max(axis=1, initial=0.0))
         return most
 
     @cached_property
@@ -143,8 +135,8 @@ class Loads:
             free = np.flatnonzero(model.bodies.free)
             weight = a["body_mass"][free, None] * np.ones(self.frames.samples)
             gx, gy = model.mechanism.gravity
-            yield Batch("gravity", np.zeros(len(free), dtype=np.int64), free, weight * gx,
-                        weight * gy, np.zeros_like(weight))
+            yield Batch("gravity", np.zeros(len(free), dtype=np.int64), free,
+                        np.stack([weight * gx, weight * gy, np.zeros_like(weight)], axis=1))
         if springs.name:
             yield self.spring_efforts.times(-self.spring_forces)
         for kind in ("damping", "stop"):
@@ -156,9 +148,9 @@ class Loads:
         if len(joints.frictional):
             yield self.friction_efforts.times(np.nan_to_num(a["joint_friction"].T))
         if model.loads.name:
+            wrench = np.concatenate([a["load_force"], a["load_torque"][..., None]], axis=2)
             yield Batch("load", np.arange(len(model.loads.name)), model.loads.body,
-                        a["load_force"][:, :, 0].T, a["load_force"][:, :, 1].T,
-                        a["load_torque"].T)
+                        wrench.transpose(1, 2, 0))
         if len(model.drives.giving("torque", "push")):
             yield self.drive_efforts.times(np.nan_to_num(self.given))
         if len(pushing := model.drives.giving("force")):
@@ -170,7 +162,8 @@ class Loads:
             s = np.where(turns, self.frames.sin[body], 0.0)
             fx = value * (c * along[:, :1] - s * along[:, 1:])
             fy = value * (s * along[:, :1] + c * along[:, 1:])
-            yield Batch("force", pushing, body, fx, fy, at.arm_x * fy - at.arm_y * fx)
+            yield Batch("force", pushing, body, np.stack(
+                [fx, fy, at.arm_x * fy - at.arm_y * fx], axis=1))
 
     # -- coordinates: wrenches of unit efforts --------------------------------------------
 
@@ -182,10 +175,11 @@ class Loads:
 
         ``bodies`` are ``a`` and ``b``, [k, 2]; ``arms`` go from their centres of mass to the force.
         """
-        (x, y), ((ax, ay), (bx, by)) = force, arms
+        x, y = force
+        on_b, on_a = (np.stack([x, y, arm_x * y - arm_y * x + couple], axis=1)
+                      for arm_x, arm_y in (arms[1], arms[0]))
         return Batch(kind, np.tile(element, 2), np.concatenate([bodies[:, 1], bodies[:, 0]]),
-                     np.concatenate([x, -x]), np.concatenate([y, -y]),
-                     np.concatenate([bx * y - by * x + couple, ay * x - ax * y - couple]))
+                     np.concatenate([on_b, -on_a]))
 
     def _along(
         self, kind: str, element: Integers, bodies: Integers, anchor: Array, joint: Integers,
@@ -292,20 +286,21 @@ class Loads:
         found = self._pair("joint", np.arange(len(joints.name)), joints.bodies, (fx, fy),
                            self._joint_arms, self.run.arrays["joint_couple"].T)
         twist_a, twist_b = np.nan_to_num(self.run.arrays["joint_twist"]).T
-        return found._replace(moment=found.moment + np.concatenate([twist_b, twist_a]))
+        found.wrench[:, 2] += np.concatenate([twist_b, twist_a])
+        return found
 
     @cached_property
     def cable_efforts(self) -> Batch:
         """The effect of -1 N in every straight piece of a tendon: efforts along its length."""
         tendons, cables = self.model.tendons, self.frames.cables
         one, two = tendons.stretch_first, tendons.stretch_first + 1
-        moments = [end.arm_x * cables.y - end.arm_y * cables.x  # n x u = -1
-                   - tendons.guide_radius[nodes, None]
-                   for nodes, end in ((one, cables.start), (two, cables.end))]
+        # n x u = -1
+        starts, ends = (np.stack([cables.x, cables.y, end.arm_x * cables.y - end.arm_y * cables.x
+                                  - tendons.guide_radius[nodes, None]], axis=1)
+                        for nodes, end in ((one, cables.start), (two, cables.end)))
         return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
                      np.concatenate([tendons.guide_body[one], tendons.guide_body[two]]),
-                     np.concatenate([-cables.x, cables.x]), np.concatenate([-cables.y, cables.y]),
-                     np.concatenate([-moments[0], moments[1]]))
+                     np.concatenate([-starts, ends]))
 
     @property
     def piece_efforts(self) -> Batch:
@@ -330,13 +325,13 @@ class Loads:
     def contact_sides(self) -> ContactSides:
         """Both sides of every contact row."""
         a = self.run.arrays
-        sample, at, sides = a["contact_sample"], a["contact_point"], []
+        sample, sides = a["contact_sample"], []
         for sign, on, twist in ((1.0, a["contact_body"], 0.0),
                                 (-1.0, a["contact_other"], np.nan_to_num(a["contact_twist"]))):
-            arm = at - np.stack([self.frames.centre_x[on, sample],
-                                 self.frames.centre_y[on, sample]], axis=1)
-            force = sign * a["contact_force"]
-            moment = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] + twist
-            sides.append((on, force, moment, arm))
-        body, force, moment, arm = (np.concatenate(part) for part in zip(*sides, strict=True))
-        return ContactSides(np.tile(sample, 2), body, force, moment, np.tile(at, (2, 1)), arm)
+            arm = a["contact_point"] - np.stack([self.frames.centre_x[on, sample],
+                                                 self.frames.centre_y[on, sample]], axis=1)
+            x, y = sign * a["contact_force"].T
+            moment = arm[:, 0] * y - arm[:, 1] * x + twist
+            sides.append((on, np.stack([x, y, moment], axis=1), arm))
+        body, wrench, arm = (np.concatenate(part) for part in zip(*sides, strict=True))
+        return ContactSides(np.tile(sample, 2), body, wrench, arm)

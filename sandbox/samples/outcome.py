@@ -182,7 +182,7 @@ class Stored:
 
     Names, shapes, units and meanings of the arrays: :data:`sandbox.elements.arrays.ARRAYS`.
     The arrays are read-only. ``info`` says how the run ended and how it was computed. ``model``
-    is the mechanism's, where it is known; otherwise it is compiled when first asked for.
+    is the mechanism's, where it is known; otherwise it is compiled on first use.
 
     Raises:
         ValueError: arrays that are missing or do not fit the mechanism.

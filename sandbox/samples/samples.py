@@ -145,7 +145,7 @@ class Samples(Stored):
     def table(self, kind: str) -> Columns:
         """All quantities of one of :data:`TABLES`, such as ``tendons``; fixed bodies are left out.
 
-        So is how well objects are held, which is worked out only when it is asked for.
+        So are grasp qualities, which are computed only when they are read.
 
         Raises:
             KeyError: another kind.

@@ -117,15 +117,15 @@ class Yielding:
         turned = np.zeros((self.count, 2 * self.count))  # of loads of constant magnitude
         for batch in self.loads.batches:
             on = self._at[batch.body] >= 0
-            for k, part in enumerate((batch.x, batch.y, batch.moment)):
-                np.add.at(turned, self._at[batch.body[on]] + k, part[on, 1:])
+            np.add.at(turned, self._at[batch.body[on], None] + np.arange(3),
+                      batch.wrench[on, :, 1:])
         self.stiffness = np.asarray(
             (turned[:, self.count:] - turned[:, :self.count]) / (2 * self.steps))
         elastic = np.zeros((self.count, self.count))
         for one in self.elastic():
             elastic += one.stiffness * np.outer(one.pull, one.pull)
         self.stiffness += elastic
-        self.largest = max((float(np.hypot(batch.x[:, 0], batch.y[:, 0]).max(initial=0.0))
+        self.largest = max((float(np.hypot(*batch.wrench[:, :2, 0].T).max(initial=0.0))
                             for batch in self.loads.batches), default=0.0)
         self._held: list[Array | int] = []  # rows of constraints, or numbers of rigid forces
         self._slides: dict[int, tuple[int, float]] = {}  # of some: their friction, and mu
@@ -201,11 +201,11 @@ class Yielding:
             self._held += list(self._rows(efforts, len(joints.name))[held])
         for j in np.flatnonzero(held_of(self.model.bonds.joint, a["held"])[:, s]).tolist():
             if not joints.turns[j]:
-                row = np.zeros(self.count)
+                turn = np.zeros(self.count)
                 for body, sign in zip(joints.bodies[j].tolist(), (-1.0, 1.0), strict=True):
                     if body in self.place:
-                        row[self.place[body] + 2] = sign
-                self._held.append(row)
+                        turn[self.place[body] + 2] = sign
+                self._held.append(turn)
             self._held += [self._add(rigid) for rigid in self._joint(j)]
         for row in np.flatnonzero(a["contact_sample"] == s).tolist():
             self._touch(row)
@@ -354,8 +354,8 @@ class Yielding:
         Y = Z if symmetric else null_space(pushes[:, part] * scale)
         if Z.shape != Y.shape:
             raise ArithmeticError("contacts that slide and jam")
-        M, seen, felt = Y.T @ K @ Z, Z[own], Y[own]
-        seen, felt = (np.where(np.abs(each) > RANK, each, 0.0) for each in (seen, felt))
+        M, motions, forces = Y.T @ K @ Z, Z[own], Y[own]
+        motions, forces = (np.where(np.abs(each) > RANK, each, 0.0) for each in (motions, forces))
         nothing = NOTHING * self.largest / self.size
         if symmetric:
             values, left = np.linalg.eigh((M + M.T) / 2)
@@ -365,10 +365,10 @@ class Yielding:
         else:
             left, values, rows = np.linalg.svd(M)
             right, soft = rows.T, values <= max(nothing, 1e-14 * values.max(initial=0.0))
-        away = (seen @ right[:, soft]).T
+        away = (motions @ right[:, soft]).T
         away = away[np.abs(away).max(axis=1, initial=0.0) > SOFTLY]
         firm = ~soft
-        C = (seen @ right[:, firm] / values[firm]) @ (felt @ left[:, firm]).T
+        C = (motions @ right[:, firm] / values[firm]) @ (forces @ left[:, firm]).T
         back = np.array([1.0, 1.0, 1 / self.size])
         free = away[:, :2]
         return Yield(back * C * back[:, None], np.abs(away).max(axis=0, initial=0.0) > SOFTLY,
