@@ -41,7 +41,7 @@ def lost_rate(rates: Array, *, turning: bool) -> float:
     return STILL[turning] + DIGITS * peak(rates)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Figure:
     """The result of one check."""
 
@@ -52,13 +52,6 @@ class Figure:
     verdict: Literal["pass", "look", "not computed"]
     why: str  # The comparison, or the reason why it was not computed
     source: str  # The equation
-
-    def __repr__(self) -> str:
-        if self.verdict == "not computed":
-            return f"<Figure: {self.name} not computed: {self.why}>"
-        unit = f" {self.unit}" if self.unit else ""
-        return (f"<Figure: {self.name} {self.value:.2g}{unit}, at most {self.threshold:.2g}; "
-                f"{self.verdict}>")
 
 
 def figure_data(figure: Figure) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sandbox.elements.element import GRAZE
 from sandbox.model.joints import Place, place_in_slot
@@ -42,11 +43,7 @@ class Frames:
             np.ascontiguousarray(part) for part in run.arrays["body_pose"].transpose(2, 1, 0))
         """Poses of the bodies' frames in the world, [nb, n] m, m, rad."""
         self.samples = self.x.shape[1]
-        still = self.model.bodies.fixed
-        self.cos, self.sin = np.empty_like(self.angle), np.empty_like(self.angle)
-        for function, into in ((np.cos, self.cos), (np.sin, self.sin)):
-            into[~still] = function(self.angle[~still])
-            into[still] = function(self.angle[still, :1])
+        self.cos, self.sin = np.cos(self.angle), np.sin(self.angle)
         self._centre = centre = run.arrays["body_centre"]
         self.centre_x = self.x + self.cos * centre[:, :1] - self.sin * centre[:, 1:]
         """Centres of mass in the world, [nb, n] m."""
@@ -275,10 +272,9 @@ def bends(frames: Frames, grip: int) -> Array:
     place = (guide - course.path.start) or len(course.radii) - 1
     if tendons.guide_radius[guide]:
         return np.asarray(course.wrap(place)[1:])
-    one, two = course.own[place - 1], course.own[place % len(course.own)]
-    across = cables.x[one] * cables.y[two] - cables.y[one] * cables.x[two]
-    along = cables.x[one] * cables.x[two] + cables.y[one] * cables.y[two]
-    return np.asarray(np.abs(np.arctan2(across, along)))
+    one, two = (cables.x[row] + 1j * cables.y[row]
+                for row in (course.own[place - 1], course.own[place % len(course.own)]))
+    return np.abs(np.angle(one.conj() * two))
 
 
 def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
@@ -291,26 +287,22 @@ def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
     tendons, cables, off = frames.model.tendons, frames.cables, off_wheels(frames.run.arrays)
     guide = int(tendons.wheels[wheel])
     course = _course(frames, _tendon_of(tendons, guide))
-    place, own = guide - course.path.start, course.own
+    place, own, way = guide - course.path.start, course.own, cables.x + 1j * cables.y
 
-    def edge(which: int) -> Array:
-        """Where the straight piece begins or ends, [2, n], if the tendon lies on that guide."""
+    def edge(which: int) -> NDArray[np.complex128]:
+        """Where the straight piece begins or ends if the tendon lies on that guide, [n]."""
         piece, at = (own[which], cables.start) if which < place else (own[which - 1], cables.end)
-        return np.array([at.x[piece] - course.radii[which] * cables.y[piece],
-                         at.y[piece] + course.radii[which] * cables.x[piece]])
+        return at.x[piece] + 1j * at.y[piece] + 1j * course.radii[which] * way[piece]
 
     ends = [edge(0), edge(len(own))]
     for side, places in ((0, range(1, place)), (1, range(len(own) - 1, place, -1))):
         for which in places:
             passed = off[:, tendons.wheels == course.path.start + which].any(axis=1)
             ends[side] = np.where(passed, ends[side], edge(which))
-    begin, end = ends
-    u = np.array([cables.x[own[place]], cables.y[own[place]]])
-    centre = np.array([cables.start.x[own[place]], cables.start.y[own[place]]])
-    radius = course.radii[place]
-    across = u[0] * (centre - begin)[1] - u[1] * (centre - begin)[0]
-    clear = -np.sign(radius) * across - abs(radius)
-    beside = ((u * (centre - begin)).sum(axis=0) > 0) & ((u * (end - centre)).sum(axis=0) > 0)
+    centre = cables.start.x[own[place]] + 1j * cables.start.y[own[place]]
+    before, after = (way[own[place]].conj() * each for each in (centre - ends[0], ends[1] - centre))
+    clear = -np.sign(course.radii[place]) * before.imag - abs(course.radii[place])
+    beside = (before.real > 0) & (after.real > 0)
     return course.wrap(place)[1:], np.where(off[:, wheel], np.where(beside, clear, np.inf), np.nan)
 
 

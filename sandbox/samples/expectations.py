@@ -25,7 +25,7 @@ from sandbox.wording import is_pattern
 WHOLE = ("min", "max", "final")  # Statistics that are a whole number of whole numbers
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Verdict:
     """The result of an expectation of one quantity."""
 
@@ -39,12 +39,6 @@ class Verdict:
     unit: str = ""
     because: str = ""  # Where the range comes from, in the scene's words
     reason: str = ""  # Why it failed, where the value alone does not tell
-
-    def __repr__(self) -> str:
-        unit = "" if self.unit in ("", "1") else f" {self.unit}"
-        parts = "; ".join(each for each in (
-            self.allowed, self.reason, "pass" if self.ok else "FAIL") if each)
-        return f"<Verdict: {self.quantity} {self.statistic} {self.value:.6g}{unit}; {parts}>"
 
     @property
     def allowed(self) -> str:

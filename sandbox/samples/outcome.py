@@ -10,7 +10,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -140,22 +140,16 @@ def planned(run: Run, *, complete: bool = True) -> Outcome:
 # -- as plain JSON data -------------------------------------------------------------
 
 
+@cache
+def _adapter() -> TypeAdapter[Outcome]:
+    return TypeAdapter(Outcome)
+
+
 def outcome_data(outcome: Outcome) -> dict[str, Any]:
     """An outcome as plain JSON data, SI, keys as in the files of a run."""
-    stopped = outcome.stopped
-    return {
-        "complete": outcome.complete, "reason": outcome.reason,
-        "step": outcome.step, "steps": outcome.steps, "sample_rate": outcome.sample_rate,
-        "seed": outcome.seed,
-        "versions": dict(outcome.versions), "wall_s": dict(outcome.wall),
-        "events": [{"event": one.event, "time_s": one.time} for one in outcome.events],
-        "broke": [{"name": one.event, "time_s": one.time} for one in outcome.broke],
-        "stopped": stopped and {"event": stopped.event, "verdict": stopped.verdict,
-                                "time_s": stopped.time, "because": stopped.because},
-        "controllers": {name: dict(found) for name, found in outcome.controllers.items()},
-        "contact_solver": dict(outcome.contact_solver),
-        "notes": list(outcome.notes),
-    }
+    data: dict[str, Any] = _adapter().dump_python(outcome, mode="json", by_alias=True)
+    data["broke"] = [{"name": one.event, "time_s": one.time} for one in outcome.broke]
+    return data
 
 
 def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
@@ -166,7 +160,7 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
     """
     given = outcome_data(planned(run, complete=False)) | dict(data)
     try:
-        found = TypeAdapter(Outcome).validate_json(json.dumps(given), strict=True)
+        found = _adapter().validate_json(json.dumps(given), strict=True)
     except ValidationError as error:
         first = error.errors()[0]
         raise ValueError(f"{quoted('.'.join(map(str, first['loc'])))}: {first['msg']}") from None

@@ -169,13 +169,10 @@ class Samples(Stored):
     def part(self, first: int, last: int) -> Self:
         """Samples ``first`` to ``last - 1`` as a recording of its own; shares the memory."""
         first, last, _ = slice(first, last).indices(len(self))
-        return self._selected(slice(first, max(first, last)))
+        return self.pick(slice(first, max(first, last)))
 
-    def pick(self, samples: Integers) -> Self:
+    def pick(self, samples: slice | Integers) -> Self:
         """Some samples, by rising number, as a recording of its own."""
-        return self._selected(samples)
-
-    def _selected(self, samples: slice | Integers) -> Self:
         arrays = {**self.arrays, METERS: self._meters[0]}
         for key in [*PER_SAMPLE, METERS]:
             arrays[key] = arrays[key][samples]
