@@ -93,19 +93,6 @@ def write(run: Samples, file: IO[bytes]) -> None:
         archive.comment = hashlib.sha256("".join(members).encode()).hexdigest()[:32].encode()
 
 
-def read_id(path: Path) -> str:
-    """The id of the run in an archive; empty in version 0.1.
-
-    Raises:
-        OutputError: there is no archive.
-    """
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return archive.comment.decode("ascii", "replace")
-    except (OSError, zipfile.BadZipFile) as error:
-        raise OutputError(f"cannot read {path}: {line_of(error)}", code="run-damaged") from None
-
-
 def _member(name: str) -> zipfile.ZipInfo:
     """A zip entry that depends on nothing but its name."""
     info = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))

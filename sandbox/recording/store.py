@@ -11,6 +11,7 @@ import math
 import os
 import platform
 import re
+import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -25,7 +26,7 @@ from sandbox.recording import archive, tables
 from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY
 from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import Outcome, outcome_data
-from sandbox.samples.samples import Samples
+from sandbox.samples.samples import TABLES, Samples
 from sandbox.scene.mechanism import Mechanism
 
 RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
@@ -43,7 +44,8 @@ def save_data(run: Samples, directory: Path) -> None:
     texts = {CONTACTS: tables.contact_rows(run)}
     if len(run.arrays["impact_time"]):
         texts[IMPACTS] = tables.impact_rows(run)
-    texts |= {f"{kind}.csv": tables.rows(run, kind) for kind in tables.written(run)}
+    texts |= {f"{kind}.csv": tables.rows(run, kind) for kind in TABLES
+              if kind in tables.ALWAYS or getattr(run.mechanism, kind)}
     for name, pieces in texts.items():
         with atomic_file(directory / name, durable=False) as part, part.open("wb") as file:
             for piece in pieces:
@@ -66,9 +68,11 @@ def save_summary(
     """
     path = directory / (SUMMARY if run.complete else INCOMPLETE)
     info, mechanism = outcome_data(run.info), run.mechanism
+    with zipfile.ZipFile(directory / ARCHIVE) as written:
+        run_id = written.comment.decode()
     content = {
         "format": archive.FORMAT,
-        "run_id": archive.read_id(directory / ARCHIVE),
+        "run_id": run_id,
         "complete": info["complete"],
         "reason": info["reason"],
         "name": mechanism.name,

@@ -42,12 +42,6 @@ def column(name: str, unit: str) -> str:
     return "_".join(filter(None, (name, column_unit(unit))))
 
 
-def written(run: Samples) -> list[str]:
-    """The kinds of table that a run has a file for."""
-    where_any = ("springs", "lines", "valves", "loads", "meters")
-    return [*ALWAYS, *(kind for kind in where_any if getattr(run.mechanism, kind))]
-
-
 def rows(run: Samples, kind: str) -> Iterator[str]:
     """The text of a table (see :meth:`Samples.table`), header first, in large pieces."""
     names, units, _ = run.part(0, 0).table(kind)
