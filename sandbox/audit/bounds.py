@@ -88,7 +88,7 @@ class Unknowns:
 
     def _joints(self) -> Iterator[Unknown]:
         pose, model = self.arrays["body_pose"][0], self.model
-        for j in np.flatnonzero(self.evidence.holds("joint")[:, 0]).tolist():
+        for j in np.flatnonzero(self.evidence.holds["joint"][:, 0]).tolist():
             force, flank = self.arrays["joint_force"][0, j], 0
             if model.joints.kind[j].teeth and force.any():  # the flank that pushed
                 one, other = (flank_of(model, j, pose, side) for side in (1, -1))

@@ -319,7 +319,7 @@ def _slack(evidence: Evidence, worst: Worst) -> str:
     if not tendons or len(time) < 2:
         raise NotComputed("there are too few samples" if tendons else "there is no tendon")
     slack = evidence.arrays["tendon_tension"] <= SLACK
-    slack &= evidence.holds("tendon").T
+    slack &= evidence.holds["tendon"].T
     once = np.maximum.accumulate(~slack, axis=0)
     seconds = np.count_nonzero(slack & once, axis=0) * float(time[1] - time[0])
     never = [name for name, pulled in zip(tendons, once[-1], strict=True) if not pulled]

@@ -123,7 +123,7 @@ def _motors(evidence: Evidence, worst: Worst) -> None:
         j, torque, value = int(drives.target[i]), a["drive_torque"][:, i], a["drive_value"][:, i]
         brake, slope = bool(np.isnan(drives.most[i])), float(drives.slope[i])
         most = value if brake else np.full(len(torque), drives.most[i])
-        largest, holds = whole(most), evidence.holds("joint")[j]
+        largest, holds = whole(most), evidence.holds["joint"][j]
         if np.isfinite(largest):
             over = np.maximum(np.abs(torque) - most, 0.0) / largest
             worst.add(f"limit of {drives.name[i]}", over, EXACT)
@@ -207,7 +207,7 @@ def _stops(evidence: Evidence, worst: Worst) -> None:
         for sign, limit in zip((1.0, -1.0), joints.stops[j].tolist(), strict=True):
             gap = sign * (angle - limit)
             ahead = gap + h * sign * rate
-            acts = evidence.holds("joint")[j] & (sign * torque > 0)
+            acts = evidence.holds["joint"][j] & (sign * torque > 0)
             worst.add(joints.name[j], acts * np.maximum(np.minimum(ahead, gap), 0.0), tolerance)
             worst.add(joints.name[j], np.maximum(-ahead, 0.0),
                       tolerance + np.maximum(-gap - h, 0.0), holds)
@@ -276,14 +276,14 @@ def _places(evidence: Evidence, worst: Worst) -> None:
                    k * (u - q) - c * v, -most, most),
                [((place + h / 2 * (after - rate), rate), (ROUNDING * (1 + np.abs(place)), off)),
                 ((place + h * after, after), (ROUNDING * (1 + np.abs(place)) + h * off, off))],
-               evidence.holds("joint")[j], size=most)
+               evidence.holds["joint"][j], size=most)
 
 
 def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
     """Motion of a rigid servo away from its target, and tolerance, by its travel, [n - 1]."""
     drives, a, h = evidence.model.drives, evidence.arrays, evidence.h
     j, value = int(drives.target[drive]), a["drive_value"][:, drive]
-    place, holds = evidence.angles[j], evidence.holds("joint")[j]
+    place, holds = evidence.angles[j], evidence.holds["joint"][j]
     short = np.abs(value[:-1] - place[1:])
     before, moved = np.append(np.inf, short[:-1]), np.diff(value[:-1], prepend=value[0])
     spare = holds[:-1] & holds[1:] & ((moved == 0) | np.isinf(drives.fastest[drive])) & (

@@ -57,6 +57,9 @@ class Evidence:
         """Velocities of the bodies at the instant of each sample, [3, nb, n]."""
         self.velocity_after = self.velocity + self.h / 2 * self.frames.acceleration
         """The same at the end of each sample's step."""
+        self.holds = {kind: held_of(self.model.bonds.of(kind), self.arrays["held"])
+                      for kind in ("joint", "spring", "tendon")}
+        """Which joints, springs or tendons hold in which samples, [elements, n]."""
         self.contact_arms = np.split(self.loads.contact_sides.arm, 2)
         """From the centres of mass of both bodies to the contact points [m], [m, 2] each."""
         self.vectors = not self.model.joints.name or not np.isnan(
@@ -114,13 +117,6 @@ class Evidence:
         """The same at the end of each sample's step, along lines as they lie at the sample."""
         return self.rates_of(self.velocity_after)
 
-    def holds(self, kind: str) -> Flags:
-        """Which joints, springs or tendons hold in which samples, [elements, n]."""
-        if kind not in self._made:
-            self._made[kind] = held_of(self.model.bonds.of(kind), self.arrays["held"])
-        found: Flags = self._made[kind]
-        return found
-
     def once(self, make: Callable[[Evidence], T]) -> T:
         """The result of ``make`` for this recording, computed once."""
         if make not in self._made:
@@ -131,7 +127,7 @@ class Evidence:
     @cached_property
     def joints_hold(self) -> Flags:
         """Which joints hold and had time to close since they were engaged, [nj, n]."""
-        holds = self.holds("joint").copy()
+        holds = self.holds["joint"].copy()
         for j in np.flatnonzero(~holds.all(axis=1)).tolist():
             over = CLOSES_IN * float(self.model.bonds.over[self.model.bonds.joint[j]])
             for last in np.flatnonzero(~holds[j]).tolist():

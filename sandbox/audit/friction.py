@@ -47,7 +47,7 @@ MEASURED = 1e-13
                 "{count:comparison}, worst: {where}",
        none="no guide has friction")
 def _bounds(evidence: Evidence, worst: Worst) -> None:
-    tendons, a, held = evidence.model.tendons, evidence.arrays, evidence.holds("tendon")
+    tendons, a, held = evidence.model.tendons, evidence.arrays, evidence.holds["tendon"]
     spans = [span for k in range(len(tendons.name)) for span in spans_of(tendons, k)]
     behind = {span.into: span for span in spans}
     for k, guide in enumerate(tendons.grips.tolist()):
@@ -99,7 +99,7 @@ def _spans(evidence: Evidence, worst: Worst) -> None:
             tendons.drive[tendon] != NONE) else spans
         tension = np.array([_tension(evidence, span) for span in measured])
         slack = (tension == 0.0).all(axis=0)
-        if spans and evidence.holds("tendon")[tendon].all() and (
+        if spans and evidence.holds["tendon"][tendon].all() and (
                 evidence.every_step or not slack.any()):
             _add_laws(evidence, spans, tension, slack, worst)
 
@@ -175,11 +175,11 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
         beyond = np.where(sticks, size - most, slips)
         worst.add(f"bound of {name}", np.maximum(size - most, 0.0) / largest, unsure)
         worst.add(f"slip of {name}", np.maximum(beyond, 0.0) / largest, unsure,
-                  evidence.holds("joint")[j])
+                  evidence.holds["joint"][j])
         slip = np.where(sticks, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
         floor = SOLVED * fast + STILL[joints.kind[j].friction_unit == "N m"] + DIGITS / h + (
             HELD * alone * h * 2 * peak(friction) + h * _bend(evidence, j))
-        worst.add(name, slip / fast, floor / fast, evidence.holds("joint")[j])
+        worst.add(name, slip / fast, floor / fast, evidence.holds["joint"][j])
 
 
 def carried(evidence: Evidence, joint: int) -> Array:

@@ -53,7 +53,7 @@ def states_of(h: float, place: Array, rates: Sequence[Array], *, turning: bool) 
 
 def _as_built(evidence: Evidence, kind: str) -> Flags:
     """Where elements hold with the scene's rest length, not one of a later engagement, [.., n]."""
-    bonds, holds = evidence.model.bonds, evidence.holds(kind).copy()
+    bonds, holds = evidence.model.bonds, evidence.holds[kind].copy()
     for i, bond in enumerate(bonds.of(kind).tolist()):
         if bond >= 0 and bonds.as_is[bond]:
             holds[i] = np.logical_and.accumulate(holds[i])
@@ -137,7 +137,7 @@ _rotary_springs = check(
        compared="torques of the dampers of {count:hinge} from the recorded velocities, relative "
                 "to the largest of each, worst: {where}")
 def _dampers(evidence: Evidence, worst: Worst) -> None:
-    model, holds = evidence.model, evidence.holds("joint")
+    model, holds = evidence.model, evidence.holds["joint"]
     for j in model.joints.hinges.tolist():
         if model.bodies.free[model.joints.bodies[j]].any():
             c, rate = float(model.hinge_damping[j]), evidence.rates[j]

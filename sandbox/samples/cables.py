@@ -274,7 +274,7 @@ def bends(frames: Frames, grip: int) -> Array:
         return np.asarray(course.wrap(place)[1:])
     one, two = (cables.x[row] + 1j * cables.y[row]
                 for row in (course.own[place - 1], course.own[place % len(course.own)]))
-    return np.abs(np.angle(one.conj() * two))
+    return np.asarray(np.abs(np.angle(one.conj() * two)))
 
 
 def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
@@ -292,7 +292,8 @@ def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
     def edge(which: int) -> NDArray[np.complex128]:
         """Where the straight piece begins or ends if the tendon lies on that guide, [n]."""
         piece, at = (own[which], cables.start) if which < place else (own[which - 1], cables.end)
-        return at.x[piece] + 1j * at.y[piece] + 1j * course.radii[which] * way[piece]
+        return np.asarray(
+            at.x[piece] + 1j * at.y[piece] + 1j * course.radii[which] * way[piece])
 
     ends = [edge(0), edge(len(own))]
     for side, places in ((0, range(1, place)), (1, range(len(own) - 1, place, -1))):
