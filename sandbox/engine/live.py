@@ -66,7 +66,7 @@ class Live(Simulation):
         self._hand = np.arange(len(self.scene.drives), len(self.mechanism.drives))
 
     def _room(self) -> RecordingBuilder:
-        return Latest(self.mechanism, self._statics(), model=self._model)
+        return Latest(self.mechanism, 0, self._statics(), model=self._model)
 
     def latest(self) -> Arrays:
         """The samples of the last steps, as arrays of a recording that the next step writes over.

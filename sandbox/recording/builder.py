@@ -240,28 +240,15 @@ def _in_order(keys: tuple[Integers, ...]) -> bool:
 class Latest(RecordingBuilder):
     """A builder that holds what :meth:`put` was given last; ``first`` is its first sample."""
 
-    def __init__(
-        self, mechanism: Mechanism, statics: Mapping[str, NDArray[Any]], *, model: Model,
-    ) -> None:
-        super().__init__(mechanism, 0, statics, model=model)
-        self.contacts = _LatestRows(self._room, sizes(mechanism, samples=0), CONTACT)
-        self.first = 0
+    first = 0
 
     def put(self, first: int, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Let ``arrays`` be all samples that there are, the first of them number ``first``."""
         super().put(0, arrays)
-        self.first, self.impacts.count = first, 0
+        self.first, self.contacts.count, self.impacts.count = first, 0, 0
 
     def arrays(self, time: Array) -> Arrays:
         """All arrays of a recording at these instants [s]; they share the memory."""
-        return {TIME: time, **self.samples.finished(self.samples.count),
-                **self.contacts.finished(self.contacts.count), **self.statics}
-
-
-class _LatestRows(Rows):
-    """Contact rows whose samples are counted from the first that is held."""
-
-    def replace(self, sample: int, *values: NDArray[Any]) -> None:
-        """Put rows in the place of all that there are."""
-        self.count = 0
-        self.append(values[0] - sample, *values[1:])
+        rows = self.contacts.finished(self.contacts.count)
+        rows["contact_sample"] = rows["contact_sample"] - self.first
+        return {TIME: time, **self.samples.finished(self.samples.count), **rows, **self.statics}
