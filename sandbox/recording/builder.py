@@ -1,24 +1,20 @@
 """Collecting a recording while it is simulated.
 
 The engine gives its samples and contact rows in chunks, in order of time. Arrays that do not fit a
-memory budget are mapped from files of a temporary directory, which is removed with the recording.
+memory budget are mapped from temporary files, which are removed with the recording.
 """
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import tempfile
-import weakref
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.atomic_files import remove_stale, temporary_path
 from sandbox.elements.arrays import (
     CONTACT,
     IMPACT,
@@ -48,57 +44,44 @@ ZEROS = bytes(1 << 20)
 
 
 class Room:
-    """A budget of memory [bytes], and files for arrays beyond it, removed with the room."""
+    """A budget of memory [bytes], and temporary files for arrays beyond it.
+
+    A file has no name: it is removed with the last reference to its array.
+
+    Raises:
+        OutputError: there is no room for an array, or no file can be made.
+    """
 
     def __init__(self, memory: float, directory: str | os.PathLike[str] | None) -> None:
-        self.left = memory
-        self._directory, self._made = directory, 0
-        self._path: Path | None = None
+        self.left, self.directory = memory, directory or tempfile.gettempdir()
 
     def array(
         self, shape: tuple[int, ...], dtype: Any, old: NDArray[Any] | None = None,
     ) -> NDArray[Any]:
         """A new array, or a longer one in place of ``old`` that begins with its rows."""
         size = math.prod(shape) * np.dtype(dtype).itemsize
-        if isinstance(old, np.memmap):
-            return self._mapped(Path(str(old.filename)), shape, dtype, size)
-        if size <= self.left:
+        if size <= self.left and not isinstance(old, np.memmap):
             self.left -= size
             made: NDArray[Any] = np.empty(shape, dtype)
         else:
-            self._made += 1
-            made = self._mapped(self._folder() / f"{self._made}.bin", shape, dtype, size)
+            made = self._mapped(shape, dtype, size)
         if old is not None:
             made[:len(old)] = old
-            self.left += old.nbytes
+            self.left += 0 if isinstance(old, np.memmap) else old.nbytes
         return made
 
-    def _mapped(self, path: Path, shape: tuple[int, ...], dtype: Any, size: int) -> NDArray[Any]:
+    def _mapped(self, shape: tuple[int, ...], dtype: Any, size: int) -> NDArray[Any]:
         """An array in a file whose blocks are allocated, as a full disk is an error only here."""
         try:
-            with path.open("ab") as file:
+            with tempfile.TemporaryFile(dir=self.directory) as file:
                 if hasattr(os, "posix_fallocate"):
                     os.posix_fallocate(file.fileno(), 0, size)
                 while (lacking := size - file.seek(0, os.SEEK_END)) > 0:
                     file.write(ZEROS[:lacking])
-            return np.memmap(path, dtype, "r+", shape=shape)
+                return np.memmap(file, dtype, "r+", shape=shape)
         except OSError as error:
-            raise OutputError(f"no room for {size / 1e9:.3g} GB of samples in {path.parent}: "
+            raise OutputError(f"no room for {size / 1e9:.3g} GB of samples in {self.directory}: "
                               f"{error.strerror or error}", code="out-of-memory") from None
-
-    def _folder(self) -> Path:
-        """The directory; what killed processes left beside it is removed first."""
-        if self._path is None:
-            held = contextlib.ExitStack()
-            try:
-                place = Path(self._directory or tempfile.gettempdir())
-                remove_stale(place)
-                self._path = temporary_path(place / "sandbox", held, directory=True)
-            except OSError as error:
-                raise OutputError(f"cannot make a temporary directory: {error.strerror}",
-                                  code="out-of-memory") from None
-            weakref.finalize(self, held.close)
-        return self._path
 
 
 class Rows:
@@ -224,8 +207,7 @@ class RecordingBuilder:
                   **self.impacts.finished(self.impacts.count, copies)}
         for rows in (self.contacts, *((self.means, self.mean_contacts) if self.apart else ())):
             arrays |= rows.finished(rows.before(n), copies)
-        return Recording(self.mechanism, arrays, info, model=self._model,
-                         scratch=copies or self._room)
+        return Recording(self.mechanism, arrays, info, model=self._model)
 
 
 def _in_order(keys: tuple[Integers, ...]) -> bool:

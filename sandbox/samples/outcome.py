@@ -184,7 +184,7 @@ class Stored:
 
     def __init__(
         self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Outcome, *,
-        model: Model | None = None, scratch: object = None,
+        model: Model | None = None,
     ) -> None:
         self.mechanism = mechanism
         self._model = model
@@ -195,7 +195,6 @@ class Stored:
         if found := faults(mechanism, self.arrays):
             raise ValueError("; ".join(found))
         self.info = info
-        self._scratch = scratch
 
     @property
     def time(self) -> Array:

@@ -58,10 +58,9 @@ class Samples(Stored):
 
     def __init__(
         self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Outcome, *,
-        catalogue: Catalogue | None = None, model: Model | None = None, scratch: object = None,
+        catalogue: Catalogue | None = None, model: Model | None = None,
     ) -> None:
-        """``scratch`` is kept alive as long as the samples: files that their arrays live in."""
-        super().__init__(mechanism, arrays, info, model=model, scratch=scratch)
+        super().__init__(mechanism, arrays, info, model=model)
         self.catalogue = catalogue or Catalogue(mechanism)
         self._grasps: dict[int, Grasp] = {}
         self._means: Arrays = {}
@@ -194,7 +193,7 @@ class Samples(Stored):
 
     def _with(self, arrays: Arrays) -> Self:
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
-                          model=self._model, scratch=self._scratch)
+                          model=self._model)
 
     def parts(self, samples: int) -> Iterator[Self]:
         """The recording in pieces of at most so many samples, in order."""
