@@ -134,9 +134,14 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
             raise OutputError(f"{folder} is damaged: {path.name} and {ARCHIVE} are of different "
                               "runs", code="run-damaged")
     if not complete and outcome.complete:
-        note = f"{SUMMARY} is missing: the run was stopped before all of its files were in place"
-        outcome = replace(outcome, complete=False, notes=(*outcome.notes, note))
+        outcome = unfinished(outcome)
     return mechanism, arrays, outcome
+
+
+def unfinished(outcome: Outcome) -> Outcome:
+    """The outcome of a run whose files are not all in place."""
+    note = f"{SUMMARY} is missing: the run was stopped before all of its files were in place"
+    return replace(outcome, complete=False, notes=(*outcome.notes, note))
 
 
 def saved_audit(directory: Path) -> list[Figure]:

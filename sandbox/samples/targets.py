@@ -19,7 +19,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -31,21 +30,15 @@ from sandbox.values.signals import values
 SUFFIX = ".target"  # Of a meter that holds the target of the quantity before it
 
 
-class Track(NamedTuple):
-    """A quantity over a run, from t = 0 where its value there is known."""
-
-    time: Array  # [s], shape [n] or [n + 1]
-    value: Array  # The same shape, SI
-    target: Array | None  # The same shape; None without one
-
-
-def track(run: Samples, name: str, goal: Array | None = None) -> Track:
-    """A quantity and its target [n], with the value at t = 0 before the samples if it is known."""
+def track(
+    run: Samples, name: str, goal: Array | None = None,
+) -> tuple[Array, Array, Array | None]:
+    """Instants [s], a quantity and its target, from t = 0 where the value there is known."""
     begins = start(run, name)
     if begins is None or not len(run) or run.time[0] <= 0:
-        return Track(run.time, run[name], goal)
-    return Track(np.append(0.0, run.time), np.append(begins, run[name]),
-                 None if goal is None else np.append(goal[0], goal))
+        return run.time, run[name], goal
+    return (np.append(0.0, run.time), np.append(begins, run[name]),
+            None if goal is None else np.append(goal[0], goal))
 
 
 def start(run: Samples, name: str) -> float | None:
