@@ -152,7 +152,7 @@ def _dampers(evidence: Evidence, worst: Worst) -> None:
        none="there is no load")
 def _loads(evidence: Evidence, worst: Worst) -> None:
     """F(x, v, a, t) at the sample or, for stiff laws, F(x + h v, v, a, t) at the step's end."""
-    a, loads, frames, h = evidence.arrays, evidence.model.loads, evidence.frames, (evidence.h)
+    a, loads, frames, h = evidence.arrays, evidence.model.loads, evidence.frames, evidence.h
     for i, name in enumerate(loads.name):
         body = int(loads.body[i])
         force = np.stack([*a["load_force"][:, i].T, a["load_torque"][:, i]])
