@@ -36,9 +36,6 @@ HELD, FADED = 1e-10, 0.01
 (docs/engine.md)."""
 
 
-# -- release and breaking ---------------------------------------------------------------------
-
-
 @check("release.force", "N", "F = 0 where released",
        asks="do released and broken elements carry no load?")
 def _released(evidence: Evidence, worst: Worst) -> str:
@@ -79,9 +76,6 @@ def _load(evidence: Evidence, bond: int) -> Array:
     force = np.abs(evidence.loads.spring_forces[i])
     least = 0.0 if model.springs.straight[i] else EXACT * peak(a["spring_force"][:, i])
     return np.asarray(np.where(force > least, force, 0.0))
-
-
-# -- drives and stops -------------------------------------------------------------------------
 
 
 def set_while_running(mechanism: Mechanism) -> set[str]:

@@ -239,9 +239,6 @@ def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> t
     return arm, displacement, straight * slant
 
 
-# -- motion -----------------------------------------------------------------------------------
-
-
 @check("clock", "step", "t = (k - 1/2) h", asks="do the sample times match the sample rate?")
 def _clock(evidence: Evidence, worst: Worst) -> str:
     run, settings = evidence.whole, evidence.model.mechanism.run

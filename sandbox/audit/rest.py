@@ -115,9 +115,6 @@ def _moments(evidence: Evidence, worst: Worst) -> None:
                       MOMENT)
 
 
-# -- fingers ----------------------------------------------------------------------------------
-
-
 class Grip(NamedTuple):
     """A finger's hinges, the external contacts on it in one sample, and their Jacobian."""
 

@@ -175,8 +175,6 @@ class _Reading:
             size -= len(piece)
             yield piece
 
-    # -- texts ------------------------------------------------------------------------
-
     def _text(self, name: str, most: int) -> str:
         if name not in self.members:
             raise ValueError(f"it has no {name!r}")
@@ -222,8 +220,6 @@ class _Reading:
             more = f", and {len(problems) - 1} more" if len(problems) > 1 else ""
             raise ValueError(f"its mechanism is not valid: {line_of(problems[0])}{more}")
         return mechanism
-
-    # -- arrays -----------------------------------------------------------------------
 
     def arrays(self, mechanism: Mechanism) -> Arrays:
         """The numbers, checked and kept in memory, or mapped where they are many."""

@@ -292,8 +292,7 @@ def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
     def edge(which: int) -> NDArray[np.complex128]:
         """Where the straight piece begins or ends if the tendon lies on that guide, [n]."""
         piece, at = (own[which], cables.start) if which < place else (own[which - 1], cables.end)
-        return np.asarray(
-            at.x[piece] + 1j * at.y[piece] + 1j * course.radii[which] * way[piece])
+        return np.asarray(at.x[piece] + 1j * at.y[piece] + 1j * course.radii[which] * way[piece])
 
     ends = [edge(0), edge(len(own))]
     for side, places in ((0, range(1, place)), (1, range(len(own) - 1, place, -1))):

@@ -175,8 +175,6 @@ class Grasp:
         return ("stiffness is not defined with "
                 + (without_stiffness(self.run.model) or friction or "contacts in a notch"))
 
-    # --- distribution of the force
-
     @cached_property
     def fingers(self) -> Integers:
         """The number of every body's finger: its smallest group, else the body."""
@@ -197,8 +195,6 @@ class Grasp:
         for samples, at in self._equal_counts(pairs[0]):
             result[samples] = force_spread(total[at])
         return result
-
-    # --- at rest in the hand
 
     @cached_property
     def held(self) -> Flags:

@@ -76,8 +76,6 @@ class Loads:
             run.model.bodies.free[:, None], np.stack([mass, mass, inertia], axis=1), 0.0)
         """Inertia along x, y and about the centre: m, m, I, [nb, 3]; 0 of bodies not free."""
 
-    # -- sums ---------------------------------------------------------------------------
-
     @cached_property
     def totals(self) -> Array:
         """Sum of all loads but those of joints: force x, y [N] and moment [N m], [3, nb, n]."""
@@ -164,8 +162,6 @@ class Loads:
             fy = value * (s * along[:, :1] + c * along[:, 1:])
             yield Batch("force", pushing, body, np.stack(
                 [fx, fy, at.arm_x * fy - at.arm_y * fx], axis=1))
-
-    # -- coordinates: wrenches of unit efforts --------------------------------------------
 
     def _pair(
         self, kind: str, element: Integers, bodies: Integers, force: Pair, arms: tuple[Pair, Pair],
@@ -257,8 +253,6 @@ class Loads:
         return self._pair("friction", which, joints.bodies[which], (x, y),
                           ((ax[which], ay[which]), (bx[which], by[which])), couple)
 
-    # -- loads of elements ------------------------------------------------------------------
-
     @cached_property
     def _joint_arms(self) -> tuple[Pair, Pair]:
         """From the centres of mass of ``a`` and ``b`` to the forces of joints [m], [nj, n]."""
@@ -318,8 +312,6 @@ class Loads:
         joined = joined[~limited[joined]]
         given[joined] *= held_of(self.model.bonds.joint[drives.target[joined]], a["held"])
         return np.asarray(given)
-
-    # -- contacts -----------------------------------------------------------------------
 
     @cached_property
     def contact_sides(self) -> ContactSides:

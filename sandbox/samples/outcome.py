@@ -137,9 +137,6 @@ def planned(run: Run, *, complete: bool = True) -> Outcome:
     return Outcome(complete=complete, step=run.step, sample_rate=run.sample_rate)
 
 
-# -- as plain JSON data -------------------------------------------------------------
-
-
 @cache
 def _adapter() -> TypeAdapter[Outcome]:
     return TypeAdapter(Outcome)

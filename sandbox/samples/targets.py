@@ -30,9 +30,7 @@ from sandbox.values.signals import values
 SUFFIX = ".target"  # Of a meter that holds the target of the quantity before it
 
 
-def track(
-    run: Samples, name: str, goal: Array | None = None,
-) -> tuple[Array, Array, Array | None]:
+def track(run: Samples, name: str, goal: Array | None = None) -> tuple[Array, Array, Array | None]:
     """Instants [s], a quantity and its target, from t = 0 where the value there is known."""
     begins = start(run, name)
     if begins is None or not len(run) or run.time[0] <= 0:

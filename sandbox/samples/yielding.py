@@ -139,8 +139,6 @@ class Yielding:
         for k, (friction, share) in self._slides.items():
             self.pushes[k] = self.kept[k] + share * rows[friction]
 
-    # --- stiffness
-
     def _rows(self, efforts: Batch, count: int) -> Array:
         """Wrenches of unit efforts of ``count`` elements on all free bodies, [count, 3 n]."""
         found = efforts.wrenches(count, len(self._at))
@@ -186,8 +184,6 @@ class Yielding:
                 most = a["drive_value"][s, i]
             if abs(a["drive_torque"][s, i]) < most * (1 - AT_CONE):
                 yield i, efforts[i]
-
-    # --- constraints
 
     def _constrain(self) -> None:
         """Collect all constraints, and the rigid forces among them."""
@@ -339,8 +335,6 @@ class Yielding:
             raise ArithmeticError("corner on corner")
         arms = np.array([point + radii[0] * u, point - radii[1] * u]) - self.centre[both]
         return [(1.0, Rigid(pair, arms, radii, u, 0 if flat[0] else 1 if flat[1] else 2))]
-
-    # --- response
 
     def of(self, body: int, *, signed: bool = False) -> Yield:
         """The response of a free body; ``signed`` as of :class:`Yield`."""
