@@ -300,8 +300,8 @@ def _of_gaps(evidence: Evidence) -> float:
 def _of_the_step(evidence: Evidence) -> float:
     """Work of joints, and what contacts and taut ropes supply, by the error of the step [J].
 
-    Except where motors jump, a single sample with a much larger power than those beside it does not
-    widen the tolerance.
+    Except at the start and where motors jump, a single sample with a much larger power than those
+    beside it does not widen the tolerance.
     """
     a, time = evidence.arrays, evidence.run.time
     power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
@@ -312,6 +312,7 @@ def _of_the_step(evidence: Evidence) -> float:
     if len(time) > 1:
         beside = np.pad(power, ((0, 0), (1, 1)), mode="reflect")
         most = OUTLIER * np.maximum(beside[:, :-2], beside[:, 2:])
+        most[:, 0] = np.inf
         for _, sample, _, _ in _jumps(evidence):
             most[:, max(sample - 1, 0):sample + 2] = np.inf
         power = np.minimum(power, most)
