@@ -45,8 +45,8 @@ def audit(run: Samples) -> list[Figure]:
     """All figures of a recording, in the order of the docs."""
     if not len(run):
         return [each.missing("nothing was recorded") for each in CHECKS.values()]
-    evidence = Evidence(run)
     with np.errstate(all="ignore"):
+        evidence = Evidence(run)
         figures = [each.figure(evidence) for each in CHECKS.values()]
     if run.mechanism.run.solver == "pymunk":
         figures = [CHECKS[figure.name].missing("pymunk does not give its numbers")
@@ -59,8 +59,7 @@ def audit(run: Samples) -> list[Figure]:
 class Advice:
     """Meaning and remedy of a warning."""
 
-    figures: tuple[str, ...]
-    """Names of the checks; empty: all checks that no other advice names."""
+    figures: tuple[str, ...]  # Names of the checks; empty: all checks that no other advice names
     means: str
     do: str
 
@@ -103,8 +102,7 @@ ADVICE: tuple[Advice, ...] = (
            "the recording does not match its scene: it was changed, an older version wrote it, or "
            "sandbox has a bug",
            "run the scene again; if the warning stays, report it with the scene"),
-)
-"""The last one is for all other checks."""
+)  # The last one is for all other checks
 
 
 PYMUNK = Advice(

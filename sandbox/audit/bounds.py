@@ -2,14 +2,10 @@
 
 With friction, or with more contacts than degrees of freedom, balance does not determine single
 contact forces. The possible forces are a convex set: on every free body m a = sum F and I alpha =
-sum M, with contacts that push within their friction cones (in the plane two straight lines, so that
-nothing is approximated) and tendons that pull. A linear program gives the least and the largest of
-each component over this set (:mod:`sandbox.mechanics.linear_program`). The recorded forces have to
-lie between them.
-
-The largest push on an object follows from the same program with one more unknown: a force along a
-direction at the centre of mass of one body. Drives, springs and weights stay as they are. Beyond
-the largest such force there is no balance at rest in this pose; below it something may move, too.
+sum M, with contacts that push within their friction cones (in the plane two straight lines) and
+tendons that pull. A linear program gives the least and the largest of each component. The largest
+push on an object follows with one more unknown: a force at the centre of mass. Beyond it there is
+no balance at rest in this pose; below it something may move, too.
 """
 
 from __future__ import annotations
@@ -39,31 +35,23 @@ from sandbox.model.joints import flank_of, slot_length
 from sandbox.model.model import NONE
 from sandbox.model.pairs import static_friction_of
 from sandbox.model.supports import RANK, about_centre, components, joint_rows
-from sandbox.numeric import Array, Flags
-from sandbox.samples.loads import Batch
+from sandbox.numeric import Array
 
-MANY = 60
-"""Contacts at the end above which the audit leaves their bounds out."""
-MOST = 300
-"""Largest number of connected rows of balance, three a body."""
+MANY = 60  # Contacts at the end above which the audit leaves their bounds out
+MOST = 300  # Largest number of connected rows of balance, three a body
 
 
 class Unknown(NamedTuple):
     """One force or couple of unknown magnitude."""
 
-    does: dict[int, Array]
-    """Wrench of a unit: force x, y and moment about the centre of mass, by body, [3]."""
-    free: bool = False
-    """Whether it may have either sign."""
-    most: float = np.inf
-    """Largest magnitude [N, N m]."""
-    contact: int = NONE
-    """The contact row that it belongs to."""
+    wrench: Array  # Of a unit on every body: force x, y and moment about its centre, [nb, 3]
+    free: bool = False  # Whether it may have either sign
+    most: float = np.inf  # Largest magnitude [N, N m]
+    contact: int = NONE  # The contact row that it belongs to
     normal: float = 0.0
     """Contribution of a unit to that row's normal force, and to its tangential one."""
     tangential: float = 0.0
-    below: float = 0.0
-    """Rounding error below 0 [N] of the recorded force."""
+    below: float = 0.0  # Rounding error below 0 [N] of the recorded force
 
 
 class Unknowns:
@@ -78,56 +66,47 @@ class Unknowns:
 
     def __init__(self, evidence: Evidence) -> None:
         self.evidence, self.model, self.loads = evidence, evidence.model, evidence.loads
-        self.arrays, frames = evidence.run.arrays, evidence.loads.frames
+        self.arrays, frames = evidence.arrays, evidence.frames
         self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
-        tendons, free = self.model.tendons, self.model.bodies.free
+        tendons, drives = self.model.tendons, self.model.drives
         # with friction at guides tensions depend on the past: they are known
         self.rigid = (tendons.drive == NONE) & (tendons.stiffness >= RIGID) & np.array(
             [not len(tendons.gripped(cable)) for cable in range(len(tendons.name))], dtype=bool)
-        found = [*self._joints(), *self._ends(), *self._cables(), *self._motors(),
-                 *self._contacts()]
-        found = [one._replace(does={body: wrench for body, wrench in one.does.items()
-                                    if free[body]}) for one in found]
-        self.all = [one for one in found if one.does]
+        found = [one._replace(wrench=one.wrench * self.model.bodies.free[:, None]) for one in (
+            *self._joints(), *self._ends(), *self._limited(), *self._contacts())]
+        self.all = [one for one in found if one.wrench.any()]
         """All unknown forces that act on a body that moves freely."""
         self.target = self.loads.weights * self.arrays["body_acceleration"][0]
         """Sum of the unknown forces: m a and I alpha minus all known loads, [nb, 3]."""
+        limited = np.array([kind.limited for kind in drives.kind], dtype=bool)
+        known = {"tendon": ~self.rigid, "drive": ~limited | ~np.isnan(drives.slope),
+                 "friction": self.arrays["joint_sticks"][0] == 0.0}  # at its bound while it slips
         for batch in self.loads.batches:
-            known = self._known(batch)
-            np.subtract.at(self.target, batch.body[known], np.stack(
-                [part[known, 0] for part in (batch.x, batch.y, batch.moment)], axis=1))
-
-    def _known(self, batch: Batch) -> Flags:
-        drives = self.model.drives
-        if batch.kind == "tendon":
-            return np.asarray(~self.rigid[batch.element])
-        if batch.kind == "drive":
-            limited = np.array([kind.limited for kind in drives.kind], dtype=bool)
-            return np.asarray((~limited | ~np.isnan(drives.slope))[batch.element])
-        if batch.kind == "friction":  # slipping friction is at its bound
-            return np.asarray(self.arrays["joint_sticks"][0, batch.element] == 0.0)
-        return np.full(len(batch.body), batch.kind != "stop")
+            rows = known[batch.kind][batch.element] if batch.kind in known else np.full(
+                len(batch.body), batch.kind != "stop")
+            np.subtract.at(self.target, batch.body[rows], batch.wrench[rows, :, 0])
 
     def _joints(self) -> Iterator[Unknown]:
         pose, model = self.arrays["body_pose"][0], self.model
-        for j in np.flatnonzero(self.evidence.holds("joint")[:, 0]).tolist():
+        for j in np.flatnonzero(self.evidence.holds["joint"][:, 0]).tolist():
             force, flank = self.arrays["joint_force"][0, j], 0
             if model.joints.kind[j].teeth and force.any():  # the flank that pushed
                 one, other = (flank_of(model, j, pose, side) for side in (1, -1))
                 flank = 1 if (one.x - other.x) * force[0] + (
                     one.y - other.y) * force[1] >= 0 else -1
             for row in joint_rows(model, pose, j, flank=flank):
-                yield Unknown({body: about_centre(model, pose, body, wrench)
-                               for body, wrench in row}, free=True)
+                wrench = np.zeros((len(pose), 3))
+                for body, part in row:
+                    wrench[body] = about_centre(model, pose, body, part)
+                yield Unknown(wrench, free=True)
 
-    def _pair(self, one: int, two: int, at: Array, force: Array, couple: float = 0.0) -> dict[
-            int, Array]:
-        """A force at a position in the world, and a couple, on ``one`` by ``two``."""
-        does = {}
+    def _pair(self, one: int, two: int, at: Array, force: Array, couple: float = 0.0) -> Array:
+        """A force at a position in the world, and a couple, on ``one`` by ``two``, [nb, 3]."""
+        wrench = np.zeros((len(self.centre), 3))
         for sign, body in ((1.0, one), (-1.0, two)):
-            arm = at - self.centre[body]
-            does[body] = sign * np.array([*force, arm[0] * force[1] - arm[1] * force[0] + couple])
-        return does
+            x, y = at - self.centre[body]
+            wrench[body] = sign * np.array([*force, x * force[1] - y * force[0] + couple])
+        return wrench
 
     def _ends(self) -> Iterator[Unknown]:
         """Stops, taut ropes, telescopes at their shortest, points at an end of their groove."""
@@ -148,37 +127,34 @@ class Unknowns:
                         for n in (a, b))
             for sign in _reached(length, low, high, STOPPED + 2 * h * float(moves)):
                 yield Unknown(self._pair(b, a, on_b, sign * way))
+        torques = self.loads.joint_efforts.wrenches(len(joints.name), len(self.centre))
         for j in joints.stopped.tolist():
             rate = np.abs(evidence.rates[j, 0]) + np.abs(evidence.rates_after[j, 0])
             low, high = joints.stops[j].tolist()
-            near = STOPPED + h * float(rate)
-            for sign in _reached(float(evidence.angles[j, 0]), low, high, near):
-                torque = self.loads.joint_efforts.on_bodies(j)
-                yield Unknown({body: sign * wrench for body, wrench in torque.items()})
+            for sign in _reached(float(evidence.angles[j, 0]), low, high,
+                                 STOPPED + h * float(rate)):
+                yield Unknown(sign * torques[j])
 
-    def _cables(self) -> Iterator[Unknown]:
-        a = self.arrays
+    def _limited(self) -> Iterator[Unknown]:
+        """Taut tendons, motors and brakes, and friction of joints that stick."""
+        drives, joints, a, loads = self.model.drives, self.model.joints, self.arrays, self.loads
+        bodies, count = len(self.centre), len(self.rigid)
+        rates = loads.cable_efforts.rates(count, self.evidence.velocity)[:, 0]
+        pulls = loads.cable_efforts.wrenches(count, bodies)
         for cable in np.flatnonzero(self.rigid).tolist():
-            efforts = self.loads.cable_efforts
-            rates = efforts.rates(len(self.rigid), self.evidence.velocity)
             stretch = float(a["tendon_length"][0, cable] - a["tendon_rest"][cable])
-            if stretch + 2 * self.evidence.h * abs(float(rates[cable, 0])) >= -ROUNDING:
-                yield Unknown({body: -wrench
-                               for body, wrench in efforts.on_bodies(cable).items()})
-
-    def _motors(self) -> Iterator[Unknown]:
-        """Motors and brakes, and friction of joints that stick, up to their limits."""
-        drives, joints, a = self.model.drives, self.model.joints, self.arrays
+            if stretch + 2 * self.evidence.h * abs(float(rates[cable])) >= -ROUNDING:
+                yield Unknown(-pulls[cable])
+        efforts = loads.drive_efforts.wrenches(len(drives.kind), bodies)
         for i, kind in enumerate(drives.kind):
             if kind.limited and np.isnan(drives.slope[i]):
                 # the limit of a brake is its value
                 most = a["drive_value"][0, i] if np.isnan(drives.most[i]) else drives.most[i]
-                yield Unknown(self.loads.drive_efforts.on_bodies(i), free=True, most=float(most))
-        for j in joints.frictional.tolist():
-            if a["joint_sticks"][0, j] == 1.0:
-                most = joints.friction[j] + joints.coefficient[j] * carried(self.evidence, j)[0]
-                yield Unknown(self.loads.friction_efforts.on_bodies(j), free=True,
-                              most=float(joints.static[j] * most))
+                yield Unknown(efforts[i], free=True, most=float(most))
+        efforts = loads.friction_efforts.wrenches(len(joints.name), bodies)
+        for j in joints.frictional[a["joint_sticks"][0, joints.frictional] == 1.0].tolist():
+            most = joints.friction[j] + joints.coefficient[j] * carried(self.evidence, j)[0]
+            yield Unknown(efforts[j], free=True, most=float(joints.static[j] * most))
 
     def _contacts(self) -> Iterator[Unknown]:
         a = self.arrays
@@ -210,11 +186,9 @@ class Interval(NamedTuple):
     """A component of a contact force and its range [N]."""
 
     force: float
-    low: float
-    """-inf without a bound; nan where no forces balance."""
+    low: float  # -inf without a bound; nan where no forces balance
     high: float
-    allowed: tuple[float, float]
-    """Rounding error of either bound."""
+    allowed: tuple[float, float]  # Rounding error of either bound
 
     @property
     def excess(self) -> tuple[float, float]:
@@ -232,24 +206,17 @@ class Interval(NamedTuple):
 class Bounds(NamedTuple):
     """The ranges of one contact row."""
 
-    row: int
-    """Of the sample; contacts without a force have higher numbers."""
+    row: int  # Of the sample; contacts without a force have higher numbers
     body: int
     other: int
     normal: Interval
     tangential: Interval
 
 
-def contact_bounds(
-    evidence: Evidence, sample: int = -1, near: float | None = None,
-) -> list[Bounds]:
+def contact_bounds(evidence: Evidence, sample: int = -1, near: float | None = None) -> list[Bounds]:
     """Bounds of all contact rows in one sample of a recording, then of contacts without a force.
 
-    ``near`` [m] is the distance within which outlines count as touching, by default the gap that a
-    step may leave. Groups of more than :data:`MOST` rows are left out.
-
-    Raises:
-        ArithmeticError: a linear program does not converge.
+    ``near`` [m] is the distance within which outlines touch, by default the gap that a step leaves.
     """
     unknowns = Unknowns(touched(evidence.alone(sample % len(evidence.run), near)))
     return sorted(bounds for bodies, forces in _groups(unknowns) if 3 * len(bodies) <= MOST
@@ -258,12 +225,12 @@ def contact_bounds(
 
 def _groups(unknowns: Unknowns) -> list[tuple[list[int], list[Unknown]]]:
     """Free bodies with contacts that forces connect, and all unknown forces on them."""
-    free = unknowns.model.bodies.free
-    group = components(len(free), [(first, body) for first, *others in (
-        list(one.does) for one in unknowns.all) for body in others])
+    free, on = unknowns.model.bodies.free, [
+        np.flatnonzero(one.wrench.any(axis=1)).tolist() for one in unknowns.all]
+    group = components(len(free), [(first, body) for first, *others in on for body in others])
     found: dict[int, tuple[list[int], list[Unknown]]] = {}
-    for one in unknowns.all:
-        found.setdefault(group[next(iter(one.does))], ([], []))[1].append(one)
+    for one, bodies in zip(unknowns.all, on, strict=True):
+        found.setdefault(group[bodies[0]], ([], []))[1].append(one)
     for body in np.flatnonzero(free).tolist():
         if group[body] in found:
             found[group[body]][0].append(body)
@@ -282,11 +249,7 @@ class Balance:
         self, unknowns: Unknowns, bodies: list[int], forces: list[Unknown], allowed: Array,
     ) -> None:
         self.unknowns, self.forces = unknowns, forces
-        place = {body: 3 * i for i, body in enumerate(bodies)}
-        W = np.zeros((3 * len(bodies), len(forces)))
-        for k, one in enumerate(forces):
-            for body, wrench in one.does.items():
-                W[place[body]:place[body] + 3, k] += wrench
+        W = np.stack([one.wrench[bodies].ravel() for one in forces], axis=1)
         arms = np.abs(W[2::3][np.hypot(W[0::3], W[1::3]) > 0])
         scale = np.tile([1.0, 1.0, 1 / max(float(arms.max(initial=0.0)), 1e-6)], len(bodies))
         W *= scale[:, None]
@@ -414,7 +377,8 @@ def push_limits(
     unknowns, found = Unknowns(touched(evidence.alone(sample % len(evidence.run)))), []
     bodies, forces = next((each for each in _groups(unknowns) if body in each[0]), ([], []))
     for angle in directions if bodies else ():
-        push = Unknown({body: np.array([np.cos(angle), np.sin(angle), 0.0])})
+        push = Unknown(np.zeros_like(unknowns.target))
+        push.wrench[body] = np.cos(angle), np.sin(angle), 0.0
         balance = Balance(unknowns, bodies, [*forces, push], evidence.left_allowed)
         weight = np.append(np.zeros(len(forces)), -1.0 / balance.unit[-1])
         least, slack = balance.least(weight) if balance.balanced() else (np.nan, 0.0)

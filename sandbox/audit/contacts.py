@@ -23,69 +23,49 @@ from sandbox.audit.evidence import REBOUND, Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, STILL, NotComputed, Worst, check, peak
 from sandbox.audit.outlines import overlaps, reach_of
 from sandbox.elements.arrays import Arrays
-from sandbox.model.pairs import (
-    friction_of,
-    pair_skins,
-    restitution_of,
-    static_friction_of,
-)
+from sandbox.model.pairs import friction_of, pair_skins, restitution_of, static_friction_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.contacts import TOUCH
 
-CONE = 1e-6
-"""Relative error of the friction limit by sums over the points of a contact."""
-SLACK = 1e-9
-"""Tension [N] of a slack tendon."""
-SOLVED = 2e-9
-"""Error of rates relative to the fastest."""
-HELD = 2e-7
-"""Regularisation of impulses towards the last ones, for both rows (docs/engine.md)."""
-JOINT = 10.0
-"""Acceleration [m/s^2] that joints may add in the step of an impact."""
-STARTS = 0.1
-"""Relative speed of sliding before the step below which it may begin in the step."""
+CONE = 1e-6  # Relative error of the friction limit by sums over the points of a contact
+SLACK = 1e-9  # Tension [N] of a slack tendon
+SOLVED = 2e-9  # Error of rates relative to the fastest
+HELD = 2e-7  # Regularisation of impulses towards the last ones, for both rows (docs/engine.md)
+JOINT = 10.0  # Acceleration [m/s^2] that joints may add in the step of an impact
+STARTS = 0.1  # Relative speed of sliding before the step below which it may begin in the step
 LANDS = 0.2
 """Error of the gap of one point relative to the approach in a step, since the normal turns."""
-ROUND = 0.01
-"""Least radius of curvature [m] of sliding surfaces."""
-DEEP = 0.01
-"""Allowed overlap without a contact, relative to the smaller body: chords of curves."""
-UNSOLVED = 1e-6
-"""Rate [m/s, rad/s] by which a step may violate the laws of contacts and friction."""
-POSES = 20
-"""Number of samples in which overlaps without a contact force are searched."""
+ROUND = 0.01  # Least radius of curvature [m] of sliding surfaces
+DEEP = 0.01  # Allowed overlap without a contact, relative to the smaller body: chords of curves
+UNSOLVED = 1e-6  # Rate [m/s, rad/s] by which a step may violate the laws of contacts and friction
+POSES = 20  # Number of samples in which overlaps without a contact force are searched
 NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample_rate = "
              "1 / run.step records them all")
-
-
-def used_friction(evidence: Evidence) -> Array:
-    """Tangential force of every contact row relative to static friction, [m]; 1 is the limit.
-
-    Without friction any tangential force counts relative to the normal force.
-    """
-    rows = evidence.once(_Rows)
-    limit, size = rows.static * rows.normal, np.abs(rows.force)
-    rough = limit > TOUCH
-    smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(rows.normal, TOUCH)
-    return np.where(rough, size / np.where(rough, limit, 1.0), np.where(size > TOUCH, smooth, 0.0))
 
 
 @check("contact.friction", source="|t| <= μ n", asks="is contact friction at most mu N?",
        compared="ratio of friction to its limit, {count:pair}, worst: {where}",
        none="no contact has one normal")
 def _friction(evidence: Evidence, worst: Worst) -> None:
-    """Rows that sum forces along different normals (a disc wedged in a V) have no limit."""
-    if not len(evidence.run.arrays["contact_gap"]):
+    """Rows that sum forces along different normals (a disc wedged in a V) have no limit.
+
+    Without friction any tangential force counts relative to the normal force.
+    """
+    if not len(evidence.arrays["contact_gap"]):
         raise NotComputed("nothing touches")
     rows = evidence.once(_Rows)
-    rows.add(worst, used_friction(evidence), 1 + CONE, evidence.one_normal)
+    limit, size = rows.static * rows.normal, np.abs(rows.force)
+    smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(rows.normal, TOUCH)
+    used = np.where(limit > TOUCH, size / np.maximum(limit, TOUCH),
+                    np.where(size > TOUCH, smooth, 0.0))
+    rows.add(worst, used, 1 + CONE, evidence.one_normal)
 
 
 class _Rows:
     """Motion of both bodies at every contact row, [m] each; of impacts at their instants."""
 
     def __init__(self, evidence: Evidence) -> None:
-        self.evidence, self.h, a = evidence, evidence.h, evidence.run.arrays
+        self.evidence, self.h, a = evidence, evidence.h, evidence.arrays
         self.sample, self.one = a["contact_sample"], a["contact_merged"] == 1
         self.sides = a["contact_body"], a["contact_other"]
         self.normal, self.force = evidence.run.contacts.normal, evidence.run.contacts.tangential
@@ -104,7 +84,7 @@ class _Rows:
         self.before, self.after = evidence.velocity - self.change / 2, evidence.velocity_after
         # accelerations of free bodies by all forces but contacts and joints
         total, sides = loads.totals.copy(), loads.contact_sides
-        for axis, push in zip(total, (*sides.force.T, sides.moment), strict=True):
+        for axis, push in zip(total, sides.wrench.T, strict=True):
             np.subtract.at(axis, (sides.body, sides.sample), push)
         self.others = self.inverse.T[:, :, None] * total
         self.hit, instant = self._impacts(a)
@@ -114,8 +94,7 @@ class _Rows:
         d, share = self.h * self.rate(self.others, self.out), self.instant / self.h
         self.opening = self.rate(self.before, self.out), self.rate(self.after, self.out)
         self.gap_rates = (self.opening[0] + (0.5 + share) * d, self.opening[1] - (0.5 - share) * d)
-        self.struck = self.count(self.hit) > 0
-        """Rows of a body that bounces in the step."""
+        self.struck = self.count(self.hit) > 0  # Rows of a body that bounces in the step
         self.alone = (self.hit & self.one & ~np.isnan(instant) & (self.count(self.pair >= 0) <= 1)
                       & (self.gap_rates[0] < -2 * REBOUND))
         """Impacts at one point of bodies without other contacts, fast enough to be judged."""
@@ -147,8 +126,7 @@ class _Rows:
             after, force = when - time[sample], self.h * a["contact_force"][row]
             near = ((np.abs(after) <= self.h * (1 + EXACT)) & (key[row] == wanted)
                     & (self.restitution[row] > 0))
-            own = near & (np.hypot(*(a["impact_impulse"] - force).T)
-                          <= EXACT * np.hypot(*force.T))
+            own = near & (np.hypot(*(a["impact_impulse"] - force).T) <= EXACT * np.hypot(*force.T))
             hit[row[own | (near & ~self.one[row])]] = True
             instant[row[own]] = after[own]
         return hit, instant
@@ -182,7 +160,7 @@ class _Rows:
         drives, belt = self.evidence.model.drives, np.zeros(len(self.pair))
         for i in drives.giving("surface").tolist():
             on = (np.stack(self.sides) == drives.target[i]).any(axis=0)
-            value = self.evidence.run.arrays["drive_value"][self.sample, i]
+            value = self.evidence.arrays["drive_value"][self.sample, i]
             belt += np.where(on, drives.sense[i] * value, 0.0)
         turn = sum(sign * self.before[2, b, self.sample]**2 * (arm * self.along).sum(axis=1)
                    for sign, b, arm in zip((-0.5, 0.5), self.sides, self.arms, strict=True))
@@ -240,7 +218,7 @@ def _slides(evidence: Evidence, worst: Worst) -> None:
        none="nothing touches")
 def _closes(evidence: Evidence, worst: Worst) -> None:
     rows, h = evidence.once(_Rows), evidence.h
-    gap, (first, last) = evidence.run.arrays["contact_gap"], rows.opening
+    gap, (first, last) = evidence.arrays["contact_gap"], rows.opening
     # curved surfaces that stay closed have no rate at mid-step, and one at the step's end
     low, high = np.sort([gap + h * last, gap + h * (first + last) / 2], axis=0)
     error = np.maximum(np.maximum(np.minimum(gap, low), np.minimum(gap, 0.0) - high), 0.0)
@@ -321,7 +299,7 @@ def _residual(evidence: Evidence, worst: Worst) -> str:
                 "{where}", none="no skin with a thickness is touched")
 def _depth(evidence: Evidence, worst: Worst) -> None:
     """Two skins in series share the depth as their compliances."""
-    a, mechanism = evidence.run.arrays, evidence.model.mechanism
+    a, mechanism = evidence.arrays, evidence.model.mechanism
     one, two = a["contact_body"], a["contact_other"]
     stiffness = pair_skins(mechanism)[0]
     for i, body in enumerate(mechanism.bodies):
@@ -340,8 +318,8 @@ def _slack(evidence: Evidence, worst: Worst) -> str:
     tendons, time = evidence.model.tendons.name, evidence.run.time
     if not tendons or len(time) < 2:
         raise NotComputed("there are too few samples" if tendons else "there is no tendon")
-    slack = evidence.run.arrays["tendon_tension"] <= SLACK
-    slack &= evidence.holds("tendon").T
+    slack = evidence.arrays["tendon_tension"] <= SLACK
+    slack &= evidence.holds["tendon"].T
     once = np.maximum.accumulate(~slack, axis=0)
     seconds = np.count_nonzero(slack & once, axis=0) * float(time[1] - time[0])
     never = [name for name, pulled in zip(tendons, once[-1], strict=True) if not pulled]

@@ -30,20 +30,16 @@ from sandbox.samples.cables import piece_tensions
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import values
 
-SOLVED = 1e-9
-"""Error of the rates of bounded rows, relative to the largest."""
+SOLVED = 1e-9  # Error of the rates of bounded rows, relative to the largest
 HELD, FADED = 1e-10, 0.01
 """Regularisation of impulses towards the last ones, and the fraction of these that fades
 (docs/engine.md)."""
 
 
-# -- release and breaking ---------------------------------------------------------------------
-
-
 @check("release.force", "N", "F = 0 where released",
        asks="do released and broken elements carry no load?")
 def _released(evidence: Evidence, worst: Worst) -> str:
-    bonds, held, most, released = evidence.model.bonds, evidence.run.arrays["held"], 0.0, []
+    bonds, held, most, released = evidence.model.bonds, evidence.arrays["held"], 0.0, []
     if not bonds.name:
         raise NotComputed("nothing can be released")
     for bond, name in enumerate(bonds.name):
@@ -66,12 +62,12 @@ def _breaking_loads(evidence: Evidence, worst: Worst) -> None:
     for bond in np.flatnonzero(np.isfinite(bonds.breaks_at)).tolist():
         over = _load(evidence, bond) / bonds.breaks_at[bond] - 1.0
         worst.add(bonds.name[bond], np.maximum(over, 0.0), EXACT,
-                  evidence.run.arrays["held"][:, bond] != 0.0)
+                  evidence.arrays["held"][:, bond] != 0.0)
 
 
 def _load(evidence: Evidence, bond: int) -> Array:
     """Magnitude of the load of an element [N, N m], [n]; of a tendon the largest tension."""
-    (kind, i), model, a = evidence.model.bonds.element(bond), evidence.model, evidence.run.arrays
+    (kind, i), model, a = evidence.model.bonds.element(bond), evidence.model, evidence.arrays
     if kind == "joints":
         return np.asarray(a["joint_reaction"][:, i])
     if kind == "tendons":
@@ -80,9 +76,6 @@ def _load(evidence: Evidence, bond: int) -> Array:
     force = np.abs(evidence.loads.spring_forces[i])
     least = 0.0 if model.springs.straight[i] else EXACT * peak(a["spring_force"][:, i])
     return np.asarray(np.where(force > least, force, 0.0))
-
-
-# -- drives and stops -------------------------------------------------------------------------
 
 
 def set_while_running(mechanism: Mechanism) -> set[str]:
@@ -94,11 +87,10 @@ def set_while_running(mechanism: Mechanism) -> set[str]:
 
 @check("drive.signal", source="u(t)", asks="do drives have the values of the scene?",
        compared="values of {count:drive} against their signals, relative to the largest of each, "
-                "worst: {where}",
-       none="there is no drive")
+                "worst: {where}")
 def _signals(evidence: Evidence, worst: Worst) -> None:
     """A drive's value is its signal at the sample; a motor's, a rigid servo's is that of later."""
-    mechanism, drives, a = evidence.model.mechanism, evidence.model.drives, evidence.run.arrays
+    mechanism, drives, a = evidence.model.mechanism, evidence.model.drives, evidence.arrays
     set_by = set_while_running(mechanism)
     for i, drive in enumerate(mechanism.drives):
         if drive.name in set_by:
@@ -117,7 +109,7 @@ def _signals(evidence: Evidence, worst: Worst) -> None:
        none="there is no motor and no brake")
 def _motors(evidence: Evidence, worst: Worst) -> None:
     """Motors and brakes keep their speed at the end of a step, or act at their limit."""
-    a, h, drives = evidence.run.arrays, evidence.h, evidence.model.drives
+    a, h, drives = evidence.arrays, evidence.h, evidence.model.drives
     rates, shared = evidence.rates_after, _limited_drives(evidence)
     for i, kind in enumerate(drives.kind):
         if not kind.limited:
@@ -125,7 +117,7 @@ def _motors(evidence: Evidence, worst: Worst) -> None:
         j, torque, value = int(drives.target[i]), a["drive_torque"][:, i], a["drive_value"][:, i]
         brake, slope = bool(np.isnan(drives.most[i])), float(drives.slope[i])
         most = value if brake else np.full(len(torque), drives.most[i])
-        largest, holds = whole(most), evidence.holds("joint")[j]
+        largest, holds = whole(most), evidence.holds["joint"][j]
         if np.isfinite(largest):
             over = np.maximum(np.abs(torque) - most, 0.0) / largest
             worst.add(f"limit of {drives.name[i]}", over, EXACT)
@@ -153,11 +145,8 @@ def _limited_drives(evidence: Evidence) -> Integers:
 
 
 def bend(evidence: Evidence, joint: int) -> Array:
-    """Rate of an actuator's length in a step besides that along its line [m/s], [n]; 0 of hinges.
-
-    It follows from the velocities before the step, as in the engine.
-    """
-    joints, frames, h = evidence.model.joints, evidence.loads.frames, evidence.h
+    """Rate of an actuator's length besides that along its line [m/s], [n]; 0 of hinges."""
+    joints, frames, h = evidence.model.joints, evidence.frames, evidence.h
     if not joints.kind[joint].line:
         return np.zeros(len(evidence.run))
     before = evidence.velocity - h / 2 * frames.acceleration
@@ -185,7 +174,7 @@ def held_off(evidence: Evidence, drive: int) -> float:
     joints; :data:`FADED` of the last impulse is dropped first. Impulses of steps that were not
     recorded follow from the work since the last sample.
     """
-    a, j = evidence.run.arrays, evidence.model.drives.target[drive]
+    a, j = evidence.arrays, evidence.model.drives.target[drive]
     alone = peak(evidence.answer(evidence.loads.drive_efforts, drive))
     impulse = evidence.h * peak(a["drive_torque"][:, drive])
     if not evidence.every_step:
@@ -206,13 +195,13 @@ def _stops(evidence: Evidence, worst: Worst) -> None:
     """A stop acts where its limit is reached in the step; it undoes an overrun at 1 rad/s."""
     joints, h = evidence.model.joints, evidence.h
     for j in joints.stopped.tolist():
-        torque, angle = evidence.run.arrays["joint_stop"][:, j], evidence.angles[j]
+        torque, angle = evidence.arrays["joint_stop"][:, j], evidence.angles[j]
         rate, holds = evidence.rates_after[j], evidence.joints_hold[j]
         tolerance = STOPPED + h * SOLVED * (1 + peak(rate))
         for sign, limit in zip((1.0, -1.0), joints.stops[j].tolist(), strict=True):
             gap = sign * (angle - limit)
             ahead = gap + h * sign * rate
-            acts = evidence.holds("joint")[j] & (sign * torque > 0)
+            acts = evidence.holds["joint"][j] & (sign * torque > 0)
             worst.add(joints.name[j], acts * np.maximum(np.minimum(ahead, gap), 0.0), tolerance)
             worst.add(joints.name[j], np.maximum(-ahead, 0.0),
                       tolerance + np.maximum(-gap - h, 0.0), holds)
@@ -234,7 +223,7 @@ def _works(evidence: Evidence, worst: Worst) -> None:
 
 def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
     """Name, power [W] and recorded work [J] of elements between bodies, [n] each."""
-    model, a = evidence.model, evidence.run.arrays
+    model, a = evidence.model, evidence.arrays
     velocity = evidence.velocity + evidence.displacement / evidence.h
     works: dict[str, tuple[str, Any, str]] = {
         "tendon": ("tendon", model.tendons, ""), "line": ("line", model.lines, ""),
@@ -263,7 +252,7 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
        none="there is no servo, or not every step was recorded")
 def _places(evidence: Evidence, worst: Worst) -> None:
     """The law is at mid-step, or at the step's end of a servo that is too stiff for the step."""
-    drives, a, h = evidence.model.drives, evidence.run.arrays, evidence.h
+    drives, a, h = evidence.model.drives, evidence.arrays, evidence.h
     shared = _limited_drives(evidence)
     for i, kind in enumerate(drives.kind):
         j = int(drives.target[i])
@@ -281,14 +270,14 @@ def _places(evidence: Evidence, worst: Worst) -> None:
                    k * (u - q) - c * v, -most, most),
                [((place + h / 2 * (after - rate), rate), (ROUNDING * (1 + np.abs(place)), off)),
                 ((place + h * after, after), (ROUNDING * (1 + np.abs(place)) + h * off, off))],
-               evidence.holds("joint")[j], size=most)
+               evidence.holds["joint"][j], size=most)
 
 
 def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
     """Motion of a rigid servo away from its target, and tolerance, by its travel, [n - 1]."""
-    drives, a, h = evidence.model.drives, evidence.run.arrays, evidence.h
+    drives, a, h = evidence.model.drives, evidence.arrays, evidence.h
     j, value = int(drives.target[drive]), a["drive_value"][:, drive]
-    place, holds = evidence.angles[j], evidence.holds("joint")[j]
+    place, holds = evidence.angles[j], evidence.holds["joint"][j]
     short = np.abs(value[:-1] - place[1:])
     before, moved = np.append(np.inf, short[:-1]), np.diff(value[:-1], prepend=value[0])
     spare = holds[:-1] & holds[1:] & ((moved == 0) | np.isinf(drives.fastest[drive])) & (

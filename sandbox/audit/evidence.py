@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -20,13 +20,11 @@ from sandbox.scene.geometry import count_solids
 T = TypeVar("T")
 GAP, CLOSES = 1e-10, 1e-6
 """Gap of a joint that a step may leave each way [m], and per squared step [m/s^2]."""
-LEFT = 1e-9
-"""Unevenness of a flat contact [m]: gaps close to 1e-13 / h of speed."""
+LEFT = 1e-9  # Unevenness of a flat contact [m]: gaps close to 1e-13 / h of speed
 FALLS = 10.0
 """Gap of a contact that a step may leave, per squared step [m/s^2]: v^2 / R + omega v has it
 at 0.3 m/s on a radius of 10 mm. Bodies also fall so far in their first step."""
-REBOUND = 0.01
-"""Change of velocity [m/s, rad/s] in a step that may be an impact."""
+REBOUND = 0.01  # Change of velocity [m/s, rad/s] in a step that may be an impact
 CLOSES_IN = 40.0
 """A joint that was engaged is closed after so many of its time constants (docs/engine.md)."""
 NUMBERS = 500_000
@@ -34,10 +32,9 @@ NUMBERS = 500_000
 
 
 class Evidence:
-    """A recording, its loads, quantities from its poses and velocities, and their accuracy.
+    """A recording, its loads, quantities from poses and velocities, and their accuracy.
 
-    A single sample is ``alone``: there is no step before it. Outlines count as touching within
-    ``near`` [m], by default the gap that a step may leave.
+    A single sample is ``alone``, without a step before; outlines touch within ``near`` [m].
     """
 
     def __init__(self, run: Samples, *, alone: bool = False, near: float | None = None) -> None:
@@ -52,43 +49,38 @@ class Evidence:
         self.near = self.open if near is None else near
         self.every_step = (not alone and stride == 1 and len(run) > 1
                            and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)
-
-    @property
-    def closed(self) -> float:
+        self.closed = 1.5 * max(GAP, CLOSES * self.h**2)
         """Gap [m] of a joint that a step may leave, both directions together."""
-        return 1.5 * max(GAP, CLOSES * self.h**2)
-
-    @cached_property
-    def loads(self) -> Loads:
-        """The loads in all samples."""
-        return Loads(self.run)
-
-    @property
-    def velocity(self) -> Array:
+        self.loads, self.arrays = Loads(self.run), self.run.arrays
+        self.frames = self.loads.frames
+        self.velocity = self.frames.velocity
         """Velocities of the bodies at the instant of each sample, [3, nb, n]."""
-        return self.loads.frames.velocity
-
-    @cached_property
-    def velocity_after(self) -> Array:
-        """Velocities of the bodies at the end of each sample's step, [3, nb, n]."""
-        return np.asarray(self.velocity + self.h / 2 * self.loads.frames.acceleration)
+        self.velocity_after = self.velocity + self.h / 2 * self.frames.acceleration
+        """The same at the end of each sample's step."""
+        self.holds = {kind: held_of(self.model.bonds.of(kind), self.arrays["held"])
+                      for kind in ("joint", "spring", "tendon")}
+        """Which joints, springs or tendons hold in which samples, [elements, n]."""
+        self.contact_arms = np.split(self.loads.contact_sides.arm, 2)
+        """From the centres of mass of both bodies to the contact points [m], [m, 2] each."""
+        self.vectors = not self.model.joints.name or not np.isnan(
+            self.arrays["joint_force"]).all()  # Whether joint forces were kept as vectors
 
     @cached_property
     def struck(self) -> Flags:
         """Samples in which contacts may have rebounded, which displaces the pose, [n] of bool."""
-        a, mechanism, count = self.run.arrays, self.model.mechanism, len(self.model.bodies.name)
+        a, mechanism, count = self.arrays, self.model.mechanism, len(self.model.bodies.name)
         pair = a["contact_body"] * count + a["contact_other"]
         bounces = [kind for kind in np.unique(pair).tolist()
                    if restitution_of(mechanism, *divmod(kind, count)) > 0]
         result = np.zeros(len(self.run), dtype=bool)
         result[a["contact_sample"][np.isin(pair, bounces)]] = True
-        change = np.abs(self.loads.frames.acceleration).max(axis=(0, 1), initial=0.0)
+        change = np.abs(self.frames.acceleration).max(axis=(0, 1), initial=0.0)
         return np.asarray(result & (self.h * change > REBOUND))
 
     @cached_property
     def displacement(self) -> Array:
         """Known displacement of the next pose by impacts in each sample's step, [3, nb, n]."""
-        frames = self.loads.frames
+        frames = self.frames
         poses = np.stack([frames.centre_x, frames.centre_y, frames.angle])
         moved = np.zeros_like(poses)
         if self.every_step:
@@ -103,10 +95,10 @@ class Evidence:
     @cached_property
     def angles(self) -> Array:
         """Angles of hinges from the bodies' poses [rad], lengths of actuators [m], [nj, n]."""
-        joints, angle = self.model.joints, self.loads.frames.angle
+        joints, angle = self.model.joints, self.frames.angle
         a, b = joints.bodies.T
         angles = joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None]
-        return np.where(self.loads.actuators[:, None], self.loads.frames.gaps, angles)
+        return np.where(self.loads.actuators[:, None], self.frames.gaps, angles)
 
     def rates_of(self, velocity: Array) -> Array:
         """Rates of hinges and actuators, nan of other joints, [nj, n]."""
@@ -125,13 +117,6 @@ class Evidence:
         """The same at the end of each sample's step, along lines as they lie at the sample."""
         return self.rates_of(self.velocity_after)
 
-    def holds(self, kind: str) -> Flags:
-        """Which joints, springs or tendons hold in which samples, [elements, n]."""
-        if kind not in self._made:
-            self._made[kind] = held_of(self.model.bonds.of(kind), self.run.arrays["held"])
-        found: Flags = self._made[kind]
-        return found
-
     def once(self, make: Callable[[Evidence], T]) -> T:
         """The result of ``make`` for this recording, computed once."""
         if make not in self._made:
@@ -142,7 +127,7 @@ class Evidence:
     @cached_property
     def joints_hold(self) -> Flags:
         """Which joints hold and had time to close since they were engaged, [nj, n]."""
-        holds = self.holds("joint").copy()
+        holds = self.holds["joint"].copy()
         for j in np.flatnonzero(~holds.all(axis=1)).tolist():
             over = CLOSES_IN * float(self.model.bonds.over[self.model.bonds.joint[j]])
             for last in np.flatnonzero(~holds[j]).tolist():
@@ -152,21 +137,11 @@ class Evidence:
 
     @cached_property
     def one_normal(self) -> Flags:
-        """Contact rows with one normal: of one point, or of two convex bodies, [m] of bool.
-
-        A row of several points between bodies of several shapes has a place and a normal that are
-        none of the points' own.
-        """
-        a, bodies = self.run.arrays, self.model.mechanism.bodies
+        """Contact rows with one normal: of one point, or of two convex bodies, [m] of bool."""
+        a, bodies = self.arrays, self.model.mechanism.bodies
         simple = np.array([count_solids(body) <= 1 for body in bodies], dtype=bool)
         return np.asarray(simple[a["contact_body"]] & simple[a["contact_other"]]
                           | (a["contact_merged"] == 1))
-
-    @property
-    def contact_arms(self) -> tuple[Array, Array]:
-        """From the centres of mass of both bodies to the contact points [m], [m, 2] each."""
-        one, two = np.split(self.loads.contact_sides.arm, 2)
-        return one, two
 
     @cached_property
     def contact_depth(self) -> Array:
@@ -175,7 +150,7 @@ class Evidence:
         The stiffness k of contacts in piles follows from the response G of the bodies: h^2 k G is
         known. A row of several points may have a smaller k.
         """
-        a, normal = self.run.arrays, self.run.contacts.normal
+        a, normal = self.arrays, self.run.contacts.normal
         one, two = a["contact_body"], a["contact_other"]
         skins = pair_skins(self.model.mechanism)[0]
         stiffness = skins[one, two] if skins.size else np.zeros(len(one))
@@ -188,8 +163,7 @@ class Evidence:
             piled = (stiffness == 0) & ~self.held_by_others[one] & ~self.held_by_others[two]
             stiffness = np.where(piled, scale / (self.h**2 * response), stiffness)
         stiffness = np.where(a["contact_merged"] == 1, stiffness, stiffness / 8)
-        return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal),
-                         where=stiffness > 0)
+        return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal), where=stiffness > 0)
 
     @cached_property
     def held_by_others(self) -> Flags:
@@ -200,13 +174,10 @@ class Evidence:
         return np.asarray(on & model.bodies.free)
 
     def contact_rate(
-        self, velocity: Array, along: Array, arms: tuple[Array, Array] | None = None,
+        self, velocity: Array, along: Array, arms: Sequence[Array] | None = None,
     ) -> Array:
-        """Velocity of a body against the other ``along`` [m, 2] at contact rows, [m].
-
-        Bodies move with ``velocity`` [3, nb, n]; ``arms`` are by default those of the places.
-        """
-        a, total = self.run.arrays, np.zeros(len(along))
+        """Relative velocity of the first body ``along`` [m, 2] at contact rows, [m]."""
+        a, total = self.arrays, np.zeros(len(along))
         for sign, key, arm in zip((1.0, -1.0), ("contact_body", "contact_other"),
                                   arms or self.contact_arms, strict=True):
             vx, vy, turn = velocity[:, a[key], a["contact_sample"]]
@@ -214,19 +185,19 @@ class Evidence:
                              + (vy + turn * arm[:, 0]) * along[:, 1])
         return total
 
-    @cached_property
-    def vectors(self) -> bool:
-        """Whether joints' forces were kept as vectors."""
-        return not np.isnan(self.run.arrays["joint_force"]).all() or not self.model.joints.name
+    def rates_twice(self, efforts: Batch, count: int) -> list[Array]:
+        """Rates of elements at mid-step and at the step's end, [count, n] each."""
+        return [efforts.rates(count, v) for v in (self.velocity, self.velocity_after)]
 
     def answer(self, efforts: Batch, element: int) -> Array:
         """Change of an element's rate by an effort of 1 N s or 1 N m s on separate bodies, [n]."""
         own = efforts.element == element
         mass, _, inertia = self.loads.weights[efforts.body[own]].T[..., None]
         free = mass > 0
+        wrench = efforts.wrench[own]
         push, turn = (np.divide(size, weight, out=np.zeros_like(size), where=free)
-                      for size, weight in ((efforts.x[own]**2 + efforts.y[own]**2, mass),
-                                           (efforts.moment[own]**2, inertia)))
+                      for size, weight in ((wrench[:, 0]**2 + wrench[:, 1]**2, mass),
+                                           (wrench[:, 2]**2, inertia)))
         return np.asarray((push + turn).sum(axis=0))
 
     @cached_property
@@ -260,7 +231,7 @@ class Evidence:
         r h^3 (w^3 / 6 + w alpha / 2) and r h^4 alpha^2 / 8, which later steps close to
         :attr:`closed`. A path bends away as an arm with its radius of curvature.
         """
-        joints, frames, h = self.model.joints, self.loads.frames, self.h
+        joints, frames, h = self.model.joints, self.frames, self.h
         result = np.full(frames.gaps.shape, self.closed)
         alpha = np.abs(frames.acceleration[2])
         omega = np.abs(self.velocity[2]) + h * alpha
@@ -273,7 +244,7 @@ class Evidence:
                 result[j, :1] += abs(float(start.across))  # no scene starts exactly on a curve
                 a, b = joints.bodies[j].tolist()
                 curve, speed = np.abs(frames.place_in_slot(j).bend), np.abs(
-                    self.run.arrays["joint_speed"][:, j])
+                    self.arrays["joint_speed"][:, j])
                 change = np.hypot(*(frames.acceleration[:2, b] - frames.acceleration[:2, a]))
                 result[j] += h**3 * (speed**3 * curve**2 / 6 + speed * change * curve / 2)
         return result

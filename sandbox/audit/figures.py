@@ -15,20 +15,15 @@ from sandbox.wording import Count
 if TYPE_CHECKING:
     from sandbox.audit.evidence import Evidence
 
-ROUNDING = 1e-12
-"""Rounding error [m, rad] after a few dozen operations on lengths below 1 m."""
-DIGITS = 1e-15
-"""Relative error of a number that is rounded a few times."""
+ROUNDING = 1e-12  # Rounding error [m, rad] after a few dozen operations on lengths below 1 m
+DIGITS = 1e-15  # Relative error of a number that is rounded a few times
 NOT_EVERY_STEP = "not every step was recorded; run.sample_rate = 1 / run.step records them all"
 """Why checks that sum over steps are not computed."""
-SMALLEST_SCALE = 1e-12
-"""Least value [N, N m, J, rad/s] that relative errors refer to."""
+SMALLEST_SCALE = 1e-12  # Least value [N, N m, J, rad/s] that relative errors refer to
 EXACT = 1e-9
 """Relative to the largest force: rounding error of sums of some ten forces, with a margin."""
-STILL = 1e-11, 1e-10
-"""The engine stops bodies that are slower [m/s, rad/s]."""
-STOPPED = 1e-8
-"""Allowed overrun of a hinge [rad]: a gap of 1e-10 m at an arm of 10 mm."""
+STILL = 1e-11, 1e-10  # The engine stops bodies that are slower [m/s, rad/s]
+STOPPED = 1e-8  # Allowed overrun of a hinge [rad]: a gap of 1e-10 m at an arm of 10 mm
 
 
 def peak(values: Array) -> float:
@@ -46,28 +41,17 @@ def lost_rate(rates: Array, *, turning: bool) -> float:
     return STILL[turning] + DIGITS * peak(rates)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Figure:
     """The result of one check."""
 
     name: str
-    value: float
-    """nan where it was not computed."""
+    value: float  # nan where it was not computed
     unit: str
-    threshold: float
-    """Largest value that passes; nan where nothing was computed."""
+    threshold: float  # Largest value that passes; nan where nothing was computed
     verdict: Literal["pass", "look", "not computed"]
-    why: str
-    """The comparison, or the reason why it was not computed."""
-    source: str
-    """The equation."""
-
-    def __repr__(self) -> str:
-        if self.verdict == "not computed":
-            return f"<Figure: {self.name} not computed: {self.why}>"
-        unit = f" {self.unit}" if self.unit else ""
-        return (f"<Figure: {self.name} {self.value:.2g}{unit}, at most {self.threshold:.2g}; "
-                f"{self.verdict}>")
+    why: str  # The comparison, or the reason why it was not computed
+    source: str  # The equation
 
 
 def figure_data(figure: Figure) -> dict[str, Any]:
@@ -95,10 +79,7 @@ class Worst:
     def add(
         self, where: str, error: Array, tolerance: Array | float, among: Flags | None = None,
     ) -> None:
-        """Add errors of one element over samples [n] with their tolerances.
-
-        ``among`` selects samples. An error that is nan is the worst of all.
-        """
+        """Add errors [n] of one element and their tolerances; nan is the worst."""
         error, tolerance = np.broadcast_arrays(error, tolerance)
         if among is not None:
             error, tolerance = error[among], tolerance[among]
@@ -115,10 +96,7 @@ class Worst:
         self, where: str, laws: Sequence[tuple[Array, Array | float]],
         among: Flags | None = None, *, throughout: bool = True,
     ) -> None:
-        """Add the comparison with the nearest of several laws, each an error [n] and its tolerance.
-
-        An element follows one of them throughout, or any of them in each sample.
-        """
+        """Add the nearest of several laws (error, tolerance), one ``throughout`` or per sample."""
         error, tolerance = np.array([np.broadcast_arrays(*law) for law in laws]).swapaxes(0, 1)
         ratio = np.nan_to_num(error / tolerance, nan=np.inf)
         if throughout:
@@ -156,14 +134,10 @@ class Check(NamedTuple):
 
     name: str
     unit: str
-    source: str
-    """The equation."""
-    asks: str
-    """The question that it answers; yes means pass."""
-    compared: str
-    """The comparison in words, with ``{where}``, ``{count:noun}`` and ``{note}``."""
-    none: str
-    """Why it is not computed where nothing is compared."""
+    source: str  # The equation
+    asks: str  # The question that it answers; yes means pass
+    compared: str  # The comparison in words, with ``{where}``, ``{count:noun}`` and ``{note}``
+    none: str  # Why it is not computed where nothing is compared
     compare: Callable[[Evidence, Worst], str | None]
     """Adds the comparisons; returns a note, or raises :class:`NotComputed`."""
 
@@ -195,5 +169,6 @@ def check(
     name: str, unit: str = "", source: str = "", *, asks: str, compared: str = "{note}",
     none: str = "",
 ) -> Callable[[Callable[[Evidence, Worst], str | None]], Check]:
-    """Make a check of a function; arguments as of :class:`Check`."""
+    """Make a check of a function; ``none`` says by default that there is no element to count."""
+    none = none or f"there is no {compared.partition('{count:')[2].partition('}')[0]}"
     return lambda compare: Check(name, unit, source, asks, compared, none, compare)

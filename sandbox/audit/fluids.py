@@ -26,8 +26,7 @@ from sandbox.model.model import NONE
 from sandbox.numeric import Array
 
 OLDER = "the recording is of an older version, without the times of fluid contents"
-NEWTON = 1e-8
-"""Relative error of the flow of an orifice at which iterations stop."""
+NEWTON = 1e-8  # Relative error of the flow of an orifice at which iterations stop
 
 
 def _growth(evidence: Evidence, velocity: Array) -> Array:
@@ -48,11 +47,10 @@ def _grown(evidence: Evidence) -> tuple[Array, Array]:
 
 @check("line.volume", "m^3", "V = V0 + Σ A (L - L0)",
        asks="is the volume of each fluid line the sum of its chambers?",
-       compared="volumes of {count:line} from the recorded poses, worst: {where}",
-       none="there is no line")
+       compared="volumes of {count:line} from the recorded poses, worst: {where}")
 def _volumes(evidence: Evidence, worst: Worst) -> None:
     lines = evidence.model.lines
-    (grown, gains), recorded = _grown(evidence), evidence.run.arrays["line_volume"].T
+    (grown, gains), recorded = _grown(evidence), evidence.arrays["line_volume"].T
     for i, name in enumerate(lines.name):
         error = np.abs(lines.volume[i] + grown[i] - recorded[i])
         worst.add(name, error, ROUNDING * (gains[i] + lines.volume[i]))
@@ -63,7 +61,7 @@ def _volumes(evidence: Evidence, worst: Worst) -> None:
                 "relative to it, {count:comparison}, worst: {where}",
        none="there is no line")
 def _flows(evidence: Evidence, worst: Worst) -> None:
-    model, a, h = evidence.model, evidence.run.arrays, evidence.h
+    model, a, h = evidence.model, evidence.arrays, evidence.h
     pumps = model.drives.giving("flow", "pressure")
     for i, name in enumerate(model.lines.name):
         share = (model.valves.lines[:, 1] == i) - 1.0 * (model.valves.lines[:, 0] == i)
@@ -81,17 +79,16 @@ def _flows(evidence: Evidence, worst: Worst) -> None:
 
 @check("line.law", "m^3", "M = V + C p", asks="does each line's pressure match its content?",
        compared="content of {count:line} against volume and pressure, worst: {where}; for gas, "
-                "the linearisation error of a step is allowed",
-       none="there is no line")
+                "the linearisation error of a step is allowed")
 def _pressures(evidence: Evidence, worst: Worst) -> None:
-    lines, a, h = evidence.model.lines, evidence.run.arrays, evidence.h
+    lines, a, h = evidence.model.lines, evidence.arrays, evidence.h
     if np.isnan(a["line_ahead"]).any():
         raise NotComputed(OLDER)
     if not lines.name:
         return
     (volume, gains), ahead = _grown(evidence), a["line_ahead"].T / h
     rate = h * _growth(evidence, evidence.velocity_after)
-    change = h * h * _growth(evidence, evidence.loads.frames.acceleration)
+    change = h * h * _growth(evidence, evidence.frames.acceleration)
     for i, name in enumerate(lines.name):
         p, came = a["line_pressure"][:, i], h * a["line_flow"][:, i]
         content = a["line_content"][:, i] + (ahead[i] - 0.5) * came
@@ -114,7 +111,7 @@ def _holds(
     lines, n = evidence.model.lines, float(evidence.model.lines.gas[line])
     if np.isnan(n):
         return volume + lines.compliance[line] * p, 0.0
-    before, whole_volume = evidence.run.arrays["line_volume"][:, line], lines.volume[line] + volume
+    before, whole_volume = evidence.arrays["line_volume"][:, line], lines.volume[line] + volume
     content = whole_volume * np.maximum(p / ATMOSPHERE + 1.0, 0.0) ** (1.0 / n)
     change = np.abs(whole_volume - before) / whole_volume + np.abs(came) / content
     return content - lines.volume[line], content * n * change**2
@@ -123,11 +120,10 @@ def _holds(
 @check("valve.law", source="Δp = R Q + ρ/2 (Q / Cd A)²",
        asks="does the pressure drop of each valve match its flow?",
        compared="pressure drops of {count:valve} against their flows, relative to the largest of "
-                "each, worst: {where}; below 0.001 Pa an orifice counts as a long passage",
-       none="there is no valve")
+                "each, worst: {where}; below 0.001 Pa an orifice counts as a long passage")
 def _valves(evidence: Evidence, worst: Worst) -> None:
     """A valve that is shut has no flow; one that opens one way has none against a pressure drop."""
-    valves, a = evidence.model.valves, evidence.run.arrays
+    valves, a = evidence.model.valves, evidence.arrays
     pressure = np.column_stack([a["line_pressure"], np.zeros(len(evidence.run))])  # NONE is last
     for v, name in enumerate(valves.name):
         flow, (one, two) = a["valve_flow"][:, v], valves.lines[v].tolist()
@@ -141,8 +137,7 @@ def _valves(evidence: Evidence, worst: Worst) -> None:
         if valves.one_way[v]:
             off = np.where(flow == 0.0, np.maximum(across, 0.0), np.maximum(off, -flow))
         most = max(whole(across), 1.0)
-        worst.add(name, np.where(shut, np.abs(flow), off) / most,
-                  EXACT + 2 * NEWTON + 3e-3 / most)
+        worst.add(name, np.where(shut, np.abs(flow), off) / most, EXACT + 2 * NEWTON + 3e-3 / most)
 
 
 @check("line.energy", source="W = Σ (p V work + C p²/2 + throttled)",
@@ -151,7 +146,7 @@ def _valves(evidence: Evidence, worst: Worst) -> None:
                 "of valves and reliefs, relative to the total; pressure change in a step times "
                 "flow is allowed")
 def _energy(evidence: Evidence, worst: Worst) -> None:
-    model, a, lines, h = evidence.model, evidence.run.arrays, evidence.model.lines, evidence.h
+    model, a, lines, h = evidence.model, evidence.arrays, evidence.model.lines, evidence.h
     if not lines.name:
         raise NotComputed("there is no line")
     if np.isfinite(lines.gas).any():
@@ -166,7 +161,7 @@ def _energy(evidence: Evidence, worst: Worst) -> None:
     left = pumps - lost - stored - work
     change = np.abs(np.diff(p, axis=0, prepend=p[:1]))
     growth, bend = (np.abs(_growth(evidence, v)).T for v in (
-        evidence.velocity, evidence.loads.frames.acceleration))
+        evidence.velocity, evidence.frames.acceleration))
     step = np.cumsum((lines.compliance * change**2 + h * h * bend * (np.abs(p) + change)
                       + change * h * (growth + np.abs(a["line_flow"]))).sum(axis=1))
     # works are up to the middle of a step, pressures may be at its end

@@ -35,8 +35,7 @@ The solve leaves 1e-10 of the tensions on both sides, 2e-10 at most (docs/engine
 for the angle: :data:`ROUNDING` of a position turns a piece of 1 mm by 1e-9, and changes the bound
 by mu / 2 of that fraction of both tensions.
 """
-DRAG = 1e-7
-"""Damping of a loop, relative to the effect of its stiffness in a step (docs/engine.md)."""
+DRAG = 1e-7  # Damping of a loop, relative to the effect of its stiffness in a step (docs/engine.md)
 MEASURED = 1e-13
 """Change of rates [m/s, rad/s] below which the load of a joint is not measured again."""
 
@@ -48,14 +47,14 @@ MEASURED = 1e-13
                 "{count:comparison}, worst: {where}",
        none="no guide has friction")
 def _bounds(evidence: Evidence, worst: Worst) -> None:
-    tendons, a, held = evidence.model.tendons, evidence.run.arrays, evidence.holds("tendon")
+    tendons, a, held = evidence.model.tendons, evidence.arrays, evidence.holds["tendon"]
     spans = [span for k in range(len(tendons.name)) for span in spans_of(tendons, k)]
     behind = {span.into: span for span in spans}
     for k, guide in enumerate(tendons.grips.tolist()):
         span, friction = behind[k], a["guide_friction"][:, k]
         after = _tension(evidence, span)
         most, floor = whole(after), SOLVED * whole(after) + _drag(evidence, span, k)
-        phi = np.maximum(bends(evidence.loads.frames, evidence.loads.cables, k), 0.0)
+        phi = np.maximum(bends(evidence.frames, k), 0.0)
         # the absolute value, since a tendon that breaks may reverse the sign
         bound = np.tanh(0.5 * float(tendons.friction[k]) * phi) * np.abs(2 * after - friction)
         place = evidence.model.bodies.name[tendons.guide_body[guide]]
@@ -72,20 +71,18 @@ def _drag(evidence: Evidence, span: CableSpan, grip: int) -> float:
     tendons, h = evidence.model.tendons, evidence.h
     if not tendons.closed[span.tendon]:
         return 0.0
-    slid = np.diff(evidence.run.arrays["guide_slip"][:, grip], prepend=0.0)
+    slid = np.diff(evidence.arrays["guide_slip"][:, grip], prepend=0.0)
     apart = h if evidence.every_step else float(np.diff(evidence.run.time[:2]).sum()) or h
     stiffness = float(tendons.stiffness[span.tendon] * rest_lengths(evidence.model)[span.tendon])
-    shortest = min(float(span_length(evidence.loads.frames, evidence.loads.cables, each)[1].min())
+    shortest = min(float(span_length(evidence.frames, each)[1].min())
                    for each in spans_of(tendons, span.tendon))
     return 5 * DRAG * h * stiffness / max(shortest, ROUNDING) * float(np.abs(slid).max()) / apart
 
 
 def _tension(evidence: Evidence, span: CableSpan) -> Array:
     """Tension of a span, that of its first straight piece [N], [n]."""
-    tendons = evidence.model.tendons
-    piece = int(np.flatnonzero(tendons.stretch_first == span.guides[0])[0])
-    return np.asarray(piece_tensions(
-        evidence.model, evidence.run.arrays, np.array([piece]))[0])
+    piece = np.flatnonzero(evidence.model.tendons.stretch_first == span.guides[0])[:1]
+    return np.asarray(piece_tensions(evidence.model, evidence.arrays, piece)[0])
 
 
 @check("tendon.spans", source="T = EA (L - M) / M",
@@ -102,7 +99,7 @@ def _spans(evidence: Evidence, worst: Worst) -> None:
             tendons.drive[tendon] != NONE) else spans
         tension = np.array([_tension(evidence, span) for span in measured])
         slack = (tension == 0.0).all(axis=0)
-        if spans and evidence.holds("tendon")[tendon].all() and (
+        if spans and evidence.holds["tendon"][tendon].all() and (
                 evidence.every_step or not slack.any()):
             _add_laws(evidence, spans, tension, slack, worst)
 
@@ -112,9 +109,9 @@ def _add_laws(
 ) -> None:
     """Compare spans with the law at the step's end or at mid-step; M is that at its end."""
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
-    tendon, count, slip = spans[0].tendon, len(tension), evidence.run.arrays["guide_slip"]
+    tendon, count, slip = spans[0].tendon, len(tension), evidence.arrays["guide_slip"]
     damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])
-    measured = [span_length(loads.frames, loads.cables, span) for span in spans]
+    measured = [span_length(evidence.frames, span) for span in spans]
     length, free = (np.array(each) for each in zip(*measured, strict=True))
     wound = (length - free)[:count, 1:]
     rest = float(rest_lengths(evidence.model)[tendon])
@@ -130,8 +127,7 @@ def _add_laws(
         inside = np.where(last >= 0, even[:, last] + came - came[:, last], inside)
     slid = np.diff(came, axis=1, prepend=0.0 if evidence.every_step else came[:, :1])
     apart = float(np.diff(evidence.run.time[:2]).sum()) or h
-    each = [loads.piece_efforts.rates(len(tendons.stretch_first), v)
-            for v in (evidence.velocity, evidence.velocity_after)]
+    each = evidence.rates_twice(loads.piece_efforts, len(tendons.stretch_first))
     for n, span in enumerate(spans[:count]):
         pieces = np.isin(tendons.stretch_first, span.guides[:-1])
         now, after = (rates[pieces].sum(axis=0) for rates in each)
@@ -162,7 +158,7 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
     sliding may begin in this step (:mod:`sandbox.engine.friction`): the joint stuck in the sample
     before, or slipped the other way.
     """
-    model, a, h = evidence.model, evidence.run.arrays, evidence.h
+    model, a, h = evidence.model, evidence.arrays, evidence.h
     joints, pushes = model.joints, evidence.loads.friction_efforts
     rates = pushes.rates(len(joints.name), evidence.velocity_after)
     for j in joints.frictional.tolist():
@@ -179,25 +175,25 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
         beyond = np.where(sticks, size - most, slips)
         worst.add(f"bound of {name}", np.maximum(size - most, 0.0) / largest, unsure)
         worst.add(f"slip of {name}", np.maximum(beyond, 0.0) / largest, unsure,
-                  evidence.holds("joint")[j])
-        wrong = np.where(sticks, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
+                  evidence.holds["joint"][j])
+        slip = np.where(sticks, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
         floor = SOLVED * fast + STILL[joints.kind[j].friction_unit == "N m"] + DIGITS / h + (
             HELD * alone * h * 2 * peak(friction) + h * _bend(evidence, j))
-        worst.add(name, wrong / fast, floor / fast, evidence.holds("joint")[j])
+        worst.add(name, slip / fast, floor / fast, evidence.holds["joint"][j])
 
 
 def carried(evidence: Evidence, joint: int) -> Array:
     """Load of a joint that its friction depends on [N], [n]; of a groove the force across it."""
-    force = evidence.run.arrays["joint_force"][:, joint]
+    force = evidence.arrays["joint_force"][:, joint]
     if evidence.model.joints.kind[joint].keeps != "groove":
         return np.asarray(np.hypot(force[:, 0], force[:, 1]))
-    x, y = evidence.loads.frames.groove_direction(joint)
-    return np.asarray(np.abs(x * force[:, 1] - y * force[:, 0]))
+    place = evidence.frames.place_in_slot(joint)
+    return np.asarray(np.abs(place.x * force[:, 1] - place.y * force[:, 0]))
 
 
 def _bend(evidence: Evidence, joint: int) -> Array | float:
     """Acceleration off the tangent of a groove as bodies turn [m/s^2], [n]."""
-    joints, frames = evidence.model.joints, evidence.loads.frames
+    joints, frames = evidence.model.joints, evidence.frames
     if joints.kind[joint].keeps != "groove":
         return 0.0
     a, b = joints.bodies[joint].tolist()

@@ -13,15 +13,13 @@ from sandbox.audit.figures import DIGITS, ROUNDING, STOPPED, NotComputed, Worst,
 from sandbox.elements.element import GRAZE
 from sandbox.model.joints import flank_gaps, slipped
 from sandbox.numeric import Array
-from sandbox.samples.cables import lengths, lengths_at_start, lying, rest_lengths, wound_up
+from sandbox.samples.cables import lengths_at_start, lying, rest_lengths, wound_up
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.values.signals import values
 
 Point = complex | NDArray[np.complex128]
-FEW = 8
-"""Least number of samples for differences of poses."""
-FAST = 0.1
-"""Fraction of its largest velocity above which a body counts as moving."""
+FEW = 8  # Least number of samples for differences of poses
+FAST = 0.1  # Fraction of its largest velocity above which a body counts as moving
 
 
 @check("poses", "m", "(31)", asks="are the links where their hinge angles put them?",
@@ -29,15 +27,14 @@ FAST = 0.1
                 "worst: {where}; the hinge gaps on the way are allowed",
        none="no chain of hinges starts at a fixed body")
 def _poses(evidence: Evidence, worst: Worst) -> None:
-    model, frames = evidence.model, evidence.loads.frames
+    model, frames = evidence.model, evidence.frames
     at, angle, joints = frames.x + 1j * frames.y, frames.angle, model.joints
     placed: dict[int, tuple[Point, Array, Array | float]] = {
         i: (at[i], angle[i], 0.0) for i in np.flatnonzero(~model.bodies.free).tolist()}
     waiting = _kept_pivots(evidence)
     while ready := [j for j in waiting
                     if sum(int(body) in placed for body in joints.bodies[j]) == 1]:
-        j = ready[0]
-        waiting.remove(j)
+        waiting.remove(j := ready[0])
         sides = [0, 1] if int(joints.bodies[j, 0]) in placed else [1, 0]
         near, far = joints.bodies[j, sides].tolist()
         start, turn, allowed = placed[near]
@@ -59,7 +56,7 @@ def _kept_pivots(evidence: Evidence) -> list[int]:
 def _turned(evidence: Evidence, hinge: int) -> Array:
     """Angle of the second body against the first, from a hinge's recorded angle [rad], [n]."""
     joints = evidence.model.joints
-    angle = evidence.run.arrays["joint_angle"][:, hinge] + joints.zero[hinge]
+    angle = evidence.arrays["joint_angle"][:, hinge] + joints.zero[hinge]
     return np.asarray(joints.sense[hinge] * angle)
 
 
@@ -77,12 +74,10 @@ def _across(evidence: Evidence, bodies: Array, points: Array) -> tuple[Array, in
 @check("tendon.path", "m", "(17), (19)",
        asks="is each tendon as long as its path along the guides?",
        compared="length along all guides in the recorded poses against the recorded length, "
-                "{count:tendon}, worst: {where}",
-       none="there is no tendon")
+                "{count:tendon}, worst: {where}")
 def _tendon_paths(evidence: Evidence, worst: Worst) -> None:
-    loads, names = evidence.loads, evidence.model.tendons.name
-    if names:
-        off = lengths(loads.frames, loads.cables) - evidence.run.arrays["tendon_length"].T
+    if names := evidence.model.tendons.name:
+        off = evidence.frames.lengths - evidence.arrays["tendon_length"].T
         for name, error in zip(names, np.abs(off), strict=True):
             worst.add(name, error, ROUNDING)
 
@@ -93,12 +88,12 @@ def _tendon_paths(evidence: Evidence, worst: Worst) -> None:
                 "with a wheel that it has left, {count:comparison}, worst: {where}",
        none="no tendon can lift off a wheel")
 def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
-    tendons, loads = evidence.model.tendons, evidence.loads
+    tendons = evidence.model.tendons
     for k, guide in enumerate(tendons.wheels.tolist()):
         tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
         name = f"{tendons.name[tendon]} at guide {guide - int(tendons.first[tendon])}"
         radius = abs(float(tendons.guide_radius[guide]))
-        angle, clear = lying(loads.frames, loads.cables, k)
+        angle, clear = lying(evidence.frames, k)
         worst.add(name, radius * np.maximum(-angle, 0.0), ROUNDING + GRAZE * radius)
         worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-clear, 0.0)), ROUNDING)
 
@@ -109,21 +104,19 @@ def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
                 "worst: {where}; the gap of each hinge is allowed",
        none="no tendon crosses a hinge between point guides")
 def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
-    loads, tendons = evidence.loads, evidence.model.tendons
-    for tendon in range(len(tendons.name)):
-        pieces = np.flatnonzero(tendons.stretch_tendon == tendon)
+    frames, tendons = evidence.frames, evidence.model.tendons
+    for tendon, name in enumerate(tendons.name):
         total, allowed, crossed = np.zeros(len(evidence.run)), ROUNDING + np.zeros(1), False
-        for row in pieces.tolist():
+        for row in np.flatnonzero(tendons.stretch_tendon == tendon).tolist():
             ends = tendons.stretch_first[row] + np.arange(2)
             found = None if tendons.guide_radius[ends].any() else _across(
                 evidence, tendons.guide_body[ends], tendons.guide_at[ends])
             if found:
-                total += found[0] - loads.cables.length[row]
+                total += found[0] - frames.cables.length[row]
                 allowed, crossed = allowed + evidence.joint_slack[found[1]], True
         if crossed:
-            path = lengths(loads.frames, loads.cables)[tendon]
-            recorded = evidence.run.arrays["tendon_length"][:, tendon]
-            worst.add(tendons.name[tendon], np.abs(total + path - recorded), allowed)
+            recorded = evidence.arrays["tendon_length"][:, tendon]
+            worst.add(name, np.abs(total + frames.lengths[tendon] - recorded), allowed)
 
 
 @check("spring.length", "m", "(28)-(30)",
@@ -137,7 +130,7 @@ def _spring_triangles(evidence: Evidence, worst: Worst) -> None:
         found, allowed = _across(evidence, springs.bodies[i], springs.anchor[i]), ROUNDING
         length = found[0] if found else evidence.loads.distances(
             springs.bodies[i:i + 1], springs.anchor[i:i + 1])[0]
-        worst.add(springs.name[i], np.abs(length - evidence.run.arrays["spring_length"][:, i]),
+        worst.add(springs.name[i], np.abs(length - evidence.arrays["spring_length"][:, i]),
                   allowed + evidence.joint_slack[found[1]] if found else allowed)
 
 
@@ -154,11 +147,11 @@ def _drift(evidence: Evidence, worst: Worst) -> None:
 
 def _gap(evidence: Evidence, j: int) -> tuple[Array, Array]:
     """Distance of the points of a joint from where it keeps them [m], [n], and its tolerance."""
-    joints, pose = evidence.model.joints, evidence.run.arrays["body_pose"]
-    gap, allowed = evidence.loads.frames.gaps[j], evidence.joint_slack[j] + ROUNDING
+    joints, pose = evidence.model.joints, evidence.arrays["body_pose"]
+    gap, allowed = evidence.frames.gaps[j], evidence.joint_slack[j] + ROUNDING
     match joints.kind[j].keeps:
         case "groove":
-            gap = evidence.loads.frames.place_in_slot(j).off
+            gap = evidence.frames.place_in_slot(j).off
         case "distance":
             gap = np.abs(gap - joints.reach[j, 0])
         case "roll":
@@ -171,7 +164,7 @@ def _gap(evidence: Evidence, j: int) -> tuple[Array, Array]:
             gap = (np.maximum(-gaps.min(axis=0) - play, 0.0) if play > 0
                    else np.abs(gaps).min(axis=0))
             if play == 0 and joints.stiffness[j] > 0:
-                reaction = np.nan_to_num(evidence.run.arrays["joint_reaction"][:, j])
+                reaction = np.nan_to_num(evidence.arrays["joint_reaction"][:, j])
                 allowed = allowed + peak(reaction) / float(joints.stiffness[j])
     return np.asarray(gap), np.asarray(allowed)
 
@@ -201,7 +194,7 @@ def _differential(evidence: Evidence, worst: Worst) -> None:
 
 def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
     """Add one rocker or wheel; a reason if it cannot be compared."""
-    model, frames = evidence.model, evidence.loads.frames
+    model, frames = evidence.model, evidence.frames
     joints, tendons, body = model.joints, model.tendons, model.names.body[name]
     slots = [j for j in joints.keeping("groove") if joints.bodies[j, 1] == body]
     if not slots:
@@ -228,8 +221,8 @@ def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
 def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> tuple[
         float, Array, Array]:
     """Arm of a string at its last guide [m], displacement of its far side, inclination, [n]."""
-    loads, tendons = evidence.loads, evidence.model.tendons
-    last, cables = int(tendons.first[tendon + 1]) - 1, loads.cables
+    frames, tendons, cables = evidence.frames, evidence.model.tendons, evidence.frames.cables
+    last = int(tendons.first[tendon + 1]) - 1
     near, far = (complex(*to_world(
         pose_of(evidence.model.mechanism.bodies[tendons.guide_body[guide]]),
         tuple(tendons.guide_at[guide]))) for guide in (last, last - 1))
@@ -237,17 +230,13 @@ def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> t
     arm = ((near - place) * pull.conjugate()).imag + radius
     row = int(np.flatnonzero(tendons.stretch_tendon == tendon)[-1])
     straight, offset = cables.length[row], float(tendons.guide_radius[last - 1]) - radius
-    before = lengths(loads.frames, cables)[tendon] - straight - wound_up(
-        loads.frames, cables, tendon, last=True)
+    before = frames.lengths[tendon] - straight - wound_up(frames, tendon, last=True)
     moved = ((cables.start.x[row] + 1j * cables.start.y[row] - far) * pull.conjugate()).real
     # with the present length: the stretch T / k is not an error of the rocker
-    displacement = (moved + evidence.run.arrays["tendon_length"][:, tendon] - before
+    displacement = (moved + evidence.arrays["tendon_length"][:, tendon] - before
                     - np.sqrt(abs(near - far)**2 - offset**2))
     slant = 1 - np.abs(((cables.x[row] + 1j * cables.y[row]) * pull.conjugate()).real)
     return arm, displacement, straight * slant
-
-
-# -- motion -----------------------------------------------------------------------------------
 
 
 @check("clock", "step", "t = (k - 1/2) h", asks="do the sample times match the sample rate?")
@@ -260,8 +249,7 @@ def _clock(evidence: Evidence, worst: Worst) -> str:
     if len(time) > 1:
         off = np.maximum(off, np.abs(np.diff(k, prepend=k[0] - every) - every))
     step = abs(run.info.step / h - 1)
-    worst.judge(max(peak(off), step),
-                8 * DIGITS * float(np.abs(k).max(initial=1.0)) + ROUNDING)
+    worst.judge(max(peak(off), step), 8 * DIGITS * float(np.abs(k).max(initial=1.0)) + ROUNDING)
     return (f"distance of samples from the middle of a step of {h:g} s, and from a spacing of "
             f"{every} steps")
 
@@ -271,14 +259,15 @@ def _clock(evidence: Evidence, worst: Worst) -> str:
                 "scene, {count:number}, worst: {where}",
        none="there is no body")
 def _numbers(evidence: Evidence, worst: Worst) -> None:
-    model, a = evidence.model, evidence.run.arrays
-    bodies = model.bodies
-    compared = {"centre": (bodies.name, np.hypot(*(a["body_centre"] - bodies.centre).T))} | {
-        what: (bodies.name, np.where(a[f"body_{what}"] == of, 0.0, a[f"body_{what}"] / of - 1))
-        for what, of in (("mass", bodies.mass), ("inertia", bodies.inertia))}
-    compared |= {what: (model.tendons.name, a[f"tendon_{what}"] - of(model)) for what, of in (
-        ("initial", lengths_at_start), ("rest", rest_lengths))}
-    for what, (names, off) in compared.items():
+    model, a = evidence.model, evidence.arrays
+    bodies, tendons = model.bodies, model.tendons
+    for what, names, off in (
+        ("centre", bodies.name, np.hypot(*(a["body_centre"] - bodies.centre).T)),
+        *((what, bodies.name, np.where(a[f"body_{what}"] == of, 0.0, a[f"body_{what}"] / of - 1))
+          for what, of in (("mass", bodies.mass), ("inertia", bodies.inertia))),
+        ("initial", tendons.name, a["tendon_initial"] - lengths_at_start(model)),
+        ("rest", tendons.name, a["tendon_rest"] - rest_lengths(model)),
+    ):
         for name, error in zip(names, np.abs(off), strict=True):
             worst.add(f"{what} of {name}", error[None], ROUNDING)
 
@@ -288,8 +277,7 @@ def _numbers(evidence: Evidence, worst: Worst) -> None:
                 "{where}",
        none="all bodies move freely")
 def _schedules(evidence: Evidence, worst: Worst) -> None:
-    bodies, frames = evidence.model.bodies, evidence.loads.frames
-    time = evidence.run.time
+    bodies, frames, time = evidence.model.bodies, evidence.frames, evidence.run.time
     for b in np.flatnonzero(~bodies.free).tolist():
         body = evidence.model.mechanism.bodies[b]
         pose = np.tile(np.array([*body.at, body.angle])[:, None], len(time))
@@ -308,59 +296,53 @@ def _schedules(evidence: Evidence, worst: Worst) -> None:
                 "{count:comparison}, worst: {where}",
        none="there is no body")
 def _velocities(evidence: Evidence, worst: Worst) -> str:
-    bodies = evidence.model.bodies
+    bodies, frames = evidence.model.bodies, evidence.frames
     if len(evidence.run) < FEW:
         raise NotComputed("there are too few samples")
     for b in np.flatnonzero(~bodies.fixed).tolist():
-        (_in_every_step if evidence.every_step else _between)(evidence, b, worst)
+        for pose, v, a in zip((frames.centre_x[b], frames.centre_y[b], frames.angle[b]),
+                              evidence.velocity[:, b], frames.acceleration[:, b], strict=True):
+            (_in_every_step if evidence.every_step else _between)(
+                evidence, bodies.name[b], pose, v, a, worst)
     for b in np.flatnonzero(bodies.fixed).tolist():
-        v, a = evidence.velocity[:, b], evidence.loads.frames.acceleration[:, b]
+        v, a = evidence.velocity[:, b], frames.acceleration[:, b]
         worst.add(bodies.name[b], np.abs(np.concatenate([v, a])).max(axis=0), ROUNDING)
     return "" if evidence.every_step else ", where samples are far apart by the trapezoid rule"
 
 
-def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
+def _in_every_step(
+    evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst,
+) -> None:
     """A step moves by h v and then changes v by h a, except where an impact displaced the pose."""
-    frames, h = evidence.loads.frames, evidence.h
-    v, a = evidence.velocity[:, b], frames.acceleration[:, b]
-    name = evidence.model.bodies.name[b]
-    for axis, pose in enumerate((frames.centre_x[b], frames.centre_y[b], frames.angle[b])):
-        after, top = v[axis] + h / 2 * a[axis], peak(v[axis])
-        lost = 8 * DIGITS * (1 + peak(pose)) / h
-        worst.add(name, np.abs(np.diff(pose) / h - after[:-1])[~evidence.struck[:-1]], lost)
-        before = v[axis] - h / 2 * a[axis]
-        worst.add(name, np.abs(after[:-1] - before[1:]), ROUNDING + 8 * DIGITS * (
-            top + h * peak(a[axis])))
+    h, after = evidence.h, v + evidence.h / 2 * a
+    lost = 8 * DIGITS * (1 + peak(pose)) / h
+    worst.add(name, np.abs(np.diff(pose) / h - after[:-1])[~evidence.struck[:-1]], lost)
+    worst.add(name, np.abs(after[:-1] - (v - h / 2 * a)[1:]), ROUNDING + 8 * DIGITS * (
+        peak(v) + h * peak(a)))
 
 
-def _between(evidence: Evidence, b: int, worst: Worst) -> None:
+def _between(evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst) -> None:
     """Compare the mean velocity with the displacement between samples.
 
     The error of the trapezoid rule is a sixth of the second difference of v where samples resolve
     the motion, else the difference between the changes of velocity and the accelerations. Impacts
     are in few samples, so the median is compared with the mean tolerance.
     """
-    frames, time = evidence.loads.frames, evidence.run.time
-    dt = float(np.median(np.diff(time)))
-    for axis, pose in enumerate((frames.centre_x[b], frames.centre_y[b], frames.angle[b])):
-        v = evidence.velocity[axis, b]
-        a = frames.acceleration[axis, b]
-        bend = (np.abs(v[2:] - 2 * v[1:-1] + v[:-2])
-                + np.abs(v[2:] - v[:-2] - dt / 2 * (a[2:] + 2 * a[1:-1] + a[:-2])))
-        error = np.abs((pose[2:] - pose[:-2]) / (2 * dt) - (v[2:] + 2 * v[1:-1] + v[:-2]) / 4)
-        moving = np.abs(v[1:-1]) >= FAST * peak(v)
-        if np.count_nonzero(moving) < FEW and np.isfinite(error).all():
-            continue
+    dt = float(np.median(np.diff(evidence.run.time)))
+    bend = (np.abs(v[2:] - 2 * v[1:-1] + v[:-2])
+            + np.abs(v[2:] - v[:-2] - dt / 2 * (a[2:] + 2 * a[1:-1] + a[:-2])))
+    error = np.abs((pose[2:] - pose[:-2]) / (2 * dt) - (v[2:] + 2 * v[1:-1] + v[:-2]) / 4)
+    moving = np.abs(v[1:-1]) >= FAST * peak(v)
+    if np.count_nonzero(moving) >= FEW or not np.isfinite(error).all():
         allowed = float(np.mean(bend[moving])) + 8 * DIGITS * (1 + np.abs(pose).max()) / dt
-        worst.add(evidence.model.bodies.name[b], np.median(error[moving], keepdims=True), allowed)
+        worst.add(name, np.median(error[moving], keepdims=True), allowed)
 
 
 @check("hinge", "rad", "q = θb - θa", asks="is each hinge angle the angle between its two bodies?",
        compared="angles and rates of hinges against those of their bodies, {count:hinge}, worst: "
-                "{where}",
-       none="there is no hinge")
+                "{where}")
 def _hinges(evidence: Evidence, worst: Worst) -> None:
-    joints, a = evidence.model.joints, evidence.run.arrays
+    joints, a = evidence.model.joints, evidence.arrays
     for j in joints.hinges.tolist():
         for what, found in (("angle", evidence.angles[j]), ("rate", evidence.rates[j])):
             size = 1 + peak(found)

@@ -9,6 +9,7 @@ rounding of x and v is found by evaluating the law beside them.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from sandbox.model.laws import SpringLaw
 from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags
-from sandbox.samples.cables import lengths, rest_lengths
+from sandbox.samples.cables import rest_lengths
 
 State = tuple[Sequence[Array], Sequence[Array | float]]
 """Arguments of a law, [n] each, and their errors."""
@@ -28,10 +29,7 @@ def follow(
     worst: Worst, name: str, force: Array, law: Callable[..., Array], states: Sequence[State],
     among: Flags | None = None, *, size: Array | float | None = None, throughout: bool = True,
 ) -> None:
-    """Compare a force, [n] or [k, n], with a law at the nearest of several states.
-
-    Errors are relative to ``size``, by default the largest force.
-    """
+    """Compare a force, [n] or [k, n], with the nearest of several states of a law."""
     size, nearest = whole(force) if size is None else size, []
     for values, errors in states:
         here = law(*values)
@@ -55,70 +53,18 @@ def states_of(h: float, place: Array, rates: Sequence[Array], *, turning: bool) 
 
 def _as_built(evidence: Evidence, kind: str) -> Flags:
     """Where elements hold with the scene's rest length, not one of a later engagement, [.., n]."""
-    bonds, holds = evidence.model.bonds, evidence.holds(kind).copy()
+    bonds, holds = evidence.model.bonds, evidence.holds[kind].copy()
     for i, bond in enumerate(bonds.of(kind).tolist()):
         if bond >= 0 and bonds.as_is[bond]:
             holds[i] = np.logical_and.accumulate(holds[i])
     return holds
 
 
-@check("spring.law", source="F = k (L - L0) + c dL/dt",
-       asks="is each spring force stiffness times stretch, plus damping?",
-       compared="forces of {count:straight spring} from the recorded poses and velocities, "
-                "relative to the largest of each, worst: {where}",
-       none="there is no straight spring")
-def _springs(evidence: Evidence, worst: Worst) -> None:
-    _compare_springs(evidence, worst, straight=True)
-
-
-@check("tendon.law", source="T = k (L - L0) + c dL/dt",
-       asks="does each tendon tension follow from its drive or its stretch, never below 0?",
-       compared="tensions of {count:tendon} from the recorded poses, velocities and drives, "
-                "relative to the largest of each, worst: {where}",
-       none="no tendon slides freely")
-def _tendons(evidence: Evidence, worst: Worst) -> None:
-    loads, tendons, a = evidence.loads, evidence.model.tendons, evidence.run.arrays
-    if not tendons.name:
-        return
-    holds, rates = _as_built(evidence, "tendon"), [
-        loads.cable_efforts.rates(len(tendons.name), v)
-        for v in (evidence.velocity, evidence.velocity_after)]
-    stretch = lengths(loads.frames, loads.cables) - rest_lengths(loads.model)[:, None]
-    for i, name in enumerate(tendons.name):
-        tension, c = a["tendon_tension"][:, i], float(tendons.damping[i])
-        if len(tendons.gripped(i)):
-            continue
-        if tendons.drive[i] != NONE:
-            pull = a["drive_value"][:, tendons.drive[i]]
-            worst.add(name, np.abs(tension - pull) / whole(pull), ROUNDING, holds[i])
-            continue
-        k = (float(tendons.stiffness[i]) if tendons.stiffener[i] == NONE
-             else a["drive_value"][:, tendons.stiffener[i]])
-
-        def law(s: Array, v: Array, k: Array | float = k, c: float = c,
-                slack: Flags = tension == 0.0) -> Array:
-            """The damper alone does not pull a slack tendon."""
-            return np.where(slack & (s <= ROUNDING), 0.0, np.maximum(k * s + c * v, 0.0))
-
-        follow(worst, name, tension, law, states_of(
-            evidence.h, stretch[i], [v[i] for v in rates], turning=False), holds[i])
-
-
-@check("spring.torque", source="τ = k (q - q0) + c dq/dt",
-       asks="does each rotary spring's torque follow from its angle?",
-       compared="torques of {count:rotary spring} from the recorded poses and velocities, "
-                "relative to the largest of each, worst: {where}",
-       none="there is no rotary spring")
-def _rotary_springs(evidence: Evidence, worst: Worst) -> None:
-    _compare_springs(evidence, worst, straight=False)
-
-
 def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> None:
     """Compare straight or rotary springs; the damper of a rotary one is always at mid-step."""
-    springs, loads, a = evidence.model.springs, evidence.loads, evidence.run.arrays
+    springs, loads, a = evidence.model.springs, evidence.loads, evidence.arrays
     which = np.flatnonzero(springs.straight == straight)
-    rates = [loads.spring_efforts.rates(len(springs.name), v) for v in (
-        evidence.velocity, evidence.velocity_after)] if len(which) else []
+    rates = evidence.rates_twice(loads.spring_efforts, len(springs.name)) if len(which) else []
     holds = _as_built(evidence, "spring")
     for i in which.tolist():
         recorded, c, joint = a["spring_force"][:, i], float(springs.damping[i]), springs.joint[i]
@@ -140,17 +86,62 @@ def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> Non
             among, size=whole(recorded), throughout=own is None)
 
 
+_springs = check(
+    "spring.law", source="F = k (L - L0) + c dL/dt",
+    asks="is each spring force stiffness times stretch, plus damping?",
+    compared="forces of {count:straight spring} from the recorded poses and velocities, relative "
+             "to the largest of each, worst: {where}")(partial(_compare_springs, straight=True))
+
+
+@check("tendon.law", source="T = k (L - L0) + c dL/dt",
+       asks="does each tendon tension follow from its drive or its stretch, never below 0?",
+       compared="tensions of {count:tendon} from the recorded poses, velocities and drives, "
+                "relative to the largest of each, worst: {where}",
+       none="no tendon slides freely")
+def _tendons(evidence: Evidence, worst: Worst) -> None:
+    loads, tendons, a = evidence.loads, evidence.model.tendons, evidence.arrays
+    if not tendons.name:
+        return
+    holds = _as_built(evidence, "tendon")
+    rates = evidence.rates_twice(loads.cable_efforts, len(tendons.name))
+    stretch = evidence.frames.lengths - rest_lengths(loads.model)[:, None]
+    for i, name in enumerate(tendons.name):
+        tension, c = a["tendon_tension"][:, i], float(tendons.damping[i])
+        if len(tendons.gripped(i)):
+            continue
+        if tendons.drive[i] != NONE:
+            pull = a["drive_value"][:, tendons.drive[i]]
+            worst.add(name, np.abs(tension - pull) / whole(pull), ROUNDING, holds[i])
+            continue
+        k = (float(tendons.stiffness[i]) if tendons.stiffener[i] == NONE
+             else a["drive_value"][:, tendons.stiffener[i]])
+
+        def law(s: Array, v: Array, k: Array | float = k, c: float = c,
+                slack: Flags = tension == 0.0) -> Array:
+            """The damper alone does not pull a slack tendon."""
+            return np.where(slack & (s <= ROUNDING), 0.0, np.maximum(k * s + c * v, 0.0))
+
+        follow(worst, name, tension, law, states_of(
+            evidence.h, stretch[i], [v[i] for v in rates], turning=False), holds[i])
+
+
+_rotary_springs = check(
+    "spring.torque", source="τ = k (q - q0) + c dq/dt",
+    asks="does each rotary spring's torque follow from its angle?",
+    compared="torques of {count:rotary spring} from the recorded poses and velocities, relative to "
+             "the largest of each, worst: {where}")(partial(_compare_springs, straight=False))
+
+
 @check("damper.law", source="τ = -c dq/dt",
        asks="is each hinge damper's torque its damping times the hinge's rate?",
        compared="torques of the dampers of {count:hinge} from the recorded velocities, relative "
-                "to the largest of each, worst: {where}",
-       none="there is no hinge")
+                "to the largest of each, worst: {where}")
 def _dampers(evidence: Evidence, worst: Worst) -> None:
-    model, holds = evidence.model, evidence.holds("joint")
+    model, holds = evidence.model, evidence.holds["joint"]
     for j in model.joints.hinges.tolist():
         if model.bodies.free[model.joints.bodies[j]].any():
             c, rate = float(model.hinge_damping[j]), evidence.rates[j]
-            follow(worst, model.joints.name[j], evidence.run.arrays["joint_damping"][:, j],
+            follow(worst, model.joints.name[j], evidence.arrays["joint_damping"][:, j],
                    lambda v, c=c: -c * v, [((rate,), (lost_rate(rate, turning=True),))], holds[j])
 
 
@@ -161,8 +152,7 @@ def _dampers(evidence: Evidence, worst: Worst) -> None:
        none="there is no load")
 def _loads(evidence: Evidence, worst: Worst) -> None:
     """F(x, v, a, t) at the sample or, for stiff laws, F(x + h v, v, a, t) at the step's end."""
-    a, loads, frames, h = evidence.run.arrays, evidence.model.loads, evidence.loads.frames, (
-        evidence.h)
+    a, loads, frames, h = evidence.arrays, evidence.model.loads, evidence.frames, evidence.h
     for i, name in enumerate(loads.name):
         body = int(loads.body[i])
         force = np.stack([*a["load_force"][:, i].T, a["load_torque"][:, i]])

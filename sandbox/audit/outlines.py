@@ -1,14 +1,10 @@
 """Contacts against the shapes: places, normals and gaps of rows, and contacts without a force.
 
-A row of one point lies in the middle between two outlines, half a gap from each, along the normal.
-So does a row of several points between two convex shapes, which share a face. Between bodies of
-several shapes (a disc in a V) the place of several points is none of them: it is their mean, moved
-perpendicular to the force onto its line of action. The mean lies within the convex hulls of both
-bodies, and so does the place along the force.
-
-A contact without a force has no row, but may carry a force in another set of forces that balances
-the same pose. It is found from poses and shapes: outlines of bodies that may touch, within the gap
-that a step may leave, that neither approach nor separate.
+A row of one point, or of two convex shapes, lies in the middle between two outlines, half a gap
+from each, along the normal. Between bodies of several shapes (a disc in a V) the place of several
+points is their mean, moved along the line of action; it lies within both convex hulls along the
+force. A contact without a force has no row, but may carry a force in another balance of the same
+pose: outlines within the gap that a step may leave, which neither approach nor separate.
 """
 
 from __future__ import annotations
@@ -27,15 +23,14 @@ from sandbox.model.pairs import allowed_pairs, restitution_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples import nearby
 from sandbox.samples.contacts import TOUCH
-from sandbox.samples.nearby import PlacedPiece, apart, pieces_of
+from sandbox.samples.nearby import PlacedPiece, apart, pieces_of, radius_of
 from sandbox.scene import geometry
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import corners, true_curves
 from sandbox.scene.outlines.curves import on_spans, spans_of
 from sandbox.scene.outlines.rings import wound
 
-ROWS = 5_000
-"""Number of contacts that are compared with a shape at once."""
+ROWS = 5_000  # Number of contacts that are compared with a shape at once
 NEWTON = 25
 ASKEW, ALIKE = 1e-6, 1e-3
 """Angle between a normal and those of a surface; and between normals of the same contact."""
@@ -50,16 +45,12 @@ class _Outline(NamedTuple):
     start: Array
     """Corners, the material to the left of the sides, and where each side ends [m], [k, 2]."""
     end: Array
-    radius: float
-    """Of the surface about the sides [m]."""
-    flat: bool
-    """Whether normals are those of the sides."""
-    spans: Array
-    """Smooth curves as :class:`sandbox.scene.outlines.curves.Spans` has them, [n, 12]."""
-    beside: Integers
-    """The spans before and after each, [2, n]; -1 at the ends of an open curve."""
+    radius: float  # Of the surface about the sides [m]
+    flat: bool  # Whether normals are those of the sides
+    spans: Array  # Smooth curves as sandbox.scene.outlines.curves.Spans has them, [n, 12]
+    beside: Integers  # The spans before and after each, [2, n]; -1 at the ends of an open curve
 
-    def seen(self, at: Array, out: Array, radius: Array | float) -> tuple[Array, Array]:
+    def distances(self, at: Array, out: Array, radius: Array | float) -> tuple[Array, Array]:
         """Distances of points [m, 2] from sides [m], and of normals there from ``out``; [m, k]."""
         if len(self.spans):
             return self._from_curves(at, out)
@@ -97,17 +88,16 @@ class _Outline(NamedTuple):
 
 @lru_cache(maxsize=256)
 def _outline(shape: Shape) -> _Outline:
-    radius = 0.0 if isinstance(shape, Box | Polygon) else shape.radius
     flat = isinstance(shape, Box | Polygon)
     if isinstance(shape, Box | Polygon):
-        rings = [np.array(corners(shape)),
-                 *(np.array(wound(hole, -1)) for hole in getattr(shape, "holes", ()))]
+        radius, rings = 0.0, [np.array(corners(shape)), *(
+            np.array(wound(hole, -1)) for hole in getattr(shape, "holes", ()))]
         start = np.concatenate(rings)
         end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
     else:
         points = np.array([shape.at] * 2 if isinstance(shape, Circle) else
                           [shape.start, shape.end] if isinstance(shape, Capsule) else shape.points)
-        start, end = points[:-1], points[1:]
+        radius, start, end = shape.radius, points[:-1], points[1:]
     spans = [spans_of(nodes, closed=flat).terms for nodes in true_curves(shape)] if isinstance(
         shape, Polygon | Polyline) and shape.nodes else [np.zeros((0, 12))]
     numbers = np.split(np.arange(sum(map(len, spans))), np.cumsum([len(each) for each in spans]))
@@ -125,7 +115,7 @@ def _outline(shape: Shape) -> _Outline:
        none="nothing touches")
 def _places(evidence: Evidence, worst: Worst) -> None:
     """Compare contacts with the outlines; rows of several points with the hulls."""
-    a, names = evidence.run.arrays, evidence.model.bodies.name
+    a, names = evidence.arrays, evidence.model.bodies.name
     rows = np.flatnonzero(np.hypot(*a["contact_force"].T) > TOUCH)
     pair = a["contact_body"][rows] * len(names) + a["contact_other"][rows]
     for kind in np.unique(pair).tolist():
@@ -156,12 +146,12 @@ def _nearest(
     evidence: Evidence, rows: Integers, body: int, sign: float, allowed: Array,
 ) -> tuple[Array, Array, Flags]:
     """Distances of points and normals from the best sides of a body, and what is a circle."""
-    a, half, found = evidence.run.arrays, evidence.run.arrays["contact_gap"][rows] / 2, []
+    a, half, found = evidence.arrays, evidence.arrays["contact_gap"][rows] / 2, []
     points, out = _in_frame(evidence, rows, body, sign * a["contact_normal"][rows])
     shapes = evidence.model.mechanism.bodies[body].shapes
     for number, shape in enumerate(shapes):
         radius = _radius(evidence, rows, body, number)
-        found.append(_outline(shape).seen(points - half[:, None] * out, out, radius))
+        found.append(_outline(shape).distances(points - half[:, None] * out, out, radius))
     off, turned = (np.concatenate(part, axis=1) for part in zip(*found, strict=True))
     circle = np.repeat([isinstance(shape, Circle) for shape in shapes],
                        [part.shape[1] for part, _ in found])
@@ -172,7 +162,7 @@ def _nearest(
 
 def _beyond(evidence: Evidence, rows: Integers, body: int) -> Array:
     """How far rows are beyond the hull of a body along their forces [m]."""
-    force, beyond = evidence.run.arrays["contact_force"][rows], np.zeros(len(rows))
+    force, beyond = evidence.arrays["contact_force"][rows], np.zeros(len(rows))
     for sign in (1.0, -1.0):
         points, out = _in_frame(evidence, rows, body, (sign * force.T / np.hypot(*force.T)).T)
         reach = [(out @ _outline(shape).start.T).max(axis=1)
@@ -184,7 +174,7 @@ def _beyond(evidence: Evidence, rows: Integers, body: int) -> Array:
 
 def _in_frame(evidence: Evidence, rows: Integers, body: int, out: Array) -> tuple[Array, Array]:
     """Places and directions ``out`` of rows in the body's frame, [m, 2] each."""
-    a, frames = evidence.run.arrays, evidence.loads.frames
+    a, frames = evidence.arrays, evidence.frames
     sample = a["contact_sample"][rows]
     x, y, angle = frames.x[body, sample], frames.y[body, sample], frames.angle[body, sample]
     return (rotated(a["contact_point"][rows] - np.stack([x, y], axis=1), -angle),
@@ -193,16 +183,13 @@ def _in_frame(evidence: Evidence, rows: Integers, body: int, out: Array) -> tupl
 
 def _radius(evidence: Evidence, rows: Integers, body: int, shape: int) -> Array | float:
     """Radius about the sides of a shape [m]; of a circle that a drive may set at the rows."""
-    a, drives = evidence.run.arrays, evidence.model.drives
-    for i in drives.giving("radius").tolist():
-        if drives.target[i] == body and drives.shape[i] == shape:
-            return np.asarray(a["drive_value"][a["contact_sample"][rows], i])
-    return _outline(evidence.model.mechanism.bodies[body].shapes[shape]).radius
+    return radius_of(evidence.run, evidence.arrays["contact_sample"][rows], body, shape,
+                     _outline(evidence.model.mechanism.bodies[body].shapes[shape]).radius)
 
 
 def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple[Array, Array]:
     """Tolerance by rounding, and by the motion in a step between two points in turn [m]."""
-    a, frames, h = evidence.run.arrays, evidence.loads.frames, evidence.h
+    a, frames, h = evidence.arrays, evidence.frames, evidence.h
     sample, size, speed = a["contact_sample"][rows], np.zeros(len(rows)), np.zeros((2, len(rows)))
     for b in pair:
         reach, step = reach_of(evidence, b), h / 2 * frames.acceleration[:, b, sample]
@@ -227,8 +214,7 @@ class Touch(NamedTuple):
 
     body: int
     other: int
-    normal: Array
-    """Into the body."""
+    normal: Array  # Into the body
     point: Array
     gap: float
 
@@ -239,7 +225,7 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
     Rows with a normal force of no more than ``least`` [N] are removed first. A row with several
     normals covers all contacts between its two bodies.
     """
-    a, found = evidence.run.arrays, list[Touch]()
+    a, found = evidence.arrays, list[Touch]()
     kept = np.flatnonzero(evidence.run.contacts.normal > least)
     known: dict[tuple[int, int], list[tuple[Array, Array, bool]]] = {}
     for row in kept.tolist():
@@ -255,8 +241,6 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
                    for normal, at, several in planes):
             planes.append((touch.normal, touch.point, False))
             found.append(touch)
-    if not found and len(kept) == len(a["contact_gap"]):
-        return evidence
     rows: Arrays = {}
     for key in CONTACT:
         new = np.zeros((len(found), *a[key].shape[1:]), dtype=a[key].dtype)
@@ -269,11 +253,8 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
 
 
 def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:
-    """Near pairs without a contact row in a single sample.
-
-    With the largest overlap of outlines that still approach [m], or 0.
-    """
-    a, deepest = evidence.run.arrays, dict[tuple[int, int], float]()
+    """Near pairs without a row, and the largest overlap of outlines that approach [m], or 0."""
+    a, deepest = evidence.arrays, dict[tuple[int, int], float]()
     rows = {tuple(sorted(pair)) for pair in zip(
         a["contact_body"].tolist(), a["contact_other"].tolist(), strict=True)}
     for touch, parts in _near(evidence):
@@ -286,24 +267,7 @@ def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:
 
 def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
     """Where outlines are near or overlap, and their rate of separation there [m/s]."""
-    frames, velocity = evidence.loads.frames, evidence.velocity_after[:, :, 0]
-    for bodies, pieces in _close(evidence):
-        here = apart(*pieces)
-        if here is None or here.gap > evidence.near or not all(
-                _surface(evidence, body, piece, sign * here.normal)
-                for body, piece, sign in zip(bodies, pieces, (1, -1), strict=True)):
-            continue
-        one, two = (
-            velocity[:2, b] + velocity[2, b] * np.array([frames.centre_y[b, 0] - here.at[1],
-                                                         here.at[0] - frames.centre_x[b, 0]])
-            for b in bodies)
-        yield (Touch(*bodies, -here.normal, here.at, here.gap), float((two - one) @ here.normal))
-
-
-def _close(
-    evidence: Evidence,
-) -> Iterator[tuple[tuple[int, int], tuple[PlacedPiece, PlacedPiece]]]:
-    """Pieces of bodies that may touch and whose bounding boxes overlap, the lower body first."""
+    frames, velocity = evidence.frames, evidence.velocity_after[:, :, 0]
     allowed = allowed_pairs(evidence.model)
     owned = [(body, piece) for body in np.flatnonzero(allowed.any(axis=1)).tolist()
              for piece in pieces_of(evidence.run, 0, body)]
@@ -311,17 +275,27 @@ def _close(
     low, high = (np.array([edge(p.corners, axis=0) + sign * p.grown for _, p in owned]
                           ).reshape(-1, 2) for edge, sign in ((np.min, -1), (np.max, 1)))
     reach = evidence.near + 8 * DIGITS * float(np.abs(low).max(initial=0.0))
-    for i in range(len(owned) - 1):
+    for i, (body, piece) in enumerate(owned):
         beside = ((low[i + 1:] <= high[i] + reach) & (high[i + 1:] >= low[i] - reach)).all(axis=1)
-        for j in (i + 1 + np.flatnonzero(beside & allowed[of[i], of[i + 1:]])).tolist():
-            yield (owned[i][0], owned[j][0]), (owned[i][1], owned[j][1])
+        for other, beyond in (owned[j] for j in (
+                i + 1 + np.flatnonzero(beside & allowed[body, of[i + 1:]])).tolist()):
+            here = apart(piece, beyond)
+            if here is None or here[0] > evidence.near or not (
+                    _surface(evidence, body, piece, here[1])
+                    and _surface(evidence, other, beyond, -here[1])):
+                continue
+            gap, normal, at = here
+            one, two = (velocity[:2, b] + velocity[2, b] * np.array(
+                [frames.centre_y[b, 0] - at[1], at[0] - frames.centre_x[b, 0]])
+                for b in (body, other))
+            yield Touch(body, other, -normal, at, gap), float((two - one) @ normal)
 
 
 def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> bool:
     """Whether ``out`` is within an arc of normals of the outline's surface on this piece."""
     if piece.faces is None:
         return True
-    x, y = rotated(out, -evidence.run.arrays["body_pose"][0, body, 2])
+    x, y = rotated(out, -evidence.arrays["body_pose"][0, body, 2])
     ax, ay, bx, by = piece.faces.T
     within = (ax * y - ay * x >= 0) & (x * by - y * bx >= 0) & (x * (ax + bx) + y * (ay + by) > 0)
     return bool((within | (np.minimum(np.hypot(ax - x, ay - y), np.hypot(bx - x, by - y))
@@ -329,11 +303,8 @@ def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> b
 
 
 def pressed(evidence: Evidence, row: int) -> Array | None:
-    """The points between which a contact row of the single sample may press.
-
-    As :func:`sandbox.samples.nearby.pressed`, with the gap that the engine may leave.
-    """
-    a = evidence.run.arrays
+    """The points between which a contact row of the single sample may press."""
+    a = evidence.arrays
     pair = int(a["contact_body"][row]), int(a["contact_other"][row])
     size, speed = np.abs(a["body_pose"][0, pair, :2]).max(), np.hypot(
         *a["body_velocity"][0, pair, :2].T).sum()

@@ -17,12 +17,9 @@ from sandbox.samples.contacts import TOUCH
 from sandbox.scene.settings import Group
 from sandbox.wording import counted
 
-LAST = 0.05
-"""Fraction of the run at its end that has to be at rest."""
-SPEED, RATE = 1e-3, 2e-2
-"""Largest speeds at rest [m/s, rad/s]; equal at arms of 50 mm."""
-MOMENT = 1e-4
-"""Residual moment at rest, relative to the largest moment about a hinge."""
+LAST = 0.05  # Fraction of the run at its end that has to be at rest
+SPEED, RATE = 1e-3, 2e-2  # Largest speeds at rest [m/s, rad/s]; equal at arms of 50 mm
+MOMENT = 1e-4  # Residual moment at rest, relative to the largest moment about a hinge
 
 
 def _at_rest(evidence: Evidence) -> Rest:
@@ -51,10 +48,8 @@ class _About(NamedTuple):
 
     contacts: float
     others: float
-    largest: float
-    """Of any single load."""
-    idle: float
-    """A hinge with less carries no load: bodies beyond it may still come to rest."""
+    largest: float  # Of any single load
+    idle: float  # A hinge with less carries no load: bodies beyond it may still come to rest
 
 
 class Rest:
@@ -65,23 +60,18 @@ class Rest:
         self.fingers = [group for group in self.model.mechanism.groups if group.kind == "finger"]
         frames, sides, parts, count = self.loads.frames, self.loads.contact_sides, [], 0
         for batch in self.loads.batches:
-            parts.append((count + batch.element, batch.body, batch.x[:, 0], batch.y[:, 0],
-                          batch.moment[:, 0]))
+            parts.append((count + batch.element, batch.body, batch.wrench[..., 0]))
             count += int(batch.element.max(initial=-1)) + 1
         # both sides of a contact have one number: they cancel between bodies beyond a hinge
         self.contacts = count + np.tile(np.arange(len(sides.body) // 2), 2)
-        parts.append((self.contacts, sides.body, *sides.force.T, sides.moment))
-        self.number, self.body, self.x, self.y, moment = (
-            np.concatenate(part) for part in zip(*parts, strict=True))
+        parts.append((self.contacts, sides.body, sides.wrench))
+        self.number, self.body, wrench = (np.concatenate(part) for part in zip(*parts, strict=True))
+        self.x, self.y, moment = wrench.T
         self.moment = moment + (frames.centre_x[self.body, 0] * self.y
-                                - frames.centre_y[self.body, 0] * self.x)
-        """About the origin [N m]."""
+                                - frames.centre_y[self.body, 0] * self.x)  # About the origin [N m]
 
     def about(self, joint: int, beyond: set[int], window: float = np.inf) -> _About:
-        """Moments about a joint of the loads on the bodies ``beyond``.
-
-        Within :data:`RATE` for ``window`` [s] the mean acceleration is 2 RATE / window at most.
-        """
+        """Moments about a joint of loads on the bodies ``beyond``, at rest for ``window`` [s]."""
         frames, arrays, bodies = self.loads.frames, self.loads.run.arrays, list(beyond)
         cx, cy = (float(part[joint, 0]) for part in (frames.anchors[1].x, frames.anchors[1].y))
         on = np.isin(self.body, bodies)
@@ -125,42 +115,25 @@ def _moments(evidence: Evidence, worst: Worst) -> None:
                       MOMENT)
 
 
-# -- fingers ----------------------------------------------------------------------------------
-
-
 class Grip(NamedTuple):
     """A finger's hinges, the external contacts on it in one sample, and their Jacobian."""
 
     hinges: list[int]
-    jacobian: Array
-    """Of the normals, counter-clockwise [m], [contacts, hinges]."""
-    tangents: Array
-    """Of the tangents of rough contacts."""
-    normal: Array
-    """Recorded normal forces [N]."""
-
-
-def _chain(model: Model, group: Group) -> list[int]:
-    """The hinges of a finger from the palm out; empty if it is no chain of hinges."""
-    members = [model.names.body[name] for name in group.bodies if name in model.names.body]
-    pivots = model.joints.pivots
-    own = [pivots[model.joints.bodies[pivots, 1] == body].tolist() for body in members]
-    hinges = [each[0] for each in own if len(each) == 1]
-    chained = len(hinges) == len(members) and (
-        model.joints.bodies[hinges[1:], 0].tolist() == members[:-1])
-    return hinges if chained else []
+    jacobian: Array  # Of the normals, counter-clockwise [m], [contacts, hinges]
+    tangents: Array  # Of the tangents of rough contacts
+    normal: Array  # Recorded normal forces [N]
 
 
 def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
-    """The contacts of a finger in the sample of ``rest``; None if it is no chain of hinges.
-
-    Contacts count that press with more than ``least`` [N].
-    """
+    """The contacts of a finger that press with more than ``least`` [N]; None if it is no chain."""
     model, loads = rest.model, rest.loads
-    hinges = _chain(model, group)
-    if not hinges:
+    members = [model.names.body[name] for name in group.bodies if name in model.names.body]
+    pivots = model.joints.pivots
+    pins = [pivots[model.joints.bodies[pivots, 1] == body].tolist() for body in members]
+    hinges = [each[0] for each in pins if len(each) == 1]
+    if not hinges or len(hinges) < len(members) or (
+            model.joints.bodies[hinges[1:], 0].tolist() != members[:-1]):
         return None
-    members = [int(model.joints.bodies[j, 1]) for j in hinges]
     a, normal, anchor = loads.run.arrays, loads.run.contacts.normal, loads.frames.anchors[1]
     pair = np.stack([a["contact_body"], a["contact_other"]])
     inside = np.isin(pair, members)
@@ -180,8 +153,7 @@ def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
 @check("rest.contacts", source="f = J⁻ᵀ τ",
        asks="at rest, do contact forces balance the tendon tension?",
        compared="contact forces from tensions, springs and geometry against the recorded ones, "
-                "{count:finger}, worst: {where}",
-       none="there is no finger")
+                "{count:finger}, worst: {where}")
 def _contacts(evidence: Evidence, worst: Worst) -> None:
     """Forces f = J^-T tau of fingers with as many frictionless contacts as joints."""
     rest = _at_rest(evidence)

@@ -51,7 +51,7 @@ from sandbox.model.supports import (
     row_of,
 )
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cables import Pulls, pulls_at_start, rest_lengths
+from sandbox.samples.cables import lengths_at_start, pulls_at_start, rest_lengths
 
 COARSE = 0.5
 """h w at which the frequency is 1 % off: (0.5)^2 / 24."""
@@ -196,7 +196,7 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
     if not (free & (model.tendons.stiffness >= RIGID)).any():
         return
     pulls = pulls_at_start(model)
-    now = free & ~np.asarray(pulls.length < rest_lengths(model) - STRAIGHT)
+    now = free & ~np.asarray(lengths_at_start(model) < rest_lengths(model) - STRAIGHT)
     elements = _elements(model, pulls)
     ringing = _ringing(model, elements, now)
     later = {} if (now == free).all() else _ringing(model, elements, free)
@@ -210,11 +210,11 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
                    f"{mode.damping:.3g} N s/m it would take {PERIODS} periods")
 
 
-def _elements(model: Model, pulls: Pulls) -> list[_Element]:
+def _elements(model: Model, pulls: list[dict[int, Array]]) -> list[_Element]:
     """All tendons, springs and dampers of hinges."""
     h, springs, joints = model.mechanism.run.step, model.springs, model.joints
     damping = model.tendons.damping + h * model.tendons.stiffness * stiff_cables(model, h)
-    found = [_Element(pulls.parts(i), float(k), float(damping[i]), i)
+    found = [_Element(list(pulls[i].items()), float(k), float(damping[i]), i)
              for i, k in enumerate(model.tendons.stiffness)]
     largest = largest_stiffness(model)
     damping = springs.damping + np.where(too_stiff(model, h), h * largest, 0.0)

@@ -66,7 +66,7 @@ class Live(Simulation):
         self._hand = np.arange(len(self.scene.drives), len(self.mechanism.drives))
 
     def _room(self) -> RecordingBuilder:
-        return Latest(self.mechanism, self._statics(), model=self._model)
+        return Latest(self.mechanism, 0, self._statics(), model=self._model)
 
     def latest(self) -> Arrays:
         """The samples of the last steps, as arrays of a recording that the next step writes over.
@@ -76,7 +76,7 @@ class Live(Simulation):
         self._sampler.flush()
         builder, clock = self._builder, self._clock
         assert isinstance(builder, Latest)
-        steps = clock.sample_step(np.arange(builder.first, builder.first + builder.count))
+        steps = clock.sample_step(np.arange(builder.first, builder.first + builder.samples.count))
         return builder.arrays(clock.force_time(steps))
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:

@@ -318,7 +318,7 @@ def add_tendons(draft: Draft) -> float:
                 bodies = draft.model.bodies
                 mobility = sum(  # J M^-1 J^T of the free bodies [1/kg]
                     float((x * x + y * y) / bodies.mass[body] + moment**2 / bodies.inertia[body])
-                    for body, (x, y, moment) in pulls.does[tendon].items() if bodies.free[body]
+                    for body, (x, y, moment) in pulls[tendon].items() if bodies.free[body]
                     ) or 1e-12
                 step = min(step, FRACTION / math.sqrt(stiffness * mobility))
                 if tendons.damping[tendon]:

@@ -1,24 +1,20 @@
 """Collecting a recording while it is simulated.
 
 The engine gives its samples and contact rows in chunks, in order of time. Arrays that do not fit a
-memory budget are mapped from files of a temporary directory, which is removed with the recording.
+memory budget are mapped from temporary files, which are removed with the recording.
 """
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import tempfile
-import weakref
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.atomic_files import remove_stale, temporary_path
 from sandbox.elements.arrays import (
     CONTACT,
     IMPACT,
@@ -40,144 +36,91 @@ from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
 
-MEMORY = 1 << 26
-"""Bytes of samples that are kept in memory before files are used."""
-RECORDED_BYTES = Limits.recorded_bytes
-"""The default limit of a recording, contacts included."""
-FIRST_ROWS = 1024
-"""Contact rows that there is room for at first."""
+MEMORY = 1 << 26  # Bytes of samples that are kept in memory before files are used
+RECORDED_BYTES = Limits.recorded_bytes  # The default limit of a recording, contacts included
+FIRST_ROWS = 1024  # Contact rows that there is room for at first
 TIME = "time"
 ZEROS = bytes(1 << 20)
 
 
 class Room:
-    """A budget of memory [bytes], and files for arrays beyond it.
+    """A budget of memory [bytes], and temporary files for arrays beyond it.
 
-    The files are in a temporary directory, which is removed with the last reference to the room.
+    A file has no name: it is removed with the last reference to its array.
 
     Raises:
-        OutputError: there is no room for an array, or no directory can be made.
+        OutputError: there is no room for an array, or no file can be made.
     """
 
     def __init__(self, memory: float, directory: str | os.PathLike[str] | None) -> None:
-        self.left = memory
-        self._directory, self._made = directory, 0
-        self._path: Path | None = None
+        self.left, self.directory = memory, directory or tempfile.gettempdir()
 
     def array(
         self, shape: tuple[int, ...], dtype: Any, old: NDArray[Any] | None = None,
     ) -> NDArray[Any]:
         """A new array, or a longer one in place of ``old`` that begins with its rows."""
         size = math.prod(shape) * np.dtype(dtype).itemsize
-        if isinstance(old, np.memmap):
-            return self._mapped(Path(str(old.filename)), shape, dtype, size)
-        if size <= self.left:
+        if size <= self.left and not isinstance(old, np.memmap):
             self.left -= size
             made: NDArray[Any] = np.empty(shape, dtype)
         else:
-            self._made += 1
-            made = self._mapped(self._folder() / f"{self._made}.bin", shape, dtype, size)
+            made = self._mapped(shape, dtype, size)
         if old is not None:
             made[:len(old)] = old
-            self.left += old.nbytes
+            self.left += 0 if isinstance(old, np.memmap) else old.nbytes
         return made
 
-    def _mapped(
-        self, path: Path, shape: tuple[int, ...], dtype: Any, size: int,
-    ) -> NDArray[Any]:
+    def _mapped(self, shape: tuple[int, ...], dtype: Any, size: int) -> NDArray[Any]:
         """An array in a file whose blocks are allocated, as a full disk is an error only here."""
         try:
-            with path.open("ab") as file:
+            with tempfile.TemporaryFile(dir=self.directory) as file:
                 if hasattr(os, "posix_fallocate"):
                     os.posix_fallocate(file.fileno(), 0, size)
                 while (lacking := size - file.seek(0, os.SEEK_END)) > 0:
                     file.write(ZEROS[:lacking])
-            return np.memmap(path, dtype, "r+", shape=shape)
+                return np.memmap(file, dtype, "r+", shape=shape)
         except OSError as error:
-            raise OutputError(f"no room for {size / 1e9:.3g} GB of samples in {path.parent}: "
+            raise OutputError(f"no room for {size / 1e9:.3g} GB of samples in {self.directory}: "
                               f"{error.strerror or error}", code="out-of-memory") from None
-
-    def _folder(self) -> Path:
-        """The directory; what killed processes left beside it is removed first."""
-        if self._path is None:
-            held = contextlib.ExitStack()
-            try:
-                place = Path(self._directory or tempfile.gettempdir())
-                remove_stale(place)
-                self._path = temporary_path(place / "sandbox", held, directory=True)
-            except OSError as error:
-                raise OutputError(f"cannot make a temporary directory: {error.strerror}",
-                                  code="out-of-memory") from None
-            weakref.finalize(self, held.close)
-        return self._path
-
-
-class Growing:
-    """An array in a room that grows row by row.
-
-    Args:
-        room: where it is kept.
-        shape: of a row.
-        dtype: of its elements.
-        planned: rows that there is room for from the start.
-    """
-
-    def __init__(self, room: Room, shape: tuple[int, ...], dtype: type[Any], planned: int) -> None:
-        self.count = 0
-        """Rows that were put in."""
-        self._room, self._rows = room, room.array((planned, *shape), dtype)
-
-    def put(self, first: int, values: NDArray[Any]) -> None:
-        """Let ``values`` be the last rows, the first of them number ``first`` <= :attr:`count`."""
-        end, rows = first + len(values), self._rows
-        if end > len(rows):
-            self._rows = self._room.array(
-                (max(end, 2 * len(rows)), *rows.shape[1:]), rows.dtype, rows)
-        self._rows[first:end] = values
-        self.count = end
-
-    def finished(self, copies: Room | None = None) -> NDArray[Any]:
-        """The rows that were put in; with ``copies`` copied into that room, as they are here."""
-        rows = self._rows[:self.count]
-        if copies is None:
-            return rows
-        copies.left = 0 if isinstance(rows, np.memmap) else rows.nbytes
-        copy = copies.array(rows.shape, rows.dtype)
-        copy[...] = rows
-        return copy
 
 
 class Rows:
-    """Rows in the making of arrays that have one for each contact or impact; ``count`` of them.
+    """Arrays that grow by rows, all with ``count`` of them, and room for ``planned`` at first.
 
-    They are in order of the first array, or of the first three: (sample, body, other) or
-    (time, body, other).
+    ``size`` has the lengths of all axes but the first. Rows of contacts and impacts are sorted by
+    the first ``by`` arrays: (sample, body, other) or (time, body, other).
     """
 
     def __init__(
-        self, room: Room, size: Mapping[str, int], keys: Iterable[str], by: int = 3,
+        self, room: Room, size: Mapping[str, int], keys: Iterable[str], *,
+        planned: int = FIRST_ROWS, by: int = 3,
     ) -> None:
-        """``size`` has the lengths of all axes but the first, ``by`` is how many arrays sort."""
-        self._columns = {key: Growing(room, shape_of(key, size)[1:], dtype_of(key), FIRST_ROWS)
-                         for key in keys}
-        self.count, self._by = 0, by
+        self._columns: Arrays = {key: room.array((planned, *shape_of(key, size)[1:]), dtype_of(key))
+                                 for key in keys}
+        self.count, self._room, self._by = 0, room, by
 
     @property
     def bytes(self) -> int:
         """Bytes of all rows."""
-        return sum(column.finished().nbytes for column in self._columns.values())
+        return sum(column[:self.count].nbytes for column in self._columns.values())
+
+    def put(self, first: int, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Let ``arrays`` be the last rows, the first of them number ``first`` <= ``count``."""
+        end = first
+        for key, column in self._columns.items():
+            end = first + len(arrays[key])
+            if end > len(column):
+                column = self._columns[key] = self._room.array(
+                    (max(end, 2 * len(column)), *column.shape[1:]), column.dtype, column)
+            column[first:end] = arrays[key]
+        self.count = end
 
     def append(self, *values: NDArray[Any]) -> None:
-        """Add rows, the values of all arrays in their order.
-
-        Those of the first array are not below those that are there.
-        """
+        """Add rows, the values of all arrays in their order, not below those that are there."""
         if self._by > 1 and not _in_order(values[2::-1]):
             order = np.lexsort(values[2::-1])
             values = tuple(column[order] for column in values)
-        for rows, column in zip(self._columns.values(), values, strict=True):
-            rows.put(self.count, column)
-        self.count += len(values[0])
+        self.put(self.count, dict(zip(self._columns, values, strict=True)))
 
     def replace(self, sample: int, *values: NDArray[Any]) -> None:
         """Put rows, given as to :meth:`append`, in the place of those from ``sample`` on."""
@@ -185,13 +128,20 @@ class Rows:
         self.append(*values)
 
     def before(self, sample: int) -> int:
-        """How many rows come before those of a sample."""
-        samples = next(iter(self._columns.values())).finished()
+        """Number of rows before those of a sample."""
+        samples = next(iter(self._columns.values()))[:self.count]
         return int(np.searchsorted(samples, sample))
 
-    def finished(self, copies: Room | None = None) -> Arrays:
-        """All rows; see :class:`Growing`."""
-        return {key: rows.finished(copies) for key, rows in self._columns.items()}
+    def finished(self, count: int, copies: Room | None = None) -> Arrays:
+        """The first rows; with ``copies`` copied into that room, in memory or in files as here."""
+        found = {key: column[:count] for key, column in self._columns.items()}
+        if copies is None:
+            return found
+        for key, rows in found.items():
+            copies.left = 0 if isinstance(rows, np.memmap) else rows.nbytes
+            found[key] = copies.array(rows.shape, rows.dtype)
+            found[key][...] = rows
+        return found
 
 
 class RecordingBuilder:
@@ -199,9 +149,8 @@ class RecordingBuilder:
 
     ``put`` takes what has a row per sample, ``contacts``, ``means``, ``mean_contacts`` and
     ``impacts`` rows of these. ``statics`` are the arrays that do not change (body masses, centres
-    and inertias, tendon lengths). ``apart`` is whether samples are several steps apart.
-    ``model`` is the mechanism's, if the recording shall not compile its own. Above ``memory``
-    bytes, files in ``directory`` (the system's temporary one) are used.
+    and inertias, tendon lengths). ``apart`` is whether samples are several steps apart. Above
+    ``memory`` bytes, files in ``directory`` (the system's temporary one) are used.
 
     Raises:
         OutputError: there is no room for the files.
@@ -212,17 +161,15 @@ class RecordingBuilder:
         apart: bool = False, model: Model | None = None, memory: float = MEMORY,
         directory: str | os.PathLike[str] | None = None,
     ) -> None:
-        self.mechanism, self._model = mechanism, model
+        self.mechanism, self._model, self.apart = mechanism, model, apart
         self.statics: Arrays = {key: np.array(statics[key], dtype=float) for key in STATIC}
-        self._sample_bytes = row_bytes(mechanism, PER_SAMPLE)
-        fits = samples * self._sample_bytes <= memory
+        fits = samples * row_bytes(mechanism, PER_SAMPLE) <= memory
         self._room, self._directory = Room(memory if fits else 0, directory), directory
         size = sizes(mechanism, samples=0)
-        self._rows = {key: Growing(self._room, shape_of(key, size)[1:], np.float64, samples)
-                      for key in PER_SAMPLE if key != TIME}
+        self.samples = Rows(self._room, size, [key for key in PER_SAMPLE if key != TIME],
+                            planned=samples)
         if not fits:
             self._room.left = memory
-        self.apart = apart
         self.contacts, self.impacts = (Rows(self._room, size, keys) for keys in (CONTACT, IMPACT))
         self.means, self.mean_contacts = (
             Rows(self._room, size, keys, by=1) for keys in (MEAN, MEAN_CONTACT))
@@ -230,14 +177,13 @@ class RecordingBuilder:
     @property
     def recorded_bytes(self) -> int:
         """Bytes of what was recorded so far, contact rows and impacts included."""
-        return (self._rows["body_pose"].count * self._sample_bytes
-                + sum(rows.bytes for rows in (
-                    self.contacts, self.means, self.mean_contacts, self.impacts)))
+        return 8 * self.samples.count + sum(rows.bytes for rows in (
+            self.samples, self.contacts, self.means, self.mean_contacts, self.impacts))
 
     def blank(self, samples: int) -> Arrays:
         """Every array that :meth:`put` takes, for so many samples, filled with nan."""
         size = sizes(self.mechanism, samples=samples)
-        return {key: np.full(shape_of(key, size), np.nan) for key in self._rows}
+        return {key: np.full(shape_of(key, size), np.nan) for key in PER_SAMPLE if key != TIME}
 
     def put(self, first: int, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Let ``arrays``, as :meth:`blank` gives them, be the samples from number ``first`` on.
@@ -245,8 +191,7 @@ class RecordingBuilder:
         Raises:
             OutputError: the disk is full.
         """
-        for key, rows in self._rows.items():
-            rows.put(first, arrays[key])
+        self.samples.put(first, arrays)
 
     def finish(self, time: Array, info: Outcome, *, copied: bool = False) -> Recording:
         """The recording of the first samples, as many as ``time`` has instants [s].
@@ -257,56 +202,35 @@ class RecordingBuilder:
         Raises:
             OutputError: the disk is full.
         """
-        copies = Room(0, self._directory) if copied else None
-        arrays = {key: rows.finished(copies)[:len(time)] for key, rows in self._rows.items()}
-        means = (self.means, self.mean_contacts) if self.apart else ()
-        for rows in (self.contacts, *means):
-            count = rows.before(len(time))
-            arrays |= {key: array[:count] for key, array in rows.finished(copies).items()}
-        arrays |= self.impacts.finished(copies)
-        return Recording(self.mechanism, {TIME: np.array(time), **arrays, **self.statics}, info,
-                         model=self._model, scratch=copies or self._room)
+        copies, n = Room(0, self._directory) if copied else None, len(time)
+        arrays = {TIME: np.array(time), **self.statics, **self.samples.finished(n, copies),
+                  **self.impacts.finished(self.impacts.count, copies)}
+        for rows in (self.contacts, *((self.means, self.mean_contacts) if self.apart else ())):
+            arrays |= rows.finished(rows.before(n), copies)
+        return Recording(self.mechanism, arrays, info, model=self._model)
 
 
 def _in_order(keys: tuple[Integers, ...]) -> bool:
     """Whether rows are in lexical order of the keys, the last key counting most."""
-    later = np.zeros(max(len(keys[0]) - 1, 0), dtype=bool)
-    for key in keys:
+    later = np.diff(keys[0]) >= 0
+    for key in keys[1:]:
         step = np.diff(key)
-        later = (step > 0) | ((step == 0) & later) if key is not keys[0] else step >= 0
+        later = (step > 0) | ((step == 0) & later)
     return bool(np.all(later))
 
 
 class Latest(RecordingBuilder):
     """A builder that holds what :meth:`put` was given last; ``first`` is its first sample."""
 
-    def __init__(
-        self, mechanism: Mechanism, statics: Mapping[str, NDArray[Any]], *, model: Model,
-    ) -> None:
-        super().__init__(mechanism, 0, statics, model=model)
-        size = sizes(mechanism, samples=0)
-        self.contacts = _LatestRows(self._room, size, CONTACT)
-        self.impacts = _LatestRows(self._room, size, IMPACT)
-        self.first = self.count = 0
+    first = 0
 
     def put(self, first: int, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Let ``arrays`` be all samples that there are, the first of them number ``first``."""
         super().put(0, arrays)
-        self.first, self.count = first, len(arrays["body_pose"])
+        self.first, self.contacts.count, self.impacts.count = first, 0, 0
 
     def arrays(self, time: Array) -> Arrays:
-        """What there is, as a recording of it has it, at its instants [s]; it shares the memory."""
-        return {TIME: time, **{key: rows.finished() for key, rows in self._rows.items()},
-                **self.contacts.finished(), **self.statics}
-
-
-class _LatestRows(Rows):
-    """Contact rows whose samples are counted from the first that is held; no impacts."""
-
-    def replace(self, sample: int, *values: NDArray[Any]) -> None:
-        """Put rows in the place of all that there are."""
-        self.count = 0
-        super().append(values[0] - sample, *values[1:])
-
-    def append(self, *values: NDArray[Any]) -> None:
-        """Drop them."""
+        """All arrays of a recording at these instants [s]; they share the memory."""
+        rows = self.contacts.finished(self.contacts.count)
+        rows["contact_sample"] = rows["contact_sample"] - self.first
+        return {TIME: time, **self.samples.finished(self.samples.count), **rows, **self.statics}

@@ -35,15 +35,11 @@ FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS,
                                       "valves", "loads", "meters")))
 """The numbers of a run, whatever it records."""
 FILMS = ("animation.gif", "animation.mp4")
-PAGE = "report.html"
-"""What ``sandbox report`` writes."""
-FRAMES, FRAME = "frames", "frame_?????.png"
-"""Where pictures of a film go, and what they are called."""
+PAGE = "report.html"  # What ``sandbox report`` writes
+FRAMES, FRAME = "frames", "frame_?????.png"  # Where pictures of a film go, and what they are called
 ENDINGS = ("png", "svg", "pdf")
-PLOT = "plot"
-"""Name of the pictures of ``sandbox plot``, without the ending."""
-BESIDE = "incomplete"
-"""Where a run that was stopped is put if a complete one is there."""
+PLOT = "plot"  # Name of the pictures of ``sandbox plot``, without the ending
+BESIDE = "incomplete"  # Where a run that was stopped is put if a complete one is there
 OWN = (*FILES, *FILMS, PAGE, *(f"{PLOT}.{ending}" for ending in ENDINGS))
 """Names that a run, and what is made of it, have in its directory."""
 MADE, MOST_MADE = ".made", 1_000_000
@@ -53,10 +49,7 @@ MARK = {"format": 1, "complete": False,
 
 
 class NewRun:
-    """A run on its way into a directory.
-
-    ``directory`` is where it will be, ``aside`` where its files are written until :meth:`publish`.
-    """
+    """A run that is written into ``aside`` until :meth:`publish` puts it into ``directory``."""
 
     def __init__(self, directory: Path, aside: Path) -> None:
         self.directory, self.aside = directory, aside
@@ -80,12 +73,12 @@ class NewRun:
             with _uninterrupted():
                 self._move(here, names)
         except OSError as error:
-            left, told = self.aside.with_name(self.aside.name.strip(".")), ""
+            left, place = self.aside.with_name(self.aside.name.strip(".")), ""
             with contextlib.suppress(OSError):
                 self.aside.rename(left)
-                told = f"; the new run's files are in {left}"
+                place = f"; the new run's files are in {left}"
             raise OutputError(f"cannot write {error.filename or here}: "
-                              f"{error.strerror or error}{told}") from None
+                              f"{error.strerror or error}{place}") from None
         return here
 
     def _ready(self, here: Path) -> list[Path]:
@@ -189,23 +182,20 @@ def made(path: Path) -> None:
 def _own(directory: Path) -> set[Path]:
     """What is there of a run and was made of it, relative."""
     names = {Path(name) for name in (*OWN, MADE, *_made(directory))}
-    frames = directory / FRAMES
-    if not frames.is_symlink():
-        names |= {path.relative_to(directory) for path in frames.glob(FRAME)}
-    beside = directory / BESIDE
-    if beside.is_dir() and not beside.is_symlink():
-        names |= {BESIDE / name for name in _own(beside)}
+    if not (directory / FRAMES).is_symlink():
+        names |= {path.relative_to(directory) for path in (directory / FRAMES).glob(FRAME)}
+    if (directory / BESIDE).is_dir() and not (directory / BESIDE).is_symlink():
+        names |= {BESIDE / name for name in _own(directory / BESIDE)}
     return {name for name in names if os.path.lexists(directory / name)
             and ((directory / name).is_symlink() or not (directory / name).is_dir())}
 
 
 def _made(directory: Path) -> list[str]:
     """Names that were noted and are there; only plain ones, so that none leads elsewhere."""
+    path = directory / MADE
     try:
-        path = directory / MADE
-        if not path.is_file() or path.stat().st_size > MOST_MADE:
-            return []
-        names = json.loads(path.read_text(encoding="utf-8"))
+        short = path.is_file() and path.stat().st_size <= MOST_MADE
+        names = json.loads(path.read_text(encoding="utf-8")) if short else []
     except (OSError, ValueError, RecursionError):
         return []
     return [name for name in names if isinstance(name, str) and name == Path(name).name

@@ -56,8 +56,6 @@ class Recording(Samples):
         """
         return cls(*store.load(output_path(directory, "a recording")))
 
-    # -- for people who look at it --------------------------------------------------------
-
     def to_pandas(self, *quantities: str) -> Any:
         """A ``pandas.DataFrame``: a column for each quantity, SI, the index ``time`` [s].
 

@@ -11,6 +11,7 @@ import math
 import os
 import platform
 import re
+import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -25,30 +26,26 @@ from sandbox.recording import archive, tables
 from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY
 from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import Outcome, outcome_data
-from sandbox.samples.samples import Samples
+from sandbox.samples.samples import TABLES, Samples
 from sandbox.scene.mechanism import Mechanism
 
 RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
 EDITED = ("was changed: it does not name its run, and its checks are ignored")
 """The note of a run with a summary that was changed or cut off."""
-HEAD = 1024
-"""Bytes of a summary in which its id stands."""
+HEAD = 1024  # Bytes of a summary in which its id stands
 MOST_SUMMARY, MOST_WORDS = 64_000_000, 2000
 """Bytes of a summary that is read as a whole, and letters of a text in it."""
 
 
 def save_data(run: Samples, directory: Path) -> None:
-    """Write everything but the summary into a directory that holds no run.
-
-    Raises:
-        OutputError: the directory or a file cannot be written.
-    """
+    """Write everything but the summary into a directory that holds no run."""
     with atomic_file(directory / ARCHIVE, durable=False) as part, part.open("wb") as file:
         archive.write(run, file)
     texts = {CONTACTS: tables.contact_rows(run)}
     if len(run.arrays["impact_time"]):
         texts[IMPACTS] = tables.impact_rows(run)
-    texts |= {f"{kind}.csv": tables.rows(run, kind) for kind in tables.written(run)}
+    texts |= {f"{kind}.csv": tables.rows(run, kind) for kind in TABLES
+              if kind in tables.ALWAYS or getattr(run.mechanism, kind)}
     for name, pieces in texts.items():
         with atomic_file(directory / name, durable=False) as part, part.open("wb") as file:
             for piece in pieces:
@@ -63,34 +60,16 @@ def save_summary(
     """Write ``run.json`` (``run.incomplete.json``) last of all; returns its path.
 
     ``figures`` are those of the audit, none for a run without one; ``derived`` are the parameters
-    that follow from others; ``wall_s`` adds to the wall times that the recording knows.
+    that follow from others; ``wall_s`` adds to the wall times that the recording knows. In the
+    file null stands for infinite and for no value.
 
     Raises:
         OutputError: it cannot be written.
     """
     path = directory / (SUMMARY if run.complete else INCOMPLETE)
-    content = summary(run, verdicts=verdicts, figures=figures, parameters=parameters,
-                      derived=derived, wall_s=wall_s, run_id=archive.read_id(directory / ARCHIVE))
-    write_atomic(path, json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
-    return path
-
-
-def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path) -> None:
-    """Write what contact forces could be in some samples, by their numbers, as a CSV file.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
-    write_atomic(path, "".join(tables.bound_rows(run, found)))
-
-
-def summary(
-    run: Samples, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
-    parameters: Mapping[str, float] | None = None, derived: Sequence[str] = (),
-    wall_s: Mapping[str, float] | None = None, run_id: str = "",
-) -> dict[str, Any]:
-    """What ``run.json`` says, as plain JSON data (null stands for infinite and for no value)."""
     info, mechanism = outcome_data(run.info), run.mechanism
+    with zipfile.ZipFile(directory / ARCHIVE) as written:
+        run_id = written.comment.decode()
     content = {
         "format": archive.FORMAT,
         "run_id": run_id,
@@ -118,8 +97,14 @@ def summary(
         "audit": [figure_data(figure) for figure in figures],
         "scene": mechanism.model_dump(mode="json", by_alias=True),
     }
-    plain: dict[str, Any] = _plain(content)
-    return plain
+    write_atomic(path, json.dumps(
+        _plain(content), indent=2, allow_nan=False, ensure_ascii=False) + "\n")
+    return path
+
+
+def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path) -> None:
+    """Write the bounds of contact forces in some samples, by their numbers, as a CSV file."""
+    write_atomic(path, "".join(tables.bound_rows(run, found)))
 
 
 def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]:
@@ -139,13 +124,13 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
     if path.exists() and run_id:
         try:
             with path.open("rb") as file:
-                said = RUN_ID.search(file.read(HEAD))
+                named = RUN_ID.search(file.read(HEAD))
         except OSError as error:
             raise OutputError(f"cannot read {path}: {error.strerror or error}",
                               code="run-damaged") from None
-        if said is None:
+        if named is None:
             outcome = replace(outcome, notes=(*outcome.notes, f"{path.name} {EDITED}"))
-        elif said[1].decode() != run_id:
+        elif named[1].decode() != run_id:
             raise OutputError(f"{folder} is damaged: {path.name} and {ARCHIVE} are of different "
                               "runs", code="run-damaged")
     if not complete and outcome.complete:
@@ -160,35 +145,22 @@ def unfinished(outcome: Outcome) -> Outcome:
 
 
 def saved_audit(directory: Path) -> list[Figure]:
-    """The audit that was saved with a run; none where it has none, or none that can be read."""
-    found = []
+    """The audit that was saved with a run; empty where there is none, or none that can be read."""
+    path, found = directory / SUMMARY, []
+    path = path if path.exists() else directory / INCOMPLETE
     try:
-        for row in _saved(directory).get("audit") or []:
+        if path.stat().st_size > MOST_SUMMARY:
+            return []
+        for row in json.loads(path.read_bytes()).get("audit") or []:
             if row["verdict"] not in ("pass", "look", "not computed"):
                 return []
             words = {key: str(row[key])[:MOST_WORDS] for key in ("name", "unit", "why", "source")}
             value, threshold = (math.nan if row[key] is None else float(row[key])
                                 for key in ("value", "threshold"))
             found.append(Figure(value=value, threshold=threshold, verdict=row["verdict"], **words))
-    except (ValueError, TypeError, KeyError):
+    except (AttributeError, OSError, ValueError, TypeError, KeyError, RecursionError):
         return []
     return found
-
-
-def _saved(directory: Path) -> dict[str, Any]:
-    """A run's summary; empty where there is none that can be read."""
-    for name in (SUMMARY, INCOMPLETE):
-        path = directory / name
-        try:
-            if path.stat().st_size > MOST_SUMMARY:
-                return {}
-            found = json.loads(path.read_bytes())
-            return found if isinstance(found, dict) else {}
-        except FileNotFoundError:
-            continue
-        except (OSError, ValueError, RecursionError):
-            break
-    return {}
 
 
 def _plain(value: Any) -> Any:

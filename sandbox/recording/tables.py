@@ -1,16 +1,8 @@
 """The CSV files of a run, and its tables of pandas and data sets of xarray.
 
-CSV files have one row per sample, columns ``time_s,<name>.<quantity>_<unit>``.
-A unit is spelled for a column's name: a space becomes ``_``, ``/`` becomes
-``_per_``, ``%`` becomes ``percent``, ``^`` and ``1`` vanish:
-
-==========  ============  ============  =============  ==========  =========
-m           ``_m``        m/s           ``_m_per_s``   m/s^2       ``_m_per_s2``
-rad         ``_rad``      rad/s         ``_rad_per_s`` rad/s^2     ``_rad_per_s2``
-N           ``_N``        N m           ``_N_m``       (none)      nothing
-==========  ============  ============  =============  ==========  =========
-
-Numbers have 12 significant digits; zero has no sign; what has no value is ``nan``.
+CSV files have one row per sample, columns ``time_s,<name>.<quantity>_<unit>``. In a unit a space
+becomes ``_``, ``/`` becomes ``_per_``, ``%`` becomes ``percent``, ``^`` and ``1`` vanish. Numbers
+have 12 significant digits; zero has no sign; a missing value is ``nan``.
 """
 
 from __future__ import annotations
@@ -33,8 +25,7 @@ from sandbox.values.units import normal_unit
 NUMBER = "%.12g"
 ALWAYS = ("tendons", "joints", "bodies", "drives")
 """Tables that are written even without a column but the time."""
-BLOCK = 250_000
-"""Numbers that are turned into text at a time."""
+BLOCK = 250_000  # Numbers that are turned into text at a time
 
 
 def column_unit(unit: str) -> str:
@@ -48,14 +39,7 @@ def column_unit(unit: str) -> str:
 
 def column(name: str, unit: str) -> str:
     """The name of a column: ``finger1.tendon.tension_N``."""
-    suffix = column_unit(unit)
-    return f"{name}_{suffix}" if suffix else name
-
-
-def written(run: Samples) -> list[str]:
-    """The kinds of table that a run has a file for."""
-    where_any = ("springs", "lines", "valves", "loads", "meters")
-    return [*ALWAYS, *(kind for kind in where_any if getattr(run.mechanism, kind))]
+    return "_".join(filter(None, (name, column_unit(unit))))
 
 
 def rows(run: Samples, kind: str) -> Iterator[str]:
@@ -77,26 +61,26 @@ def _pair_head(units: Mapping[str, str]) -> str:
 
 
 def bound_rows(run: Samples, found: Mapping[int, Sequence[Bounds]]) -> Iterator[str]:
-    """The text of ``contact_bounds.csv``: what contact forces could be, by number of the sample."""
+    """The text of ``contact_bounds.csv``: bounds of contact forces, by number of the sample."""
     yield _pair_head({f"{kind}{end}": "N" for kind in ("normal", "tangential")
                       for end in ("", "_low", "_high")})
-    names = [body.name for body in run.mechanism.bodies]
     for sample in sorted(found):
-        for one in found[sample]:
-            numbers = [value + 0.0 for part in (one.normal, one.tangential)
-                       for value in (part.force, part.low, part.high)]
-            yield ",".join([NUMBER % run.time[sample], names[one.body], names[one.other],
-                            *(NUMBER % value for value in numbers)]) + "\n"
+        if each := found[sample]:
+            numbers = np.array([[value for part in (one.normal, one.tangential)
+                                 for value in (part.force, part.low, part.high)] for one in each])
+            yield _pair_rows(run, np.full(len(each), run.time[sample]),
+                             *np.array([(one.body, one.other) for one in each]).T, numbers)
 
 
 def contact_rows(run: Samples) -> Iterator[str]:
     """The text of ``contacts.csv``: the force on ``body`` by ``other``, row by row."""
     yield _pair_head(CONTACT_COLUMNS)
-    for part in run.parts(max(1, BLOCK // 64), rows=BLOCK // 8):
-        contacts = part.mean_contacts
-        yield _pair_rows(run, part.time[contacts.sample], contacts.body, contacts.other,
-                         part.mean_rows["contact_point"], contacts.force, contacts.normal,
-                         contacts.tangential)
+    contacts, points = run.mean_contacts, run.mean_rows["contact_point"]
+    for first in range(0, len(points), BLOCK // 8):
+        rows = slice(first, first + BLOCK // 8)
+        yield _pair_rows(run, run.time[contacts.sample[rows]], contacts.body[rows],
+                         contacts.other[rows], points[rows], contacts.force[rows],
+                         contacts.normal[rows], contacts.tangential[rows])
 
 
 def impact_rows(run: Samples) -> Iterator[str]:
@@ -105,9 +89,7 @@ def impact_rows(run: Samples) -> Iterator[str]:
     yield _pair_rows(run, *(run.arrays[key] for key in IMPACT))
 
 
-def _pair_rows(
-    run: Samples, time: Array, body: Integers, other: Integers, *numbers: Array,
-) -> str:
+def _pair_rows(run: Samples, time: Array, body: Integers, other: Integers, *numbers: Array) -> str:
     """Lines of an instant, the names of two bodies and numbers."""
     names = [body.name for body in run.mechanism.bodies]
     values = np.column_stack([time, *numbers]) + 0.0
@@ -117,11 +99,7 @@ def _pair_rows(
 
 
 def chosen(run: Samples, quantities: tuple[str, ...]) -> list[str]:
-    """The names that names and patterns stand for, each once; of none all that CSV files have.
-
-    Raises:
-        UnknownQuantityError: what fits nothing; with a near miss.
-    """
+    """The names that names and patterns stand for, each once; of none all that CSV files have."""
     if quantities:
         return list(dict.fromkeys(name for each in quantities for name in run.names(each)))
     return [name for kind in TABLES for name in run.table(kind).names]

@@ -15,6 +15,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sandbox.elements.element import GRAZE
 from sandbox.model.joints import Place, place_in_slot
@@ -27,11 +28,9 @@ from sandbox.samples.outcome import Stored
 class Places(NamedTuple):
     """Points of bodies over time, all [k, n] in m."""
 
-    x: Array
-    """In the world."""
+    x: Array  # In the world
     y: Array
-    arm_x: Array
-    """From the body's centre of mass, along the world's axes."""
+    arm_x: Array  # From the body's centre of mass, along the world's axes
     arm_y: Array
 
 
@@ -44,13 +43,8 @@ class Frames:
             np.ascontiguousarray(part) for part in run.arrays["body_pose"].transpose(2, 1, 0))
         """Poses of the bodies' frames in the world, [nb, n] m, m, rad."""
         self.samples = self.x.shape[1]
-        still = self.model.bodies.fixed
-        self.cos, self.sin = np.empty_like(self.angle), np.empty_like(self.angle)
-        for function, into in ((np.cos, self.cos), (np.sin, self.sin)):
-            into[~still] = function(self.angle[~still])
-            into[still] = function(self.angle[still, :1])
-        centre = run.arrays["body_centre"]
-        self._centre = centre
+        self.cos, self.sin = np.cos(self.angle), np.sin(self.angle)
+        self._centre = centre = run.arrays["body_centre"]
         self.centre_x = self.x + self.cos * centre[:, :1] - self.sin * centre[:, 1:]
         """Centres of mass in the world, [nb, n] m."""
         self.centre_y = self.y + self.sin * centre[:, :1] + self.cos * centre[:, 1:]
@@ -71,16 +65,39 @@ class Frames:
         return (self.places(joints.bodies[:, 0], joints.anchor[:, 0]),
                 self.places(joints.bodies[:, 1], joints.anchor[:, 1]))
 
-    def groove_direction(self, joint: int) -> tuple[Array, Array]:
-        """Direction of a slot from its start to its end, in the world, [n] each."""
-        place = self.place_in_slot(joint)
-        return place.x, place.y
-
     def place_in_slot(self, joint: int) -> Place:
         """The place of a slot's point along its groove or path, [n] each."""
-        arrays = self.run.arrays
-        return place_in_slot(self.model, joint, arrays["body_pose"],
-                             arrays["joint_length"][:, joint])
+        a = self.run.arrays
+        return place_in_slot(self.model, joint, a["body_pose"], a["joint_length"][:, joint])
+
+    @cached_property
+    def cables(self) -> Stretches:
+        """The straight pieces of all tendons."""
+        tendons = self.model.tendons
+        start, end = (self.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
+                      for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
+        return _past(_straight(start, end, tendons), tendons, off_wheels(self.run.arrays))
+
+    @cached_property
+    def first(self) -> Stretches:
+        """The same at t = 0, [m, 1]."""
+        return stretches_at_start(self.model)
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Length of every tendon along its path [m], [nt, n]; turns are counted from t = 0."""
+        tendons = self.model.tendons
+        total = np.zeros((len(tendons.name), self.samples))
+        np.add.at(total, tendons.stretch_tendon, self.cables.length)
+        for tendon in range(len(tendons.name)):
+            if not tendons.guide_radius[tendons.guides(tendon)].any():
+                continue
+            course, on_wheels = _course(self, tendon), np.zeros(self.samples)
+            for place in np.flatnonzero(course.radii).tolist():
+                if place or not course.closed:  # else it comes last again
+                    on_wheels += course.on_wheel(place)[1:]
+            total[tendon] += on_wheels
+        return total
 
     @cached_property
     def velocity(self) -> Array:
@@ -102,22 +119,11 @@ class Frames:
 class Stretches(NamedTuple):
     """Straight pieces of all tendons, [m, n], in the order of the model's ``tendons``."""
 
-    length: Array
-    """[m]"""
-    x: Array
-    """Unit vector along it."""
+    length: Array  # [m]
+    x: Array  # Unit vector along it
     y: Array
-    start: Places
-    """The guides' centres where the stretches begin and end."""
+    start: Places  # The guides' centres where the stretches begin and end
     end: Places
-
-
-def stretches(frames: Frames) -> Stretches:
-    """All stretches in all samples."""
-    tendons = frames.model.tendons
-    start, end = (frames.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
-                  for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
-    return _past(_straight(start, end, tendons), tendons, off_wheels(frames.run.arrays))
 
 
 def off_wheels(arrays: Mapping[str, Array]) -> Flags:
@@ -171,21 +177,8 @@ def _straight(start: Places, end: Places, tendons: Tendons) -> Stretches:
     return Stretches(*_tangent(dx, dy, (radius[first] - radius[first + 1])[:, None]), start, end)
 
 
-class Pulls(NamedTuple):
-    """What 1 N in every tendon does at t = 0."""
-
-    length: Array
-    """Along the path [m], [nt]."""
-    does: list[dict[int, Array]]
-    """Of every tendon: force x, y and moment about the centre of mass, [3], by body."""
-
-    def parts(self, tendon: int) -> list[tuple[int, Array]]:
-        """Bodies that a tendon pulls, and how."""
-        return list(self.does[tendon].items())
-
-
-def pulls_at_start(model: Model) -> Pulls:
-    """The tendons in the scene's poses."""
+def pulls_at_start(model: Model) -> list[dict[int, Array]]:
+    """Force x, y and moment [3] of 1 N in every tendon at t = 0, by body."""
     tendons, first = model.tendons, stretches_at_start(model)
     does: list[dict[int, Array]] = [{} for _ in tendons.name]
     for row, tendon in enumerate(tendons.stretch_tendon.tolist()):
@@ -197,7 +190,7 @@ def pulls_at_start(model: Model) -> Pulls:
                               model.at_start(body, model.bodies.centre[body]))
             moment = arm[0] * u[1] - arm[1] * u[0] - tendons.guide_radius[node]  # n x u = -1
             does[tendon][body] = does[tendon].get(body, np.zeros(3)) + sign * np.array([*u, moment])
-    return Pulls(lengths_at_start(model), does)
+    return does
 
 
 def stretches_at_start(model: Model) -> Stretches:
@@ -213,25 +206,16 @@ def stretches_at_start(model: Model) -> Stretches:
 
 
 class _Course:
-    """One tendon at t = 0, and in all samples where ``frames`` and ``cables`` are given.
-
-    Args:
-        model: the mechanism.
-        first: all stretches at t = 0.
-        tendon: its number.
-        frames: poses of the bodies.
-        tendons: all stretches in them.
-    """
+    """One tendon at t = 0 (``first``), and in all samples with ``frames``."""
 
     def __init__(
         self, model: Model, first: Stretches, tendon: int, frames: Frames | None = None,
-        cables: Stretches | None = None,
     ) -> None:
         self.model, self.frames, tendons = model, frames, model.tendons
         self.path, self.closed = tendons.guides(tendon), bool(tendons.closed[tendon])
         self.radii = tendons.guide_radius[self.path].tolist()
         self.own = np.flatnonzero(tendons.stretch_tendon == tendon)
-        both = [first] if cables is None else [first, cables]
+        both = [first] if frames is None else [first, frames.cables]
         self.length = np.concatenate([each.length[self.own] for each in both], axis=1)
         """Of its stretches [m], [stretches, 1 + n], from t = 0."""
         self.angle = np.concatenate(
@@ -259,105 +243,72 @@ class _Course:
         return np.asarray(sign * self.radii[place] * (angle - angle[0]))
 
     def on_wheel(self, place: int) -> Array:
-        """Length on the wheel at a place [m], at an end what it wound up, [1 + n]."""
+        """Length on the wheel at a place [m], at an end the length wound up, [1 + n]."""
         if self.inner(place):
             return np.asarray(abs(self.radii[place]) * self.wrap(place))
         return self.wound(place, -1 if place else 0, 1.0 if place else -1.0)
 
+    @property
+    def wraps(self) -> Array:
+        """Angle of wrap on each wheel at t = 0 [rad]; 0 on eyes and at the ends."""
+        count = len(self.own) if self.closed else len(self.own) + 1
+        return np.array([float(self.wrap(place)[0]) if radius and self.inner(place) else 0.0
+                         for place, radius in enumerate(self.radii[:count])])
 
-def _course(frames: Frames, cables: Stretches, tendon: int) -> _Course:
-    return _Course(frames.model, stretches_at_start(frames.model), tendon, frames, cables)
+
+def _course(frames: Frames, tendon: int) -> _Course:
+    return _Course(frames.model, frames.first, tendon, frames)
 
 
 def _tendon_of(tendons: Tendons, guide: int) -> int:
     return int(np.searchsorted(tendons.first, guide, side="right")) - 1
 
 
-def lengths(frames: Frames, cables: Stretches) -> Array:
-    """Length of every tendon along its path [m], [nt, n], as the poses have it.
-
-    How often a tendon goes around its wheels is counted from t = 0 through all samples, between
-    which no stretch may turn by half a turn.
-    """
-    tendons = frames.model.tendons
-    total = np.zeros((len(tendons.name), frames.samples))
-    for row, tendon in enumerate(tendons.stretch_tendon):
-        total[tendon] += cables.length[row]
-    first = stretches_at_start(frames.model) if tendons.guide_radius.any() else cables
-    for tendon in range(len(tendons.name)):
-        places = np.flatnonzero(tendons.guide_radius[tendons.guides(tendon)]).tolist()
-        if not places:
-            continue
-        course = _Course(frames.model, first, tendon, frames, cables)
-        on_wheels = np.zeros(frames.samples)
-        for place in places:
-            if place or not course.closed:  # else it comes last again
-                on_wheels += course.on_wheel(place)[1:]
-        total[tendon] += on_wheels
-    return total
-
-
-def bends(frames: Frames, cables: Stretches, grip: int) -> Array:
+def bends(frames: Frames, grip: int) -> Array:
     """By how much a tendon bends at a guide with friction [rad], [n]; below 0 off its wheel."""
-    tendons = frames.model.tendons
+    tendons, cables = frames.model.tendons, frames.cables
     guide = int(tendons.grips[grip])
-    course = _course(frames, cables, _tendon_of(tendons, guide))
+    course = _course(frames, _tendon_of(tendons, guide))
     place = (guide - course.path.start) or len(course.radii) - 1
     if tendons.guide_radius[guide]:
         return np.asarray(course.wrap(place)[1:])
-    one, two = course.own[place - 1], course.own[place % len(course.own)]
-    across = cables.x[one] * cables.y[two] - cables.y[one] * cables.x[two]
-    along = cables.x[one] * cables.x[two] + cables.y[one] * cables.y[two]
-    return np.asarray(np.abs(np.arctan2(across, along)))
+    one, two = (cables.x[row] + 1j * cables.y[row]
+                for row in (course.own[place - 1], course.own[place % len(course.own)]))
+    return np.asarray(np.abs(np.angle(one.conj() * two)))
 
 
-class Lying(NamedTuple):
-    """How a tendon lies on, or passes, a wheel that it can lift off."""
+def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
+    """Angle of wrap [rad] and clearance [m] of one of the wheels that a tendon can lift off, [n].
 
-    angle: Array
-    """By which it lies on it [rad], [n]; 0 where it is off."""
-    clear: Array
-    """How far it passes it [m], [n]; below 0 if it is in its way, nan where it is on."""
-
-
-def lying(frames: Frames, cables: Stretches, wheel: int) -> Lying:
-    """The same of one of :attr:`sandbox.model.model.Tendons.wheels`.
-
+    ``wheel`` counts :attr:`sandbox.model.model.Tendons.wheels`. The angle is 0 where the tendon is
+    off; the clearance is negative where the wheel is in its way, nan where the tendon is on.
     A wheel that is beyond an end of the straight piece is not in its way.
     """
-    tendons, off = frames.model.tendons, off_wheels(frames.run.arrays)
+    tendons, cables, off = frames.model.tendons, frames.cables, off_wheels(frames.run.arrays)
     guide = int(tendons.wheels[wheel])
-    course = _course(frames, cables, _tendon_of(tendons, guide))
-    place, own = guide - course.path.start, course.own
+    course = _course(frames, _tendon_of(tendons, guide))
+    place, own, way = guide - course.path.start, course.own, cables.x + 1j * cables.y
 
-    def edge(which: int) -> Array:
-        """Where the straight piece begins or ends, [2, n], if the tendon lies on that guide."""
+    def edge(which: int) -> NDArray[np.complex128]:
+        """Where the straight piece begins or ends if the tendon lies on that guide, [n]."""
         piece, at = (own[which], cables.start) if which < place else (own[which - 1], cables.end)
-        return np.array([at.x[piece] - course.radii[which] * cables.y[piece],
-                         at.y[piece] + course.radii[which] * cables.x[piece]])
+        return np.asarray(at.x[piece] + 1j * at.y[piece] + 1j * course.radii[which] * way[piece])
 
     ends = [edge(0), edge(len(own))]
     for side, places in ((0, range(1, place)), (1, range(len(own) - 1, place, -1))):
         for which in places:
             passed = off[:, tendons.wheels == course.path.start + which].any(axis=1)
             ends[side] = np.where(passed, ends[side], edge(which))
-    begin, end = ends
-    u = np.array([cables.x[own[place]], cables.y[own[place]]])
-    centre = np.array([cables.start.x[own[place]], cables.start.y[own[place]]])
-    radius = course.radii[place]
-    across = u[0] * (centre - begin)[1] - u[1] * (centre - begin)[0]
-    clear = -np.sign(radius) * across - abs(radius)
-    beside = ((u * (centre - begin)).sum(axis=0) > 0) & ((u * (end - centre)).sum(axis=0) > 0)
-    return Lying(course.wrap(place)[1:], np.where(
-        off[:, wheel], np.where(beside, clear, np.inf), np.nan))
+    centre = cables.start.x[own[place]] + 1j * cables.start.y[own[place]]
+    before, after = (way[own[place]].conj() * each for each in (centre - ends[0], ends[1] - centre))
+    clear = -np.sign(course.radii[place]) * before.imag - abs(course.radii[place])
+    beside = (before.real > 0) & (after.real > 0)
+    return course.wrap(place)[1:], np.where(off[:, wheel], np.where(beside, clear, np.inf), np.nan)
 
 
-def span_length(frames: Frames, cables: Stretches, span: CableSpan) -> tuple[Array, Array]:
-    """Length of a span [m], [1 + n], from t = 0: as if fixed to both its guides, and free.
-
-    The first counts what wheels there have wound up since t = 0.
-    """
-    course = _course(frames, cables, span.tendon)
+def span_length(frames: Frames, span: CableSpan) -> tuple[Array, Array]:
+    """Length of a span [m], [1 + n], from t = 0: as if fixed to both its guides, and free."""
+    course = _course(frames, span.tendon)
     places = [guide - course.path.start for guide in span.guides]
     total = np.zeros(1 + frames.samples)
     for place in places[:-1]:
@@ -373,10 +324,7 @@ def span_length(frames: Frames, cables: Stretches, span: CableSpan) -> tuple[Arr
 def piece_tensions(
     model: Model, arrays: Mapping[str, Array], pieces: Integers | None = None,
 ) -> Array:
-    """Tension of every straight piece [N], [m, n]; of some ``pieces`` only, by their numbers.
-
-    Behind a guide with friction it is larger than before it by what is recorded.
-    """
+    """Tension of every straight piece [N], [m, n]; of some ``pieces`` only, by their numbers."""
     tendons = model.tendons
     of = np.arange(len(tendons.stretch_tendon)) if pieces is None else np.asarray(pieces)
     found = arrays["tendon_tension"].T[tendons.stretch_tendon[of]]
@@ -395,27 +343,18 @@ def lengths_at_start(model: Model) -> Array:
     for tendon in range(len(tendons.name)):
         radii = np.abs(tendons.guide_radius[tendons.guides(tendon)])
         if radii.any():
-            wraps = _wraps(_Course(model, first, tendon))
+            wraps = _Course(model, first, tendon).wraps
             total[tendon] += radii[:len(wraps)] @ wraps
     return total
 
 
 def wraps_at_start(model: Model, tendon: int) -> Array:
-    """By how much a tendon lies on each of its wheels at t = 0 [rad], 0 on eyes and at its ends.
-
-    Of a loop its first guide counts, and does not come last again.
-    """
-    return _wraps(_Course(model, stretches_at_start(model), tendon))
-
-
-def _wraps(course: _Course) -> Array:
-    count = len(course.own) if course.closed else len(course.own) + 1
-    return np.array([float(course.wrap(place)[0]) if radius and course.inner(place) else 0.0
-                     for place, radius in enumerate(course.radii[:count])])
+    """Angle of wrap of a tendon on each wheel at t = 0 [rad]; 0 on eyes and at its ends."""
+    return _Course(model, stretches_at_start(model), tendon).wraps
 
 
 def rest_lengths(model: Model) -> Array:
-    """Up to which length every tendon hangs slack [m], [nt]; without one said that of t = 0."""
+    """Rest length of every tendon [m], [nt]; by default the length at t = 0."""
     tendons = model.tendons
     length = lengths_at_start(model)
     rest: Array = np.where(np.isnan(tendons.rest), length, tendons.rest)
@@ -423,11 +362,8 @@ def rest_lengths(model: Model) -> Array:
     return np.where(np.isnan(tendons.pretension), rest + tendons.slack, pulled)
 
 
-def wound_up(frames: Frames, cables: Stretches, tendon: int, *, last: bool = False) -> Array:
-    """Length that the wheels at a tendon's ends have wound up since t = 0 [m], [n].
-
-    With ``last`` only that at its last guide.
-    """
-    course = _course(frames, cables, tendon)
+def wound_up(frames: Frames, tendon: int, *, last: bool = False) -> Array:
+    """Length wound up by the wheels at both ends, or the ``last``, since t = 0 [m], [n]."""
+    course = _course(frames, tendon)
     end = len(course.radii) - 1
     return np.asarray(sum(course.on_wheel(place)[1:] for place in ((end,) if last else (0, end))))

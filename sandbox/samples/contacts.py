@@ -19,8 +19,7 @@ from sandbox.model.joints import placed
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
 
-TOUCH = 1e-6
-"""Normal force [N] above which a body counts as touched."""
+TOUCH = 1e-6  # Normal force [N] above which a body counts as touched
 CANCELLED = 1e-6
 """Least magnitude of a resultant with a line of action, relative to the sum of its forces."""
 
@@ -64,20 +63,15 @@ class Contacts:
     def of_body(self, body: int, quantity: str) -> Array:
         """``normal`` or ``tangential`` (sums of magnitudes), ``fx`` or ``fy`` [N], shape [n]."""
         rows, sign = self.rows_of(body)
-        if quantity == "normal":
-            weights = np.abs(self.normal[rows])
-        elif quantity == "tangential":
-            weights = np.abs(self.tangential[rows])
-        else:
-            weights = sign * self.force[rows, 0 if quantity == "fx" else 1]
-        return self._per_sample(rows, weights)
+        if quantity in ("fx", "fy"):
+            return self._per_sample(rows, sign * self.force[rows, int(quantity == "fy")])
+        return self._per_sample(rows, np.abs(getattr(self, quantity)[rows]))
 
     def of_pair(self, body: int, other: int, quantity: str) -> Array:
         """``normal`` or ``tangential`` of a pair, in either order [N], shape [n]."""
         rows, _ = self.rows_of(body)
         rows = rows[(self.body[rows] == other) | (self.other[rows] == other)]
-        source = self.normal if quantity == "normal" else self.tangential
-        return self._per_sample(rows, source[rows])
+        return self._per_sample(rows, getattr(self, quantity)[rows])
 
     def of_group(self, members: list[int], quantity: str) -> Array:
         """``count`` of members touched from outside, or the ``normal`` forces on them [N]: [n]."""
@@ -99,17 +93,26 @@ class Contacts:
         return total.astype(np.float64, copy=False)
 
 
-OBJECT = "object"
-"""The role of what is held."""
-FARTHER = 1e-3
-"""Share by which a way is longer than another, at least; what is less may be rounding."""
+def slip_speeds(arrays: Mapping[str, NDArray[Any]], rows: Integers) -> Array:
+    """Speeds of sliding at contact rows [m/s], [k]."""
+    sample, normal, rates = arrays["contact_sample"][rows], arrays["contact_normal"][rows], []
+    for body in (arrays["contact_body"][rows], arrays["contact_other"][rows]):
+        x, y = (arrays["contact_point"][rows] - placed(
+            arrays["body_pose"][sample, body], arrays["body_centre"][body])).T
+        vx, vy, turn = arrays["body_velocity"][sample, body].T
+        rates.append((vy + turn * x) * normal[:, 0] - (vx - turn * y) * normal[:, 1])
+    return np.asarray(np.abs(rates[0] - rates[1]))
+
+
+OBJECT = "object"  # The role of what is held
+FARTHER = 1e-3  # Least relative difference of paths that is not rounding
 
 
 def ways(arrays: Arrays) -> Array:
-    """How far each body goes in a run [m], [nb]: the way of its centre, and of its turning.
+    """Path length of each body in a run [m], [nb]: of its centre, and of its rotation.
 
-    A turn counts at the radius of gyration, by which it has the kinetic energy of a way as long. A
-    body that does not move freely has no such radius; only its centre counts.
+    A rotation counts at the radius of gyration, by which it has the kinetic energy of a path as
+    long. A body that does not move freely has no such radius; only its centre counts.
     """
     pose = arrays["body_pose"]
     x, y = np.moveaxis(placed(pose, arrays["body_centre"]), -1, 0)
@@ -124,8 +127,8 @@ def ways(arrays: Arrays) -> Array:
 def on_the_other(model: Model, arrays: Arrays, body: Integers, other: Integers) -> Flags:
     """Whether the force between two bodies is shown on ``other`` rather than on ``body``, [m].
 
-    It is shown on the one with the role ``object`` where one of the two has it, else on the one
-    that goes farther in the run (:func:`ways`), and of two that go about as far on ``body``.
+    It is shown on the one with the role ``object`` if one of the two has it, else on the one with
+    the longer path in the run (:func:`ways`), and on ``body`` if both are about as long.
     """
     held = np.array([each.role == OBJECT for each in model.mechanism.bodies], dtype=bool)
     way = ways(arrays)
@@ -135,10 +138,7 @@ def on_the_other(model: Model, arrays: Arrays, body: Integers, other: Integers) 
 
 
 def contacts_on(model: Model, arrays: Arrays) -> tuple[Integers, Array]:
-    """Of every row of contacts the body that its force is shown on [m], and the force [m, 2] N.
-
-    It acts at ``contact_point``; turned round it is the force on the other of the two.
-    """
+    """The body that the force of every row is shown on, [m], and the force on it [N], [m, 2]."""
     body, other = arrays["contact_body"], arrays["contact_other"]
     count = len(model.mechanism.bodies)
     pairs, back = np.unique(body * count + other, return_inverse=True)
@@ -148,13 +148,7 @@ def contacts_on(model: Model, arrays: Arrays) -> tuple[Integers, Array]:
 
 
 def said_of(model: Model, shown_on: Integers, other: Integers) -> str:
-    """The legend's words for such forces: ``on the object``, ``on what moves more``, or both.
-
-    Args:
-        model: the model.
-        shown_on: bodies that forces are shown on, [k].
-        other: those that they come from, [k].
-    """
+    """The legend's words for forces on ``shown_on`` [k] by ``other`` [k]: ``on the object``."""
     held = np.array([each.role == OBJECT for each in model.mechanism.bodies], dtype=bool)
     one, two = held[shown_on], held[other]
     objects = "on the object" if len(set(shown_on[one].tolist())) == 1 else "on the objects"
@@ -164,10 +158,7 @@ def said_of(model: Model, shown_on: Integers, other: Integers) -> str:
 
 
 def mean_contact_rows(arrays: Arrays) -> Arrays:
-    """Contact rows of means over sample intervals: sample, body, other, point, force and normal.
-
-    Samples without means of their own have the rows of their steps.
-    """
+    """Contact rows of means over sample intervals; rows of the steps where there are none."""
     keys = ("sample", "body", "other", "point", "force", "normal")
     if "mean_sample" not in arrays:
         return {f"contact_{key}": arrays[f"contact_{key}"] for key in keys}
@@ -191,8 +182,7 @@ def mean_arrays(arrays: Arrays, keys: Iterable[str]) -> Arrays:
         return {}
     rows, (joints, tendons, guides) = arrays["mean_sample"], (
         arrays[key].shape[1] for key in ("joint_stop", "tendon_tension", "guide_friction"))
-    parts = np.split(arrays["mean_force"],
-                     np.cumsum([FORCES * joints, tendons, guides]), axis=1)
+    parts = np.split(arrays["mean_force"], np.cumsum([FORCES * joints, tendons, guides]), axis=1)
     forces = parts[0].reshape(len(rows), joints, FORCES)
     means = {"joint_force": forces[..., :2], "joint_reaction": np.hypot(*forces.T[:2]).T,
              "joint_couple": forces[..., 2], "joint_stop": forces[..., 3],
@@ -210,22 +200,10 @@ def merge_contacts(
     sample: Integers, body: Integers, other: Integers, point: Array, force: Array, normal: Array,
     weight: Array, gap: Array, twist: Array,
 ) -> dict[str, NDArray[Any]]:
-    """One row per touching pair of bodies and sample.
+    """One row per touching pair of bodies and sample, of points [r] in order of samples.
 
-    Points of one pair of bodies are summed. The position is the centre of pressure, the mean
-    weighted by the normal forces, moved onto the line of action of the resultant, so that the
-    resultant has the moment of all points.
-
-    Args:
-        sample: of each point, in order, [r].
-        body: that the force acts on, [r].
-        other: that it comes from, [r].
-        point: place [m], [r, 2].
-        force: on the body [N], [r, 2].
-        normal: unit vector into the body, [r, 2].
-        weight: sizes of the normal forces, in any unit, [r].
-        gap: between the two [m], [r].
-        twist: moment on the other body besides that of the force at the place [N m], [r].
+    The point is the mean weighted by the normal forces ``weight``, moved onto the line of action of
+    the resultant. ``twist`` is the moment on ``other`` besides that of the force [N m].
     """
     bodies = 1 + max(body.max(initial=0), other.max(initial=0))
     pair = (sample * bodies + body) * bodies + other
@@ -254,11 +232,7 @@ def merge_contacts(
 
 
 def _on_line(mean: Array, point: Array, force: Array, start: Integers) -> Array:
-    """Points ``mean`` [p, 2] moved onto the lines of action of the forces at ``point`` [m, 2].
-
-    Rows of each pair begin at ``start``. Points of forces that almost cancel stay: such forces are
-    a couple, which has no line of action.
-    """
+    """Points ``mean`` [p, 2] moved onto the resultants of the forces; those of couples stay."""
     pair = np.repeat(np.arange(len(start)), np.diff(start, append=len(point)))
     arm = point - mean[pair]
     moment = np.add.reduceat(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0], start)

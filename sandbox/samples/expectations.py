@@ -22,35 +22,23 @@ from sandbox.samples.samples import Samples
 from sandbox.scene.settings import ROUNDING, WITHIN, Expect, Looked
 from sandbox.wording import is_pattern
 
-WHOLE = ("min", "max", "final")
-"""Statistics that are a whole number of whole numbers."""
+WHOLE = ("min", "max", "final")  # Statistics that are a whole number of whole numbers
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Verdict:
-    """What became of an expectation of one quantity."""
+    """The result of an expectation of one quantity."""
 
-    quantity: str
-    """A concrete name; the pattern itself where it fits nothing."""
+    quantity: str  # A concrete name; the pattern itself where it fits nothing
     statistic: str
     """``mean``, ``min``, ``max``, ``std`` (of the population), ``final`` or ``at 0.5 s``."""
-    low: float
-    """Least value that passes; minus infinity where open."""
+    low: float  # Least value that passes; minus infinity where open
     high: float
-    value: float
-    """nan where there is none."""
+    value: float  # nan where there is none
     ok: bool
     unit: str = ""
-    because: str = ""
-    """Where the range comes from, in the scene's words."""
-    reason: str = ""
-    """Why it failed, where the value alone does not tell."""
-
-    def __repr__(self) -> str:
-        unit = "" if self.unit in ("", "1") else f" {self.unit}"
-        said = "; ".join(each for each in (
-            self.allowed, self.reason, "pass" if self.ok else "FAIL") if each)
-        return f"<Verdict: {self.quantity} {self.statistic} {self.value:.6g}{unit}; {said}>"
+    because: str = ""  # Where the range comes from, in the scene's words
+    reason: str = ""  # Why it failed, where the value alone does not tell
 
     @property
     def allowed(self) -> str:
@@ -64,10 +52,7 @@ class Verdict:
 
 
 def verdicts(run: Samples) -> list[Verdict]:
-    """The verdicts on a run, in the order of its scene's ``expect`` list.
-
-    A run that an event stopped ends with that event's verdict.
-    """
+    """The verdicts on a run: of its scene's ``expect`` list, then of the event that stopped it."""
     found = [verdict for expect in run.mechanism.expect for verdict in _judge(run, expect)]
     if stop := run.info.stopped:
         found.append(Verdict(
@@ -77,13 +62,13 @@ def verdicts(run: Samples) -> list[Verdict]:
 
 
 def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
-    name, wrong = expect.quantity, ""
+    name, fault = expect.quantity, ""
     try:
         low, high = expect.range()
     except ValueError as error:
-        low, high, wrong = math.nan, math.nan, f"the range cannot be read: {error}"
+        low, high, fault = math.nan, math.nan, f"the range cannot be read: {error}"
     blank = Verdict(name, expect.statistic, low, high, math.nan, False, because=expect.because,
-                    reason=wrong)
+                    reason=fault)
     names = run.match(name)
     if not names:
         near = run.catalogue.near(name)
@@ -96,9 +81,14 @@ def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
     for name in names:
         source = run.catalogue.find(name)
         found = replace(blank, quantity=name, unit=run.unit(name))
-        if expect.value is not None and expect.within == WITHIN and _exact(expect, source, found):
-            found = replace(found, low=expect.value, high=expect.value)
-        if not wrong:
+        if expect.value is not None and expect.within == WITHIN:
+            # the default range has no width for 1 or 0, and for counts if it holds no other
+            alone = found.high - found.low < 1 and expect.statistic in WHOLE and (
+                float(expect.value).is_integer())
+            if is_yes_no(source.kind, source.quantity) or (
+                    alone and is_count(source.kind, source.quantity)):
+                found = replace(found, low=expect.value, high=expect.value)
+        if not fault:
             value, reason = measured(run, name, expect, chosen)
             if not reason:
                 reason = unreached
@@ -110,26 +100,14 @@ def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
         yield found
 
 
-def _exact(expect: Expect, source: Source, found: Verdict) -> bool:
-    """Whether a default range has no width: of 1 or 0, and of counts if it holds no other."""
-    alone = found.high - found.low < 1 and expect.statistic in WHOLE and float(
-        expect.value or 0.0).is_integer()
-    return is_yes_no(source.kind, source.quantity) or (
-        alone and is_count(source.kind, source.quantity))
-
-
-def measured(run: Samples, quantity: str, asked: Looked, chosen: slice) -> tuple[float, str]:
-    """The :func:`number_of` a quantity over samples; nan and why if it has none.
-
-    Raises:
-        UnknownQuantityError: the run has no such quantity.
-    """
-    looked = _looked_at(run, asked, chosen)
+def measured(run: Samples, quantity: str, spec: Looked, chosen: slice) -> tuple[float, str]:
+    """The :func:`number_of` a quantity over samples; nan and the reason if it has none."""
+    looked = _looked_at(run, spec, chosen)
     if looked.stop <= looked.start:
         return math.nan, "no sample lies in the window"
     values = run.within(quantity, looked)
     if not (lacking := np.isnan(values)).any():
-        return number_of(asked, run.time[looked], values), ""
+        return number_of(spec, run.time[looked], values), ""
     lacks = (f"{np.count_nonzero(lacking)} of {len(lacking)} samples have no value"
             if len(lacking) > 1 else "the last sample has no value")
     source = run.catalogue.find(quantity)
@@ -141,10 +119,10 @@ def measured(run: Samples, quantity: str, asked: Looked, chosen: slice) -> tuple
     return math.nan, f"{lacks}: {when} then{because}" if when else lacks
 
 
-def _looked_at(run: Samples, asked: Looked, chosen: slice) -> slice:
+def _looked_at(run: Samples, spec: Looked, chosen: slice) -> slice:
     """The samples that a statistic is taken of; empty where the window is."""
     start, stop, _ = chosen.indices(len(run))
-    return slice(stop - 1, stop) if asked.key == "final" and stop > start else slice(start, stop)
+    return slice(stop - 1, stop) if spec.key == "final" and stop > start else slice(start, stop)
 
 
 def _not_held(run: Samples, source: Source, looked: slice) -> str:
@@ -157,17 +135,17 @@ def _not_held(run: Samples, source: Source, looked: slice) -> str:
         if len(lost) else ""
 
 
-def number_of(asked: Looked, time: Array, values: Array) -> float:
-    """The number that is made of the values [n] of the instants ``time`` [n], n > 0."""
-    if asked.at is not None:
+def number_of(spec: Looked, time: Array, values: Array) -> float:
+    """The statistic of the values [n] at the instants ``time`` [n], n > 0."""
+    if spec.at is not None:
         if len(time) == 1:
             return float(values[0])
-        share = (asked.at - time[0]) / (time[1] - time[0])
+        share = (spec.at - time[0]) / (time[1] - time[0])
         return float((1 - share) * values[0] + share * values[1])
-    if asked.key == "final":
+    if spec.key == "final":
         return float(values[-1])
     with np.errstate(invalid="ignore"):  # of what is infinite there is no deviation
-        return float(getattr(np, asked.key)(values))
+        return float(getattr(np, spec.key)(values))
 
 
 def window(run: Samples, expect: Looked) -> tuple[slice, str]:
@@ -187,10 +165,7 @@ def window(run: Samples, expect: Looked) -> tuple[slice, str]:
 
 
 def among(time: Array, expect: Looked) -> slice:
-    """Which of the instants ``time`` [n], n > 0, rising, lie in an expectation's window.
-
-    Of an expectation at an instant, the two about it: the first or last two beyond the ends.
-    """
+    """The samples at instants [n], n > 0, in a window; the two beside ``at``, or at the ends."""
     if expect.at is not None:
         first = max(min(int(np.searchsorted(time, expect.at)), len(time) - 1) - 1, 0)
         return slice(first, first + 2)

@@ -8,7 +8,7 @@ sides press on each other from end to end, and count as both ends.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, partial
 from typing import NamedTuple
 
@@ -19,15 +19,14 @@ from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotrop
 from sandbox.model.joints import placed, rotated
 from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.contacts import TOUCH
+from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.nearby import flat_sides, pressed
 from sandbox.samples.outcome import Stored
 from sandbox.samples.yielding import Yielding, without_stiffness
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
-OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
-"""Roles of parts of a hand that may be fixed."""
+OF_HANDS = ("phalanx", "palm", "rocker", "pulley")  # Roles of parts of a hand that may be fixed
 FLAT, IN_LINE = 1e-7, 1e-4
 """Distance [m] and angle [rad] from a plane within which a side presses on its whole length."""
 STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
@@ -39,18 +38,12 @@ MAX_STIFFNESS_SAMPLES = 25
 class _Holding(NamedTuple):
     """The conditions of ``held`` in every sample."""
 
-    hand: Flags
-    """Whether a hand presses on the object, [n]."""
-    carried: Flags
-    """Whether another body that is no object does."""
-    ready: Flags
-    """Whether the window lies within the run."""
-    let_go: Flags
-    """Whether no hand pressed on it in some sample of the window."""
-    way: Array
-    """Its travel, and its sliding, within the window [m], [2, n]."""
-    since: Integers
-    """The window's first sample, [n]."""
+    hand: Flags  # Whether a hand presses on the object, [n]
+    carried: Flags  # Whether another body that is no object does
+    ready: Flags  # Whether the window lies within the run
+    released: Flags  # Whether no hand pressed on it in some sample of the window
+    way: Array  # Its travel, and its sliding, within the window [m], [2, n]
+    since: Integers  # The window's first sample, [n]
 
 
 class Grasp:
@@ -64,24 +57,26 @@ class Grasp:
         normal = sign * a["contact_normal"][rows]
         push = np.einsum("ij,ij->i", sign * a["contact_force"][rows], normal)
         presses = push > TOUCH
-        self.push: Array = push[presses]
-        """Normal force of every contact that presses [N], [m]."""
+        self.push: Array = push[presses]  # Normal force of every contact that presses [N], [m]
         self.normal: Array = normal[presses]
-        self.row: Integers = rows[presses]
-        """Its number among those of all bodies."""
+        self.row: Integers = rows[presses]  # Its number among those of all bodies
         self.point: Array = a["contact_point"][rows[presses]]
         self.sample: Integers = a["contact_sample"][rows[presses]]
         self.other: Integers = np.where(
             first, a["contact_other"][rows], a["contact_body"][rows])[presses]
         bodies = run.mechanism.bodies
         self.of_hand: Flags = np.array([of_hand(each) for each in bodies])[self.other]
+        objects = np.array([each.role == "object" for each in bodies])
+        self.of_others: Flags = ~self.of_hand & ~objects[self.other]
+        """Contacts with bodies that are neither hand nor object, [m]."""
         self.on_finger: Flags = self.of_hand & np.array(
             [each.role != "palm" for each in bodies])[self.other]
+        self.count = np.bincount(self.sample[self.of_hand], minlength=len(run))
+        """Contacts of the hand in every sample, [n]."""
         local = centre_of(bodies[body])
         self.size = reach_of(bodies[body], local)
         """rho: greatest distance of the outline from the centre of mass [m]."""
-        self.centre = placed(a["body_pose"][:, body], np.asarray(local))
-        """Of mass, [n, 2]."""
+        self.centre = placed(a["body_pose"][:, body], np.asarray(local))  # Of mass, [n, 2]
         self._stiffnesses: dict[int, Array] = {}
 
     def read(self, quantity: str) -> Array:
@@ -101,23 +96,23 @@ class Grasp:
         return np.array(found, dtype=np.float64)[which]
 
     def of_contacts(self, measure: Callable[..., Array]) -> Array:
-        """A measure of the hand's contacts; samples with equally many of them at a time."""
+        """A measure of the hand's contacts, [n]; nan where there are none, or too many."""
         result, (rows, points) = np.full(len(self.run), np.nan), self._pressed
-        few = self.count <= MOST_PRESSING
-        count = np.bincount(self.sample[rows], minlength=len(self.run))
-        begin = np.cumsum(count) - count
-        for m in np.unique(count[(count > 0) & few]).tolist():
-            samples = np.flatnonzero((count == m) & few)
-            at = begin[samples, None] + np.arange(m)
+        few = self.count[self.sample[rows]] <= MOST_PRESSING
+        rows, points = rows[few], points[few]
+        for samples, at in self._equal_counts(self.sample[rows]):
             result[samples] = measure(
                 points[at], self.normal[rows[at]], self.friction[rows[at]],
                 centre=self.centre[samples], length=self.size)
         return result
 
-    @cached_property
-    def count(self) -> Integers:
-        """Contacts of the hand in every sample, [n]."""
-        return np.bincount(self.sample[self.of_hand], minlength=len(self.run))
+    def _equal_counts(self, samples: Integers) -> Iterator[tuple[Integers, Integers]]:
+        """Samples with equally many rows, and these rows, [k] and [k, m]."""
+        count = np.bincount(samples, minlength=len(self.run))
+        begin = np.cumsum(count) - count
+        for m in np.unique(count[count > 0]).tolist():
+            found = np.flatnonzero(count == m)
+            yield found, begin[found, None] + np.arange(m)
 
     @cached_property
     def _pressed(self) -> tuple[Integers, Array]:
@@ -153,28 +148,25 @@ class Grasp:
         held, evenly spread, with the first and the last of them. Samples in between repeat the
         value before.
         """
-        asked = np.arange(len(self.run))[chosen]
-        result = np.full(len(asked), np.nan)
+        numbers = np.arange(len(self.run))[chosen]
+        result = np.full(len(numbers), np.nan)
         if without_stiffness(self.run.model):
             return result
-        held = np.flatnonzero(self.held[asked])
+        held = np.flatnonzero(self.held[numbers])
         count = min(len(held), MAX_STIFFNESS_SAMPLES)
         at = np.linspace(0, len(held) - 1, count).round().astype(np.int64)
-        values = np.array([self._stiffness_at(sample)[STIFFNESS.index(name)]
-                           for sample in asked[held[at]].tolist()])
+        samples = numbers[held[at]].tolist()
+        for sample in samples:
+            if sample not in self._stiffnesses:
+                self._stiffnesses[sample] = np.full(len(STIFFNESS), np.nan)
+                with contextlib.suppress(ArithmeticError):
+                    self._stiffnesses[sample] = Yielding(
+                        self.run, sample, self.size).of(self.body).stiffness()
+        values = np.array([self._stiffnesses[sample][STIFFNESS.index(name)] for sample in samples])
         result[held] = np.repeat(values, np.diff(at, append=len(held)))
         if len(self.run.model.tendons.grips):  # friction at guides adds to what holds
             result[np.isfinite(result)] = np.nan
         return result
-
-    def _stiffness_at(self, sample: int) -> Array:
-        """All of :data:`STIFFNESS` in a sample in which the object is held, [4]."""
-        if sample not in self._stiffnesses:
-            found = np.full(len(STIFFNESS), np.nan)
-            with contextlib.suppress(ArithmeticError):
-                found = Yielding(self.run, sample, self.size).of(self.body).stiffness()
-            self._stiffnesses[sample] = found
-        return self._stiffnesses[sample]
 
     @property
     def no_stiffness(self) -> str:
@@ -182,8 +174,6 @@ class Grasp:
         friction = "tendons with friction" if len(self.run.model.tendons.grips) else ""
         return ("stiffness is not defined with "
                 + (without_stiffness(self.run.model) or friction or "contacts in a notch"))
-
-    # --- distribution of the force
 
     @cached_property
     def fingers(self) -> Integers:
@@ -196,47 +186,33 @@ class Grasp:
         return finger
 
     def spread(self, part: Integers) -> Array:
-        """Relative deviation of the normal forces of parts of fingers, [n]; nan without any.
-
-        ``part`` is the number of each body's part.
-        """
+        """Relative deviation of normal forces of parts [n], by the number ``part`` of each body."""
         rows = np.flatnonzero(self.on_finger)
         pairs, which = np.unique(
             np.stack([self.sample[rows], part[self.other[rows]]]), axis=1, return_inverse=True)
         total = np.bincount(which.ravel(), weights=self.push[rows], minlength=pairs.shape[1])
-        count = np.bincount(pairs[0], minlength=len(self.run))
-        begin = np.cumsum(count) - count
         result = np.full(len(self.run), np.nan)
-        for m in np.unique(count[count > 0]).tolist():
-            samples = np.flatnonzero(count == m)
-            result[samples] = force_spread(total[begin[samples, None] + np.arange(m)])
+        for samples, at in self._equal_counts(pairs[0]):
+            result[samples] = force_spread(total[at])
         return result
-
-    # --- at rest in the hand
 
     @cached_property
     def held(self) -> Flags:
         """Whether a hand alone has carried it at rest for :data:`WINDOW`, [n]."""
         rest = self._rest
         still = (rest.way < STRAY * self.size).all(axis=0)
-        return np.asarray(rest.hand & ~rest.carried & rest.ready & ~rest.let_go & still)
+        return np.asarray(rest.hand & ~rest.carried & rest.ready & ~rest.released & still)
 
     @cached_property
     def _rest(self) -> _Holding:
         n, time = len(self.run), self.run.time
         hand, carried = (np.bincount(self.sample[rows], minlength=n) > 0
-                         for rows in (self.of_hand, self._others))
+                         for rows in (self.of_hand, self.of_others))
         since = np.searchsorted(time, time - WINDOW * (1 + 1e-9), side="left")
         ready = time - WINDOW >= (time[0] if n else 0.0) - WINDOW * 1e-9
         lost = np.cumsum(np.concatenate([[0.0], ~hand]))
         way = self._ways()
         return _Holding(hand, carried, ready, lost[1:] > lost[since], way - way[:, since], since)
-
-    @cached_property
-    def _others(self) -> Flags:
-        """Contacts with bodies that are neither hand nor object, [m]."""
-        objects = np.array([each.role == "object" for each in self.run.mechanism.bodies])
-        return np.asarray(~self.of_hand & ~objects[self.other])
 
     def why_not(self, sample: int) -> str:
         """The conditions of ``held`` that a sample does not meet, with numbers; empty if held."""
@@ -244,13 +220,16 @@ class Grasp:
         window = f"in the {WINDOW:g} s before"
         reasons = []
         if not rest.hand[sample]:
-            reasons.append(self._untouched(sample))
+            before = np.flatnonzero(rest.hand[:sample])
+            reasons.append(
+                f"no body of a hand touched it after {self.run.time[before[-1]]:.6g} s"
+                if len(before) else "no body of a hand had touched it yet")
         elif not rest.ready[sample]:
             reasons.append(f"the run was not {WINDOW:g} s old")
-        elif rest.let_go[sample]:
+        elif rest.released[sample]:
             reasons.append(f"the hand released it {window}")
         if rest.carried[sample]:
-            rows = np.flatnonzero(self._others & (self.sample == sample))
+            rows = np.flatnonzero(self.of_others & (self.sample == sample))
             carrier = self._most(rows, self.push[rows])[0]
             reasons.append(f"{carrier!r}, which is no hand, carries it")
         moved, slid = rest.way[:, sample]
@@ -260,17 +239,9 @@ class Grasp:
             rows = np.flatnonzero(self.of_hand & (self.sample > rest.since[sample])
                                   & (self.sample <= sample))
             took = np.diff(self.run.time)[self.sample[rows] - 1]
-            name, way = self._most(rows, self._slips(rows) * took)
+            name, way = self._most(rows, slip_speeds(self.run.arrays, self.row[rows]) * took)
             reasons.append(f"it slid by {_mm(slid)} {window}, {most}, along {name!r} by {_mm(way)}")
         return "; ".join(reasons)
-
-    def _untouched(self, sample: int) -> str:
-        if not self._rest.hand.any():
-            return "no body of a hand ever touches it"
-        before = np.flatnonzero(self._rest.hand[:sample])
-        if not len(before):
-            return "no body of a hand had touched it yet"
-        return f"no body of a hand touched it after {self.run.time[before[-1]]:.6g} s"
 
     def _most(self, rows: Integers, amounts: Array) -> tuple[str, float]:
         """The touching body with the largest sum of amounts over contacts, and the sum."""
@@ -280,25 +251,16 @@ class Grasp:
 
     def _ways(self) -> Array:
         """Total travel of its outline relative to the hand, and total sliding [m], [2, n]."""
-        at, angle = self._seen()
+        at, angle = self._in_palm()
         steps = np.hypot(*np.diff(at, axis=0).T) + self.size * np.abs(np.diff(angle))
         slides = np.zeros(len(self.run))
         rows = np.flatnonzero(self.of_hand)
-        np.maximum.at(slides, self.sample[rows], self._slips(rows))
+        np.maximum.at(slides, self.sample[rows], slip_speeds(self.run.arrays, self.row[rows]))
         slid = slides[1:] * np.diff(self.run.time)
         ways = np.cumsum([steps, slid], axis=1)
         return np.concatenate([np.zeros((2, min(1, len(at)))), ways], axis=1)
 
-    def _slips(self, rows: Integers) -> Array:
-        """Sliding speeds of the object at contacts [m/s], [k]."""
-        a, sample, other = self.run.arrays, self.sample[rows], self.other[rows]
-        points, normal = self.point[rows], self.normal[rows]
-        theirs = placed(a["body_pose"][sample, other], a["body_centre"][other])
-        apart = (_at(a["body_velocity"][sample, self.body], points - self.centre[sample])
-                 - _at(a["body_velocity"][sample, other], points - theirs))
-        return np.abs(apart[:, 1] * normal[:, 0] - apart[:, 0] * normal[:, 1])
-
-    def _seen(self) -> tuple[Array, Array]:
+    def _in_palm(self) -> tuple[Array, Array]:
         """Its centre [n, 2] and angle [n] in the frame of a moving palm, else in the world."""
         pose = self.run.arrays["body_pose"]
         angle = pose[:, self.body, 2]
@@ -313,7 +275,7 @@ class Grasp:
         """Largest displacement of its points [m], [n], since the first sample of being held."""
         begins = self.held & ~np.concatenate([np.zeros(1, dtype=bool), self.held[:-1]])
         since = np.maximum.accumulate(np.where(begins, np.arange(len(begins)), 0))
-        at, angle = self._seen()
+        at, angle = self._in_palm()
         turned = 2 * self.size * np.abs(np.sin((angle - angle[since]) / 2))
         moved = np.hypot(*(at - at[since]).T) + turned
         return np.where(self.held, moved, np.nan)
@@ -329,19 +291,12 @@ MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
     "isotropy": lambda grasp: grasp.of_contacts(grasp_isotropy),
     "spread": lambda grasp: grasp.spread(grasp.fingers),
     "spread_bodies": lambda grasp: grasp.spread(np.arange(len(grasp.run.mechanism.bodies))),
-}
-"""The function of each of :data:`sandbox.elements.quantities.GRASP`."""
+}  # The function of each of sandbox.elements.quantities.GRASP
 
 
 def of_hand(body: Body) -> bool:
     """Whether a body is part of a hand."""
     return body.role in OF_HANDS or (body.role == "link" and body.motion != "fixed")
-
-
-def _at(velocity: Array, arm: Array) -> Array:
-    """Velocity of a point at an arm from the centre of mass, [n, 2]."""
-    turn = velocity[:, 2:] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
-    return np.asarray(velocity[:, :2] + turn)
 
 
 def _mm(length: float) -> str:

@@ -18,36 +18,29 @@ from sandbox.model.bonds import held_of
 from sandbox.model.joints import meeting
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cables import Frames, Stretches, piece_tensions, stretches
+from sandbox.samples.cables import Frames, piece_tensions
 from sandbox.samples.outcome import Stored
 
-Pair = tuple[Array, Array]
-"""Components x and y, [k, n] each."""
+Pair = tuple[Array, Array]  # Components x and y, [k, n] each
 
 
 class Batch(NamedTuple):
     """Loads of one kind, or the wrenches of unit efforts."""
 
     kind: str
-    element: Integers
-    """The element of each row, [k]."""
-    body: Integers
-    """The body on which each acts, [k]."""
-    x: Array
-    """Force in the world [N], [k, n]."""
-    y: Array
-    moment: Array
-    """About the body's centre of mass, counter-clockwise [N m], [k, n]."""
+    element: Integers  # The element of each row, [k]
+    body: Integers  # The body on which each acts, [k]
+    wrench: Array
+    """Force x, y [N] and moment about the body's centre of mass [N m] in the world, [k, 3, n]."""
 
     def times(self, effort: Array) -> Batch:
         """The loads of ``effort`` [elements, n] along coordinates."""
-        own = effort[self.element]
-        return self._replace(x=self.x * own, y=self.y * own, moment=self.moment * own)
+        return self._replace(wrench=self.wrench * effort[self.element][:, None])
 
     def power(self, velocity: Array) -> Array:
         """Power of each row as bodies move with ``velocity`` [3, nb, n]; [k, n] W."""
-        v = velocity[:, self.body]
-        return np.asarray(self.x * v[0] + self.y * v[1] + self.moment * v[2])
+        v, (x, y, moment) = velocity[:, self.body], np.moveaxis(self.wrench, 1, 0)
+        return np.asarray(x * v[0] + y * v[1] + moment * v[2])
 
     def rates(self, count: int, velocity: Array) -> Array:
         """Power of each of ``count`` elements; of unit efforts the rate of q, [count, n]."""
@@ -55,12 +48,10 @@ class Batch(NamedTuple):
         np.add.at(found, self.element, self.power(velocity))
         return found
 
-    def on_bodies(self, element: int, sample: int = 0) -> dict[int, Array]:
-        """Wrenches x, y, moment [3] of one element in one sample, by body."""
-        found: dict[int, Array] = {}
-        for k in np.flatnonzero(self.element == element).tolist():
-            own = np.array([part[k, sample] for part in (self.x, self.y, self.moment)])
-            found[int(self.body[k])] = found.get(int(self.body[k]), 0.0) + own
+    def wrenches(self, count: int, bodies: int) -> Array:
+        """Wrenches of ``count`` elements in the first sample, [count, bodies, 3]."""
+        found = np.zeros((count, bodies, 3))
+        np.add.at(found, (self.element, self.body), self.wrench[..., 0])
         return found
 
 
@@ -69,29 +60,21 @@ class ContactSides(NamedTuple):
 
     sample: Integers
     body: Integers
-    force: Array
-    """On the body [N], [2 m, 2]."""
-    moment: Array
-    """About its centre of mass [N m]."""
-    at: Array
-    """Where the force acts, in the world [m], [2 m, 2]."""
-    arm: Array
-    """From the centre of mass to there [m], [2 m, 2]."""
+    wrench: Array  # Force x, y [N] and moment about the body's centre of mass [N m], [2 m, 3]
+    arm: Array  # From the centre of mass to the place of the force [m], [2 m, 2]
 
 
 class Loads:
     """The loads of a recording, in batches by kind, and their sums over bodies."""
 
     def __init__(self, run: Stored) -> None:
-        self.run, self.model = run, run.model
-        self.frames = Frames(run)
-
-    @cached_property
-    def cables(self) -> Stretches:
-        """The straight pieces of all tendons."""
-        return stretches(self.frames)
-
-    # -- sums ---------------------------------------------------------------------------
+        self.run, self.model, self.frames = run, run.model, Frames(run)
+        self.actuators: Flags = np.array([kind.line for kind in run.model.joints.kind], dtype=bool)
+        """Which joints are actuators, [nj]."""
+        mass, inertia = run.arrays["body_mass"], run.arrays["body_inertia"]
+        self.weights: Array = np.where(
+            run.model.bodies.free[:, None], np.stack([mass, mass, inertia], axis=1), 0.0)
+        """Inertia along x, y and about the centre: m, m, I, [nb, 3]; 0 of bodies not free."""
 
     @cached_property
     def totals(self) -> Array:
@@ -99,8 +82,7 @@ class Loads:
         count, n, sides = len(self.model.bodies.name), self.frames.samples, self.contact_sides
         slot = sides.body * n + sides.sample
         total = np.array([np.bincount(slot, weights=column, minlength=count * n)
-                          for column in (*sides.force.T, sides.moment)]
-                         ).astype(float).reshape(3, count, n)
+                          for column in sides.wrench.T]).astype(float).reshape(3, count, n)
         for batch in self.batches:
             self._add(batch, total)
         return total
@@ -108,34 +90,22 @@ class Loads:
     def _add(self, batch: Batch, total: Array) -> None:
         for k, body in enumerate(batch.body):
             if self.model.bodies.free[body]:
-                total[0, body] += batch.x[k]
-                total[1, body] += batch.y[k]
-                total[2, body] += batch.moment[k]
+                total[:, body] += batch.wrench[k]
 
     @cached_property
     def largest(self) -> Array:
-        """Largest single force [N] and moment [N m] on every body in the whole run, [2, nb].
-
-        The loads of joints and the inertial forces m a and I alpha count, too.
-        """
+        """Largest force [N] and moment [N m] on every body, inertia included, [2, nb]."""
         sides, most = self.contact_sides, np.zeros((2, len(self.model.bodies.name)))
-        np.maximum.at(most[0], sides.body, np.hypot(*sides.force.T))
-        np.maximum.at(most[1], sides.body, np.abs(sides.moment))
+        np.maximum.at(most[0], sides.body, np.hypot(*sides.wrench.T[:2]))
+        np.maximum.at(most[1], sides.body, np.abs(sides.wrench[:, 2]))
         inertial = self.weights.T[:, :, None] * self.frames.acceleration
         np.maximum(most[0], np.hypot(*inertial[:2]).max(axis=1, initial=0.0), out=most[0])
         np.maximum(most[1], np.abs(inertial[2]).max(axis=1, initial=0.0), out=most[1])
         for batch in (*self.batches, self.joints):
-            force = np.sqrt((batch.x**2 + batch.y**2).max(axis=1, initial=0.0))
+            force = np.sqrt((batch.wrench[:, :2]**2).sum(axis=1).max(axis=1, initial=0.0))
             np.fmax.at(most[0], batch.body, force)
-            np.fmax.at(most[1], batch.body, np.abs(batch.moment).max(axis=1, initial=0.0))
+            np.fmax.at(most[1], batch.body, np.abs(batch.wrench[:, 2]).max(axis=1, initial=0.0))
         return most
-
-    @cached_property
-    def weights(self) -> Array:
-        """Inertia along x, y and about the centre: m, m, I, [nb, 3]; 0 of bodies not free."""
-        mass, inertia = self.run.arrays["body_mass"], self.run.arrays["body_inertia"]
-        return np.where(self.model.bodies.free[:, None],
-                        np.stack([mass, mass, inertia], axis=1), 0.0)
 
     @cached_property
     def left(self) -> Array:
@@ -155,53 +125,57 @@ class Loads:
         model, a = self.model, self.run.arrays
         joints, springs = model.joints, model.springs
         if model.tendons.name:
-            yield self.cable_loads
+            loads = self.piece_efforts.times(-piece_tensions(model, a))
+            yield loads._replace(element=self.cable_efforts.element)
         if model.lines.name:
             yield self.line_efforts.times(a["line_pressure"].T)
         if any(model.mechanism.gravity):
             free = np.flatnonzero(model.bodies.free)
             weight = a["body_mass"][free, None] * np.ones(self.frames.samples)
             gx, gy = model.mechanism.gravity
-            yield Batch("gravity", np.zeros(len(free), dtype=np.int64), free, weight * gx,
-                        weight * gy, np.zeros_like(weight))
+            yield Batch("gravity", np.zeros(len(free), dtype=np.int64), free,
+                        np.stack([weight * gx, weight * gy, np.zeros_like(weight)], axis=1))
         if springs.name:
             yield self.spring_efforts.times(-self.spring_forces)
         for kind in ("damping", "stop"):
             torque = np.nan_to_num(a[f"joint_{kind}"].T)
             acts = joints.hinges[torque[joints.hinges].any(axis=1)]
             if len(acts):
-                yield self._turning(kind, acts, acts).times(torque)
+                yield self._along(kind, acts, joints.bodies[acts], joints.anchor[acts],
+                                  acts).times(torque)
         if len(joints.frictional):
             yield self.friction_efforts.times(np.nan_to_num(a["joint_friction"].T))
         if model.loads.name:
+            wrench = np.concatenate([a["load_force"], a["load_torque"][..., None]], axis=2)
             yield Batch("load", np.arange(len(model.loads.name)), model.loads.body,
-                        a["load_force"][:, :, 0].T, a["load_force"][:, :, 1].T,
-                        a["load_torque"].T)
+                        wrench.transpose(1, 2, 0))
         if len(model.drives.giving("torque", "push")):
             yield self.drive_efforts.times(np.nan_to_num(self.given))
         if len(pushing := model.drives.giving("force")):
-            yield self._forces(pushing)
-
-    # -- coordinates: wrenches of unit efforts --------------------------------------------
+            drives, body = model.drives, model.drives.target[pushing]
+            value, along = a["drive_value"].T[pushing], drives.direction[pushing]
+            at = self.frames.places(body, drives.at[pushing])
+            turns = drives.turning[pushing, None]
+            c = np.where(turns, self.frames.cos[body], 1.0)
+            s = np.where(turns, self.frames.sin[body], 0.0)
+            fx = value * (c * along[:, :1] - s * along[:, 1:])
+            fy = value * (s * along[:, :1] + c * along[:, 1:])
+            yield Batch("force", pushing, body, np.stack(
+                [fx, fy, at.arm_x * fy - at.arm_y * fx], axis=1))
 
     def _pair(
         self, kind: str, element: Integers, bodies: Integers, force: Pair, arms: tuple[Pair, Pair],
         couple: Array | float = 0.0,
     ) -> Batch:
-        """A force and a couple on bodies ``b``, and the opposite ones on bodies ``a``.
+        """A force [k, n] and a couple on bodies ``b``, and the opposite ones on bodies ``a``.
 
-        Args:
-            kind: of the batch.
-            element: number of the element of each, [k].
-            bodies: ``a`` and ``b``, [k, 2].
-            force: on ``b``, [k, n] each.
-            arms: from the centres of mass of ``a`` and ``b`` to the force.
-            couple: on ``b``, counter-clockwise.
+        ``bodies`` are ``a`` and ``b``, [k, 2]; ``arms`` go from their centres of mass to the force.
         """
-        (x, y), ((ax, ay), (bx, by)) = force, arms
+        x, y = force
+        on_b, on_a = (np.stack([x, y, arm_x * y - arm_y * x + couple], axis=1)
+                      for arm_x, arm_y in (arms[1], arms[0]))
         return Batch(kind, np.tile(element, 2), np.concatenate([bodies[:, 1], bodies[:, 0]]),
-                     np.concatenate([x, -x]), np.concatenate([y, -y]),
-                     np.concatenate([bx * y - by * x + couple, ay * x - ax * y - couple]))
+                     np.concatenate([on_b, -on_a]))
 
     def _along(
         self, kind: str, element: Integers, bodies: Integers, anchor: Array, joint: Integers,
@@ -217,11 +191,6 @@ class Loads:
             couple = np.where(turns, gain * self.model.joints.sense[joint][:, None], 0.0)
         return self._pair(kind, element, bodies, (gain * dx / length, gain * dy / length),
                           ((one.arm_x, one.arm_y), (two.arm_x, two.arm_y)), couple)
-
-    def _turning(self, kind: str, element: Integers, joint: Integers) -> Batch:
-        """Unit torques about hinges [k], in the hinges' positive sense."""
-        joints = self.model.joints
-        return self._along(kind, element, joints.bodies[joint], joints.anchor[joint], joint)
 
     def distances(self, bodies: Integers, anchor: Array) -> Array:
         """Distances of two points of bodies [k, 2], in their frames [k, 2, 2]; [k, n] m."""
@@ -262,11 +231,6 @@ class Loads:
                            np.where(self.actuators, NONE, np.arange(len(joints.name)))[which])
 
     @cached_property
-    def actuators(self) -> Flags:
-        """Which joints are actuators, [nj]."""
-        return np.array([kind.line for kind in self.model.joints.kind], dtype=bool)
-
-    @cached_property
     def drive_efforts(self) -> Batch:
         """Unit efforts of drives of hinges and actuators."""
         drives, joints = self.model.drives, self.model.joints
@@ -283,12 +247,11 @@ class Loads:
         x, y, couple = np.zeros((3, len(which), self.frames.samples))
         couple[~slots] = joints.sense[which[~slots], None]
         for k in np.flatnonzero(slots):
-            x[k], y[k] = self.frames.groove_direction(int(which[k]))
+            place = self.frames.place_in_slot(int(which[k]))
+            x[k], y[k] = place.x, place.y
         (ax, ay), (bx, by) = self._joint_arms
         return self._pair("friction", which, joints.bodies[which], (x, y),
                           ((ax[which], ay[which]), (bx[which], by[which])), couple)
-
-    # -- loads of elements ------------------------------------------------------------------
 
     @cached_property
     def _joint_arms(self) -> tuple[Pair, Pair]:
@@ -317,22 +280,21 @@ class Loads:
         found = self._pair("joint", np.arange(len(joints.name)), joints.bodies, (fx, fy),
                            self._joint_arms, self.run.arrays["joint_couple"].T)
         twist_a, twist_b = np.nan_to_num(self.run.arrays["joint_twist"]).T
-        return found._replace(moment=found.moment + np.concatenate([twist_b, twist_a]))
+        found.wrench[:, 2] += np.concatenate([twist_b, twist_a])
+        return found
 
     @cached_property
     def cable_efforts(self) -> Batch:
         """The effect of -1 N in every straight piece of a tendon: efforts along its length."""
-        tendons, cables = self.model.tendons, self.cables
+        tendons, cables = self.model.tendons, self.frames.cables
         one, two = tendons.stretch_first, tendons.stretch_first + 1
-        moments = []
-        for nodes, end in ((one, cables.start), (two, cables.end)):
-            moment = end.arm_x * cables.y - end.arm_y * cables.x
-            moment -= tendons.guide_radius[nodes, None]  # n x u = -1
-            moments.append(moment)
+        # n x u = -1
+        starts, ends = (np.stack([cables.x, cables.y, end.arm_x * cables.y - end.arm_y * cables.x
+                                  - tendons.guide_radius[nodes, None]], axis=1)
+                        for nodes, end in ((one, cables.start), (two, cables.end)))
         return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
                      np.concatenate([tendons.guide_body[one], tendons.guide_body[two]]),
-                     np.concatenate([-cables.x, cables.x]), np.concatenate([-cables.y, cables.y]),
-                     np.concatenate([-moments[0], moments[1]]))
+                     np.concatenate([-starts, ends]))
 
     @property
     def piece_efforts(self) -> Batch:
@@ -341,17 +303,8 @@ class Loads:
         return self.cable_efforts._replace(element=np.tile(np.arange(count), 2))
 
     @cached_property
-    def cable_loads(self) -> Batch:
-        """The loads of tendons, piece by piece, at either end."""
-        loads = self.piece_efforts.times(-piece_tensions(self.model, self.run.arrays))
-        return loads._replace(element=self.cable_efforts.element)
-
-    @cached_property
     def given(self) -> Array:
-        """Values of drives, of those with a limit the torque or force of the solver, [nd, n].
-
-        Drives that set the effort of a joint give nothing while it is released.
-        """
+        """Values of drives, solved efforts of those with a limit, 0 while released, [nd, n]."""
         drives, a = self.model.drives, self.run.arrays
         limited = np.array([kind.limited for kind in drives.kind], dtype=bool)
         given = np.where(limited, a["drive_torque"], a["drive_value"]).T
@@ -360,31 +313,17 @@ class Loads:
         given[joined] *= held_of(self.model.bonds.joint[drives.target[joined]], a["held"])
         return np.asarray(given)
 
-    def _forces(self, which: Integers) -> Batch:
-        drives = self.model.drives
-        body, along = drives.target[which], drives.direction[which]
-        at = self.frames.places(body, drives.at[which])
-        value = self.run.arrays["drive_value"].T[which]
-        turns = drives.turning[which, None]
-        c = np.where(turns, self.frames.cos[body], 1.0)
-        s = np.where(turns, self.frames.sin[body], 0.0)
-        fx = value * (c * along[:, :1] - s * along[:, 1:])
-        fy = value * (s * along[:, :1] + c * along[:, 1:])
-        return Batch("force", which, body, fx, fy, at.arm_x * fy - at.arm_y * fx)
-
-    # -- contacts -----------------------------------------------------------------------
-
     @cached_property
     def contact_sides(self) -> ContactSides:
         """Both sides of every contact row."""
         a = self.run.arrays
-        sample, at, sides = a["contact_sample"], a["contact_point"], []
+        sample, sides = a["contact_sample"], []
         for sign, on, twist in ((1.0, a["contact_body"], 0.0),
                                 (-1.0, a["contact_other"], np.nan_to_num(a["contact_twist"]))):
-            arm = at - np.stack([self.frames.centre_x[on, sample],
-                                 self.frames.centre_y[on, sample]], axis=1)
-            force = sign * a["contact_force"]
-            moment = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] + twist
-            sides.append((on, force, moment, arm))
-        body, force, moment, arm = (np.concatenate(part) for part in zip(*sides, strict=True))
-        return ContactSides(np.tile(sample, 2), body, force, moment, np.tile(at, (2, 1)), arm)
+            arm = a["contact_point"] - np.stack([self.frames.centre_x[on, sample],
+                                                 self.frames.centre_y[on, sample]], axis=1)
+            x, y = sign * a["contact_force"].T
+            moment = arm[:, 0] * y - arm[:, 1] * x + twist
+            sides.append((on, np.stack([x, y, moment], axis=1), arm))
+        body, wrench, arm = (np.concatenate(part) for part in zip(*sides, strict=True))
+        return ContactSides(np.tile(sample, 2), body, wrench, arm)

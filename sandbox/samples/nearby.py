@@ -8,35 +8,20 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 from sandbox.samples.outcome import Stored
 from sandbox.scene.bodies import Body, Circle
 from sandbox.scene.geometry import core, count_solids, solids
 
-SAME = 1e-12
-"""Rounding error of lengths below a metre [m]."""
+SAME = 1e-12  # Rounding error of lengths below a metre [m]
 
 
 class PlacedPiece(NamedTuple):
     """A convex shape of a body, in the world."""
 
-    corners: Array
-    """[k, 2]; of a circle its centre, of a capsule the two of its ends [m]."""
-    grown: float
-    """Radius about their convex hull [m]."""
-    faces: Array | None
-    """Arcs of surface normals in the body's frame; None if all of it is surface."""
-
-
-class Apart(NamedTuple):
-    """Where two pieces are nearest."""
-
-    gap: float
-    """Between their outlines [m]; negative where they overlap."""
-    normal: Array
-    """Out of the first, to the second."""
-    at: Array
-    """In the middle between the outlines [m]."""
+    corners: Array  # [k, 2]; of a circle its centre, of a capsule the two of its ends [m]
+    grown: float  # Radius about their convex hull [m]
+    faces: Array | None  # Arcs of surface normals in the body's frame; None if all of it is surface
 
 
 def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
@@ -48,31 +33,35 @@ def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
         for solid, faces in solids(shape):
             points, grown = core(solid)
             if isinstance(solid, Circle):
-                grown = _radius(run, sample, body, number, grown)
+                grown = float(radius_of(run, sample, body, number, grown))
             yield PlacedPiece(np.array(points) @ turn.T + (x, y), grown, faces)
 
 
-def _radius(run: Stored, sample: int, body: int, shape: int, radius: float) -> float:
-    """Radius of a circle [m], which a drive may set."""
+def radius_of(
+    run: Stored, samples: int | Integers, body: int, shape: int, radius: float,
+) -> Array | float:
+    """Radius of a shape in samples [m], which is ``radius`` unless a drive sets it."""
     model: Model = run.model
     for drive in model.drives.giving("radius").tolist():
         if (int(model.drives.target[drive]), int(model.drives.shape[drive])) == (body, shape):
-            return float(run.arrays["drive_value"][sample, drive])
+            return np.asarray(run.arrays["drive_value"][samples, drive])
     return radius
 
 
-def apart(one: PlacedPiece, two: PlacedPiece) -> Apart | None:
-    """Where two pieces are nearest; None for round ones with a deep overlap.
+def apart(one: PlacedPiece, two: PlacedPiece) -> tuple[float, Array, Array] | None:
+    """Gap between two outlines [m], normal out of the first, and the place in the middle [m].
 
-    The distance of polygons is the largest along the normals of their sides, unless corner is
-    nearest to corner. This normal is exact at any distance; the direction between two nearest
-    points is exact where radii separate them.
+    None for round pieces with a deep overlap. The distance of polygons is the largest along the
+    normals of their sides, unless corner is nearest to corner. This normal is exact at any
+    distance; the direction between two nearest points is exact where radii separate them.
     """
     along, normal = _along_sides(one.corners, two.corners)
     sharp = not (one.grown or two.grown)
     if along < -SAME and not sharp:
         return None
-    p, q = _nearest(one.corners, two.corners)
+    off, p, q = _from_corners(one.corners, two.corners)
+    other, on_two, on_one = _from_corners(two.corners, one.corners)
+    p, q = (p, q) if off <= other else (on_one, on_two)
     way = q - p
     length = float(np.hypot(*way))
     if (sharp and along < 0) or length <= along + SAME:
@@ -82,7 +71,7 @@ def apart(one: PlacedPiece, two: PlacedPiece) -> Apart | None:
     else:
         return None
     gap = length - one.grown - two.grown
-    return Apart(gap, normal, (p + one.grown * normal + q - two.grown * normal) / 2)
+    return gap, normal, (p + one.grown * normal + q - two.grown * normal) / 2
 
 
 def _sides(ring: Array) -> Array:
@@ -91,10 +80,7 @@ def _sides(ring: Array) -> Array:
 
 
 def _along_sides(one: Array, two: Array) -> tuple[float, Array]:
-    """The largest distance of rings along the normals of their sides, and that normal.
-
-    -inf for two points, negative for rings that overlap.
-    """
+    """The largest distance of rings along the normals of their sides, and that normal."""
     sides = np.concatenate([_sides(one), _sides(two)])
     sides = sides[np.hypot(*sides.T) > 0]
     if not len(sides):
@@ -106,15 +92,8 @@ def _along_sides(one: Array, two: Array) -> tuple[float, Array]:
     return float(off[best]), out[best]
 
 
-def _nearest(one: Array, two: Array) -> tuple[Array, Array]:
-    """The nearest points of two rings that do not overlap; one of them is a corner."""
-    off, p, q = _from_corners(one, two)
-    other, on_two, on_one = _from_corners(two, one)
-    return (p, q) if off <= other else (on_one, on_two)
-
-
 def _from_corners(points: Array, ring: Array) -> tuple[float, Array, Array]:
-    """The least distance of points from the sides of a ring, that point, and where on the ring."""
+    """The least distance of points from the sides of a ring, and the nearest point of either."""
     start = ring[:max(len(_sides(ring)), 1)]
     along = _sides(ring) if len(ring) > 1 else np.zeros((1, 2))
     square = np.maximum(np.einsum("ei,ei->e", along, along), 1e-300)
@@ -128,11 +107,9 @@ def _from_corners(points: Array, ring: Array) -> tuple[float, Array, Array]:
 class Face(NamedTuple):
     """The part of one convex shape that lies on a plane."""
 
-    low: float
-    """Interval along the plane [m]; of a round shape or a corner without length."""
+    low: float  # Interval along the plane [m]; of a round shape or a corner without length
     high: float
-    radius: float
-    """Of the shape there [m]; 0 of a corner."""
+    radius: float  # Of the shape there [m]; 0 of a corner
 
 
 def pressed(run: Stored, row: int, near: float) -> Array | None:

@@ -6,15 +6,16 @@ is not, and which event stopped it.
 
 from __future__ import annotations
 
-import math
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from functools import cached_property
-from typing import Any, Literal
+from functools import cache, cached_property
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import AliasChoices, Field, TypeAdapter, ValidationError
 
 from sandbox.elements.arrays import Arrays, completed, dtype_of, faults
 from sandbox.model.compile import compile_mechanism
@@ -26,10 +27,7 @@ from sandbox.scene.settings import Run
 from sandbox.values.units import size_fault
 from sandbox.wording import quoted
 
-MOST = 1e18
-"""No number of an outcome is larger."""
-INTERRUPTED = "interrupted"
-"""The reason of a run that Ctrl-C ended."""
+INTERRUPTED = "interrupted"  # The reason of a run that Ctrl-C ended
 LIMITED = "more was recorded than the limit 'recorded_bytes' allows"
 """The reason of a run that recorded more than it may."""
 FAILED = "a controller failed: "
@@ -39,30 +37,30 @@ FAILED = "a controller failed: "
 class Status(Enum):
     """How a run ended; the value is the end of a sentence that begins with "the run"."""
 
-    DONE = "completed"
-    """All planned steps were made."""
+    DONE = "completed"  # All planned steps were made
     STOPPED = "was stopped on purpose"
     """An event of the scene, or a controller in Python that raised ``StopRun``, ended it: the run
     is complete."""
-    INTERRUPTED = "was interrupted"
-    """Ctrl-C."""
+    INTERRUPTED = "was interrupted"  # Ctrl-C
     DIVERGED = "diverged"
     """The motion ran away or was no longer a number; ``reason`` names the body."""
-    LIMITED = "was stopped by a limit"
-    """More was recorded than allowed."""
+    LIMITED = "was stopped by a limit"  # More was recorded than allowed
     FAILED = "was ended by its controller"
     """A controller in Python raised an exception; ``reason`` names it."""
     UNFINISHED = "stopped"
     """Not at its end, without a reason: its recording was taken during the run."""
 
 
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Time = Annotated[Finite, Field(alias="time_s")]
+
+
 @dataclass(frozen=True)
 class Happened:
     """An event that happened, or an element that broke."""
 
-    event: str
-    """Its name."""
-    time: float
+    event: Annotated[str, Field(validation_alias=AliasChoices("event", "name"))]  # Its name
+    time: Time
     """When [s]: of an event the end of the step after which it acted; of an element the instant
     within a step at which it reached its load."""
 
@@ -71,52 +69,39 @@ class Happened:
 class Stop:
     """The event that stopped a run."""
 
-    event: str
-    """Its name; or that of the controller in Python that stopped the run."""
+    event: str  # Its name; or that of the controller in Python that stopped the run
     verdict: Literal["pass", "fail"]
-    """What it says of the run."""
-    time: float
-    """When [s]."""
-    because: str = ""
-    """Why, in the scene's words."""
+    time: Time  # When [s]
+    because: str = ""  # Why, in the scene's words
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
     """How a run ended, how it was computed, what happened in it."""
 
-    complete: bool = True
-    """Whether the run came to the end that its scene gives it."""
-    reason: str = ""
-    """Why the run is not complete, in a sentence."""
-    step: float
-    """Time step h [s]."""
-    steps: int = 0
-    """Steps that were planned; 0 if unknown."""
-    sample_rate: float
-    """Samples per second of simulated time [Hz], as kept."""
-    seed: int = 0
-    """Of random numbers; the engine draws none."""
+    complete: bool = True  # Whether the run came to the end that its scene gives it
+    reason: str = ""  # Why the run is not complete, in a sentence
+    step: Finite  # Time step h [s]
+    steps: int = 0  # Steps that were planned; 0 if unknown
+    sample_rate: Finite  # Samples per second of simulated time [Hz], as kept
+    seed: int = 0  # Of random numbers; the engine draws none
     versions: Mapping[str, str] = field(default_factory=dict)
     """Of sandbox, Python and the libraries that computed the run, by name."""
-    wall: Mapping[str, float] = field(default_factory=dict)
+    wall: Annotated[Mapping[str, Finite], Field(alias="wall_s")] = field(default_factory=dict)
     """Time that each phase took [s], by name: ``build``, ``simulate``."""
-    events: tuple[Happened, ...] = ()
-    """The events that happened, in order of time."""
-    broke: tuple[Happened, ...] = ()
-    """The joints, springs and tendons that broke, in order of time."""
+    events: tuple[Happened, ...] = ()  # The events that happened, in order of time
+    broke: tuple[Happened, ...] = ()  # The joints, springs and tendons that broke, in order of time
     stopped: Stop | None = None
     """The event that stopped the run; of several the one whose verdict counts."""
     controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Results of laws of controllers, by controller: plain JSON data."""
-    contact_solver: Mapping[str, float] = field(default_factory=dict)
+    contact_solver: Mapping[str, Finite] = field(default_factory=dict)
     """How contacts, limits and friction were solved; empty where unknown or there are none.
     ``residual``: the largest violation of their laws [m/s, rad/s]; ``time_s``: when;
     ``steps_above_1e-8``; ``relaxed_steps``. Where piles had compliant contacts also
     ``compliant_steps``, ``stiffness`` h^2 k G, ``damping`` ratio, ``tangential`` over normal
     stiffness."""
-    notes: tuple[str, ...] = ()
-    """Such as meters without a value."""
+    notes: tuple[str, ...] = ()  # Such as meters without a value
 
     @property
     def status(self) -> Status:
@@ -152,25 +137,16 @@ def planned(run: Run, *, complete: bool = True) -> Outcome:
     return Outcome(complete=complete, step=run.step, sample_rate=run.sample_rate)
 
 
-# -- as plain JSON data -------------------------------------------------------------
+@cache
+def _adapter() -> TypeAdapter[Outcome]:
+    return TypeAdapter(Outcome)
 
 
 def outcome_data(outcome: Outcome) -> dict[str, Any]:
     """An outcome as plain JSON data, SI, keys as in the files of a run."""
-    stopped = outcome.stopped
-    return {
-        "complete": outcome.complete, "reason": outcome.reason,
-        "step": outcome.step, "steps": outcome.steps, "sample_rate": outcome.sample_rate,
-        "seed": outcome.seed,
-        "versions": dict(outcome.versions), "wall_s": dict(outcome.wall),
-        "events": [{"event": one.event, "time_s": one.time} for one in outcome.events],
-        "broke": [{"name": one.event, "time_s": one.time} for one in outcome.broke],
-        "stopped": stopped and {"event": stopped.event, "verdict": stopped.verdict,
-                                "time_s": stopped.time, "because": stopped.because},
-        "controllers": {name: dict(found) for name, found in outcome.controllers.items()},
-        "contact_solver": dict(outcome.contact_solver),
-        "notes": list(outcome.notes),
-    }
+    data: dict[str, Any] = _adapter().dump_python(outcome, mode="json", by_alias=True)
+    data["broke"] = [{"name": one.event, "time_s": one.time} for one in outcome.broke]
+    return data
 
 
 def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
@@ -179,51 +155,17 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
     Raises:
         ValueError: a value that no run has; names its key.
     """
-    base = outcome_data(planned(run, complete=False))
-    for key, dimension in (("step", "time"), ("sample_rate", "frequency")):
-        if fault := size_fault(_taken(data, key, float, base[key]), dimension):
+    given = outcome_data(planned(run, complete=False)) | dict(data)
+    try:
+        found = _adapter().validate_json(json.dumps(given), strict=True)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise ValueError(f"{quoted('.'.join(map(str, first['loc'])))}: {first['msg']}") from None
+    for key, size, dimension in (("step", found.step, "time"),
+                                 ("sample_rate", found.sample_rate, "frequency")):
+        if fault := size_fault(size, dimension):
             raise ValueError(f"its {key} is {fault}")
-    for name, found in _taken(data, "controllers", dict, {}).items():
-        if not isinstance(found, dict):
-            raise ValueError(f"it says {quoted(found)} of the controller {quoted(name)}")
-    given = {key: _taken(data, key, type(default), default)
-             for key, default in base.items() if key != "stopped"}
-    stop = _taken(data, "stopped", (dict, type(None)), None)
-    stopped = stop and _stop(stop)
-    return Outcome(
-        complete=given["complete"], reason=given["reason"], step=given["step"],
-        steps=given["steps"], sample_rate=given["sample_rate"], seed=given["seed"],
-        versions=given["versions"], wall=given["wall_s"],
-        events=tuple(_happened(event, "event") for event in given["events"]),
-        broke=tuple(_happened(one, "name") for one in given["broke"]), stopped=stopped,
-        controllers=given["controllers"],
-        contact_solver={name: _taken(given["contact_solver"], name, float)
-                        for name in given["contact_solver"]},
-        notes=tuple(str(note) for note in given["notes"]))
-
-
-def _happened(data: Mapping[str, Any], key: str) -> Happened:
-    return Happened(_taken(data, key, str), _taken(data, "time_s", float))
-
-
-def _stop(data: Mapping[str, Any]) -> Stop:
-    verdict = _taken(data, "verdict", str)
-    if verdict not in ("pass", "fail"):
-        raise ValueError(f"its stop has the verdict {verdict!r}")
-    return Stop(_taken(data, "event", str), verdict, _taken(data, "time_s", float),
-                _taken(data, "because", str, ""))
-
-
-def _taken(data: Any, key: str, kind: type | tuple[type, ...], default: Any = None) -> Any:
-    """What a key holds, if it is of a kind; a whole number is a float, too."""
-    value = data.get(key, default) if isinstance(data, Mapping) else None
-    if kind is float and type(value) is int:
-        value = float(value) if abs(value) < MOST else math.inf
-    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise ValueError(f"it says {quoted(value)} for {key!r}")
-    if isinstance(value, (int, float)) and not abs(value) < MOST:
-        raise ValueError(f"it says {quoted(value)} for {key!r}")
-    return value
+    return found
 
 
 class Stored:
@@ -231,7 +173,7 @@ class Stored:
 
     Names, shapes, units and meanings of the arrays: :data:`sandbox.elements.arrays.ARRAYS`.
     The arrays are read-only. ``info`` says how the run ended and how it was computed. ``model``
-    is the mechanism's, where it is known; otherwise it is compiled when first asked for.
+    is the mechanism's, where it is known; otherwise it is compiled on first use.
 
     Raises:
         ValueError: arrays that are missing or do not fit the mechanism.
@@ -239,7 +181,7 @@ class Stored:
 
     def __init__(
         self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Outcome, *,
-        model: Model | None = None, scratch: object = None,
+        model: Model | None = None,
     ) -> None:
         self.mechanism = mechanism
         self._model = model
@@ -250,7 +192,6 @@ class Stored:
         if found := faults(mechanism, self.arrays):
             raise ValueError("; ".join(found))
         self.info = info
-        self._scratch = scratch
 
     @property
     def time(self) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property, partial
 from typing import Any, NamedTuple, Self
 
@@ -26,7 +26,7 @@ from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, uni
 from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels, slot_length
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
-from sandbox.samples.cables import Frames, piece_tensions, stretches, wound_up
+from sandbox.samples.cables import Frames, piece_tensions, wound_up
 from sandbox.samples.contacts import Contacts, mean_arrays, mean_contact_rows
 from sandbox.samples.grasps import STIFFNESS, Grasp
 from sandbox.samples.loads import Loads
@@ -36,10 +36,7 @@ from sandbox.wording import is_pattern
 
 OLDER = ("this recording has no directions of forces; pymunk and older versions give none: "
          "reaction_x and reaction_y have no value")
-TIME = "time"
-"""What :attr:`Samples.time` is called, unless something of the mechanism has this name."""
-ROWS = 1_000_000
-"""Contact rows that are worked on at a time."""
+TIME = "time"  # What Samples.time is called, unless something of the mechanism has this name
 TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}
 """The tables of a recording and the kind of element each holds."""
 
@@ -49,8 +46,7 @@ class Columns(NamedTuple):
 
     names: list[str]
     units: list[str]
-    values: Array
-    """Shape [n, number of names]."""
+    values: Array  # Shape [n, number of names]
 
 
 class Samples(Stored):
@@ -62,10 +58,9 @@ class Samples(Stored):
 
     def __init__(
         self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Outcome, *,
-        catalogue: Catalogue | None = None, model: Model | None = None, scratch: object = None,
+        catalogue: Catalogue | None = None, model: Model | None = None,
     ) -> None:
-        """``scratch`` is kept alive as long as the samples: files that their arrays live in."""
-        super().__init__(mechanism, arrays, info, model=model, scratch=scratch)
+        super().__init__(mechanism, arrays, info, model=model)
         self.catalogue = catalogue or Catalogue(mechanism)
         self._grasps: dict[int, Grasp] = {}
         self._means: Arrays = {}
@@ -149,7 +144,7 @@ class Samples(Stored):
     def table(self, kind: str) -> Columns:
         """All quantities of one of :data:`TABLES`, such as ``tendons``; fixed bodies are left out.
 
-        So is how well objects are held, which is worked out only when it is asked for.
+        So are grasp qualities, which are computed only when they are read.
 
         Raises:
             KeyError: another kind.
@@ -173,17 +168,24 @@ class Samples(Stored):
     def part(self, first: int, last: int) -> Self:
         """Samples ``first`` to ``last - 1`` as a recording of its own; shares the memory."""
         first, last, _ = slice(first, last).indices(len(self))
-        return self._chosen(slice(first, max(first, last)))
+        return self.pick(slice(first, max(first, last)))
 
-    def pick(self, samples: Integers) -> Self:
+    def pick(self, samples: slice | Integers) -> Self:
         """Some samples, by rising number, as a recording of its own."""
-        return self._chosen(samples)
-
-    def _chosen(self, samples: slice | Integers) -> Self:
         arrays = {**self.arrays, METERS: self._meters[0]}
         for key in [*PER_SAMPLE, METERS]:
             arrays[key] = arrays[key][samples]
-        return self._with(arrays | self._contact_rows(samples))
+        means = [MEAN, MEAN_CONTACT] if "mean_sample" in self.arrays else []
+        for of, *rest in (CONTACT, *means):  # the sample's number is the first of each
+            numbers, kept = self.arrays[of], samples
+            if isinstance(samples, slice):
+                kept = slice(*np.searchsorted(numbers, [samples.start, samples.stop]))
+                arrays[of] = numbers[kept] - samples.start
+            else:
+                kept = np.flatnonzero(np.isin(numbers, samples))
+                arrays[of] = np.searchsorted(samples, numbers[kept])
+            arrays |= {key: self.arrays[key][kept] for key in rest}
+        return self._with(arrays)
 
     def with_contacts(self, rows: Arrays) -> Self:
         """The same with other contact rows, of all arrays that have one for each contact."""
@@ -191,58 +193,12 @@ class Samples(Stored):
 
     def _with(self, arrays: Arrays) -> Self:
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
-                          model=self._model, scratch=self._scratch)
+                          model=self._model)
 
-    def parts(self, samples: int, *, rows: int = ROWS) -> Iterator[Self]:
-        """The recording in pieces, in order.
-
-        They are of at most so many samples and of at most so many contact rows, if one sample
-        has no more.
-        """
-        for first, last in self._spans(rows):
-            for start in range(first, last, samples):
-                yield self.part(start, min(start + samples, last))
-
-    def _spans(self, rows: int) -> Iterator[tuple[int, int]]:
-        """First samples of pieces with at most so many contact rows, and those after the last."""
-        of, first = self.arrays["contact_sample"], 0
-        while first < len(self):
-            end = int(np.searchsorted(of, first)) + rows
-            last = max(first + 1, int(of[end])) if end < len(of) else len(self)
-            yield first, last
-            first = last
-
-    def _contact_rows(self, samples: slice | Integers) -> Arrays:
-        """The contact rows of some samples, which are counted from 0."""
-        rows: Arrays = {}
-        means = [MEAN, MEAN_CONTACT] if "mean_sample" in self.arrays else []
-        for of, *rest in (CONTACT, *means):  # the sample's number is the first of each
-            numbers, kept = self.arrays[of], samples
-            if isinstance(samples, slice):
-                kept = slice(*np.searchsorted(numbers, [samples.start, samples.stop]))
-                rows[of] = numbers[kept] - samples.start
-            else:
-                first, last = (np.searchsorted(numbers, samples, side=side)
-                               for side in ("left", "right"))
-                count = last - first
-                kept = np.arange(count.sum()) + np.repeat(last - np.cumsum(count), count)
-                rows[of] = np.repeat(np.arange(len(samples)), count)
-            rows |= {key: self.arrays[key][kept] for key in rest}
-        return rows
-
-    def _of_contacts(self, read: Callable[[Contacts], Array], *, means: bool = True) -> Array:
-        """What is read of contact rows, by :data:`ROWS` of them if there are more, shape [n].
-
-        Not of ``means`` they are those of the samples' own steps.
-        """
-        if len(self.arrays["contact_sample"]) <= ROWS:
-            return read(self.mean_contacts if means else self.contacts)
-        found, bodies = [], len(self.mechanism.bodies)
-        for first, last in self._spans(ROWS):
-            rows = self._contact_rows(slice(first, last))
-            found.append(read(Contacts(mean_contact_rows(rows) if means else rows,
-                                       samples=last - first, bodies=bodies)))
-        return np.concatenate(found)
+    def parts(self, samples: int) -> Iterator[Self]:
+        """The recording in pieces of at most so many samples, in order."""
+        for start in range(0, len(self), samples):
+            yield self.part(start, start + samples)
 
     def means(self, *keys: str) -> Arrays:
         """The arrays, those of ``keys`` with means over sample intervals for forces of a step."""
@@ -276,21 +232,25 @@ class Samples(Stored):
         elif kind == "body" and quantity in GRASP:
             result = self.grasp(index).read(quantity)
         elif kind == "pair":
-            result = self._of_contacts(lambda c: c.of_pair(index, source.other, quantity))
+            result = self.mean_contacts.of_pair(index, source.other, quantity)
         elif kind == "group":
             found = map(self.catalogue.elements.get, self.mechanism.groups[index].bodies)
             members = [each.index for each in found if each is not None and each.kind == "body"]
             what = quantity.removeprefix("contact.")
-            result = self._of_contacts(lambda c: c.of_group(members, what), means=what != "count")
+            contacts = self.contacts if what == "count" else self.mean_contacts
+            result = contacts.of_group(members, what)
         elif quantity.startswith("contact."):
-            what = quantity.removeprefix("contact.")
-            result = self._of_contacts(lambda c: c.of_body(index, what))
+            result = self.mean_contacts.of_body(index, quantity.removeprefix("contact."))
         elif quantity in BOND_QUANTITIES:
             result = self.arrays["held"][:, self.model.bonds.of(kind)[index]]
         elif kind == "drive" and quantity == "power":
             result = self._power(index)
         elif quantity == "shortening":
-            result = self._shortening(index)
+            tendons, a = self.model.tendons, self.arrays
+            result = a["tendon_initial"][index] - a["tendon_length"][:, index]
+            radii = tendons.guide_radius[tendons.guides(index)]
+            if not tendons.closed[index] and (radii[0] or radii[-1]):
+                result = result + wound_up(Frames(self), index)
         elif kind == "joint" and quantity == "tension":
             result = link_tensions(
                 self.model, self.means("joint_force", "joint_reaction"), np.array([index]))[:, 0]
@@ -298,7 +258,17 @@ class Samples(Stored):
             of = normal_in_slot if quantity == "normal" else partial(of_wheels, quantity=quantity)
             result = of(self.model, self.means("joint_force"), index)
         elif at := numbered(kind, quantity):
-            result = self._at_guide(index, *at)
+            what, number = at
+            if what == "tension":
+                rows = np.flatnonzero(self.model.tendons.stretch_tendon == index)
+                arrays = self.means("tendon_tension", "guide_friction")
+                result = piece_tensions(self.model, arrays, rows[number:number + 1])[0]
+            else:
+                tendons = self.model.tendons
+                guides, key = (tendons.wheels, "guide_lifted") if what == "lifted" else (
+                    tendons.grips, "guide_slip")
+                guide = int(tendons.first[index]) + number
+                result = self.arrays[key][:, int(np.flatnonzero(guides == guide)[0])]
         else:
             row = QUANTITIES[kind][quantity]
             stored = self.means(row.array)[row.array][:, index]
@@ -312,22 +282,8 @@ class Samples(Stored):
             self._grasps[body] = Grasp(self, body)
         return self._grasps[body]
 
-    def _at_guide(self, tendon: int, what: str, number: int) -> Array:
-        """What a tendon has at one of its guides, or in one of its straight pieces, [n]."""
-        tendons = self.model.tendons
-        if what == "tension":
-            rows = np.flatnonzero(tendons.stretch_tendon == tendon)
-            arrays = self.means("tendon_tension", "guide_friction")
-            return np.array(piece_tensions(self.model, arrays, rows[number:number + 1])[0])
-        guide = int(tendons.first[tendon]) + number
-        if what == "lifted":
-            wheel = int(np.flatnonzero(tendons.wheels == guide)[0])
-            return np.array(self.arrays["guide_lifted"][:, wheel])
-        slip = int(np.flatnonzero(tendons.grips == guide)[0])
-        return np.array(self.arrays["guide_slip"][:, slip])
-
     def _power(self, drive: int) -> Array:
-        """What a drive of a hinge or actuator gives, times its rate [W], [n]."""
+        """Power of a drive of a hinge or actuator, or of a surface [W], [n]."""
         drives, a = self.model.drives, self.arrays
         kind, joint = drives.kind[drive], int(drives.target[drive])
         if kind.gives == "surface":
@@ -338,38 +294,27 @@ class Samples(Stored):
         holds = held_one(self.model.bonds.joint[joint], a["held"])
         return np.asarray(holds * a["drive_value"][:, drive] * rate)
 
-    def _shortening(self, tendon: int) -> Array:
-        """Of a tendon between its ends, what wheels there have wound up left out [m], [n]."""
-        less: Array = (self.arrays["tendon_initial"][tendon]
-                       - self.arrays["tendon_length"][:, tendon])
-        radii = self.model.tendons.guide_radius[self.model.tendons.guides(tendon)]
-        if self.model.tendons.closed[tendon] or not (radii[0] or radii[-1]):
-            return less
-        frames = Frames(self)
-        return less + wound_up(frames, stretches(frames), tendon)
 
-
-MOST = 8
-"""Largest number of notes of one kind."""
+MOST = 8  # Largest number of notes of one kind
 
 
 def broken(run: Stored) -> Iterator[str]:
     """A note on each joint, spring and tendon that broke, in order of time."""
-    bonds, springs = run.model.bonds, run.model.springs
-    turning = {bonds.name[bond] for bond in bonds.spring[~springs.straight].tolist() if bond >= 0}
-    known = {name: float(most) for name, most in zip(bonds.name, bonds.breaks_at, strict=True)}
+    bonds, straight = run.model.bonds, run.model.springs.straight
+    known = {name: bond for bond, name in enumerate(bonds.name)}
     broke = [one for one in run.info.broke if one.event in known]
     for one in broke[:MOST]:
-        unit = "N m" if one.event in turning else "N"
-        yield f"{one.event} broke at its load of {known[one.event]:g} {unit}, t = {one.time:.6g} s"
+        bond = known[one.event]
+        unit = "N m" if bond in bonds.spring[~straight] else "N"
+        yield (f"{one.event} broke at its load of {bonds.breaks_at[bond]:g} {unit}, "
+               f"t = {one.time:.6g} s")
     if len(broke) > MOST:
         yield f"{len(broke) - MOST} more broke after that"
 
 
 AT_END = 1e-5
 """Distance [m] from an end of the groove at which a point that presses on it has reached it."""
-PRESSES = 1e-9
-"""Least force along the groove, relative to the joint's largest force."""
+PRESSES = 1e-9  # Least force along the groove, relative to the joint's largest force
 
 
 def ended(run: Stored) -> Iterator[str]:
@@ -379,7 +324,7 @@ def ended(run: Stored) -> Iterator[str]:
     if not slots or not len(run):
         return
     divide = {name for group in run.mechanism.groups if group.tree for name in group.bodies}
-    told, frames = [], Frames(run)
+    found, frames = [], Frames(run)
     for joint in slots:
         place, length = frames.place_in_slot(joint), slot_length(run.model, joint)
         force = np.nan_to_num(run.arrays["joint_force"][:, joint])
@@ -388,20 +333,18 @@ def ended(run: Stored) -> Iterator[str]:
         for left in (place.along, length - place.along):
             there = np.flatnonzero((left < AT_END) & pressed)
             if len(there) and left[0] >= AT_END:
-                told.append((int(there[0]), joint, float(left[0])))
-    for sample, joint, gone in sorted(told)[:MOST]:
+                found.append((int(there[0]), joint, float(left[0])))
+    for sample, joint, gone in sorted(found)[:MOST]:
         name = run.model.bodies.name[int(joints.bodies[joint, 1])]
         more = ", and divides its pull no longer while it is there" if name in divide else ""
         yield (f"{joints.name[joint]}: {name} reached the end of its slot, {1000.0 * gone:.4g} mm "
                f"from its start, t = {run.time[sample]:.6g} s{more}")
-    if len(told) > MOST:
-        yield f"{len(told) - MOST} more reached the ends of their slots later"
+    if len(found) > MOST:
+        yield f"{len(found) - MOST} more reached the ends of their slots later"
 
 
-AT_REST = 1e-6
-"""Largest speed at rest [m/s, rad/s]."""
-AT_MOST = 1e-6
-"""Distance from its limit, relative to it, at which a drive is at its limit."""
+AT_REST = 1e-6  # Largest speed at rest [m/s, rad/s]
+AT_MOST = 1e-6  # Distance from its limit, relative to it, at which a drive is at its limit
 
 
 def stalled(run: Stored) -> Iterator[str]:

@@ -19,7 +19,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,48 +27,20 @@ from sandbox.numeric import Array
 from sandbox.samples.samples import Samples
 from sandbox.values.signals import values
 
-SUFFIX = ".target"
-"""Of a meter that holds the target of the quantity before it."""
+SUFFIX = ".target"  # Of a meter that holds the target of the quantity before it
 
 
-class Track(NamedTuple):
-    """A quantity over a run, from t = 0 where its value there is known."""
-
-    time: Array
-    """[s], shape [n] or [n + 1]."""
-    value: Array
-    """The same shape, SI."""
-    target: Array | None
-    """The same shape; None without one."""
-
-
-def track(run: Samples, name: str, goal: Array | None = None) -> Track:
-    """A quantity and its target, with the value at t = 0 before the samples if it is known.
-
-    Args:
-        run: the recording.
-        name: of the quantity.
-        goal: its target, shape [n], SI.
-
-    Raises:
-        UnknownQuantityError: not in the catalogue.
-    """
+def track(run: Samples, name: str, goal: Array | None = None) -> tuple[Array, Array, Array | None]:
+    """Instants [s], a quantity and its target, from t = 0 where the value there is known."""
     begins = start(run, name)
     if begins is None or not len(run) or run.time[0] <= 0:
-        return Track(run.time, run[name], goal)
-    return Track(np.append(0.0, run.time), np.append(begins, run[name]),
-                 None if goal is None else np.append(goal[0], goal))
+        return run.time, run[name], goal
+    return (np.append(0.0, run.time), np.append(begins, run[name]),
+            None if goal is None else np.append(goal[0], goal))
 
 
 def start(run: Samples, name: str) -> float | None:
-    """The value of a quantity at t = 0 as the scene gives it, SI; None where it does not.
-
-    Known are rotations of hinges, places and angles of bodies, shortenings of
-    tendons and values of drives.
-
-    Raises:
-        UnknownQuantityError: not in the catalogue.
-    """
+    """The value of a quantity at t = 0 as the scene gives it, SI; None where it does not."""
     bodies, joints, source = run.model.bodies, run.model.joints, run.catalogue.find(name)
     match source.kind, source.quantity:
         case "tendon", "shortening":
@@ -84,12 +55,7 @@ def start(run: Samples, name: str) -> float | None:
 
 
 def targets(run: Samples, given: Mapping[str, float] | None = None) -> dict[str, Array]:
-    """Quantity to its target over time, shape [n], SI.
-
-    Args:
-        run: the recording.
-        given: targets by hand, SI; what the run does not have is left out.
-    """
+    """Quantity to its target over time [n], SI; ``given`` are targets by hand."""
     found: dict[str, Array] = {name: np.full(len(run), value)
                                for name, value in (given or {}).items() if name in run.catalogue}
     for controller in sorted(run.mechanism.controllers, key=lambda each: not each.active):
@@ -103,15 +69,7 @@ def targets(run: Samples, given: Mapping[str, float] | None = None) -> dict[str,
 
 
 def responses(run: Samples, goals: Mapping[str, Array]) -> dict[str, Response]:
-    """The response of each quantity to its target, from t = 0 on.
-
-    Args:
-        run: the recording.
-        goals: quantity to target, shape [n] with n > 1, SI.
-
-    Raises:
-        UnknownQuantityError: not in the catalogue.
-    """
+    """The response of each quantity to its target [n], n > 1, from t = 0 on."""
     found = {}
     for name, goal in goals.items():
         time, value, target = track(run, name, goal)
@@ -121,7 +79,7 @@ def responses(run: Samples, goals: Mapping[str, Array]) -> dict[str, Response]:
 
 
 def led(run: Samples) -> list[str]:
-    """The quantities that controllers lead to targets, in the scene's order."""
+    """The quantities for which controllers have targets, in the scene's order."""
     return list(dict.fromkeys(name for controller in run.mechanism.controllers
                               for name, _ in _led(run, controller)))
 
@@ -133,81 +91,61 @@ def controlled(run: Samples) -> list[str]:
 
 
 def initial(run: Samples, drive: str) -> float:
-    """What a drive has at t = 0, before anything acts; SI.
-
-    Raises:
-        KeyError: no such drive.
-    """
+    """The value of a drive at t = 0, before anything acts; SI."""
     spec = run.mechanism.drives[run.model.names.drive[drive]]
     try:
-        return float(values(
-            spec.signal(run.mechanism), np.zeros(1), run.mechanism.functions)[0])
+        return float(values(spec.signal(run.mechanism), np.zeros(1), run.mechanism.functions)[0])
     except ValueError:  # such as log(t): what it had first
         return float(run[f"{drive}.value"][0])
 
 
 def _led(run: Samples, controller: Controller) -> Iterator[tuple[str, Array]]:
     """The quantities that a controller reads by their plain names, and their targets."""
-    for i, (text, signal) in enumerate(zip(
-            controller.readings, controller.signals, strict=False)):
+    for i, (text, signal) in enumerate(zip(controller.readings, controller.signals, strict=False)):
         name = text.removeprefix("=").strip()
         if name in run:  # else an expression of several quantities
             target = values(signal, run.time, run.mechanism.functions)
-            # events know one target a controller: its first
+            # events set the first target of a controller
             yield name, _changed(run, controller.name, target) if i == 0 else target
 
 
 def _changed(run: Samples, controller: str, target: Array) -> Array:
-    """A target with what events of the run set it to, and for how long."""
-    key = f"{controller}{SUFFIX}"
-    events = {event.name: event for event in run.mechanism.events}
-    target = target.copy()
+    """A target with the values that events of the run set, and for how long."""
+    key, target = f"{controller}{SUFFIX}", target.copy()
+    events = {event.name: event for event in run.mechanism.events if key in event.set}
     for happened in run.info.events:
-        event = events.get(happened.event)
-        if event is None or key not in event.set:
-            continue
-        since = run.time > happened.time
-        if event.lasts is not None:
-            since &= run.time <= happened.time + event.lasts
-        target[since] = event.set[key]
+        if event := events.get(happened.event):
+            since = run.time > happened.time
+            if event.lasts is not None:
+                since &= run.time <= happened.time + event.lasts
+            target[since] = event.set[key]
     return target
 
 
-BAND = 0.02
-"""Half the width of the band that counts as settled, as a fraction of the target."""
-LAST = 0.05
-"""The fraction of a run that counts as its end."""
+BAND = 0.02  # Half the width of the band that counts as settled, as a fraction of the target
+LAST = 0.05  # The fraction of a run that counts as its end
 
 
 @dataclass(frozen=True)
 class Response:
     """The response of a quantity to its target; SI."""
 
-    start: float
-    """The first value: where the step to the target begins."""
-    final: float
-    """The mean of the end of the run."""
-    target: float
-    """The last one."""
-    overshoot: float
-    """[%] of the step; nan where there was no step to make."""
-    settling: float
-    """[s]; inf where it never settles."""
+    start: float  # The first value: where the step to the target begins
+    final: float  # The mean of the end of the run
+    target: float  # The last one
+    overshoot: float  # [%] of the step; nan where there was no step to make
+    settling: float  # [s]; inf where it never settles
     steady_error: float
-    iae: float
-    """In the quantity's unit times seconds."""
+    iae: float  # In the quantity's unit times seconds
 
 
 @dataclass(frozen=True)
 class Effort:
     """The control effort of a drive, in its unit."""
 
-    variation: float
-    """The sum of all changes, up and down."""
-    peak: float
-    """Largest magnitude."""
-    rate: float
-    """Largest change from one sample to the next, per second: a jump counts by the sampling."""
+    variation: float  # The sum of all changes, up and down
+    peak: float  # Largest magnitude
+    rate: float  # Largest change from one sample to the next, per second: jumps count by sampling
 
 
 def respond(time: Array, value: Array, target: Array) -> Response:
@@ -217,21 +155,14 @@ def respond(time: Array, value: Array, target: Array) -> Response:
         ValueError: fewer than two samples, or shapes that differ.
     """
     _check(time, value, target)
-    end = ending(time)
+    end, first, goal = ending(time), float(value[0]), float(target[-1])
+    overshoot = math.nan if goal == first else float(
+        100 * max(0.0, np.max((value - goal) / (goal - first))))
     return Response(
-        start=float(value[0]), final=float(np.mean(value[end])), target=float(target[-1]),
-        overshoot=overshoot(value, target), settling=settling_time(time, value, target),
+        start=first, final=float(np.mean(value[end])), target=goal, overshoot=overshoot,
+        settling=settling_time(time, value, target),
         steady_error=float(np.mean(value[end] - target[end])),
         iae=float(np.trapezoid(np.abs(value - target), time)))
-
-
-def overshoot(value: Array, target: Array) -> float:
-    """Overshoot of the step from the first value to the last target [%]; nan if they are equal."""
-    goal = float(target[-1])
-    step = goal - float(value[0])
-    if step == 0:
-        return math.nan
-    return float(100 * max(0.0, np.max((value - goal) / step)))
 
 
 def settling_time(time: Array, value: Array, target: Array) -> float:
@@ -241,11 +172,7 @@ def settling_time(time: Array, value: Array, target: Array) -> float:
     is of second order in the spacing. Without the last 5 % of the run in the band it is inf. A
     sample without a value counts as outside. The band refers to the last target, or to the step if
     that target is 0.
-
-    Raises:
-        ValueError: fewer than two samples, or shapes that differ.
     """
-    _check(time, value, target)
     error, band = value - target, BAND * abs(float(target[-1]) or float(value[0]))
     outside = np.flatnonzero(~(np.abs(error) <= band))
     if not len(outside):

@@ -23,41 +23,30 @@ from sandbox.model.joints import rotated
 from sandbox.model.model import NONE, Model
 from sandbox.model.pairs import friction_of, pair_skins
 from sandbox.numeric import Array, Integers
-from sandbox.samples.contacts import TOUCH
+from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.nearby import faces, pressed
 from sandbox.samples.outcome import Stored
 
-RANK = 1e-9
-"""Directions with a smaller share than this are rounding."""
-SMALL = 1e-7
-"""Motions [m, and by the size of the object rad] of central differences."""
+RANK = 1e-9  # Directions with a smaller share than this are rounding
+SMALL = 1e-7  # Motions [m, and by the size of the object rad] of central differences
 NOTHING = 1e-6
 """Least stiffness relative to the largest force over the object's size, which is the order of the
 geometric stiffness."""
 NEAR = 1e-8
 """Distance [m] from the plane of a contact, besides motion in a step, at which corners press."""
-AT_CONE = 1e-6
-"""Distance of friction from its limit, relative to it, that counts as 0."""
-SLIDES = 1e-6
-"""Least speed of sliding [m/s]."""
-SOFTLY = 1e-6
-"""Least component of an object in a motion without stiffness."""
-Form = tuple[Array, tuple[float, float], Array, int]
-"""The fields of a :class:`Rigid` from ``arms`` to ``turns``."""
+AT_CONE = 1e-6  # Distance of friction from its limit, relative to it, that counts as 0
+SLIDES = 1e-6  # Least speed of sliding [m/s]
+SOFTLY = 1e-6  # Least component of an object in a motion without stiffness
 
 
 class Elastic(NamedTuple):
     """An element with a stiffness."""
 
-    kind: str
-    """``spring``, ``tendon`` or ``drive``."""
-    number: int
-    """Of the element among its kind."""
-    stiffness: float
-    """[N/m, N m/rad]"""
-    pull: Array
-    """Wrench of its unit force on all free bodies, [3 n]."""
+    kind: str  # ``spring``, ``tendon`` or ``drive``
+    number: int  # Of the element among its kind
+    stiffness: float  # [N/m, N m/rad]
+    pull: Array  # Wrench of its unit force on all free bodies, [3 n]
 
 
 class Yield(NamedTuple):
@@ -66,12 +55,9 @@ class Yield(NamedTuple):
     compliance: Array
     """Its motion (x, y, turn) by force (x, y) and couple [m/N, rad/N, rad/(N m)], [3, 3]; 0 where
     it is held rigidly."""
-    loose: Array
-    """Which of (x, y, turn) have no stiffness, [3] of bool."""
-    free: Array
-    """The directions (x, y) without stiffness, [k, 2]."""
-    signed: bool = False
-    """Whether instability is a negative stiffness, not 0."""
+    loose: Array  # Which of (x, y, turn) have no stiffness, [3] of bool
+    free: Array  # The directions (x, y) without stiffness, [k, 2]
+    signed: bool = False  # Whether instability is a negative stiffness, not 0
 
     def stiffness(self) -> Array:
         """Force along x over motion along x, the same of y and turn, the least of (x, y), [4].
@@ -88,11 +74,7 @@ class Yield(NamedTuple):
 
 
 def without_stiffness(model: Model) -> str:
-    """Elements whose stiffness does not follow from one sample, in words; empty without them.
-
-    The pressure of fluids depends on time; slopes of load laws, of teeth and of soft contacts are
-    not computed.
-    """
+    """Elements whose stiffness one sample does not determine, in words; empty without them."""
     if pair_skins(model.mechanism).size:
         return "soft skin"
     return ("fluids" if model.lines.name else "loads by laws" if model.loads.name else "teeth"
@@ -106,24 +88,10 @@ class Rigid(NamedTuple):
     arms: Array
     """From the centres of mass to the centre of rounding of either side, or a point, [2, 2]."""
     radii: tuple[float, float]
-    along: Array
-    """Direction of the force on the first body, [2]."""
-    turns: int
-    """The line turns with body 0 or 1, with the line between both points (2), or not (3)."""
-    force: float
-    """The size of the force [N]."""
-    across: bool = False
-    """Whether it acts across that line, as friction does."""
-
-
-class _KeptRow(NamedTuple):
-    """A row of a constraint: given, or that of a rigid force by number."""
-
-    row: Array = np.empty(0)
-    number: int | None = None
-    across: int | None = None
-    """The number of its friction, ``share`` times it, where it slides."""
-    share: float = 0.0
+    along: Array  # Direction of the force on the first body, [2]
+    turns: int  # The line turns with body 0 or 1, with the line between both points (2), or not (3)
+    force: float = 0.0  # Magnitude [N]
+    across: bool = False  # Whether it acts across that line, as friction does
 
 
 class Yielding:
@@ -148,48 +116,33 @@ class Yielding:
         self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
         turned = np.zeros((self.count, 2 * self.count))  # of loads of constant magnitude
         for batch in self.loads.batches:
-            self._add_to(turned, batch, slice(1, None))
+            on = self._at[batch.body] >= 0
+            np.add.at(turned, self._at[batch.body[on], None] + np.arange(3),
+                      batch.wrench[on, :, 1:])
         self.stiffness = np.asarray(
             (turned[:, self.count:] - turned[:, :self.count]) / (2 * self.steps))
         elastic = np.zeros((self.count, self.count))
         for one in self.elastic():
             elastic += one.stiffness * np.outer(one.pull, one.pull)
         self.stiffness += elastic
-        self.largest = max((float(np.hypot(batch.x[:, 0], batch.y[:, 0]).max(initial=0.0))
+        self.largest = max((float(np.hypot(*batch.wrench[:, :2, 0].T).max(initial=0.0))
                             for batch in self.loads.batches), default=0.0)
-        self._held: list[_KeptRow] = []
+        self._held: list[Array | int] = []  # rows of constraints, or numbers of rigid forces
+        self._slides: dict[int, tuple[int, float]] = {}  # of some: their friction, and mu
         self._rigids: list[Rigid] = []
-        self._keep()
-        rows = self._turn()
-        self.kept = [each.row if each.number is None else rows[each.number]
-                     for each in self._held]
+        self._constrain()
+        rows = self._rigid_rows()
+        self.kept = [rows[each] if isinstance(each, int) else each for each in self._held]
         """Rows of the constraints, each [3 n]."""
-        self.pushes = [row if each.across is None else row + each.share * rows[each.across]
-                       for row, each in zip(self.kept, self._held, strict=True)]
+        self.pushes = list(self.kept)
         """Forces of the constraints; they differ from the rows at sliding contacts."""
-
-    # --- stiffness
-
-    def _add_to(self, total: Array, batch: Batch, columns: slice | int) -> None:
-        """Add the loads of a batch on free bodies, in some columns, to rows of freedoms."""
-        on = self._at[batch.body] >= 0
-        for k, part in enumerate((batch.x, batch.y, batch.moment)):
-            np.add.at(total, self._at[batch.body[on]] + k, part[on, columns])
-
-    def _row(self, bodies: tuple[int, int], wrench: Array) -> Array:
-        """Wrenches on two bodies, [6], as one on all free bodies, [3 n]."""
-        row = np.zeros(self.count)
-        for k, body in enumerate(bodies):
-            if body in self.place:
-                row[self.place[body]:self.place[body] + 3] += wrench[3 * k:3 * k + 3]
-        return row
+        for k, (friction, share) in self._slides.items():
+            self.pushes[k] = self.kept[k] + share * rows[friction]
 
     def _rows(self, efforts: Batch, count: int) -> Array:
         """Wrenches of unit efforts of ``count`` elements on all free bodies, [count, 3 n]."""
-        rows, on = np.zeros((count, self.count)), self._at[efforts.body] >= 0
-        for k, part in enumerate((efforts.x, efforts.y, efforts.moment)):
-            np.add.at(rows, (efforts.element[on], self._at[efforts.body[on]] + k), part[on, 0])
-        return rows
+        found = efforts.wrenches(count, len(self._at))
+        return found[:, self._at >= 0].reshape(count, self.count)
 
     def elastic(self) -> Iterator[Elastic]:
         """Elastic elements: springs, taut tendons, servos with a stiffness."""
@@ -232,24 +185,24 @@ class Yielding:
             if abs(a["drive_torque"][s, i]) < most * (1 - AT_CONE):
                 yield i, efforts[i]
 
-    # --- constraints
-
-    def _keep(self) -> None:
+    def _constrain(self) -> None:
+        """Collect all constraints, and the rigid forces among them."""
         a, joints, s = self.run.arrays, self.model.joints, self.sample
-        for i, u in self._placing():
-            if not np.isfinite(self.model.drives.stiffness[i]):
-                self._held.append(_KeptRow(u))
+        self._held += [u for i, u in self._placing()
+                       if not np.isfinite(self.model.drives.stiffness[i])]
         stopped = joints.stopped[a["joint_stop"][s, joints.stopped] != 0.0]
         stuck = joints.frictional[a["joint_sticks"][s, joints.frictional] == 1.0]
         for efforts, held in ((self.loads.joint_efforts, stopped),
                               (self.loads.friction_efforts, stuck)):
-            self._held += map(_KeptRow, self._rows(efforts, len(joints.name))[held])
+            self._held += list(self._rows(efforts, len(joints.name))[held])
         for j in np.flatnonzero(held_of(self.model.bonds.joint, a["held"])[:, s]).tolist():
             if not joints.turns[j]:
-                one, two = joints.bodies[j].tolist()
-                self._held.append(_KeptRow(
-                    self._row((one, two), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 1.0]))))
-            self._held += [_KeptRow(number=self._add(rigid)) for rigid in self._joint(j)]
+                turn = np.zeros(self.count)
+                for body, sign in zip(joints.bodies[j].tolist(), (-1.0, 1.0), strict=True):
+                    if body in self.place:
+                        turn[self.place[body] + 2] = sign
+                self._held.append(turn)
+            self._held += [self._add(rigid) for rigid in self._joint(j)]
         for row in np.flatnonzero(a["contact_sample"] == s).tolist():
             self._touch(row)
 
@@ -258,7 +211,7 @@ class Yielding:
         self._rigids.append(rigid)
         return len(self._rigids) - 1
 
-    def _turn(self) -> Array:
+    def _rigid_rows(self) -> Array:
         """The rows of all such forces, [k, 3 n]; adds their geometric stiffness."""
         found = np.zeros((len(self._rigids), self.count))
         if not self._rigids:
@@ -270,14 +223,11 @@ class Yielding:
         for i, (rigid, wrench, slopes) in enumerate(zip(
                 self._rigids, all_of[:, 0], slopes_of, strict=True)):
             self.largest = max(self.largest, abs(rigid.force))
-            found[i] = self._row(rigid.bodies, wrench)
-            slopes *= -rigid.force
-            for j, one in enumerate(rigid.bodies):
-                for k, two in enumerate(rigid.bodies):
-                    if one in self.place and two in self.place:
-                        at, to = self.place[one], self.place[two]
-                        self.stiffness[at:at + 3, to:to + 3] += slopes[
-                            3 * j:3 * j + 3, 3 * k:3 * k + 3]
+            places = self._at[list(rigid.bodies)]
+            on = np.repeat(places >= 0, 3)
+            at = (places[:, None] + np.arange(3)).ravel()[on]
+            found[i, at] = wrench[on]
+            self.stiffness[np.ix_(at, at)] -= rigid.force * slopes[np.ix_(on, on)]
         return found
 
     def _wrenches(self, moved: Array) -> Array:
@@ -308,9 +258,7 @@ class Yielding:
         ends = [np.array([end.x[j, 0], end.y[j, 0]]) for end in reversed(frames.anchors)]
         arms = np.array([ends[0] - self.centre[b], ends[1] - self.centre[a]])
 
-        def rigid(
-            along: Array, turns: int, radius: float = 0.0, *, across: bool = False,
-        ) -> Rigid:
+        def rigid(along: Array, turns: int, radius: float = 0.0, *, across: bool = False) -> Rigid:
             way = np.array([-along[1], along[0]]) if across else along
             return Rigid((b, a), arms, (radius, 0.0), along, turns, float(f @ way), across)
 
@@ -320,8 +268,8 @@ class Yielding:
         elif keeps == "groove":
             place = frames.place_in_slot(j)
             x, y, bend = (float(v[0]) for v in (place.x, place.y, place.bend))
-            rub = abs(float(np.nan_to_num(self.run.arrays["joint_friction"][self.sample, j])))
-            if abs(float(f[0]) * x + float(f[1]) * y) > TOUCH + rub:  # an end pushes the point
+            friction = abs(float(np.nan_to_num(self.run.arrays["joint_friction"][self.sample, j])))
+            if abs(float(f[0]) * x + float(f[1]) * y) > TOUCH + friction:  # an end pushes the point
                 yield rigid(np.array([x, y]), 1)
             if bend == 0.0:
                 yield rigid(np.array([-y, x]), 1)
@@ -339,49 +287,34 @@ class Yielding:
             yield from (rigid(n, 2, radius, across=across) for across in (False, True))
 
     def _touch(self, row: int) -> None:
-        """A contact that presses: normal and, unless it slides, friction."""
+        """Add a contact that presses: normal and, unless it slides, friction."""
         a = self.run.arrays
         pair = int(a["contact_body"][row]), int(a["contact_other"][row])
         u, force = a["contact_normal"][row], a["contact_force"][row]
-        normal = float(force @ u)
+        normal, tangential = float(force @ u), float(force @ np.array([-u[1], u[0]]))
         if normal <= TOUCH or not any(body in self.place for body in pair):
             return
         mu = friction_of(self.run.mechanism, *pair)
-        rub = float(force @ np.array([-u[1], u[0]]))
-        slides = abs(rub) >= mu * normal * (1 - AT_CONE) and self._slip(row) > SLIDES
-        for k, (share, form) in enumerate(self._places(row)):
-            along, across = (
-                self._add(Rigid(pair, *form, part, cross))
-                for part, cross in ((share * normal, False), (share * rub, True)))
+        slides = abs(tangential) >= mu * normal * (1 - AT_CONE) and slip_speeds(
+            a, np.array([row]))[0] > SLIDES
+        for k, (share, rigid) in enumerate(self._points(row, pair)):
+            along = self._add(rigid._replace(force=share * normal))
+            across = self._add(rigid._replace(force=share * tangential, across=True))
             if mu and slides:
-                self._held.append(_KeptRow(number=along, across=across, share=np.copysign(mu, rub)))
-                continue
-            self._held.append(_KeptRow(number=along))
-            if mu and k == 0:
-                self._held.append(_KeptRow(number=across))
+                self._slides[len(self._held)] = across, float(np.copysign(mu, tangential))
+            self._held.append(along)
+            if mu and k == 0 and not slides:
+                self._held.append(across)
 
-    def _slip(self, row: int) -> float:
-        """Speed of sliding at a contact row [m/s]."""
-        a, s = self.run.arrays, self.sample
-        u, at = a["contact_normal"][row], a["contact_point"][row]
-        speeds = []
-        for body in (int(a["contact_body"][row]), int(a["contact_other"][row])):
-            vx, vy, turn = a["body_velocity"][s, body]
-            x, y = at - self.centre[body]
-            speeds.append((vy + turn * x) * u[0] - (vx - turn * y) * u[1])
-        return abs(float(speeds[0] - speeds[1]))
-
-    def _places(self, row: int) -> list[tuple[float, Form]]:
-        """Points of a contact: share of the force; arms, radii, normal and the body that turns it.
+    def _points(self, row: int, pair: tuple[int, int]) -> list[tuple[float, Rigid]]:
+        """Points of a contact: share of the force, and its normal force.
 
         Raises:
             ArithmeticError: several normals, or a corner on a corner.
         """
-        a, s = self.run.arrays, self.sample
-        pair = [int(a["contact_body"][row]), int(a["contact_other"][row])]
+        a, s, both = self.run.arrays, self.sample, list(pair)
         u, point = a["contact_normal"][row], a["contact_point"][row]
-        near = NEAR + self.run.info.step * float(
-            np.hypot(*a["body_velocity"][s, pair, :2].T).sum())
+        near = NEAR + self.run.info.step * float(np.hypot(*a["body_velocity"][s, both, :2].T).sum())
         ends, along = pressed(self.run, row, near), np.array([-u[1], u[0]])
         near += abs(float(a["contact_gap"][row])) / 2
         place = float(point @ along)
@@ -394,17 +327,14 @@ class Yielding:
         if len(ends) == 2:
             way = ends[1] - ends[0]
             second = min(max(float((point - ends[0]) @ way / (way @ way)), 0.0), 1.0)
-            shares = [(1 - second, ends[0]), (second, ends[1])]
-            shares = [each for each in shares if each[0] > AT_CONE]
-            return [(share, (at - self.centre[pair], (0.0, 0.0), u, 1)) for share, at in shares]
+            return [(share, Rigid(pair, at - self.centre[both], (0.0, 0.0), u, 1))
+                    for share, at in zip((1 - second, second), ends, strict=True)
+                    if share > AT_CONE]
         radii = (0.0 if flat[0] else one.radius, 0.0 if flat[1] else two.radius)
         if not any(flat) and sum(radii) <= near:
             raise ArithmeticError("corner on corner")
-        turns = 0 if flat[0] else 1 if flat[1] else 2
-        arms = np.array([point + radii[0] * u, point - radii[1] * u]) - self.centre[pair]
-        return [(1.0, (arms, radii, u, turns))]
-
-    # --- response
+        arms = np.array([point + radii[0] * u, point - radii[1] * u]) - self.centre[both]
+        return [(1.0, Rigid(pair, arms, radii, u, 0 if flat[0] else 1 if flat[1] else 2))]
 
     def of(self, body: int, *, signed: bool = False) -> Yield:
         """The response of a free body; ``signed`` as of :class:`Yield`."""
@@ -418,8 +348,8 @@ class Yielding:
         Y = Z if symmetric else null_space(pushes[:, part] * scale)
         if Z.shape != Y.shape:
             raise ArithmeticError("contacts that slide and jam")
-        M, seen, felt = Y.T @ K @ Z, Z[own], Y[own]
-        seen, felt = (np.where(np.abs(each) > RANK, each, 0.0) for each in (seen, felt))
+        M, motions, forces = Y.T @ K @ Z, Z[own], Y[own]
+        motions, forces = (np.where(np.abs(each) > RANK, each, 0.0) for each in (motions, forces))
         nothing = NOTHING * self.largest / self.size
         if symmetric:
             values, left = np.linalg.eigh((M + M.T) / 2)
@@ -429,10 +359,10 @@ class Yielding:
         else:
             left, values, rows = np.linalg.svd(M)
             right, soft = rows.T, values <= max(nothing, 1e-14 * values.max(initial=0.0))
-        away = (seen @ right[:, soft]).T
+        away = (motions @ right[:, soft]).T
         away = away[np.abs(away).max(axis=1, initial=0.0) > SOFTLY]
         firm = ~soft
-        C = (seen @ right[:, firm] / values[firm]) @ (felt @ left[:, firm]).T
+        C = (motions @ right[:, firm] / values[firm]) @ (forces @ left[:, firm]).T
         back = np.array([1.0, 1.0, 1 / self.size])
         free = away[:, :2]
         return Yield(back * C * back[:, None], np.abs(away).max(axis=0, initial=0.0) > SOFTLY,
@@ -443,20 +373,16 @@ class Yielding:
         bodies = [np.abs(each).reshape(len(each), self.count // 3, 3).max(axis=2) > 0
                   for each in (rows, self.stiffness)]
         joins = bodies[0].T @ bodies[0] | bodies[1][0::3] | bodies[1][1::3] | bodies[1][2::3]
-        first = self.place[body] // 3
+        joins, first = joins | joins.T, self.place[body] // 3
         reached = np.arange(len(joins)) == first
-        while (more := reached | joins[reached].any(axis=0) | joins[:, reached].any(axis=1)
-               ).sum() > reached.sum():
+        while (more := reached | joins[reached].any(axis=0)).sum() > reached.sum():
             reached = more
         at = 3 * int(reached[:first].sum())
         return slice(at, at + 3), np.flatnonzero(np.repeat(reached, 3))
 
 
 def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
-    """Copies of one sample, without contacts, moved by ``moved`` [k, nb, 3].
-
-    Rotations are about the centres of mass.
-    """
+    """Copies of one sample, without contacts, moved about the centres of mass by [k, nb, 3]."""
     which = np.full(len(moved), sample)
     arrays = {key: run.arrays[key][:0] if key in CONTACT else
               run.arrays[key][which] if key in PER_SAMPLE else run.arrays[key] for key in LAYOUT}

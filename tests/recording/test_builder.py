@@ -42,7 +42,7 @@ def test_what_is_built_is_what_was_written(memory, tmp_path):
     assert set(run.arrays) == {*expected, *IMPACT}
     for key, array in expected.items():
         assert np.array_equal(run.arrays[key], array), key
-    assert bool(list(tmp_path.iterdir())) == (memory < 1e9)
+    assert mapped(run.arrays["body_pose"]) == (memory < 1e9)
 
 
 @pytest.mark.parametrize("memory", [1e9, 1000.0])
@@ -67,14 +67,10 @@ def test_files_live_as_long_as_the_recording_and_no_longer(tmp_path):
     mech = mechanism()
     run = build(mech, memory=0, directory=tmp_path).finish(times(), INFO)
     part = run.part(2, 5)
-    gc.collect()
-    assert list(tmp_path.iterdir())
     del run
     gc.collect()
-    assert np.array_equal(part.time, arrays(mech)["time"][2:5])
-    assert list(tmp_path.iterdir())
-    del part
-    gc.collect()
+    assert mapped(part.arrays["body_pose"])
+    assert np.array_equal(part.arrays["body_pose"], arrays(mech)["body_pose"][2:5])
     assert not list(tmp_path.iterdir())
 
 
@@ -85,7 +81,7 @@ def test_no_room_is_told_before_anything_runs(tmp_path, monkeypatch):
     monkeypatch.setattr("os.posix_fallocate", full, raising=False)
     with pytest.raises(OutputError, match=r"no room for .* GB of samples in .*: No space left"):
         build(mechanism(), memory=0, directory=tmp_path)
-    with pytest.raises(OutputError, match="cannot make a temporary directory"):
+    with pytest.raises(OutputError, match=r"no room for .*: No such file"):
         build(mechanism(), memory=0, directory=tmp_path / "missing")
 
 

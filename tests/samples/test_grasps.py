@@ -177,7 +177,7 @@ def test_a_failed_expectation_tells_how_far_it_moved():
 
 
 @pytest.mark.parametrize(("touches", "told"), [
-    ([], "no body of a hand ever touches it"),
+    ([], "no body of a hand had touched it yet"),
     (pinch(10), "no body of a hand touched it after {last:.6g} s"),
     ([row for row in pinch(N) if row[0] != 150], "the hand released it in the 0.1 s before"),
     (sorted([*pinch(N), *(touch(k, TABLE, -np.pi / 2, 1.0) for k in range(200, N))]),

@@ -35,12 +35,10 @@ BOX = piece((-1, -1), (1, -1), (1, 1), (-1, 1))
     (BOX, piece((2, 2), (3, 2), (3, 3), (2, 3)), np.sqrt(2), (S, S), (1.5, 1.5)),
 ])
 def test_gap_normal_and_place(one, two, gap, normal, at):
-    found = apart(one, two)
-    assert found.gap == pytest.approx(gap, abs=1e-15)
-    assert found.normal == pytest.approx(normal)
-    other = apart(two, one)
-    assert other.gap == pytest.approx(gap, abs=1e-15)
-    assert other.normal == pytest.approx(-np.asarray(normal))
+    for pair, sign in (((two, one), -1), ((one, two), 1)):
+        found, out, place = apart(*pair)
+        assert found == pytest.approx(gap, abs=1e-15)
+        assert out == pytest.approx(sign * np.asarray(normal))
     for i, wanted in enumerate(at or ()):
         if wanted is not None:
-            assert found.at[i] == pytest.approx(wanted, abs=2e-9)
+            assert place[i] == pytest.approx(wanted, abs=2e-9)

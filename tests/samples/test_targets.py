@@ -14,7 +14,6 @@ from sandbox.samples.targets import (
     effort,
     initial,
     led,
-    overshoot,
     respond,
     responses,
     settling_time,
@@ -122,7 +121,8 @@ def test_second_order(zeta: float, omega: float) -> None:
     damped = omega * math.sqrt(1 - zeta**2)
     peak = 100 * math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2))
     # the highest sample lies within dt / 2 of the peak, where |y''| <= omega^2
-    assert overshoot(value, goal * ONE) == pytest.approx(peak, abs=100 * (omega * DT)**2 / 8)
+    assert respond(T, value, goal * ONE).overshoot == pytest.approx(
+        peak, abs=100 * (omega * DT)**2 / 8)
 
     # the last extremum beyond 2 %, then the crossing before the next one
     n = math.floor(-math.log(0.02) * damped / (zeta * omega * math.pi))
