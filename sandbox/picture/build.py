@@ -51,11 +51,9 @@ class Row(NamedTuple):
     """A row that explains a glyph."""
 
     layer: str
-    width: float
-    """Of the glyph [points]."""
+    width: float  # of the glyph [points]
     words: str
-    centred: bool = False
-    """Whether the glyph's middle is its origin; others begin there."""
+    centred: bool = False  # whether the glyph's middle is its origin; others begin there
 
 
 ROWS: Mapping[str, Row] = {
@@ -80,10 +78,8 @@ ROWS: Mapping[str, Row] = {
 }
 """By name, most important first. What a picture shows by itself has no row."""
 SHOWN_ON = "on the object"
-SEEN = 2.5
-"""Arrows that are shorter everywhere have no scale [points]."""
-STEPS = 8
-"""Colours of springs on either side of their own stiffness."""
+SEEN = 2.5  # arrows that are shorter everywhere have no scale [points]
+STEPS = 8  # colours of springs on either side of their own stiffness
 RAMPS = {"load": [[css(c) for c in PUSH], [css(c) for c in TENSION]],
          "stiffness": [[css(mixed(SPRING, other, k / (STEPS - 1))) for k in range(STEPS)]
                        for other in (SLACK, DRIVE)]}

@@ -20,16 +20,11 @@ from sandbox.picture.typesetter import Typesetter
 
 MASKS = (0xFF, 0xFF00, 0xFF0000, 0)
 """Red, green, blue in this order in memory, the fourth byte unused."""
-COLOUR = np.uint32(0xFFFFFF)
-"""The fourth byte of a word is anything."""
-LONG = 60
-"""Lines with more corners have no mitres, which would take long."""
-HATCHED = 400
-"""Areas whose hatching is kept."""
-CELL = 24
-"""Side of a cell [pixels of the finished picture]."""
-MOST_PIXELS = 60_000_000
-"""Of the enlarged picture; very large pictures are enlarged less."""
+COLOUR = np.uint32(0xFFFFFF)  # the fourth byte of a word is anything
+LONG = 60  # lines with more corners have no mitres, which would take long
+HATCHED = 400  # areas whose hatching is kept
+CELL = 24  # side of a cell [pixels of the finished picture]
+MOST_PIXELS = 60_000_000  # of the enlarged picture; very large pictures are enlarged less
 
 
 def new_surface(width: int, height: int) -> pygame.Surface:
@@ -216,8 +211,8 @@ class Frames:
         self._areas: list[pygame.Rect] = []
         self._stamped: list[pygame.Rect] = []
         self._key: bytes | None = None
-        self.instant.go_to_sample(0)
-        self.instant.paint_still(painter)
+        self.instant.go_to(float(picture.run.time[0]))
+        self.instant.paint(painter, still=True)
         for zone in ((0, 0, width, stage.top), (0, stage.bottom, width, height),
                      (stage.right, stage.top, width, stage.height)):
             painter.large.fill(BACKGROUND, [v * enlarge for v in zone])

@@ -17,14 +17,10 @@ from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape,
 from sandbox.scene.geometry import solids
 
 XY = tuple[float, float]
-Edges = tuple[float, float, float, float]
-"""Left, top, right, bottom [pixels]."""
-FAR = 1e12
-"""Coordinates beyond this are moved there [pixels]."""
-ARC = 128
-"""Sides of the visible piece of a very large circle."""
-TOUCHING = 1e-7
-"""Shapes that are no farther apart touch [m]."""
+Edges = tuple[float, float, float, float]  # left, top, right, bottom [pixels]
+FAR = 1e12  # coordinates beyond this are moved there [pixels]
+ARC = 128  # sides of the visible piece of a very large circle
+TOUCHING = 1e-7  # shapes that are no farther apart touch [m]
 
 
 def arc_steps(radius: float, error: float, least: int = 4) -> int:
@@ -235,16 +231,12 @@ def within(points: Sequence[XY], edges: Edges) -> bool:
     return all(left <= x <= right and top <= y <= bottom for x, y in points)
 
 
-def _held(points: Sequence[XY]) -> list[XY]:
-    """The points within :data:`FAR`; none if one of them is NaN."""
-    if any(math.isnan(x) or math.isnan(y) for x, y in points):
-        return []
-    return [(min(max(x, -FAR), FAR), min(max(y, -FAR), FAR)) for x, y in points]
-
-
 def cut_polygon(corners: Sequence[XY], edges: Edges) -> list[XY]:
-    """A polygon's corners within the edges (Sutherland and Hodgman)."""
-    found = _held(corners)
+    """A polygon's corners within the edges (Sutherland and Hodgman); none if one is NaN."""
+    found = [(min(max(x, -FAR), FAR), min(max(y, -FAR), FAR)) for x, y in corners
+             if not math.isnan(x + y)]
+    if len(found) < len(corners):
+        return []
     for axis, limit, sign in ((0, edges[0], 1), (1, edges[1], 1), (0, edges[2], -1),
                               (1, edges[3], -1)):
         before, found = found, []
@@ -261,22 +253,11 @@ def cut_polygon(corners: Sequence[XY], edges: Edges) -> list[XY]:
 
 
 def cut_line(start: XY, end: XY, edges: Edges) -> tuple[XY, XY] | None:
-    """The piece of a line within the edges (Liang and Barsky); None if there is none."""
-    ends = _held((start, end))
-    if not ends:
-        return None
-    (x, y), (dx, dy) = ends[0], (ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
-    first, last = 0.0, 1.0
-    for step, room in ((-dx, x - edges[0]), (-dy, y - edges[1]), (dx, edges[2] - x),
-                       (dy, edges[3] - y)):
-        if step < 0:
-            first = max(first, room / step)
-        elif step > 0:
-            last = min(last, room / step)
-        elif room < 0:
-            return None
-    return None if first > last else (
-        (x + first * dx, y + first * dy), (x + last * dx, y + last * dy))
+    """The piece of a line within the edges; None if there is none."""
+    found = cut_polygon((start, end), edges)
+    sx, sy = (math.copysign(1.0, b - a) for a, b in zip(start, end, strict=True))
+    found.sort(key=lambda at: sx * at[0] + sy * at[1])
+    return (found[0], found[-1]) if found else None
 
 
 def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
@@ -288,10 +269,10 @@ def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
     left, top, right, bottom = edges
     reach = math.hypot(right - left, bottom - top) / 2
     middle = (left + right) / 2, (top + bottom) / 2
-    held, radius = _held([centre]), min(radius, FAR)
-    if not held or math.isnan(radius):
+    if math.isnan(centre[0] + centre[1] + radius):
         return []
-    x, y = middle[0] - held[0][0], middle[1] - held[0][1]
+    x, y = (m - min(max(v, -FAR), FAR) for m, v in zip(middle, centre, strict=True))
+    radius = min(radius, FAR)
     distance = math.hypot(x, y)
     if distance - radius > reach:
         return []

@@ -78,8 +78,7 @@ from sandbox.model.joints import placed
 from sandbox.numeric import Array, Flags
 
 Item = dict[str, Any]
-Number = float | list[int]
-"""A number, or the index of a column in a list."""
+Number = float | list[int]  # a number, or the index of a column in a list
 Point = list[Any]
 SIDES = [(round(math.cos(k * math.pi / 4), 6), round(math.sin(k * math.pi / 4), 6), far)
          for far in (0, 22) for k in range(8)]
@@ -101,12 +100,9 @@ def flat(*points: Any) -> list[float]:
 class Listing:
     """A display list; see the module's description."""
 
-    time: Array
-    """Of the samples [n] s."""
-    pose: Array
-    """Frames [n, frames, 3] m, rad."""
-    world: int = 0
-    """The frame that stands still."""
+    time: Array  # of the samples [n] s
+    pose: Array  # frames [n, frames, 3] m, rad
+    world: int = 0  # the frame that stands still
     fixed_columns: bool = False
     """Keep every column, also where its values are all equal or equal to another's. Lists of
     different samples of one run then have the same items, as a live view needs."""
@@ -119,8 +115,7 @@ class Listing:
     steady: list[int] = field(default_factory=list)
     tables: dict[str, Array] = field(default_factory=dict)
     legend: list[Item] = field(default_factory=list)
-    drift: Array | None = None
-    """How far the camera goes with a body [n, 2] m; None if it stands."""
+    drift: Array | None = None  # how far the camera goes with a body [n, 2] m; None if it stands
     _known: dict[Any, int] = field(default_factory=dict)
     _made: list[Array] = field(default_factory=list)
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
 import pygame
 
-from sandbox.figure.style import COLOURS, Shown, shown_as
+from sandbox.figure.style import COLOURS, shown_as
 from sandbox.model.meters import curves, is_expression
 from sandbox.numeric import Array
 from sandbox.picture.palette import (
@@ -22,92 +23,82 @@ from sandbox.picture.palette import (
     from_css,
     lighter,
 )
-from sandbox.picture.run_data import MeteredRun, read_curve
+from sandbox.picture.run_data import read_curve
 from sandbox.picture.scales import pressure_unit, round_up
 from sandbox.picture.typesetter import Typesetter, ellipsis
+from sandbox.samples.samples import Samples
 from sandbox.scene.settings import ShownMeter, View
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Least width of a meter, and least and largest height of its curve [points]."""
 GROWN = 0.6
 """Share of what stays blank above meters that their curves take, up to the largest height."""
-SHARE = 0.62
-"""Most of a picture's height that meters below the motion take."""
-TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85
-"""Sizes of type, in those of the legend."""
-FINEST = 1.5
-"""So many finished pixels along time share the least and the largest of a curve."""
+SHARE = 0.62  # most of a picture's height that meters below the motion take
+TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85  # sizes of type, in those of the legend
+FINEST = 1.5  # so many finished pixels along time share the least and the largest of a curve
 HUES: tuple[Colour, ...] = tuple(map(from_css, COLOURS))
-PALE = 0.62
-"""How much lighter the curve is where the motion has not come to yet."""
+PALE = 0.62  # how much lighter the curve is where the motion has not come to yet
 
 
 class Dial(NamedTuple):
-    """What one meter shows."""
+    """Data of one meter."""
 
     title: str
-    names: list[str]
-    """Of the curves, as far as they differ; one empty name of one alone."""
-    values: Array
-    """[curves, n], as shown."""
-    shown: Shown
-    low: float
+    names: list[str]  # of the curves, as far as they differ; empty of a single one
+    values: Array  # as shown, [curves, n]
+    sign: str  # after values
+    low: float  # lower limit of the plot, as shown
     high: float
-    """Of the plot, as shown."""
     plotted: bool
 
     def texts(self, *samples: int) -> list[str]:
-        """Values with their units, to as many digits as the largest of the run has."""
+        """Values with units, to as many digits as the largest of the run has."""
         return [self._text(name, values) for name, values in zip(
             self.names, self.values[:, list(samples)].tolist(), strict=True)]
 
     def longest(self, count: int) -> list[str]:
-        """The longest text of each at so many samples."""
+        """The longest text of each curve for a number of samples."""
         sizes = np.nan_to_num(np.abs(self.values), posinf=0.0).max(axis=1)
         return [self._text(name, count * [-size]) for name, size in zip(
             self.names, sizes.tolist(), strict=True)]
 
     def _text(self, name: str, values: Sequence[float]) -> str:
-        words = ", ".join(_written(value, self.values) if math.isfinite(value) else "none"
+        largest = float(np.nanmax(np.abs(self.values), initial=0.0))
+        digits = min(max(0, 2 - math.floor(math.log10(largest))), 6) if largest else 0
+        form = f".{digits}f" if not largest or 1e-4 <= largest < 1e6 else ".2e"
+        words = ", ".join(f"{value:z{form}}" if math.isfinite(value) else "none"
                           for value in values)
-        words += self.shown.sign if any(map(math.isfinite, values)) else ""
+        words += self.sign if any(map(math.isfinite, values)) else ""
         return f"{name} {words}" if name else words
 
 
-def dials(run: MeteredRun, view: View) -> list[Dial]:
-    """The meters of a view, read."""
+def dials(run: Samples, view: View) -> list[Dial]:
+    """Data of the meters of a view."""
     return [_dial(run, meter) for meter in view.meters]
 
 
-def _dial(run: MeteredRun, meter: ShownMeter) -> Dial:
+def _dial(run: Samples, meter: ShownMeter) -> Dial:
     names = curves(meter, run.catalogue)
     rows = np.array([read_curve(run, name) for name in names]).reshape(len(names), len(run.time))
     unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
-    shown = _as_drawn(unit, *(rows if meter.range is None else [np.array(meter.range)]))
-    values = shown.factor * rows
+    scaled = rows if meter.range is None else np.array(meter.range)
+    if unit == "Pa":  # in the unit of the drawing; other quantities in those of plots
+        largest = float(np.nanmax(np.abs(scaled), initial=0.0))
+        size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
+        factor, sign = 1 / size, f" {name}"
+    else:
+        shown = shown_as(unit, *np.atleast_2d(scaled))
+        factor, sign = shown.factor, shown.sign.replace("^2", "²").replace("^3", "³")
+    values = factor * rows
     low, high = _range(values) if meter.range is None else (
-        shown.factor * meter.range[0], shown.factor * meter.range[1])
+        factor * meter.range[0], factor * meter.range[1])
     own, rest = _apart(names) if len(names) > 1 else ([""], names[0])
-    return Dial(meter.title or rest, own, values, shown, low, high,
+    return Dial(meter.title or rest, own, values, sign, low, high,
                 meter.style == "plot" and len(run.time) > 1)
 
 
-def _as_drawn(unit: str, *rows: Array) -> Shown:
-    """As plots show it, but for pressures and powers, which are written as in the drawing."""
-    if unit == "Pa":
-        largest = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows)
-        size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
-        return Shown(1 / size, name, f" {name}")
-    shown = shown_as(unit, *rows)
-    return shown._replace(unit=_raised(shown.unit), sign=_raised(shown.sign))
-
-
-def _raised(unit: str) -> str:
-    return unit.replace("^2", "²").replace("^3", "³")
-
-
 def _range(values: Array) -> tuple[float, float]:
-    """Round limits of a plot about all values, with 0 where that is near."""
+    """Round limits of a plot about all values, with 0 if that is near."""
     found = values[np.isfinite(values)]
     low, high = (float(found.min()), float(found.max())) if len(found) else (0.0, 0.0)
     span = high - low
@@ -126,18 +117,8 @@ def _range(values: Array) -> tuple[float, float]:
     return step * low, step * max(high, low + 1)
 
 
-def _written(value: float, like: Array) -> str:
-    """A number with the decimals that give the largest of ``like`` three digits."""
-    largest = float(np.nanmax(np.abs(like), initial=0.0))
-    if largest and not 1e-4 <= largest < 1e6:
-        return f"{value:.2e}"
-    decimals = min(max(0, 2 - math.floor(math.log10(largest))), 6) if largest else 0
-    text = f"{value:.{decimals}f}"
-    return text.lstrip("-") if not text.strip("-0.") else text  # no negative nothing
-
-
 def _apart(names: Sequence[str]) -> tuple[list[str], str]:
-    """The words in which names differ, and a pattern of them all, for a title."""
+    """The words in which names differ, and a pattern of them all for a title."""
     words = [name.split(".") for name in names]
     least = min(map(len, words))
     first = next((k for k in range(least) if len({w[k] for w in words}) > 1), least - 1)
@@ -149,21 +130,17 @@ def _apart(names: Sequence[str]) -> tuple[list[str], str]:
 
 
 def _begin(names: Sequence[str]) -> str:
-    """The letters that all begin with."""
-    count = next((k for k, each in enumerate(zip(*names, strict=False)) if len(set(each)) > 1),
-                 min(map(len, names)))
-    return names[0][:count]
+    """The letters that all names begin with."""
+    same = takewhile(lambda each: len(set(each)) == 1, zip(*names, strict=False))
+    return "".join(each[0] for each in same)
 
 
 class MeterPanel:
-    """The meters' part of a picture: how large it is, what stays on it, what goes with time.
+    """The meters of a picture; the last ones are left out if there is no room."""
 
-    Meters for which there is no room are left out, the last ones first.
-    """
-
-    def __init__(self, run: MeteredRun, view: View, type_: Typesetter, unit: float,
+    def __init__(self, run: Samples, view: View, type_: Typesetter, unit: float,
                  size: tuple[int, int], moments: int = 1) -> None:
-        """``size`` of the finished picture, which shows so many ``moments``."""
+        """``size`` is that of the picture [pixels], ``moments`` the number of instants shown."""
         self._time, self._type, self._unit, self._moments = run.time, type_, unit, moments
         self._plot_points, self._gap = PLOT, round(0.9 * type_.size)
         self._start, self._end = min(view.start, float(run.time[-1])), float(run.time[-1])
@@ -192,7 +169,7 @@ class MeterPanel:
         return min(count, len(dial.names)), wide
 
     def _has_values(self, dial: Dial) -> bool:
-        """Whether values are written: several curves at several moments have the names alone."""
+        """Whether values are written: not of several curves at several moments."""
         return not dial.plotted or 1 in (self._moments, len(dial.names))
 
     def _head(self, dial: Dial) -> int:
@@ -222,7 +199,7 @@ class MeterPanel:
         self._plot_points = PLOT
 
     def grow(self, blank: float) -> None:
-        """Take a share of the height that stays blank above it [finished pixels]."""
+        """Take a share of a blank height above it [finished pixels]."""
         if rows := sum(any(dial.plotted for dial in row) for row in self._rows):
             free = GROWN * max(0.0, blank) / self._unit / rows
             self._plot_points = min(TALLEST, PLOT + free)
@@ -238,7 +215,7 @@ class MeterPanel:
         return sum(self._height(dial) + self._gap for dial in self._dials)
 
     def settle(self, rect: pygame.Rect, *, aside: bool) -> None:
-        """Take a place on the finished picture."""
+        """Set its place on the finished picture."""
         self.rect, gap, y = rect, self._gap, rect.top
         if aside and (plots := sum(dial.plotted for dial in self._dials)):
             free = (rect.height - self.tall) / self._unit / plots
@@ -251,7 +228,7 @@ class MeterPanel:
             y += high + gap
 
     def draw_still(self, painter: Painter) -> None:
-        """Titles, frames and pale curves."""
+        """Paint titles, frames and pale curves."""
         for dial, cell in zip(self._dials, self._cells, strict=True):
             size = self._type.scaled(TITLE)
             painter.write((cell.left, cell.top),
@@ -263,7 +240,7 @@ class MeterPanel:
                     self._curve(painter, dial, k, plot, lighter(HUES[k], PALE), 1.2)
 
     def draw(self, painter: Painter, times: Sequence[float]) -> None:
-        """Values, curves up to a time [s] with its cursor, or all of them with several cursors."""
+        """Paint values, and curves up to a time [s] with its cursor, or with several cursors."""
         samples = [int(np.argmin(np.abs(self._time - t))) for t in times]
         for dial, cell in zip(self._dials, self._cells, strict=True):
             self._values(painter, dial, cell, samples)
@@ -338,7 +315,7 @@ class MeterPanel:
 
 
 def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
-    """A curve without what has no value, of all that shares a column its least and its largest."""
+    """The parts of a curve with values; of many points in a column the minimum and maximum."""
     there = np.isfinite(y)
     edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).tolist()
     for start, end in zip(edges[::2], edges[1::2], strict=True):

@@ -1,10 +1,11 @@
-"""What may be asked of a picture besides what its scene says: held to what a scene may say."""
+"""Options of pictures that override the scene's view."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ from pydantic import ValidationError
 from sandbox.errors import OutputError
 from sandbox.model.meters import problems_of
 from sandbox.picture.palette import EM
-from sandbox.picture.run_data import MeteredRun
+from sandbox.samples.samples import Samples
 from sandbox.scene.layers import BY_ROLE, EVERY, meant, parse_layers, words_for
 from sandbox.scene.settings import View
 from sandbox.values.messages import explain
@@ -32,14 +33,10 @@ OPTIONS = {
     "bodies": 'names and patterns of bodies, names of groups, and roles such as "role:object"',
 }
 """What each is, as a message says it."""
-PRINT_PER_INCH = 300
-"""Pixels; what is printed needs no more."""
-LETTERS = 7.0
-"""No letter is smaller [pt]."""
-UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4}
-"""Millimetres in each."""
-LEAST, MOST = 25.0, 650.0
-"""Of a width or a height [mm]."""
+PRINT_PER_INCH = 300  # pixels; what is printed needs no more
+LETTERS = 7.0  # no letter is smaller [pt]
+UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4}  # millimetres in each
+LEAST, MOST = 25.0, 650.0  # of a width or a height [mm]
 FINE = 0.75
 """Of lines and marks, in what would go with such letters: they are printed as fine as that."""
 _NUMBER, _UNIT = r"\s*([0-9]+\.?[0-9]*|\.[0-9]+)\s*", f"({'|'.join(UNITS)})"
@@ -57,8 +54,10 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
     changes = {key: _plain(value) for key, value in given.items() if value is not None}
     if not changes:
         return view
-    if isinstance(changes.get("size"), str):
-        changes["size"] = _times(changes["size"], view.size)
+    if isinstance(size := changes.get("size"), str) and (
+            found := re.fullmatch(r"\s*([0-9.]+)\s*[xX×]\s*", size)):
+        with suppress(ValueError, OverflowError):  # View refuses it as it is
+            changes["size"] = tuple(round(float(found[1]) * v) for v in view.size)
     if "show" in changes:
         try:
             changes["show"] = {**view.show, **parse_layers(changes["show"])}
@@ -91,16 +90,7 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _times(word: str, size: tuple[int, int]) -> Any:
-    """The view's size so many times, of ``2x``; any other text as it is."""
-    found = re.fullmatch(r"\s*([0-9.]+)\s*[xX×]\s*", word)
-    try:
-        return word if found is None else tuple(round(float(found[1]) * v) for v in size)
-    except (ValueError, OverflowError):
-        return word
-
-
-def check_view(run: MeteredRun, view: View) -> None:
+def check_view(run: Samples, view: View) -> None:
     """That the bodies and quantities which a view names are there.
 
     Raises:
@@ -129,7 +119,7 @@ def check_view(run: MeteredRun, view: View) -> None:
         raise OutputError("\n".join(problems), code="bad-time")
 
 
-def check_run(run: MeteredRun) -> None:
+def check_run(run: Samples) -> None:
     """That there is something to draw.
 
     Raises:
@@ -145,10 +135,8 @@ def check_run(run: MeteredRun) -> None:
 class PrintSize(NamedTuple):
     """How large a still is printed."""
 
-    width: float
-    """[mm]"""
-    height: float | None = None
-    """[mm]; None for as high as what is shown."""
+    width: float  # [mm]
+    height: float | None = None  # [mm]; None for as high as what is shown
 
     @property
     def pixels(self) -> int:

@@ -18,8 +18,7 @@ from sandbox.picture.geometry import XY
 from sandbox.picture.listing import Listing, flat, short
 
 Colour = tuple[int, int, int]
-EM = 0.6875
-"""Pixels of an em for one of pygame's own font's size."""
+EM = 0.6875  # pixels of an em for one of pygame's own font's size
 BACKGROUND: Colour = (255, 255, 255)
 INK: Colour = (34, 40, 49)
 FAINT_INK: Colour = (108, 117, 128)
@@ -45,8 +44,7 @@ class Style(NamedTuple):
     edge: Colour
 
 
-WHEEL = Style((233, 230, 241), (128, 120, 156))
-"""Of wheels of guides."""
+WHEEL = Style((233, 230, 241), (128, 120, 156))  # of wheels of guides
 ROLES: dict[str, Style] = {
     "phalanx": Style((213, 225, 238), (88, 112, 140)),
     "palm": Style((186, 195, 206), (84, 94, 107)),
@@ -56,10 +54,8 @@ ROLES: dict[str, Style] = {
     "object": Style((244, 232, 206), (150, 124, 72)),
     "link": Style((228, 231, 235), (110, 118, 128)),
 }
-LEVELS = 32
-"""Steps of either ramp: few enough for one palette of a GIF."""
-NIGHT: Colour = (18, 23, 29)
-"""The ground of a page by night."""
+LEVELS = 32  # steps of either ramp: few enough for one palette of a GIF
+NIGHT: Colour = (18, 23, 29)  # the ground of a page by night
 TOKENS: dict[str, tuple[Colour, Colour]] = {
     "paper": (BACKGROUND, NIGHT), "ink": (INK, (230, 234, 238)),
     "faint_ink": (FAINT_INK, (154, 166, 178)), "hairline": (HAIRLINE, (44, 53, 63)),
@@ -114,8 +110,7 @@ PUSH = _ramp((0.0, (160, 166, 173)), (0.3, (116, 180, 214)), (0.6, (44, 128, 196
 class Painter(Protocol):
     """What paints shapes on a picture that may be enlarged, in its pixels, y down; and texts."""
 
-    enlarge: int
-    """Pixels of shapes per finished pixel."""
+    enlarge: int  # pixels of shapes per finished pixel
 
     def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
              edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
@@ -151,10 +146,8 @@ def hatch_lines(corners: Sequence[XY], pitch: float) -> list[tuple[XY, XY]]:
     return [((c - y0, y0), (c - y1, y1)) for c in starts]
 
 
-Part = tuple[tuple[Any, ...], Any]
-"""Arguments of a style, and a subpath."""
-TURN, HEAD = 9.5, 13.0
-"""Radii of the mark of a motor or servo, and of the wedge of a stop."""
+Part = tuple[tuple[Any, ...], Any]  # arguments of a style, and a subpath
+TURN, HEAD = 9.5, 13.0  # radii of the mark of a motor or servo, and of the wedge of a stop
 
 
 def _line(*coordinates: float) -> dict[str, list[float]]:

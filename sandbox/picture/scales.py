@@ -1,15 +1,13 @@
-"""How long arrows are and what colours tensions have; round numbers and units.
+"""Scales of arrows and tension colours; round numbers and units.
 
-A film shows each instant as long as any other, so sizes are weighed by time: an arrow's scale is
-that of the largest arrow of nearly every picture, not of the largest number of the run. A blow
-lasts a sample or a few; measured by it, all that lasts would have no length.
+Sizes are weighted by time: a scale fits the largest arrow of nearly every picture, not the maximum
+of the run. An impact lasts a sample or a few; on its scale, all other arrows would have no length.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -33,10 +31,8 @@ many times the reference and marked with two bars."""
 ROUNDING = 1e-6
 """Acceleration [m/s^2] of all that moves: forces that are no larger than that takes are nothing."""
 MOST_DECIMALS = 9
-NOTHING = 1e-6
-"""What is below this fraction of the largest size of a run is what rounding leaves."""
-SAME = 1e-9
-"""Pins of a body that are no farther apart are one [m]."""
+NOTHING = 1e-6  # what is below this fraction of the largest size of a run is what rounding leaves
+SAME = 1e-9  # pins of a body that are no farther apart are one [m]
 UNLOADED = 1e-3
 """Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
 USUAL, SPIKE = 0.75, 2.0
@@ -47,12 +43,10 @@ SLACK_FRACTION, UNSEEN = 1e-6, 1e-5
 PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
 
 
-@dataclass(frozen=True)
-class ForceScale:
-    """How long an arrow is, of a force or of anything else that has a size."""
+class ForceScale(NamedTuple):
+    """Length of arrows, of forces or of other quantities."""
 
-    metres: float
-    """Length of an arrow of size 1 [m]; 0 where there is nothing to show."""
+    metres: float  # length of an arrow of size 1 [m]; 0 where there is nothing to show
     reference: float
     """A size that is typical of the large ones of the run [N, or the unit of what is shown]."""
 
@@ -66,16 +60,15 @@ NO_SCALE = ForceScale(0.0, 0.0)
 
 
 def scale_of(reference: float, length: float) -> ForceScale:
-    """The scale by which an arrow of the reference size has this length [m]."""
+    """The scale of arrows whose reference size has this length [m]."""
     return ForceScale(length / reference, reference) if reference > 0 else NO_SCALE
 
 
 def typical(largest: Array, time: Array) -> float:
-    """The size by which arrows are measured; 0 if there are none.
+    """The reference size of arrows; 0 if there are none.
 
-    The time-weighted quantile :data:`OFTEN` of the largest arrow of each sample, over the time in
-    which anything acts; or the median of the run's last :data:`ENDING`, if that is larger. Of
-    blows alone it is a large one of these.
+    It is the time-weighted quantile :data:`OFTEN` of the largest arrow of each sample, over the
+    time in which anything acts; or the median of the run's last :data:`ENDING`, if that is larger.
 
     Args:
         largest: size of the largest arrow of each sample, 0 where there is none, [n].
@@ -92,7 +85,7 @@ def typical(largest: Array, time: Array) -> float:
 
 
 def quantile(values: Array, weights: Array, share: float) -> float:
-    """The least of ``values`` [k] that ``share`` of all ``weights`` [k] lies at or below."""
+    """The smallest of ``values`` [k] with ``share`` of all ``weights`` [k] at or below it."""
     order = np.argsort(values, kind="stable")
     below = np.cumsum(weights[order])
     # a share that a sum of weights reaches is reached in spite of rounding
@@ -107,14 +100,14 @@ def rounding(run: RunData) -> float:
 
 
 def largest_of(samples: Integers, sizes: Array, count: int) -> Array:
-    """The largest of the ``sizes`` [m] of each of ``count`` samples, 0 of those without any."""
+    """The largest of the ``sizes`` [m] of each of ``count`` samples; 0 without any."""
     found = np.zeros(count)
     np.maximum.at(found, samples, sizes)
     return found
 
 
 def force_scale(run: RunData, width: float, view: View | None = None) -> ForceScale:
-    """The scale of contact forces on a picture ``width`` [m] wide, or the one the view asks for."""
+    """The scale of contact forces on a picture ``width`` [m] wide, or that of the view."""
     given, arrays = (view or run.mechanism.view).force_scale, run.arrays
     sizes = np.hypot(*arrays["contact_force"].T)
     reference = typical(largest_of(arrays["contact_sample"], sizes, len(run.time)), run.time)
@@ -124,7 +117,7 @@ def force_scale(run: RunData, width: float, view: View | None = None) -> ForceSc
 
 
 def shared(scales: Iterable[ForceScale]) -> ForceScale:
-    """The scale of arrows that several pictures share: that of the largest sizes."""
+    """The scale for several pictures: that of the largest sizes."""
     return max(scales, key=lambda scale: scale.reference)
 
 
@@ -162,12 +155,6 @@ def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
     return factor, prefix + unit, decimals(factor * size)
 
 
-def written(value: float, factor: float, places: int) -> str:
-    """A value times a factor with decimals, without a negative 0."""
-    text = f"{factor * value:.{places}f}"
-    return text if float(text) else text.removeprefix("-")
-
-
 def round_length(largest: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not above ``largest``, which is > 0."""
     power = 10.0 ** np.floor(np.log10(largest))
@@ -191,10 +178,8 @@ class PinnedBar(NamedTuple):
     """A body with pins in two places."""
 
     body: int
-    ends: list[tuple[float, float]]
-    """In its frame [m], two."""
-    joints: list[list[int]]
-    """Those at either end."""
+    ends: list[tuple[float, float]]  # in its frame [m], two
+    joints: list[list[int]]  # those at either end
 
 
 def bars_of(run: RunData, bodies: Sequence[int]) -> list[PinnedBar]:
@@ -216,10 +201,10 @@ def bars_of(run: RunData, bodies: Sequence[int]) -> list[PinnedBar]:
 
 
 def bar_tensions(run: RunData, bars: Sequence[PinnedBar]) -> Array:
-    """The pull that each bar carries from pin to pin [N], negative where it pushes, [n, k].
+    """The tension of each bar [N], negative where it pushes, [n, k].
 
-    With the forces F of the pins on the bar and u from one to the other it is (F2 - F1) . u / 2:
-    the tension where nothing else loads the bar, else the mean of that at either end.
+    With the forces F of the pins on the bar and u from one to the other it is (F2 - F1) . u / 2,
+    the mean of both ends.
     """
     force, angle = run.arrays["joint_force"], run.arrays["body_pose"][..., 2]
     tension = np.zeros((len(angle), len(bars)))
@@ -238,14 +223,10 @@ def bar_tensions(run: RunData, bars: Sequence[PinnedBar]) -> Array:
 class Tensions(NamedTuple):
     """Tensions of a run, negative where a link pushes, and the scale that shows them."""
 
-    pieces: Array
-    """Of all straight pieces of tendons [N], [n, m]."""
-    links: Array
-    """Of all joints along a line [N], [n, nj]; 0 of others."""
-    bars: Array
-    """Of bodies between two pins that are shown as bars [N], [n, k]."""
-    largest: float
-    """Top of the scale [N]; 0 if nothing carries anything."""
+    pieces: Array  # of all straight pieces of tendons [N], [n, m]
+    links: Array  # of all joints along a line [N], [n, nj]; 0 of others
+    bars: Array  # of bodies between two pins that are shown as bars [N], [n, k]
+    largest: float  # top of the scale [N]; 0 if nothing carries anything
     pushing: frozenset[str]
     """The layers, ``tensions`` of links and ``bars``, in which something pushes visibly."""
 
@@ -277,7 +258,7 @@ class Tensions(NamedTuple):
 
 
 def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
-    """Those of a run; the ``bars`` are measured by the same scale as tendons, rods and ropes."""
+    """Tensions of a run; ``bars`` share the scale of tendons, rods and ropes."""
     pieces = piece_tensions(run.model, run.arrays).T
     links = np.zeros(run.arrays["joint_reaction"].shape)
     lines = [k for k, joint in enumerate(run.mechanism.joints)
@@ -296,8 +277,8 @@ def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
 def largest_tension(tension: Array) -> float:
     """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
 
-    The sharpest 0.5 % of samples may lie above it, and more where they are so large that what
-    tendons carry else would have no colour.
+    The sharpest 0.5 % of samples may lie above it, and more if they would leave the usual tensions
+    without colour.
     """
     if not tension.size:
         return 0.0

@@ -17,8 +17,7 @@ from sandbox.scene.layers import LAYERS, PASSES, Show, meant, shown
 from sandbox.scene.settings import View
 from sandbox.values.appearance import depth
 
-BEHIND, ABOVE = -math.inf, math.inf
-"""Planes behind all bodies and in front of them."""
+BEHIND, ABOVE = -math.inf, math.inf  # planes behind all bodies and in front of them
 INKS = {token: [css(day), css(night)] for token, (day, night) in TOKENS.items()}
 ORDER = {name: k for k, name in enumerate(PASSES)}
 
@@ -51,27 +50,18 @@ class Subject:
     view: View
     layers: VisibleLayers
     out: Listing
-    carried: Tensions
-    """Tensions, and the scale of their colours."""
-    force: ForceScale
-    """Of contact forces."""
-    width: float
-    """Of what the picture shows [m]."""
-    point: float
-    """Metres per point."""
-    beside: Sequence[RunData] = ()
-    """Runs that are compared with this one: they share its scales."""
-    moments: Sequence[float] | None = None
-    """The times that are painted [s], if they are few."""
+    carried: Tensions  # tensions, and the scale of their colours
+    force: ForceScale  # of contact forces
+    width: float  # of what the picture shows [m]
+    point: float  # metres per point
+    beside: Sequence[RunData] = ()  # runs that are compared with this one: they share its scales
+    moments: Sequence[float] | None = None  # the times that are painted [s], if they are few
     loads: ForceScale = NO_SCALE
     vectors: list[tuple[str, str, str, ForceScale]] = field(default_factory=list)
     """Arrows that the view asks for: token, unit, words and scale of each kind."""
-    contacts_on: str = ""
-    """Words of the legend: on whom contact forces are shown."""
-    trace_ink: str = ""
-    """Token of the first trace."""
-    signs: set[str] = field(default_factory=set)
-    """Rows of the legend that are needed, see :data:`sandbox.picture.build.ROWS`."""
+    contacts_on: str = ""  # words of the legend: on whom contact forces are shown
+    trace_ink: str = ""  # token of the first trace
+    signs: set[str] = field(default_factory=set)  # rows of the legend that are needed, see ROWS
     _keys: list[tuple[float, float, float]] = field(default_factory=list)
 
     def __post_init__(self) -> None:

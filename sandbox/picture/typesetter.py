@@ -12,12 +12,9 @@ import pygame
 from sandbox.picture.palette import BACKGROUND, INK, Colour, Painter
 from sandbox.wording import printable
 
-FINER = 4
-"""Letters are drawn this many times larger, then scaled down."""
-MOST_LETTERS = 1000
-"""Of a text; no picture is as wide."""
-KEPT = 2000
-"""Texts that are kept: most of them come again in the next frame."""
+FINER = 4  # letters are drawn this many times larger, then scaled down
+MOST_LETTERS = 1000  # of a text; no picture is as wide
+KEPT = 2000  # texts that are kept: most of them come again in the next frame
 MOST, SHARE = 3, 0.25
 """Lines of a title; what does not find room in them is left out. Of a picture's height that a title
 of several lines takes at most."""
@@ -113,10 +110,8 @@ class Headline(NamedTuple):
     """A title, set."""
 
     lines: tuple[str, ...]
-    size: int
-    """Of its type."""
-    high: int
-    """The header [finished pixels]."""
+    size: int  # of its type
+    high: int  # the header [finished pixels]
 
     @classmethod
     def of(cls, title: str, type_: Typesetter, room: int, size: int, high: float) -> Headline:

@@ -21,16 +21,12 @@ from sandbox.scene.geometry import to_body, to_world
 FEW, MANY, MOST = 14, 30, 400
 """Teeth of the smallest of the wheels that mesh; a wheel that would have more than the last is
 drawn without."""
-TOP, FOOT = 0.26, 0.3
-"""Of a tooth above the pitch circle, of a gap below, as shares of the pitch."""
+TOP, FOOT = 0.26, 0.3  # of a tooth above the pitch circle, of a gap below, as shares of the pitch
 ALONG, ACROSS = np.array([(-0.34, -FOOT), (-0.12, TOP), (0.12, TOP), (0.34, -FOOT)]).T
 """A tooth as shares of the pitch: places along the pitch circle, and across."""
-RIM = 0.9
-"""Of a ring beyond the feet of its teeth, of a rack below them, as a share of the pitch."""
-REACH = 6.0
-"""Of a rack on a body without shapes, either way from where it meets its gear, in radii."""
-SIDES = 90
-"""Of a circle."""
+RIM = 0.9  # of a ring beyond the feet of its teeth, of a rack below them, as a share of the pitch
+REACH = 6.0  # of a rack on a body without shapes, either way from where it meets its gear, in radii
+SIDES = 90  # of a circle
 
 
 class _WheelPlace(NamedTuple):
@@ -45,14 +41,10 @@ class WheelPicture(NamedTuple):
     """What a body shows of one of its wheels; corners in the body's frame less the centre [m]."""
 
     centre: tuple[float, float]
-    outline: Array
-    """Closed, [n, 2]; of a ring its teeth, which point inwards."""
-    rim: Array | None = None
-    """Around a ring, [k, 2]."""
-    pitch_line: Array | None = None
-    """Of what has teeth, [k, 2]."""
-    spoke: Array | None = None
-    """From the centre outwards, [2, 2]; a rack and a ring have none."""
+    outline: Array  # closed, [n, 2]; of a ring its teeth, which point inwards
+    rim: Array | None = None  # around a ring, [k, 2]
+    pitch_line: Array | None = None  # of what has teeth, [k, 2]
+    spoke: Array | None = None  # from the centre outwards, [2, 2]; a rack and a ring have none
 
 
 def wheel_pictures(model: Model) -> dict[int, list[WheelPicture]]:

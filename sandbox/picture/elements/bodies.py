@@ -29,21 +29,16 @@ from sandbox.scene.bodies import Body, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
 from sandbox.values.appearance import ALL, depth, rgb
 
-EDGE, HAIR = 1.3, 0.5
-"""Widths of an outline and of a pitch circle [points]."""
+EDGE, HAIR = 1.3, 0.5  # widths of an outline and of a pitch circle [points]
 BAR, STALK = 8.0, 2.2
 """Widths of a body without shapes, a bar between its anchors, and of a line from a body to an
 anchor beside it [points]."""
-DARK = 90
-"""Brightness, 0 to 255, below which a fill has an outline that is lighter."""
-DEEP = 0.45
-"""Share of the edge's colour in the fill of bodies in the lowest plane of their role."""
+DARK = 90  # brightness, 0 to 255, below which a fill has an outline that is lighter
+DEEP = 0.45  # share of the edge's colour in the fill of bodies in the lowest plane of their role
 ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")
 """Roles from back to front."""
-WHEELS = ("gear", "rack", "roll")
-"""Joints that hold wheels rather than points."""
-ERROR = 0.2
-"""How far outlines of round shapes may be from their true lines [points]."""
+WHEELS = ("gear", "rack", "roll")  # joints that hold wheels rather than points
+ERROR = 0.2  # how far outlines of round shapes may be from their true lines [points]
 
 
 def styles(model: Model) -> list[Style]:

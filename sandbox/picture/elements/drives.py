@@ -30,18 +30,13 @@ COMPARABLE = 0.2
 TELLING, NAMED = 6, 4
 """Numbers of motors, brakes, servos and actuators are written of at most so many; arrows of more
 drives than the second have their values only."""
-SHORTEST = 0.5
-"""Length of the arrow of a drive near 0, as a fraction of its typical length."""
+SHORTEST = 0.5  # length of the arrow of a drive near 0, as a fraction of its typical length
 TURN, WIDER = 15.0, 6.0
 """Radius of a torque's arrow, and by how much one about the same hinge is wider [points]."""
-SWEEP = (0.9, 3.4)
-"""Angle of a torque's arrow near 0, and what a typical torque adds [rad]."""
-NEGLIGIBLE = 5e-3
-"""Drives below this share of their typical value are not painted."""
-LARGE = 90.0
-"""Radius of wheels on which, not beside which, numbers stand [points]."""
-APART = 34.0
-"""Distance of the marks of a running surface along its outline, more or less [points]."""
+SWEEP = (0.9, 3.4)  # angle of a torque's arrow near 0, and what a typical torque adds [rad]
+NEGLIGIBLE = 5e-3  # drives below this share of their typical value are not painted
+LARGE = 90.0  # radius of wheels on which, not beside which, numbers stand [points]
+APART = 34.0  # distance of the marks of a running surface along its outline, more or less [points]
 
 
 class Arrow(NamedTuple):
@@ -49,8 +44,7 @@ class Arrow(NamedTuple):
 
     tail: Array
     direction: Array
-    to_scale: bool = True
-    """Whether it may have the scale of contact forces."""
+    to_scale: bool = True  # whether it may have the scale of contact forces
 
 
 def _force(s: Subject, drive: int) -> Arrow:

@@ -27,25 +27,19 @@ from sandbox.samples.contacts import contacts_on, on_the_other, said_of
 
 FINE, SLIM = [2.4, 10], [3.4, 11]
 """Shaft's and head's width of arrows of contact forces and vectors, and of loads [points]."""
-SHORTEST, SHORT = 2.5, 5.0
-"""Contact arrows, and others, that are shorter are left out [points]."""
-LABELLED = 0.12
-"""Values of arrows and patches above this share of the reference are written."""
-TELLING = 6
-"""Numbers of loads are written of at most so many."""
+SHORTEST, SHORT = 2.5, 5.0  # contact arrows, and others, that are shorter are left out [points]
+LABELLED = 0.12  # values of arrows and patches above this share of the reference are written
+TELLING = 6  # numbers of loads are written of at most so many
 APART = 4.0
 """Loads have the scale of contact forces if one is at most so many times as large as the other."""
 LOAD_LENGTH, VECTOR_LENGTH, LENGTH = 0.11, 0.1, 0.07
 """Length of an arrow of the reference size, of loads and of vectors, and height of a line load, as
 a fraction of the picture's width."""
-FAINT = 0.02
-"""Loads below this share of the reference are left out."""
+FAINT = 0.02  # loads below this share of the reference are left out
 STANDING = 1e-6
 """Points that go no farther than this share of the picture's width in a run stand still."""
-LEVEL = 2e-3
-"""Corners of a body this near to a contact's line, in sizes of the body, lie on it."""
-MOST_SAMPLES = 200
-"""Samples looked at for the scale of line loads."""
+LEVEL = 2e-3  # corners of a body this near to a contact's line, in sizes of the body, lie on it
+MOST_SAMPLES = 200  # samples looked at for the scale of line loads
 
 
 def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, **fields: Any,
@@ -209,12 +203,9 @@ class LineLoads(NamedTuple):
     """Where two bodies touch along a line: k of them, by sample."""
 
     sample: Integers
-    ends: Array
-    """[k, 2, 2] m"""
-    load: Array
-    """Force per length at either end [k, 2] N/m."""
-    way: Array
-    """Out of the body that it acts on, [k, 2]."""
+    ends: Array  # [k, 2, 2] m
+    load: Array  # force per length at either end [k, 2] N/m
+    way: Array  # out of the body that it acts on, [k, 2]
 
 
 def line_loads(run: RunData, bodies: Sequence[int]) -> LineLoads:

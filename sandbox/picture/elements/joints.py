@@ -19,8 +19,7 @@ from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import UNLOADED, bars_of
 from sandbox.picture.subject import Subject
 
-GAUGE = 13.0
-"""Distance of the two lines of a groove in the ground [points]."""
+GAUGE = 13.0  # distance of the two lines of a groove in the ground [points]
 FAR_FOOT, PILED = 16.0, 11.0
 """Anchors farther than this beside a fixed body's shapes get a ground symbol [points]; ground
 symbols nearer than the second to another one are left out."""
@@ -31,14 +30,12 @@ TUBE, TUBE_WIDTH = 0.85, 13.0
 """Length of an actuator's cylinder as a share of the actuator's least length; width [points]."""
 STROKE, LONGEST_TUBE = 0.88, 0.96
 """Shares of an actuator's least length: the longest stroke of one rod, the longest cylinder."""
-TAUT = 0.998
-"""A rope shorter than this fraction of its length is slack."""
+TAUT = 0.998  # a rope shorter than this fraction of its length is slack
 COIL, COIL_WIDTH = 1.1, [0.09, 3.2, 8.0]
 """Springs: width of the line [points]; half the width of a coil, as a span has it."""
 THICK = (0.5, 6.0)
 """Fractions of its own stiffness between which the line of a driven spring changes."""
-BAND = 5.4
-"""Width of a loaded bar's band [points]."""
+BAND = 5.4  # width of a loaded bar's band [points]
 ZIGZAG = [0, 0, 0.16, 0, *(v for k in range(10) for v in (
     round(0.16 + 0.68 * (k + 0.5) / 10, 4), 1 - 2 * (k % 2))), 0.84, 0, 1, 0]
 """A coil as the pattern of a span, with straight ends."""

@@ -21,20 +21,14 @@ from sandbox.scene.settings import View
 from sandbox.values.appearance import rgb
 
 Place = tuple[int, XY]
-TRACE, MARK = 1.8, 3.0
-"""Width of a trace, radius of its marks of time [points]."""
-PITCH = 70.0
-"""Least distance of lines of the grid [points]."""
+TRACE, MARK = 1.8, 3.0  # width of a trace, radius of its marks of time [points]
+PITCH = 70.0  # least distance of lines of the grid [points]
 MOST_LINES, FAR = 200, 1e9
 """Lines of the grid along an axis, at most; none are so many steps from the origin."""
-WIDE = 1e4
-"""Half the width of a liquid, in widths of the picture."""
-DARKER = 0.3
-"""How much darker a trace is than its body."""
-MOST_NAMED = 6
-"""Of no more than so many traces the bodies' names stand at their ends."""
-PIECES = 12
-"""Between marks of time, at most."""
+WIDE = 1e4  # half the width of a liquid, in widths of the picture
+DARKER = 0.3  # how much darker a trace is than its body
+MOST_NAMED = 6  # of no more than so many traces the bodies' names stand at their ends
+PIECES = 12  # between marks of time, at most
 
 
 def add_traces(s: Subject) -> None:

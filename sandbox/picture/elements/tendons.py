@@ -19,25 +19,20 @@ from sandbox.picture.scales import SLACK_FRACTION, round_up
 from sandbox.picture.subject import Subject
 from sandbox.samples.cables import off_wheels
 
-CABLE = 2.4
-"""Width of a tendon [points]."""
-WOUND = 1.5
-"""Length of a tendon that is shown on the wheel on which it ends [rad]."""
+CABLE = 2.4  # width of a tendon [points]
+WOUND = 1.5  # length of a tendon that is shown on the wheel on which it ends [rad]
 CREEP, LEAST_SLIP = 1e-3, 1e-6
 """A tendon that slides less from sample to sample than this share of its largest slide, or than
 this length [m], does not slip."""
-NEAR_TURN = 0.02
-"""Arcs that are so close to a whole turn are arcs of the other sign [rad]."""
+NEAR_TURN = 0.02  # arcs that are so close to a whole turn are arcs of the other sign [rad]
 TUBE, TUBE_SHARE = (4.5, 9.0), 0.13
 """Least and largest half width of a cylinder [points], and half its width as a share of its tube's
 length."""
-HOSE, VANE = 1.6, 10.0
-"""Width of a hose and radius of a chamber on a hinge [points]."""
+HOSE, VANE = 1.6, 10.0  # width of a hose and radius of a chamber on a hinge [points]
 PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
 """From a line's first chamber to its pump, to the tank of a valve, and to a line without chambers
 at the other end of a valve [points, y up]."""
-SPARE = 0.04
-"""Room before and behind a piston, as a share of the cylinder's largest length."""
+SPARE = 0.04  # room before and behind a piston, as a share of the cylinder's largest length
 LEAST_TUBE, MOST_TUBE = 0.55, 0.95
 """Least and largest length of a tube, as shares of the cylinder's least length."""
 
