@@ -31,9 +31,7 @@ SCENERY = ("link", "ground")  # roles of fixed bodies of which a picture shows w
 BESIDE = 0.5  # how far beside the rest, in sizes of it, what is fixed and still larger is shown
 GROWN = 2.5  # how many times as large a picture may be for the paths of traced points
 ROOM = 0.25  # how far beside what stays a body may be and still be with it, in sizes of what stays
-FLIGHT = 12.0
-"""The same where nothing stays, in sizes of what is there at the start: what flies off alone is
-seen on its way while it is no speck in the picture."""
+FLIGHT = 12.0  # the same if nothing is anchored, in sizes of all at the start
 
 
 class Rectangle(NamedTuple):
@@ -95,10 +93,7 @@ class Camera(NamedTuple):
 
 
 def width_shown(box: Rectangle, aspect: float, width: float | None = None) -> float:
-    """Width of ``box`` that a picture of an ``aspect`` (width / height) shows [m].
-
-    Arrows are measured by it. A smaller ``width`` of the view limits it.
-    """
+    """Width of ``box`` in a picture of an ``aspect`` [m], at most the view's ``width``."""
     whole = max(box.width, box.height * aspect, 1e-3)
     return min(whole, width) if width else whole
 
@@ -107,11 +102,7 @@ def place_camera(
     box: Rectangle, stage: Stage, *, centre: tuple[float, float] | None = None,
     width: float | None = None,
 ) -> Camera:
-    """The camera that shows ``box`` on ``stage``, or the view's ``centre`` and ``width`` [m].
-
-    A width alone keeps the box's centre. A centre alone takes the largest scale that still shows
-    the whole box.
-    """
+    """The camera that shows ``box`` on ``stage``, or the view's ``centre`` and ``width`` [m]."""
     middle = centre or ((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)
     pixel = (stage.left + stage.width / 2, stage.top + stage.height / 2)
     if width is not None:
@@ -142,9 +133,8 @@ class _Motion:
     def boxes(self, *, scenery: bool = True, outlines: bool = False) -> Array:
         """Left, bottom, right and top of every body with its anchors and guides, [n, nb, 4] m.
 
-        Without ``scenery``, fixed links and grounds have no shapes: a floor may be far larger than
-        the bodies on it. With ``outlines``, bodies with shapes or wheels have no anchors and
-        guides: a tendon may end far beside them.
+        Without ``scenery``, fixed links and grounds have no shapes: a floor may be very large. With
+        ``outlines``, bodies with shapes have no anchors and guides: tendons may end far away.
         """
         run, drives, tendons = self.run, self.run.model.drives, self.run.model.tendons
         found: dict[int, list[Array]] = {}
@@ -158,8 +148,7 @@ class _Motion:
                     shape, Circle) else 0.0
                 found.setdefault(i, []).append(shape_points(shape, grow=grow))
         for i, wheels in wheel_pictures(run.model).items():
-            found.setdefault(i, []).extend((wheel.outline if wheel.rim is None else wheel.rim)
-                                           + wheel.centre for wheel in wheels)
+            found.setdefault(i, []).extend(wheel.rings[0] for wheel in wheels)
         outlined = set(found) if outlines else set[int]()
         for i, points in joined_points(run.model).items():
             if i not in outlined:
@@ -176,11 +165,7 @@ class _Motion:
         return boxes
 
     def machine(self) -> Rectangle:
-        """The box [m] of bodies that stay with the mechanism, and of large scenery near them.
-
-        Whether they stay is determined in the world frame. Traced points count while their body
-        stays.
-        """
+        """The box [m] of bodies that stay with the mechanism, and of large scenery near them."""
         whole, own, stays = self.boxes(), self.boxes(scenery=False), groups_of(self.run)[1]
         home = own if np.isfinite(own[:, stays]).any() else whole
         near = with_it(home + np.tile(self.gone[:, None], 2), stays)
@@ -208,10 +193,10 @@ def body_box(run: RunData, view: View | None = None,
              moments: Sequence[float] | None = None) -> Rectangle:
     """The box [m] that a picture has to show: all bodies, anchors, guides and traced points.
 
-    Bodies that leave the mechanism count until then, and far larger scenery where it is near. If
-    the view follows a body, positions are relative to it; only the bodies connected to it count if
-    nothing anchors them, or those near them if it moves far in its machine. If the view names
-    bodies, only these count, in the ``moments`` [s] or in all of the run.
+    Bodies that leave the mechanism count until then, and far larger scenery near the rest. If the
+    view follows a body, positions are relative to it; only bodies connected to it count if nothing
+    anchors them, or near them if it moves far in its machine. If the view names bodies, only these
+    count, in the ``moments`` [s] or in all of the run.
     """
     view = view or run.mechanism.view
     if (few := chosen(run, view)) is not None:
@@ -256,11 +241,7 @@ def drift(run: RunData, view: View) -> Array:
 
 def whole_box(out: Listing, run: RunData, bodies: Rectangle, view: View,
               moments: Sequence[float] | None = None) -> Rectangle:
-    """``bodies`` with room for arrows that begin there, and for the paths of traced points [m].
-
-    Paths that would make the picture much larger are not counted. If the view names bodies, only
-    contact forces on these count, in the ``moments`` [s].
-    """
+    """``bodies`` with arrows that begin there, and paths of traced points unless very large [m]."""
     points, few = [bodies.corners], chosen(run, view)
     samples = _samples(run, None if few is None else moments)
     went = drift(run, view)
@@ -315,13 +296,9 @@ def groups_of(run: RunData) -> tuple[list[int], Flags]:
 def with_it(boxes: Array, stays: Flags) -> Flags:
     """In which samples each body is with the mechanism, [n, nb].
 
-    Anchored bodies always are. Another one has left after the last sample in which it is within
-    :data:`ROOM` of these and of where all bodies began, or :data:`FLIGHT` if nothing is anchored.
-
-    Args:
-        boxes: left, bottom, right and top of every body in every sample, [n, nb, 4] m; NaN of a
-            body without extent.
-        stays: the anchored bodies, [nb].
+    Anchored bodies (``stays``) always are. Another one has left after the last sample in which its
+    box (left, bottom, right, top [n, nb, 4] m) is within :data:`ROOM` of these and of where all
+    bodies began, or within :data:`FLIGHT` if nothing is anchored.
     """
     found = np.ones(boxes.shape[:2], dtype=bool)
     home = np.concatenate([boxes[:, stays].reshape(-1, 4), boxes[0]])

@@ -179,15 +179,15 @@ def _seen(s: Subject) -> set[str]:
 def subject_of(run: RunData, view: View, *, width: float, point: float,
                beside: Sequence[RunData] = (), moments: Sequence[float] | None = None,
                fixed_columns: bool = False) -> Subject:
-    """The list of a run with all that its layers show.
+    """The display list of a run.
 
     Args:
         run: the recording.
-        view: what to show.
-        width: of what the picture shows [m], by which arrows are measured.
+        view: layers and scales.
+        width: width of the picture [m], the measure of arrows.
         point: metres per point.
         beside: runs that share its scales.
-        moments: the times that are painted [s], if they are few.
+        moments: times that are painted [s], if they are few.
         fixed_columns: see :class:`Listing`.
     """
     runs = (run, *beside)

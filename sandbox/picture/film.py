@@ -47,8 +47,7 @@ def shared_palette(
 ) -> NDArray[np.uint8]:
     """At most 255 colours [n, 3] for all ``frames``; ``keep`` (at most 100) are among them.
 
-    Flat fills matter most in drawings: colours that cover more than 1 in 2000 pixels are taken as
-    they are, the mixed ones at edges share the rest.
+    Colours of more than 1 in 2000 pixels are exact; mixed ones at edges share the rest.
     """
     words, counts = np.unique(np.concatenate([f.ravel() for f in frames]), return_counts=True)
     kept = packed(np.array(keep, dtype=np.uint8).reshape(-1, 3))
@@ -92,10 +91,10 @@ class GifWriter:
         file.write(b"!\xff\x0bNETSCAPE2.0\x03\x01" + struct.pack("<H", 0) + b"\x00")
 
     def add(self, frame: NDArray[Any], hundredths: int) -> None:
-        """Write the box of what differs from the last frame, shown for 1/100 s each.
+        """Write the box that differs from the last frame, shown for ``hundredths`` of a second.
 
-        A frame is words [h, w], or red, green, blue and opacity [h, w, 4]: then it is written
-        where it is covered, and nothing of the last frame stays.
+        A frame is words [h, w], or red, green, blue and opacity [h, w, 4] that replace the last
+        frame.
         """
         if frame.ndim == 3:
             words, new, disposal = packed(frame), frame[..., 3] >= COVERED, CLEAN
@@ -309,10 +308,7 @@ def _bytes(frame: NDArray[Any]) -> NDArray[np.uint8]:
 
 
 def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:
-    """Run ``produce`` in this thread, and ``consume`` each of its items, in order, in another.
-
-    Frames are painted while those before them are encoded. An error of either is raised.
-    """
+    """Run ``produce`` in this thread, and ``consume`` its items, in order, in another one."""
     with ThreadPoolExecutor(1, "encoder") as encoder:
         waiting: deque[Future[None]] = deque()
         try:

@@ -64,7 +64,7 @@ class Entry(NamedTuple):
 
 def arrange(legend: Sequence[Item], scale: float, type_: Typesetter, unit: float, width: float,
             max_rows: int, *, scales: bool) -> list[list[Entry]]:
-    """The legend in lines no wider than ``width``; entries that find no room are left out.
+    """The legend in lines no wider than ``width``; entries without room are left out.
 
     ``scale`` is the camera's [pixels per metre]; ``scales`` leaves glyphs out.
     """
@@ -211,10 +211,7 @@ class Picture:
                               *(i for i in lines if i["k"] == "text")]
 
     def _place_camera(self, foot: int) -> None:
-        """Place the meters below or beside the motion, where it is larger.
-
-        The window of a view is kept whole beside meters as above them.
-        """
+        """Place the meters below or beside the motion, where it is larger."""
         (width, height), panel, given = self.size, self.panel, self.view.width
         high = height - self.head - foot
         panel.shrink()

@@ -163,12 +163,7 @@ def _turns_back(path: Sequence[XY]) -> bool:
 
 
 def touched(boxes: Array, stage: pygame.Rect) -> list[pygame.Rect]:
-    """Rectangles of whole cells, without overlap, that cover boxes on the stage.
-
-    Args:
-        boxes: left, top, right, bottom [k, 4] pixels of the finished picture.
-        stage: what lies outside of it is cut off.
-    """
+    """Rectangles of whole cells, without overlap, that cover boxes [k, 4] pixels on the stage."""
     grid = np.zeros((-(-stage.height // CELL), -(-stage.width // CELL)), dtype=np.int8)
     cells = np.floor((boxes - np.tile(stage.topleft, 2)) / CELL) + np.array([0.0, 0.0, 1.0, 1.0])
     limit = (*grid.shape[::-1], *grid.shape[::-1])
@@ -191,12 +186,7 @@ def touched(boxes: Array, stage: pygame.Rect) -> list[pygame.Rect]:
 
 
 class Frames:
-    """Paints a picture at any time, enlarged and scaled down so that edges are smooth.
-
-    Args:
-        picture: what to paint.
-        enlarge: how many times larger it is painted; a power of 2.
-    """
+    """Paints a picture at any time, ``enlarge`` (a power of 2) times larger and scaled down."""
 
     def __init__(self, picture: Picture, enlarge: int = 2) -> None:
         self.picture, self.size = picture, picture.size
@@ -224,10 +214,7 @@ class Frames:
         self._large_still, self._small_still = painter.large.copy(), painter.small.copy()
 
     def draw(self, t: float) -> NDArray[np.uint8]:
-        """The picture at ``t`` [s]: (height, width, 3), red, green, blue.
-
-        Times outside of the recording show its first or last sample.
-        """
+        """The picture at ``t`` [s], limited to the run: (height, width, 3), red, green, blue."""
         return self.draw_packed(t).view(np.uint8).reshape(*self.size[::-1], 4)[..., :3]
 
     def draw_packed(self, t: float) -> NDArray[np.uint32]:

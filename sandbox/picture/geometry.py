@@ -60,10 +60,7 @@ def shape_points(*shapes: Shape, grow: float = 0.0) -> Array:
 
 
 def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
-    """Corners of a shape in its body's frame [n, 2] m, grown outwards by ``grow``.
-
-    Arcs stay within ``error`` [m] of their true line where it is given.
-    """
+    """Corners of a shape [n, 2] m, grown by ``grow``; arcs within ``error`` [m] if it is given."""
     if isinstance(shape, Capsule | Circle):
         radius = max(shape.radius + grow, 1e-9)
         ends = (shape.start, shape.end) if isinstance(shape, Capsule) else (shape.at, shape.at)
@@ -77,10 +74,9 @@ def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
 
 
 def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
-    """The numbers of those convex shapes of a body that touch others of it and lie in none.
+    """The convex shapes of a body that touch others of it and lie in none.
 
-    What lies in another, such as a hub, is seen by its own outline, and so are circles that a drive
-    changes and shapes of several pieces.
+    Shapes inside others, such as hubs, keep their outline, and so do circles that a drive changes.
     """
     rings = {k: shape_outline(shape) for k, shape in enumerate(shapes)
              if k not in changing and not isinstance(shape, Polyline)
@@ -93,11 +89,10 @@ def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
 
 
 def bare_outlines(shapes: Sequence[Shape], error: float, *, turns: bool) -> list[Array]:
-    """What is drawn of shapes without a fill: lines [n, 2] m.
+    """Lines [n, 2] m of shapes without a fill: the outline of all of them together.
 
-    Their outlines without the parts that lie in others of them, but all of one that lies whole in
-    another; of circles that turn a radius, which shows it. ``error`` [m] is how far lines may be
-    from round ones.
+    A shape inside another one is drawn whole; circles that turn have a radius. ``error`` [m] is the
+    largest distance from round lines.
     """
     rings = [shape_outline(solid, 0.0, error) for shape in shapes for solid, _ in solids(shape)]
     rings = [ring if turned_area(ring) >= 0 else ring[::-1] for ring in rings]
@@ -162,10 +157,7 @@ def _touch(one: Array, other: Array) -> bool:
 
 
 def arrow(tail: XY, tip: XY, shaft: float, head: float) -> list[XY]:
-    """The seven corners of an arrow: widths of its shaft and length of its head.
-
-    The head shrinks where the arrow is shorter than 1.6 heads.
-    """
+    """The corners of an arrow: widths of its shaft and length of its head, at most 0.62 of all."""
     dx, dy = tip[0] - tail[0], tip[1] - tail[1]
     length = math.hypot(dx, dy) or 1e-12
     ux, uy = dx / length, dy / length
@@ -198,10 +190,7 @@ def dashes(path: Sequence[XY], dash: float, gap: float) -> list[tuple[XY, XY]]:
 
 
 def ribbon(path: Sequence[XY], width: float) -> list[XY]:
-    """The outline of a line of even ``width`` along ``path``, mitred at its corners.
-
-    Mitres reach at most 1.5 widths; points that repeat are skipped.
-    """
+    """The outline of a line of constant ``width``; mitres reach at most 1.5 widths."""
     corners = path if len(path) == 2 else [
         p for k, p in enumerate(path) if not k or math.dist(p, path[k - 1]) > 1e-9]
     half = width / 2
@@ -261,10 +250,9 @@ def cut_line(start: XY, end: XY, edges: Edges) -> tuple[XY, XY] | None:
 
 
 def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
-    """What the edges show of a circle that is far larger, as a polygon: nothing, all or a piece.
+    """The visible part of a far larger circle as a polygon: nothing, all or a piece.
 
-    The arc is measured from its point nearest to the picture: differences of numbers as large as
-    the radius would have no digits left.
+    The arc is measured from its point nearest to the picture, which keeps digits.
     """
     left, top, right, bottom = edges
     reach = math.hypot(right - left, bottom - top) / 2

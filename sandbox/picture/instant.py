@@ -401,8 +401,9 @@ class Instant:
             if head:
                 back = min(0.8 * abs(sweep), head / (radius[-1] * self.point))
                 keep = max(2, round(len(path) * (1 - back / max(abs(sweep), 1e-9))))
-                painter.simple(arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
             self._draw_line(painter, path[:keep], edge, width)
+            if head:
+                painter.simple(arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
         return paint
 
     def _mark(self, item: Item) -> Plan | None:

@@ -19,8 +19,7 @@ LOOKED = 48  # samples that are looked at
 HOLD = 0.35  # least time that a label stays or is away [s of the film]
 CELL = 5  # side of the cells that have ink or not [pixels of the finished picture]
 TURNED, OFF, COVERED, FILLED, CROSSED, OUTSIDE = 0.02, 0.5, 0.12, 0.02, 2.0, 4.0
-"""Costs of a sample: by the angle to the arrow, for standing off, for each cell with ink and each
-cell of a filled area, for each label that is covered, and for a place outside of the stage."""
+"""Costs per sample: angle to the arrow, standing off, cell of ink, filled cell, label, outside."""
 MOST, FEW, SMALL = 24, 6, 500  # numbers in a picture, in one narrower than so many pixels
 PATIENCE = 0.25  # share of its samples in which a label has to find room, or it is left out
 FAR = 20  # areas that reach farther than so many pictures are not counted
@@ -175,10 +174,7 @@ def _meet(a: Array, b: Array) -> Flags:
 
 
 def steady(there: Flags, time: Array, least: float) -> Flags:
-    """The flags without gaps, then without stays, that are shorter than ``least`` [s].
-
-    Those at the beginning and at the end are kept.
-    """
+    """The flags without inner gaps, then without inner stays, shorter than ``least`` [s]."""
     found = there.copy()
     for wanted in (False, True):
         edges = np.flatnonzero(np.diff(found.astype(int), prepend=-1, append=-1))

@@ -91,7 +91,7 @@ def _plain(value: Any) -> Any:
 
 
 def check_view(run: Samples, view: View) -> None:
-    """That the bodies and quantities which a view names are there.
+    """Check that the bodies and quantities of a view exist.
 
     Raises:
         OutputError: names and patterns that fit no body, one a line.
@@ -120,10 +120,10 @@ def check_view(run: Samples, view: View) -> None:
 
 
 def check_run(run: Samples) -> None:
-    """That there is something to draw.
+    """Check that there is a recording with samples.
 
     Raises:
-        OutputError: what is no recording, or one without samples.
+        OutputError: there is none.
     """
     if not (hasattr(run, "mechanism") and hasattr(run, "arrays")):
         raise OutputError(f"{quoted(run)} is no recording; pass what sandbox.simulate or "
@@ -163,7 +163,7 @@ class PrintSize(NamedTuple):
 
 
 def paper_of(size: Any) -> PrintSize | None:
-    """``85mm``, ``85mm x 70mm`` or ``3.35in`` as a size on paper; None for what is none.
+    """``85mm``, ``85mm x 70mm`` or ``3.35in`` as a size on paper; None for any other size.
 
     Raises:
         OutputError: too small, or too large.

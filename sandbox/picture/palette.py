@@ -116,8 +116,8 @@ class Painter(Protocol):
              edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
         """Paint rings, each as its line and that line moved by half the width outwards, inwards.
 
-        With ``union`` they are one area with one outline outside of it; otherwise the second and
-        later rings are holes. ``hatch`` is the pitch of slanted lines.
+        With ``union`` they are one area with one outline, otherwise the later ones are holes.
+        ``hatch`` is the pitch of slanted lines.
         """
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:

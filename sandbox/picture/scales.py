@@ -19,15 +19,10 @@ from sandbox.picture.run_data import RunData
 from sandbox.samples.cables import piece_tensions
 from sandbox.scene.settings import View
 
-OFTEN = 0.95
-"""Share of the time in which anything acts that no arrow is larger than the reference: what is
-larger is seen in one picture of twenty, and cut only beyond :data:`LONGEST` times it."""
-ENDING = 0.1
-"""Share of the run, its end, of which what acts for half of it counts too: an end is looked at
-longest, and a grasp may come as late."""
+OFTEN = 0.95  # share of the active time in which no arrow exceeds the reference
+ENDING = 0.1  # last share of the run whose median counts, too: the end is looked at longest
 REFERENCE, LONGEST = 0.085, 1.5
-"""Length of the reference force's arrow as a fraction of the picture's width; arrows are cut at so
-many times the reference and marked with two bars."""
+"""Reference arrow [picture widths]; longer arrows are cut at this multiple."""
 ROUNDING = 1e-6
 """Acceleration [m/s^2] of all that moves: forces that are no larger than that takes are nothing."""
 MOST_DECIMALS = 9
@@ -36,8 +31,7 @@ SAME = 1e-9  # pins of a body that are no farther apart are one [m]
 UNLOADED = 1e-3
 """Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
 USUAL, SPIKE = 0.75, 2.0
-"""The share of the samples that carry anything, above which they are rare; how many times as large
-as the others the scale's top may be for the sake of these."""
+"""Quantile of loaded samples, and maximum ratio of the top of the scale to it."""
 SLACK_FRACTION, UNSEEN = 1e-6, 1e-5
 """Tensions below the first fraction of the scale count as slack; the second has no colour yet."""
 PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
@@ -67,12 +61,8 @@ def scale_of(reference: float, length: float) -> ForceScale:
 def typical(largest: Array, time: Array) -> float:
     """The reference size of arrows; 0 if there are none.
 
-    It is the time-weighted quantile :data:`OFTEN` of the largest arrow of each sample, over the
-    time in which anything acts; or the median of the run's last :data:`ENDING`, if that is larger.
-
-    Args:
-        largest: size of the largest arrow of each sample, 0 where there is none, [n].
-        time: of the samples [n] s.
+    It is the time-weighted quantile :data:`OFTEN` of the ``largest`` arrow of each sample [n] over
+    the time in which anything acts, or the median of the last :data:`ENDING` if that is larger.
     """
     size = np.nan_to_num(np.asarray(largest, dtype=float), posinf=0.0)
     top = float(size.max(initial=0.0))
@@ -134,7 +124,7 @@ def pressure_unit(largest: float) -> tuple[float, str]:
 
 
 def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
-    """How values up to about ``reference`` are written: a factor, the unit and decimals.
+    """Factor, unit and decimals to write values up to about ``reference``.
 
     >>> prefixed(0.0016, "N m")
     (1000.0, 'mN m', 2)
@@ -163,10 +153,7 @@ def round_length(largest: float) -> float:
 
 
 def round_up(value: float) -> float:
-    """The smallest of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten not below ``value``.
-
-    1 for nothing, and for numbers so small that no power of ten is.
-    """
+    """The smallest 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten from ``value`` on; 1 for 0."""
     if not value > 1e-300:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
@@ -248,10 +235,7 @@ class Tensions(NamedTuple):
                              pushing=self.pushing.union(*(each.pushing for each in every)))
 
     def hidden(self) -> Tensions:
-        """The same where no colours are shown: tendons are grey, slack ones dashed.
-
-        Bars, which are nothing else, keep theirs.
-        """
+        """Without colours, except of bars: tendons are grey, slack ones dashed."""
         loaded = self.pieces > SLACK_FRACTION * self.largest
         return self._replace(pieces=np.where(loaded, UNSEEN * self.largest, 0.0),
                              links=np.zeros_like(self.links))
@@ -277,8 +261,7 @@ def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
 def largest_tension(tension: Array) -> float:
     """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
 
-    The sharpest 0.5 % of samples may lie above it, and more if they would leave the usual tensions
-    without colour.
+    The sharpest 0.5 % of samples may exceed it, more if the usual tensions would have no colour.
     """
     if not tension.size:
         return 0.0

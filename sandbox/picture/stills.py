@@ -167,9 +167,9 @@ def save_picture(
 class Strip:
     """Pictures at ``times`` [s] in rows, each above its time; title, meters and legend.
 
-    Meters stand below all pictures, with a cursor for each. The strip has the ``size`` [pixels], or
-    that of ``paper``, else what its pictures need, each about :data:`LEAST` of the view's width.
-    ``bare`` leaves title and legend out, ``scales`` keeps the scales of the legend.
+    Meters stand below all pictures, with a cursor for each. The size is ``size`` [pixels], or that
+    of ``paper``, else each picture has about :data:`LEAST` of the view's width. ``bare`` leaves
+    title and legend out, ``scales`` keeps the scales of the legend.
 
     Raises:
         OutputError: the size has no room for so many pictures.
@@ -286,10 +286,7 @@ class Strip:
         draw_legend(paper, instant, self.legend, self.type, unit, self.pad, self.foot, self.line)
 
     def _time_texts(self, room: int) -> tuple[list[str], int]:
-        """Times below the pictures and the size of their type, so that no two meet.
-
-        Where they are too wide, they have no ``t =``, then fewer decimals, then smaller type.
-        """
+        """Times below the pictures in a form and a size of type [pixels] that fit in ``room``."""
         forms = ["t = {:.3f} s", "{:.3f} s", "{:.2f} s", "{:.1f} s", "{:.0f} s"]
         every = [[form.format(t) for t in self.times] for form in forms]
         every = [texts for texts in every if len(set(texts)) == len(set(self.times))] or every[:2]

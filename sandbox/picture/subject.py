@@ -84,11 +84,10 @@ class Subject:
 
     def add(self, step: str, kind: str, name: str = "", *, plane: float = ABOVE, rank: float = 0,
             layer: str = "", shown: Number | None = None, **fields: Any) -> None:
-        """Add an item of a pass, see :data:`sandbox.scene.layers.PASSES`, if its layer is shown.
+        """Add an item of a pass (see :data:`sandbox.scene.layers.PASSES`) if its layer is shown.
 
-        It is shown where ``shown`` is not 0; fields that are None are left out. Items of one plane
-        lie in the order of the passes, those of one pass in that of ``rank``. In texts and arrows,
-        which lie above all, ``rank`` is the order in which labels take places.
+        It is visible where ``shown`` is not 0. Items are sorted by plane, pass and ``rank``; of
+        texts and arrows, which lie above all, ``rank`` is the order in which labels are placed.
         """
         for each in [fields["g"]] if isinstance(fields.get("g"), str) else fields.get("g", ()):
             glyph(self.out, each)

@@ -15,9 +15,7 @@ from sandbox.wording import printable
 FINER = 4  # letters are drawn this many times larger, then scaled down
 MOST_LETTERS = 1000  # of a text; no picture is as wide
 KEPT = 2000  # texts that are kept: most of them come again in the next frame
-MOST, SHARE = 3, 0.25
-"""Lines of a title; what does not find room in them is left out. Of a picture's height that a title
-of several lines takes at most."""
+MOST, SHARE = 3, 0.25  # maximum lines of a title, and share of the height of a picture for several
 HEAD, LINE = 2.2, 1.25
 """Height of a header of one line, in the ordinary type, and from line to line, in the title's."""
 

@@ -31,8 +31,7 @@ from sandbox.values.appearance import ALL, depth, rgb
 
 EDGE, HAIR = 1.3, 0.5  # widths of an outline and of a pitch circle [points]
 BAR, STALK = 8.0, 2.2
-"""Widths of a body without shapes, a bar between its anchors, and of a line from a body to an
-anchor beside it [points]."""
+"""Widths of bodies without shapes, and of lines to anchors beside a body [points]."""
 DARK = 90  # brightness, 0 to 255, below which a fill has an outline that is lighter
 DEEP = 0.45  # share of the edge's colour in the fill of bodies in the lowest plane of their role
 ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")
@@ -42,10 +41,7 @@ ERROR = 0.2  # how far outlines of round shapes may be from their true lines [po
 
 
 def styles(model: Model) -> list[Style]:
-    """The style of each body: that of its role, darker the lower its plane.
-
-    A body with a colour of its own, or of its material, is filled with that.
-    """
+    """The style of each body: own colour or material, else role, darker in lower planes."""
     bodies, found = model.mechanism.bodies, []
     moving = [bool(body.shapes) and not fixed and body.plane != ALL
               for body, fixed in zip(bodies, model.bodies.fixed.tolist(), strict=True)]
@@ -99,13 +95,12 @@ def add_bodies(s: Subject) -> None:
         for wheel in wheels.get(i, []):
             style = ROLES["pulley"] if body.role == "link" and not fixed else looks[i]
             fill, edge = tokens(s, style)
-            rings = [wheel.outline] if wheel.rim is None else [wheel.rim, wheel.outline]
-            made.path([flat(*(ring + wheel.centre)) for ring in rings],
+            made.path([flat(*ring) for ring in wheel.rings],
                       s.style(fill, edge, EDGE, hatched=int(fixed)))
             for path, width in ((wheel.pitch_line, HAIR), (wheel.spoke, EDGE)):
                 if path is not None:
                     closed = path if len(path) == 2 else np.concatenate([path, path[:1]])
-                    made.line((closed + wheel.centre).tolist(), s.style("", edge, width))
+                    made.line(closed.tolist(), s.style("", edge, width))
 
 
 class _Body:
@@ -188,9 +183,9 @@ def back_to_front(shapes: Sequence[Shape]) -> list[int]:
 
 
 def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
-    """Where joints, springs, cylinders and tendon guides act on each body, in its own frame [m].
+    """Where joints, springs, cylinders and tendon guides act on each body, in its frame [m].
 
-    ``held`` leaves out what holds nothing in place: grooves, and ends that an actuator pulls.
+    ``held`` leaves out grooves and tendon ends that an actuator pulls.
     """
     joints, springs, tendons, lines = model.joints, model.springs, model.tendons, model.lines
     found: dict[int, list[XY]] = {}
@@ -217,10 +212,7 @@ def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
 
 
 def beside(model: Model, body: int, at: XY) -> XY | None:
-    """The place on a body's shapes that is nearest to a point beside them, in its frame [m].
-
-    None if the point lies in one of the shapes, or there are none.
-    """
+    """The point of a body's shapes nearest to a point outside, in its frame [m]; None if inside."""
     found: list[tuple[float, XY]] = []
     for shape in model.mechanism.bodies[body].shapes:
         for solid, _ in solids(shape):

@@ -27,9 +27,7 @@ SLIM, BLOCK = [3.4, 11], [7.0, 17]
 """Shaft's and head's width of arrows that are to scale, and of others [points]."""
 COMPARABLE = 0.2
 """A force that is typically larger than this share of the contact forces has their scale."""
-TELLING, NAMED = 6, 4
-"""Numbers of motors, brakes, servos and actuators are written of at most so many; arrows of more
-drives than the second have their values only."""
+TELLING, NAMED = 6, 4  # maximum numbers of drives with written efforts, and of arrows with names
 SHORTEST = 0.5  # length of the arrow of a drive near 0, as a fraction of its typical length
 TURN, WIDER = 15.0, 6.0
 """Radius of a torque's arrow, and by how much one about the same hinge is wider [points]."""

@@ -33,8 +33,7 @@ TELLING = 6  # numbers of loads are written of at most so many
 APART = 4.0
 """Loads have the scale of contact forces if one is at most so many times as large as the other."""
 LOAD_LENGTH, VECTOR_LENGTH, LENGTH = 0.11, 0.1, 0.07
-"""Length of an arrow of the reference size, of loads and of vectors, and height of a line load, as
-a fraction of the picture's width."""
+"""Arrows of reference loads and vectors, height of line loads [picture widths]."""
 FAINT = 0.02  # loads below this share of the reference are left out
 STANDING = 1e-6
 """Points that go no farther than this share of the picture's width in a run stand still."""
@@ -92,10 +91,7 @@ def add_loads(s: Subject) -> None:
 
 
 def load_scale(run: RunData, length: float, scale: ForceScale) -> ForceScale:
-    """The scale of loads: that of contact forces where these are about as large, else their own.
-
-    ``length`` is that of a typical arrow where loads have their own scale [m].
-    """
+    """The scale of loads: that of similar contact forces, else one with this ``length`` [m]."""
     force = run.arrays["load_force"]
     size = np.nan_to_num(np.hypot(force[..., 0], force[..., 1]))
     usual = typical(size.max(axis=1, initial=0.0), run.time)
@@ -110,10 +106,7 @@ def sort_rows(tables: Sequence[Array]) -> Array:
 
 
 def point_motion(run: RunData, places: Sequence[Place]) -> tuple[Array, Array]:
-    """Velocity [m/s] and acceleration [m/s^2] of points of bodies, [n, k, 2] each.
-
-    Of rigid bodies: v + omega x r and a + alpha x r - omega^2 r, with r from the centre of mass.
-    """
+    """Velocity v + omega x r, acceleration a + alpha x r - omega^2 r of points, [n, k, 2]."""
     bodies = np.array([body for body, _ in places], dtype=np.intp)
     local = np.array([at for _, at in places]).reshape(-1, 2) - run.arrays["body_centre"][bodies]
     r = rotated(local, run.arrays["body_pose"][:, bodies, 2])
@@ -124,10 +117,7 @@ def point_motion(run: RunData, places: Sequence[Place]) -> tuple[Array, Array]:
 
 
 def reactions(run: RunData, bodies: Sequence[int]) -> tuple[list[Place], Array, str]:
-    """Forces of the pins, slots and welds that join one of ``bodies`` to another.
-
-    They are shown on the object, else on the body that moves more: where, [n, k, 2] N, and words.
-    """
+    """Forces of the pins, slots and welds of ``bodies``: places, forces [n, k, 2] N, and words."""
     joints = run.model.joints
     found: Integers = np.array([
         k for k, kind in enumerate(joints.kind) if kind.keeps in ("point", "groove")
@@ -173,12 +163,12 @@ def _add_vectors(s: Subject, layer: str, token: str, places: Sequence[Place], va
 
 
 def spread(first: Any, second: Any, length: Any) -> tuple[Any, Any, Any, Any]:
-    """Forces at the two ends of a contact as a force per length that changes evenly along it.
+    """Forces at the two ends of a contact as a linear force per length.
 
-    It has the same sum and the same moment. With q from q0 to q1 over a length L these are
-    (q0 + q1) L / 2 and, about the first end, (q0 + 2 q1) L^2 / 6; so q0 = (4 F0 - 2 F1) / L, and q1
-    the same the other way round. Where one of them would pull, the contact gapes there: what is
-    left is a triangle, three times as long as the resultant is away from the other end.
+    It has the same sum and moment. With q from q0 to q1 over a length L these are (q0 + q1) L / 2
+    and, about the first end, (q0 + 2 q1) L^2 / 6; so q0 = (4 F0 - 2 F1) / L, and q1 likewise. Where
+    one of them would pull, a triangle is left, three times as long as the resultant is away from
+    the other end.
 
     Args:
         first: normal forces at the first end, 0 or more [N].
@@ -186,8 +176,8 @@ def spread(first: Any, second: Any, length: Any) -> tuple[Any, Any, Any, Any]:
         length: between them [m].
 
     Returns:
-        Where the pressure begins and ends, as shares of the length, and the force per length there
-        [N/m]. Nothing, from a place to the same, where all of it is in one point.
+        Begin and end of the pressure as shares of the length, and the force per length there [N/m];
+        a begin equal to the end where all of it is in one point.
     """
     total = first + second
     share = second / np.where(total > 0, total, np.inf)
@@ -209,10 +199,10 @@ class LineLoads(NamedTuple):
 
 
 def line_loads(run: RunData, bodies: Sequence[int]) -> LineLoads:
-    """What touches one of ``bodies`` along a line, and how the force is spread there.
+    """Line contacts of ``bodies``, and how the force is distributed along them.
 
-    A recording has the resultant of each pair at its centre of pressure; how far the contact goes
-    to either side is what the outlines of the two have in common there.
+    A recording has the resultant of each pair at its centre of pressure; the contact line is the
+    common part of both outlines there.
     """
     arrays = run.arrays
     on, force = contacts_on(run.model, arrays)

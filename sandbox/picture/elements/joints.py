@@ -15,17 +15,14 @@ from sandbox.numeric import Array
 from sandbox.picture.elements.bodies import beside, far_feet, joined_points
 from sandbox.picture.geometry import XY
 from sandbox.picture.listing import Point, flat, short
-from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import UNLOADED, bars_of
 from sandbox.picture.subject import Subject
 
 GAUGE = 13.0  # distance of the two lines of a groove in the ground [points]
 FAR_FOOT, PILED = 16.0, 11.0
-"""Anchors farther than this beside a fixed body's shapes get a ground symbol [points]; ground
-symbols nearer than the second to another one are left out."""
+"""Ground symbols: minimum distance from shapes of a fixed body, and from each other [points]."""
 TELLING, SHORT, BESIDE = 12, 36.0, 6.0
-"""Numbers beside rods, ropes and bars: of at most so many, of none shorter than this, and so far
-beside it [points]."""
+"""Numbers beside rods, ropes and bars: maximum count, minimum length and distance [points]."""
 TUBE, TUBE_WIDTH = 0.85, 13.0
 """Length of an actuator's cylinder as a share of the actuator's least length; width [points]."""
 STROKE, LONGEST_TUBE = 0.88, 0.96
@@ -144,16 +141,6 @@ def add_latches(s: Subject) -> None:
               state=s.steady(s.run.arrays["held"][:, bond] != 0))
 
 
-def reach_of(run: RunData, joint: int) -> XY:
-    """Least and largest distance of a joint's points [m]; of an actuator those of the run."""
-    low, high = run.model.joints.reach[joint].tolist()
-    if not run.model.joints.kind[joint].line:
-        return low, high
-    length = run.arrays["joint_length"][:, joint]
-    shortest, longest = float(length.min(initial=math.inf)), float(length.max(initial=0.0))
-    return (low or shortest), (high if math.isfinite(high) else longest)
-
-
 def add_links(s: Subject) -> None:
     """Rods, ropes and actuators, coloured by what they carry, with numbers if they are few."""
     model, carried = s.run.model, s.carried
@@ -162,14 +149,17 @@ def add_links(s: Subject) -> None:
     for k, kind in enumerate(model.joints.kind):
         if not kind.along_line:
             continue
-        link = _Link(s, k)
+        link, (low, high) = _Link(s, k), model.joints.reach[k].tolist()
         level = _level(carried.links[:, k], carried.largest)
         if kind.keeps == "distance":
             link.tube(link.ends[0], link.ends[1], level)
         elif kind.line:
-            link.actuator(reach_of(s.run, k), "drive" if k in driven else "pin_ring")
+            length = s.run.arrays["joint_length"][:, k]
+            link.actuator(low or float(length.min(initial=math.inf)),
+                          high if math.isfinite(high) else float(length.max(initial=0.0)),
+                          "drive" if k in driven else "pin_ring")
         else:
-            link.rope(reach_of(s.run, k), level)
+            link.rope(low, high, level)
         if k in loaded and len(loaded) <= TELLING and (
                 float(link.length.max()) > SHORT * s.point):
             s.number("told", link.name, link.way.at(link.length / 2), carried.links[:, k],
@@ -212,31 +202,30 @@ class _Link:
         self.line([start, end], "pin_ring", 4.4)
         self.loaded([start, end], "paper", 2.6, level)
 
-    def rope(self, reach: XY, level: Array) -> None:
-        """A taut rope with strands, a slack one dashed; with a least length a telescope."""
-        s, (shortest, longest), (a, b) = self.s, reach, self.ends
+    def rope(self, shortest: float, longest: float, level: Array) -> None:
+        """A taut rope with strands, a slack one dashed; with a minimum length a telescope."""
+        s, (a, b) = self.s, self.ends
         if shortest > 0:
             middle = self.way.at(self.length / 2)
             self.tube(a, middle, level)
             self.line([middle, b], "pin_ring", 1.6)
             return
-        taut, slack = self.length > TAUT * longest, self.length <= TAUT * longest
-        taut = taut & self.holds
-        if taut.any():
-            shown = s.steady(taut)
+        taut = self.length > TAUT * longest
+        if (taut & self.holds).any():
+            shown = s.steady(taut & self.holds)
             self.loaded(self.ends, "rope", 4.6, level, shown=shown)
             self.add("span", a=a, b=b, every=6.5, t=[-2.9, -2.9, 2.9, 2.9],
                      s=s.style("", "paper", 1.3), shown=shown)
-        if slack.any():
+        if not taut.all():
             depth = np.sqrt(np.maximum(longest - self.length, 0.0) * self.length * 3 / 8)
             self.add("sag", a=a, b=b, s=s.style("", "rope", 1.3, 5),
                      depth=s.out.varying(np.minimum(depth, longest / 2)),
-                     shown=s.steady(slack & self.holds))
+                     shown=s.steady(~taut & self.holds))
 
-    def actuator(self, reach: XY, token: str) -> None:
+    def actuator(self, shortest: float, longest: float, token: str) -> None:
         """A cylinder with its piston in a colour, and a rod of constant length."""
         point = self.s.point
-        tube, piston = cylinder(self.length, *reach, 12 * point)
+        tube, piston = cylinder(self.length, shortest, longest, 12 * point)
         inset, half = 1.4 * point, 3.0 * point
         middle = np.clip(piston, inset + half, np.maximum(tube - inset - half, inset + half))
         foot, cap, head, block = (self.way.at(far)[0] for far in (0.0, tube, piston, middle))
@@ -248,10 +237,10 @@ class _Link:
 
 
 def cylinder(length: Array, low: float, high: float, least: float) -> tuple[Array, Array]:
-    """The length of a cylinder and the place of its piston [n], for an actuator's length [n].
+    """Length of a cylinder and position of its piston [n] for lengths of an actuator [n].
 
-    The cylinder is ``least`` long or more, if there is room; ``low`` and ``high`` are the least and
-    largest length of the actuator. All in one unit.
+    The cylinder is at least ``least`` long if there is room; ``low`` and ``high`` are the limits of
+    ``length``.
     """
     stroke = high - low
     if stroke <= STROKE * low and TUBE * low >= least:
@@ -305,7 +294,7 @@ def add_springs(s: Subject) -> None:
 
 
 def _spring_look(s: Subject, k: int, apart: Array | None) -> dict[str, Any]:
-    """Style of a spring: driven ones by their stiffness, grey where a one-sided one is apart."""
+    """Style of a spring: driven ones by stiffness, grey where a one-sided one has a gap."""
     springs = s.run.model.springs
     drive, own = int(springs.drive[k]), float(springs.stiffness[k])
     look: dict[str, Any] = {"s": s.style("", "spring", COIL)}

@@ -78,10 +78,7 @@ def add_liquids(s: Subject) -> None:
 
 
 def grid(out: Listing, camera: Camera, stage: Stage, point: float) -> list[Item]:
-    """Lines of equal x and equal y as items, with numbers at the left and below.
-
-    ``point`` is pixels per point.
-    """
+    """Lines of equal x and y with numbers at the edges, as items; ``point`` is pixels per point."""
     step = round_length(min(2.5 * PITCH * point / camera.scale, 1e300))
     unit, factor = ("m", 1.0) if step >= 0.1 else ("mm", 1e3)
     corners = np.array([[stage.left, stage.top + stage.height],
@@ -105,10 +102,7 @@ def grid(out: Listing, camera: Camera, stage: Stage, point: float) -> list[Item]
 
 
 def fingertip(run: RunData, body: int) -> XY:
-    """The point of a finger's last phalanx that is farthest from its first hinge, [m].
-
-    Of one without shapes or hinge it is the body's origin.
-    """
+    """The point of a finger's last phalanx farthest from its first hinge [m], else its origin."""
     joints = run.model.joints
     hinges = [joints.anchor[k, 1] for k in joints.hinges.tolist() if joints.bodies[k, 1] == body]
     shapes = run.mechanism.bodies[body].shapes
@@ -135,10 +129,10 @@ def _centres(run: RunData, bodies: Sequence[int], given: Sequence[Place]) -> lis
 
 
 def traced(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
-    """The points whose paths are drawn of the bodies that the patterns fit.
+    """Traced points of the bodies that fit the patterns.
 
-    Those of ``view.traces``. Of bodies without one the fingertip or the centre of mass, where they
-    are named, or where nothing at all is traced; of all bodies, the tips if there are fingers.
+    These are the points of ``view.traces``, then fingertips, and centres of mass of bodies without
+    a point that are named. For all bodies, each kind is used only if the ones before are empty.
     """
     chosen, index = meant(patterns, run.mechanism.bodies), run.model.names.body
     found = _given(run, view, chosen)
@@ -162,10 +156,7 @@ def marked(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
 
 
 def trace_colours(model: Model, bodies: Sequence[int]) -> list[Colour]:
-    """What tells the paths of points of some bodies apart.
-
-    The bodies' own colours, darker, where the scene gives each another one; else :data:`TRACES`.
-    """
+    """Colours of paths: the bodies' own ones, darker, if all differ, else :data:`TRACES`."""
     own = [colour_of(model, model.mechanism.bodies[body]) for body in bodies]
     given = [mixed(rgb(each), INK, DARKER) for each in own if each]
     if len(own) > 1 and len(set(given)) == len(own):
@@ -174,7 +165,7 @@ def trace_colours(model: Model, bodies: Sequence[int]) -> list[Colour]:
 
 
 def round_interval(duration: float) -> float:
-    """The time between marks [s]: 1, 2 or 5 times a power of ten, at most :data:`PIECES` in all.
+    """The time between marks [s]: 1, 2 or 5 times a power of ten, at most :data:`PIECES` marks.
 
     >>> round_interval(0.5), round_interval(3.0)
     (0.05, 0.5)

@@ -22,26 +22,20 @@ from sandbox.samples.cables import off_wheels
 CABLE = 2.4  # width of a tendon [points]
 WOUND = 1.5  # length of a tendon that is shown on the wheel on which it ends [rad]
 CREEP, LEAST_SLIP = 1e-3, 1e-6
-"""A tendon that slides less from sample to sample than this share of its largest slide, or than
-this length [m], does not slip."""
+"""Minimum slip per sample, relative to the largest one, and minimum of that [m]."""
 NEAR_TURN = 0.02  # arcs that are so close to a whole turn are arcs of the other sign [rad]
 TUBE, TUBE_SHARE = (4.5, 9.0), 0.13
-"""Least and largest half width of a cylinder [points], and half its width as a share of its tube's
-length."""
+"""Half widths of a cylinder, min. and max. [points], and relative to its length."""
 HOSE, VANE = 1.6, 10.0  # width of a hose and radius of a chamber on a hinge [points]
 PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
-"""From a line's first chamber to its pump, to the tank of a valve, and to a line without chambers
-at the other end of a valve [points, y up]."""
+"""Offsets of a pump, a tank and a line without chambers [points, y up]."""
 SPARE = 0.04  # room before and behind a piston, as a share of the cylinder's largest length
 LEAST_TUBE, MOST_TUBE = 0.55, 0.95
 """Least and largest length of a tube, as shares of the cylinder's least length."""
 
 
 def slipping(slip: Array) -> Flags:
-    """In which samples a tendon slides over each guide with friction, [n, nf].
-
-    ``slip`` is the length that has slid over it since t = 0 [m], [n, nf].
-    """
+    """Samples in which a tendon slips over each guide, [n, nf], by its ``slip`` since t = 0 [m]."""
     slid = np.abs(np.diff(slip, axis=0, prepend=slip[:1]))
     least = CREEP * np.maximum(slid.max(axis=0, initial=0.0), LEAST_SLIP)
     return np.asarray(slid > least, dtype=bool)
@@ -49,7 +43,7 @@ def slipping(slip: Array) -> Flags:
 
 def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int], on: Flags, *,
          closed: bool) -> tuple[Array, Array]:
-    """The angles at which a tendon meets and leaves each guide [n, g] rad; NaN where it is off it.
+    """The angles at which a tendon meets and leaves each guide [n, g] rad; NaN off the guide.
 
     Args:
         places: centres of the guides, each [n, 2] m.
