@@ -18,7 +18,7 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.elements.bodies import joined_points
 from sandbox.picture.geometry import shape_points
 from sandbox.picture.listing import Listing
-from sandbox.picture.run_data import RunData
+from sandbox.picture.run_data import RunData, nearest
 from sandbox.picture.wheels import wheel_pictures
 from sandbox.scene.bodies import Circle
 from sandbox.scene.layers import meant
@@ -185,8 +185,8 @@ class _Motion:
 def _samples(run: RunData, moments: Sequence[float] | None) -> Integers:
     """Samples of all of the run, or the nearest to a few moments [s]."""
     n = len(run.time)
-    return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.int64)
-                     if moments is None else [np.argmin(np.abs(run.time - t)) for t in moments])
+    return nearest(run.time, moments) if moments is not None else np.unique(
+        np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.int64))
 
 
 def body_box(run: RunData, view: View | None = None,

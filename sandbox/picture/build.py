@@ -2,47 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.picture import scales
 from sandbox.picture.bounds import drift
-from sandbox.picture.elements.bodies import add_bodies, add_stalks, add_wheels
-from sandbox.picture.elements.drives import add_belts, add_drives
-from sandbox.picture.elements.forces import add_contacts, add_loads, add_pressure, add_vectors
-from sandbox.picture.elements.joints import (
-    add_bars,
-    add_grounds,
-    add_joints,
-    add_latches,
-    add_links,
-    add_springs,
-    add_stops,
-    stopping,
-)
-from sandbox.picture.elements.notes import (
-    add_axes,
-    add_liquids,
-    add_names,
-    add_traces,
-    round_interval,
-)
-from sandbox.picture.elements.tendons import add_cables, add_fluids, largest_pressure
+from sandbox.picture.elements import bodies, drives, forces, joints, notes, tendons
 from sandbox.picture.listing import Listing
 from sandbox.picture.palette import DRIVE, PUSH, SLACK, SPRING, TENSION, css, glyph, mixed
-from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import (
-    SLACK_FRACTION,
-    ForceScale,
-    Tensions,
-    bars_of,
-    force_scale,
-    prefixed,
-    pressure_unit,
-    shared,
-    tensions_of,
-)
+from sandbox.picture.run_data import RunData, nearest
 from sandbox.picture.subject import Subject, VisibleLayers
 from sandbox.scene.settings import View
 
@@ -85,14 +55,16 @@ RAMPS = {"load": [[css(c) for c in PUSH], [css(c) for c in TENSION]],
                        for other in (SLACK, DRIVE)]}
 """The ramps of loads (push and pull) and of driven stiffness."""
 ELEMENTS: tuple[Callable[[Subject], None], ...] = (
-    add_liquids, add_bodies, add_stalks, add_wheels, add_joints, add_links, add_grounds,
-    add_stops, add_latches, add_springs, add_bars, add_belts, add_fluids, add_cables, add_traces,
-    add_axes, add_pressure, add_contacts, add_loads, add_vectors, add_drives, add_names,
+    notes.add_liquids, bodies.add_bodies, bodies.add_stalks, bodies.add_wheels, joints.add_joints,
+    joints.add_links, joints.add_grounds, joints.add_stops, joints.add_latches, joints.add_springs,
+    joints.add_bars, drives.add_belts, tendons.add_fluids, tendons.add_cables, notes.add_traces,
+    notes.add_axes, forces.add_pressure, forces.add_contacts, forces.add_loads, forces.add_vectors,
+    drives.add_drives, notes.add_names,
 )
-"""What adds items to a list; a new kind of element is a function here."""
+"""The functions that add items to a list; a new kind of element is one more."""
 
 
-def add_legend(s: Subject, carried: Tensions) -> None:
+def add_legend(s: Subject, carried: scales.Tensions) -> None:
     """Add the rows that the run's pictures need."""
     out, signs = s.out, s.signs | _seen(s)
 
@@ -102,7 +74,7 @@ def add_legend(s: Subject, carried: Tensions) -> None:
     add("scale", "bodies", metres=1.0, unit="m", words="", s=out.style("", "ink", 1.6))
     for token, unit, words, size, layer, scale in _arrow_scales(s):
         if scale.metres > 0:
-            factor, written, _ = prefixed(scale.reference, unit)
+            factor, written, _ = scales.prefixed(scale.reference, unit)
             add("scale", layer, metres=scale.metres / factor, unit=written, words=words,
                 size=size, s=out.style(token))
     if carried.largest > 0:
@@ -115,8 +87,8 @@ def add_legend(s: Subject, carried: Tensions) -> None:
                     after=f"pull {words}" if pushes else words,
                     instead="tensions" if layer == "bars" else "")
     if "pressure" in signs:
-        largest = max(map(largest_pressure, (s.run, *s.beside)))
-        pascals, unit = pressure_unit(largest)
+        largest = max(map(tendons.largest_pressure, (s.run, *s.beside)))
+        pascals, unit = scales.pressure_unit(largest)
         add("ramp", "tendons", ramp="load", low=0, before="pressure 0",
             after=f"{largest / pascals:.4g} {unit}")
     for name, row in ROWS.items():
@@ -127,49 +99,43 @@ def add_legend(s: Subject, carried: Tensions) -> None:
         out.glyphs[name := f"trace {token}"] = [
             [out.style("", token, 1.8), {"l": [0, 0, 30, 0]}],
             [out.style(token), {"c": [15, 0, 15, 0, 3.0]}]]
-        every = round_interval(float(s.run.time[-1] - s.run.time[0]))
+        every = notes.round_interval(float(s.run.time[-1] - s.run.time[0]))
         add("glyph", "traces", g=name, width=30, words=f"every {every:g} s")
 
 
-def _arrow_scales(s: Subject) -> list[tuple[str, str, str, list[float], str, ForceScale]]:
+def _arrow_scales(
+    s: Subject,
+) -> Iterator[tuple[str, str, str, list[float], str, scales.ForceScale]]:
     """Token, unit, words, size, layer and scale of each kind of arrow."""
-    found: list[tuple[str, str, str, list[float], str, ForceScale]] = []
     if "contacts" in s.layers and (
             s.out.fixed_columns  # of a run that goes on it is not known
             or _largest(s, "contacts") * s.force.metres >= SEEN * s.point):
         on = f" {s.contacts_on}" if s.contacts_on.startswith(SHOWN_ON) and (
             "else" not in s.contacts_on) else ""
-        found.append(("force", "N", f"contact force{on}", [2.4, 10], "contacts", s.force))
-    scaled = "scaled" in s.signs and s.force.metres > 0
-    if scaled:
-        found.append(("drive", "N", "driving force", [3.4, 11], "drives", s.force))
+        yield "force", "N", f"contact force{on}", forces.FINE, "contacts", s.force
+    if scaled := "scaled" in s.signs and s.force.metres > 0:
+        yield "drive", "N", "driving force", forces.SLIM, "drives", s.force
     if not (scaled and s.loads == s.force):
-        found.append(("drive", "N", "load", [3.4, 11], "loads", s.loads))
-    return [*found, *((token, unit, words, [2.4, 10],
-                       token if token != "reaction" else "reactions", scale)
-                      for token, unit, words, scale in s.vectors)]
+        yield "drive", "N", "load", forces.SLIM, "loads", s.loads
+    for layer, token, unit, words, scale in s.vectors:
+        yield token, unit, words, forces.FINE, layer, scale
 
 
 def _largest(s: Subject, table: str) -> float:
-    """The largest arrow of a table in what is painted."""
-    rows, some = s.out.tables.get(table, np.zeros((0, 6))), _painted(s)
-    rows = rows if isinstance(some, slice) else rows[np.isin(rows[:, 0], some)]
+    """The largest arrow of a table in the painted samples."""
+    rows = s.out.tables.get(table, np.zeros((0, 6)))
+    if s.moments is not None:
+        rows = rows[np.isin(rows[:, 0], nearest(s.run.time, s.moments))]
     return float(np.hypot(rows[:, 4], rows[:, 5]).max(initial=0.0))
 
 
-def _painted(s: Subject) -> Any:
-    """The samples nearest to the moments that are painted, or all."""
-    return slice(None) if s.moments is None else np.unique(
-        [int(np.argmin(np.abs(s.run.time - t))) for t in s.moments])
-
-
 def _seen(s: Subject) -> set[str]:
-    """Rows for what comes and goes: slack tendons, stops, latches, arrows that are cut."""
-    some, pieces = _painted(s), s.carried.pieces
+    """Rows of signs that come and go: slack tendons, stops, bonds, arrows that are cut."""
+    some: Any = slice(None) if s.moments is None else nearest(s.run.time, s.moments)
     held = s.run.arrays["held"][some] != 0 if s.run.model.bonds.name else np.zeros(0, dtype=bool)
+    slack = s.carried.pieces[some] <= scales.SLACK_FRACTION * s.carried.largest
     found = {
-        "slack": bool((pieces[some] <= SLACK_FRACTION * s.carried.largest).any()),
-        "stop": bool(stopping(s)[some].any()),
+        "slack": bool(slack.any()), "stop": bool(joints.stopping(s)[some].any()),
         "holds": bool(held.any()), "gone": not held.all(),
         "cut": any(_largest(s, item["t"]) > item["most"] for item in s.out.items
                    if item["k"] == "arrows")}
@@ -192,16 +158,16 @@ def subject_of(run: RunData, view: View, *, width: float, point: float,
     """
     runs = (run, *beside)
     layers = [VisibleLayers(each, view) for each in runs]
-    own, *others = (tensions_of(each, bars_of(each, shown.of("bars")))
+    own, *others = (scales.tensions_of(each, scales.bars_of(each, shown.of("bars")))
                     for each, shown in zip(runs, layers, strict=True))
     carried = own.beside(others)
     out = Listing.of(run.time, run.arrays["body_pose"], fixed_columns=fixed_columns)
     out.ramps = RAMPS
     if view.follow:
         out.drift = drift(run, view)
+    force = scales.shared(scales.force_scale(each, width, view) for each in runs)
     s = Subject(run, view, layers[0], out, carried if "tensions" in layers[0] else carried.hidden(),
-                shared(force_scale(each, width, view) for each in runs), width, point, beside,
-                moments)
+                force, width, point, beside, moments)
     for add in ELEMENTS:
         add(s)
     add_legend(s, carried)

@@ -25,6 +25,7 @@ from sandbox.picture.labels import SMALL, offset, place_labels
 from sandbox.picture.listing import SIDES, Item
 from sandbox.picture.meters import MeterPanel
 from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK, Painter
+from sandbox.picture.run_data import nearest
 from sandbox.picture.scales import round_length
 from sandbox.picture.typesetter import HEAD, Headline, Typesetter
 from sandbox.samples.samples import Samples
@@ -266,8 +267,7 @@ class Picture:
 
         if not self._instants:  # labels add columns to the list
             left, top, wide, high = self.stage
-            few = None if self.moments is None else np.unique(
-                np.abs(self.run.time[:, None] - np.asarray(self.moments)).argmin(axis=0))
+            few = None if self.moments is None else nearest(self.run.time, self.moments)
             place_labels(made(), self.half, (left, top, left + wide, top + high), 1 / enlarge,
                          speed=self.view.speed, samples=few, width=width)
         if enlarge not in self._instants:

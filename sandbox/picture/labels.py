@@ -35,11 +35,6 @@ class _Seen:
         self.rows = np.full((samples, 4), np.nan)
         """Point x, y, away x, y [samples, 4] pixels of the finished picture; NaN where absent."""
 
-    @property
-    def order(self) -> tuple[float, float]:
-        """Those with less are placed first."""
-        return float(self.label.item.get("rank", 1)), -self.size
-
 
 def place_labels(instant: Instant, half: Half, stage: Sequence[float], factor: float, *,
                  speed: float, samples: Integers | None = None, width: int = 800) -> None:
@@ -60,7 +55,7 @@ def place_labels(instant: Instant, half: Half, stage: Sequence[float], factor: f
     seen, covered = _look(instant, some, stage, factor)
     point, placed = instant.point * factor, np.full((0, len(some), 4), np.nan)
     numbers, most = 0, FEW if width < SMALL else MOST
-    for one in sorted(seen, key=lambda one: one.order):
+    for one in sorted(seen, key=lambda one: (one.label.item.get("rank", 1), -one.size)):
         if one.number and numbers >= most:
             continue
         box = half(one.words)

@@ -80,6 +80,7 @@ from sandbox.numeric import Array, Flags
 Item = dict[str, Any]
 Number = float | list[int]  # a number, or the index of a column in a list
 Point = list[Any]
+Look = tuple[Any, ...]  # fill, edge, width, dash, hatched of a style
 SIDES = [(round(math.cos(k * math.pi / 4), 6), round(math.sin(k * math.pi / 4), 6), far)
          for far in (0, 22) for k in range(8)]
 """Where a label may stand: direction (y up), and distance from its point in points. A label that

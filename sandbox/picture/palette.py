@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from sandbox.picture.geometry import XY
+from sandbox.picture.geometry import XY, arrow
 from sandbox.picture.listing import Listing, flat, short
 
 Colour = tuple[int, int, int]
@@ -54,6 +54,9 @@ ROLES: dict[str, Style] = {
     "object": Style((244, 232, 206), (150, 124, 72)),
     "link": Style((228, 231, 235), (110, 118, 128)),
 }
+ZIGZAG = [0, 0, 0.16, 0, *(v for k in range(10) for v in (
+    round(0.16 + 0.68 * (k + 0.5) / 10, 4), 1 - 2 * (k % 2))), 0.84, 0, 1, 0]
+"""A coil as the pattern of a span, with straight ends."""
 LEVELS = 32  # steps of either ramp: few enough for one palette of a GIF
 NIGHT: Colour = (18, 23, 29)  # the ground of a page by night
 TOKENS: dict[str, tuple[Colour, Colour]] = {
@@ -189,17 +192,6 @@ def _valve(fill: str) -> list[Part]:
     return [((fill, "drive", 1.2), [0, 0, side * 7, 4.2, side * 7, -4.2]) for side in (1, -1)]
 
 
-def _coil(width: float) -> dict[str, list[float]]:
-    inner = [v for k in range(10) for v in (short(width * (0.16 + 0.68 * (k + 0.5) / 10)),
-                                            4.0 * (1 - 2 * (k % 2)))]
-    return _line(0.0, 0.0, short(0.16 * width), 0.0, *inner, short(0.84 * width), 0.0, width, 0.0)
-
-
-def _arrow(width: float, shaft: float, head: float) -> list[float]:
-    half, wide, neck = shaft / 2, 0.45 * head, width - head
-    return [0, half, neck, half, neck, wide, width, 0, neck, -wide, neck, -half, 0, -half]
-
-
 RING: Part = (("", "drive", 1.5), _line(*_arc(TURN, 0.0, math.tau, 48)))
 DIAMOND = [8.5, 0, 0, 8.5, -8.5, 0, 0, -8.5]
 AXIS, LETTER = ("", "axes", 1.3), ("", "axes", 1.1)
@@ -235,12 +227,13 @@ GLYPHS: dict[str, list[Part]] = {
              (AXIS, _line(0, 0, 0, 20)), (("axes",), [0, 26, -3, 19, 3, 19]),
              (LETTER, _line(30, -3, 35, 3)), (LETTER, _line(30, 3, 35, -3)),
              (LETTER, _line(-3, 36, 0, 33)), (LETTER, _line(3, 36, -2, 29))],
-    "cut": [(("force",), _arrow(34, 2.4, 10)),
+    "cut": [(("force",), flat(*arrow((0, 0), (34, 0), 2.4, 10))),
             *((("", "paper", 1.8), _line(x - 2, -4.5, x + 2, 4.5)) for x in (13, 17))],
     "patch": [(("patch", "force", 1.2), [0, -6, 22, -6, 22, 0, 0, 6])],
     "slack": [(("", "slack", 1.8, 5), _line(0, 0, 26, 0))],
-    "stiffer": [(("", "drive", 2.4), _coil(36))],
-    "driven": [(("drive",), _arrow(30, 7.0, 17))],
+    "stiffer": [(("", "drive", 2.4), _line(*(
+        short(v * (4 if k % 2 else 36)) for k, v in enumerate(ZIGZAG))))],
+    "driven": [(("drive",), flat(*arrow((0, 0), (30, 0), 7.0, 17)))],
     "torque": [(("", "drive", 3.2), _line(*_arc(8, -0.9, 3.7))),
                (("drive",), [-8.8, -1.6, -3.6, 1.4, -11, 4.4])],
 }

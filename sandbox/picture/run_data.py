@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from sandbox.model.meters import is_expression, worked_out
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 from sandbox.samples.samples import Samples
 from sandbox.scene.mechanism import Mechanism
 
@@ -40,3 +41,8 @@ def read_curve(run: Samples, name: str) -> Array:
         return np.asarray(run[name], dtype=float)
     value = worked_out(name, run.mechanism, lambda each: run.time if each == "t" else run[each])
     return np.broadcast_to(value, run.time.shape)
+
+
+def nearest(time: Array, moments: Sequence[float]) -> Integers:
+    """The samples nearest to some moments [s]."""
+    return np.unique(np.abs(time[:, None] - np.asarray(moments)).argmin(axis=0))

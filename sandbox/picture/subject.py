@@ -57,8 +57,8 @@ class Subject:
     beside: Sequence[RunData] = ()  # runs that are compared with this one: they share its scales
     moments: Sequence[float] | None = None  # the times that are painted [s], if they are few
     loads: ForceScale = NO_SCALE
-    vectors: list[tuple[str, str, str, ForceScale]] = field(default_factory=list)
-    """Arrows that the view asks for: token, unit, words and scale of each kind."""
+    vectors: list[tuple[str, str, str, str, ForceScale]] = field(default_factory=list)
+    """Other arrows: layer, token, unit, words and scale of each kind."""
     contacts_on: str = ""  # words of the legend: on whom contact forces are shown
     trace_ink: str = ""  # token of the first trace
     signs: set[str] = field(default_factory=set)  # rows of the legend that are needed, see ROWS
@@ -89,6 +89,10 @@ class Subject:
         It is visible where ``shown`` is not 0. Items are sorted by plane, pass and ``rank``; of
         texts and arrows, which lie above all, ``rank`` is the order in which labels are placed.
         """
+        if "s" in fields:
+            style = self.out.style
+            fields["s"] = [style(*each) for each in fields["s"]] if isinstance(
+                fields["s"], list) else style(*fields["s"])
         for each in [fields["g"]] if isinstance(fields.get("g"), str) else fields.get("g", ()):
             glyph(self.out, each)
         layer = layer or PASSES[step]
@@ -103,15 +107,12 @@ class Subject:
         self.out.items.append({key: value for key, value in item.items() if value is not None})
 
     def number(self, step: str, name: str, at: Point, values: Array, largest: float, unit: str, *,
-               steady: bool = False, token: str = "drive", words: str = "",
-               there: Flags | None = None, **fields: Any) -> None:
-        """Add a number beside a point, to the digits that the ``largest`` value deserves."""
+               steady: bool = False, token: str = "drive", words: str = "", **fields: Any) -> None:
+        """Add a number beside a point, with decimals for the ``largest`` value."""
         factor, unit, decimals = prefixed(largest, unit)
-        item = {"value": self.out.column(values, steady=steady), "factor": factor, "unit": unit,
-                "decimals": decimals, "s": self.style("", token), **fields}
-        if there is not None:
-            item["shown"] = self.steady(there)
-        self.add(step, "text", name, at=at, words=words, **item)
+        self.add(step, "text", name, at=at, words=words, factor=factor, unit=unit,
+                 value=self.out.column(values, steady=steady), decimals=decimals,
+                 s=("", token), **fields)
 
     def close(self) -> Listing:
         """The list, sorted back to front."""
@@ -134,7 +135,3 @@ class Subject:
     def steady(self, values: Array | Flags) -> Number:
         """Values that painters do not interpolate, as a column, or as the number that they are."""
         return self.out.varying(values, steady=True)
-
-    def style(self, *args: Any, **kwargs: Any) -> int:
-        """The number of a style."""
-        return self.out.style(*args, **kwargs)

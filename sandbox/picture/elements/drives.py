@@ -161,7 +161,7 @@ def _straight(s: Subject, k: int, arrow: Arrow, size: float, there: Array, *,
         rows, np.full(len(rows), k), arrow.tail[rows], vector[rows], np.abs(value[rows])])
     factor, written, decimals = prefixed(size, s.run.model.drives.kind[k].unit)
     s.add("drives", "arrows", name, t=f"drive {name}", metres=metres, most=most,
-          size=SLIM if scaled else BLOCK, least=0, s=s.style("drive", "paper", 2.0),
+          size=SLIM if scaled else BLOCK, least=0, s=("drive", "paper", 2.0),
           factor=factor, unit=written, decimals=decimals, names={k: name} if named else None)
     if "drives" in s.layers:
         s.signs.add("scaled" if scaled else "driven")
@@ -176,7 +176,7 @@ def _bent(s: Subject, k: int, size: float, there: Array, others: int) -> None:
         SWEEP[0] + SWEEP[1] * share)
     name, shown = model.drives.name[k], None if there.all() else s.steady(there)
     s.add("drives", "spiral", name, at=at, r=[radius, radius], head=12, shown=shown,
-          s=s.style("", "drive", 3.2), sweep=s.steady(sweep),
+          s=("", "drive", 3.2), sweep=s.steady(sweep),
           start=s.steady(math.pi / 2 - sweep / 2))
     s.number("drives", name, at, value, size, model.drives.kind[k].unit, words=name,
              clear=max(radius, rim(s, at)), shown=shown)

@@ -47,7 +47,7 @@ def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str
     factor, unit, decimals = prefixed(scale.reference, unit)
     s.add(layer, "arrows", layer, **{
         "t": layer, "metres": scale.metres, "most": scale.longest, "size": FINE, "least": SHORT,
-        "s": s.style(token, "paper", 2.0), "factor": factor, "unit": unit, "decimals": decimals,
+        "s": (token, "paper", 2.0), "factor": factor, "unit": unit, "decimals": decimals,
         "told": LABELLED * scale.reference, "rank": 2, **fields})
 
 
@@ -159,7 +159,7 @@ def _add_vectors(s: Subject, layer: str, token: str, places: Sequence[Place], va
         np.column_stack([samples, np.full(len(samples), k), s.out.place([body, *at]), values[:, k]])
         for k, (body, at) in enumerate(places)])
     _add_arrows(s, layer, scale, token, unit)
-    s.vectors.append((token, unit, words, scale))
+    s.vectors.append((layer, token, unit, words, scale))
 
 
 def spread(first: Any, second: Any, length: Any) -> tuple[Any, Any, Any, Any]:
@@ -260,6 +260,6 @@ def add_pressure(s: Subject) -> None:
         found.sample, np.arange(len(first)) - first, found.ends.reshape(-1, 4),
         tops[:, ::-1].reshape(-1, 4), most])
     factor, unit, decimals = prefixed(scale.reference, "N/m")
-    s.add("pressure", "strips", "pressure", t="pressure", s=s.style("patch", "force", 1.2),
+    s.add("pressure", "strips", "pressure", t="pressure", s=("patch", "force", 1.2),
           factor=factor, unit=unit, decimals=decimals, least=LABELLED * scale.reference)
     s.signs.add("patch")

@@ -43,9 +43,9 @@ def add_traces(s: Subject) -> None:
         token, name = s.ink(colour, lighter(colour, 0.5)), s.run.mechanism.bodies[body].name
         s.trace_ink = s.trace_ink or token
         s.add("traces", "trail", name, at=s.on(body, at), every=every, mark=MARK,
-              s=s.style(token, token, TRACE))
+              s=(token, token, TRACE))
         if named and body not in s.layers.of("body_names"):
-            s.add("traces", "text", name, at=s.on(body, at), words=name, s=s.style("", token),
+            s.add("traces", "text", name, at=s.on(body, at), words=name, s=("", token),
                   rank=3)
 
 
@@ -55,11 +55,11 @@ def add_names(s: Subject) -> None:
     for group in mechanism.groups:
         if group.kind == "finger" and group.bodies and group.bodies[0] in index:
             s.add("body_names", "text", group.name, layer="names", words=group.name, clear=12.0,
-                  at=[index[group.bodies[0]], 0, 0], s=s.style("", "faint_ink"), rank=5)
+                  at=[index[group.bodies[0]], 0, 0], s=("", "faint_ink"), rank=5)
     for body in s.layers.of("body_names"):
         name = mechanism.bodies[body].name
         s.add("body_names", "text", name, at=s.on(body, s.run.arrays["body_centre"][body]),
-              words=name, s=s.style("", "faint_ink"), rank=3)
+              words=name, s=("", "faint_ink"), rank=3)
 
 
 def add_axes(s: Subject) -> None:
@@ -73,7 +73,7 @@ def add_liquids(s: Subject) -> None:
     """The area below the level of each liquid."""
     levels, far = s.run.model.loads.level, WIDE * s.width
     for level in sorted(set(levels[np.isfinite(levels)].tolist()), reverse=True):
-        s.add("loads", "path", plane=BEHIND, f=s.out.world, s=s.style("liquid", "liquid_edge", 1.4),
+        s.add("loads", "path", plane=BEHIND, f=s.out.world, s=("liquid", "liquid_edge", 1.4),
               d=[flat((-far, level), (far, level), (far, level - far), (-far, level - far))])
 
 

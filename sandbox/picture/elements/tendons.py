@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -29,9 +30,8 @@ TUBE, TUBE_SHARE = (4.5, 9.0), 0.13
 HOSE, VANE = 1.6, 10.0  # width of a hose and radius of a chamber on a hinge [points]
 PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
 """Offsets of a pump, a tank and a line without chambers [points, y up]."""
-SPARE = 0.04  # room before and behind a piston, as a share of the cylinder's largest length
-LEAST_TUBE, MOST_TUBE = 0.55, 0.95
-"""Least and largest length of a tube, as shares of the cylinder's least length."""
+SPARE = 0.04  # room before and behind a piston [largest lengths of the cylinder]
+LEAST_TUBE, MOST_TUBE = 0.55, 0.95  # limits of a tube [smallest lengths of the cylinder]
 
 
 def slipping(slip: Array) -> Flags:
@@ -146,7 +146,7 @@ class _Cable:
         if there is not None and not there.all():
             shown = {"shown": s.steady(there & self.hold)}
         s.add("cables", "taut", self.name, plane=self.plane, rank=float(np.mean(share)) - 1,
-              p=guides, c=closed, s=[s.style("", "@load", CABLE), s.style("", "slack", 1.8, 5)],
+              p=guides, c=closed, s=[("", "@load", CABLE), ("", "slack", 1.8, 5)],
               state=s.steady(slack), by=s.steady(np.where(slack, 0.0, share)), **self.wide, **shown)
 
     def pieces(self, stretches: Integers) -> None:
@@ -206,18 +206,15 @@ class _Fluids:
     def __init__(self, s: Subject) -> None:
         self.s, self.largest = s, max(map(largest_pressure, (s.run, *s.beside)))
         self.lines, self.pressure = s.run.model.lines, s.run.arrays["line_pressure"]
-        self.plane = s.plane(*self.lines.bodies.ravel().tolist())
+        self.put = partial(s.add, "fluids", plane=s.plane(*self.lines.bodies.ravel().tolist()))
         self.ports: list[list[Point]] = [[] for _ in self.lines.name]
 
     def level(self, line: int) -> Number:
         """A line's pressure on the scale of colours."""
         return self.s.steady(np.abs(self.pressure[:, line]) / (self.largest or 1.0))
 
-    def put(self, kind: str, name: str = "", rank: float = 0, **fields: Any) -> None:
-        self.s.add("fluids", kind, name, plane=self.plane, rank=rank, **fields)
-
     def line(self, points: list[Point], token: str, width: float, **fields: Any) -> None:
-        self.put("line", p=points, s=self.s.style("", token, width), **fields)
+        self.put("line", p=points, s=("", token, width), **fields)
 
     def chamber(self, n: int) -> None:
         """A vane about a hinge, or a cylinder with its piston, as long as the run allows."""
@@ -225,7 +222,7 @@ class _Fluids:
         line, joint, bodies = int(lines.of[n]), int(lines.joint[n]), lines.bodies[n].tolist()
         if joint != NONE:
             at = s.on(bodies[1], s.run.model.joints.anchor[joint, 1])
-            self.put("path", rank=1, f=at[0], s=s.style("@load", "pin_ring", 1.2),
+            self.put("path", rank=1, f=at[0], s=("@load", "pin_ring", 1.2),
                      d=[{"c": [*at[1:], *at[1:], short(VANE * s.point)]}], by=self.level(line))
             self.ports[line].append(at)
             return
@@ -241,12 +238,12 @@ class _Fluids:
         foot, head = (way.at(far)[0] for far in (0.0, tube - spare - slope * (most - way.length)))
         half = min(max(TUBE_SHARE * tube, TUBE[0] * s.point), TUBE[1] * s.point)
         level, box = self.level(line), [flat((0, -half), (tube, -half), (tube, half), (0, half))]
-        self.put("path", name, 1, f=foot, d=box, s=s.style("paper"))
+        self.put("path", name, rank=1, f=foot, d=box, s=("paper",))
         fluid = [[head, 0, 0], [foot, tube, 0]] if pulls else [[foot, 0, 0], [head, 0, 0]]
         self.line(fluid, "@load", half / s.point * 2, by=level, rank=1)
         self.line([[head, 0, 0], ends[1]], "spring", 3.2, rank=1)
         self.line([[head, 0, -half], [head, 0, half]], "pin_ring", 2.4, rank=1)
-        self.put("path", name, 1, f=foot, d=box, s=s.style("", "spring", 1.2))
+        self.put("path", name, rank=1, f=foot, d=box, s=("", "spring", 1.2))
         for end in ends:
             self.put("mark", rank=2, at=end, g="end")
         if not self.ports[line] and self.largest > 0:
@@ -280,7 +277,7 @@ class _Fluids:
             self.line([one, two], "spring", 1.2, rank=2)
             way = Between(s.out, *(s.out.place(end) + s.point * np.array(
                 end[3:] or (0.0, 0.0)) for end in (one, two)))
-            self.put("mark", valves.name[valve], 2, at=way.at(way.length / 2),
+            self.put("mark", valves.name[valve], rank=2, at=way.at(way.length / 2),
                      turn=s.out.varying(way.angle), g=["shut", "open"],
                      state=s.steady(flow[:, valve] != 0.0))
             if "tendons" in s.layers:
@@ -292,13 +289,12 @@ class _Fluids:
         for k in drives.giving("flow", "pressure").tolist():
             line, name, value = (int(drives.target[k]), drives.name[k],
                                  s.run.arrays["drive_value"][:, k])
-            port = self.port(line)
-            if port is None:
+            if (port := self.port(line)) is None:
                 continue
             beside[line] = beside.get(line, -1) + 1
             at = _moved(port, (PUMP[0] * (1 + 1.6 * beside[line]), PUMP[1]))
             self.line([port, at], "spring", 1.2, rank=2)
-            self.put("mark", name, 2, at=at, g="pump")
+            self.put("mark", name, rank=2, at=at, g="pump")
             s.number("fluids", name, at, value, float(np.abs(value).max(initial=0.0)),
                      drives.kind[k].unit, words=name, clear=8.0)
 
