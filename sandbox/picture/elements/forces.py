@@ -71,8 +71,14 @@ def add_loads(s: Subject) -> None:
     """The force of each load on each body, from where it acts; of a few with names and values."""
     loads, arrays = s.run.model.loads, s.run.arrays
     some = np.flatnonzero(np.isin(loads.body, s.layers.of("loads"))).tolist()
-    scale = shared(load_scale(run, LOAD_LENGTH * s.width, s.force) for run in (s.run, *s.beside))
-    size = np.nan_to_num(np.hypot(arrays["load_force"][..., 0], arrays["load_force"][..., 1]))
+    scales, length = [], LOAD_LENGTH * s.width
+    for run in (*s.beside, s.run):  # ``size`` is that of ``s.run`` from here on
+        size = np.nan_to_num(np.hypot(*np.moveaxis(run.arrays["load_force"], -1, 0)))
+        usual = typical(size.max(axis=1, initial=0.0), run.time)
+        alike = s.force.metres > 0 and usual / APART <= s.force.reference <= usual * APART
+        scales.append(NO_SCALE if usual <= rounding(run) else s.force if alike
+                      else scale_of(usual, length))
+    scale = shared(scales)
     if scale.metres == 0 or not size[:, some].max(initial=0.0) > 0:
         return
     s.loads, rows = scale, []
@@ -88,15 +94,6 @@ def add_loads(s: Subject) -> None:
     _add_arrows(s, "loads", scale, "drive", "N", size=SLIM, told=0.0 if few else np.inf,
                 names={i: s.run.mechanism.loads[loads.load[i]].name for i in some}
                 if few else None)
-
-
-def load_scale(run: RunData, length: float, scale: ForceScale) -> ForceScale:
-    """The scale of loads: that of similar contact forces, else one with this ``length`` [m]."""
-    force = run.arrays["load_force"]
-    size = np.nan_to_num(np.hypot(force[..., 0], force[..., 1]))
-    usual = typical(size.max(axis=1, initial=0.0), run.time)
-    alike = scale.metres > 0 and usual / APART <= scale.reference <= usual * APART
-    return NO_SCALE if usual <= rounding(run) else scale if alike else scale_of(usual, length)
 
 
 def sort_rows(tables: Sequence[Array]) -> Array:
