@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 TYPE, MIN_TYPE = 20, 11  # size of type [points], and its minimum [pixels]
 MAX_ROWS = 2  # of the legend; one in a small picture
 BAR, ARROW, RAMP = 80.0, 52.0, 64.0
-"""Widths in the legend: of the scale of lengths, of arrows (at most), of ramps [points]."""
+"""Widths in the legend: lengths, arrows (maximum), ramps [points]."""
 GAP, APART = 17.0, 5.0  # between rows of the legend, and between symbol and words [points]
 VALUE = 1.1  # size of type of labels, relative to the legend
 SHAPES = (0.2, 1.5)  # limits of height / width of the motion where the height is free

@@ -1,7 +1,4 @@
-"""Frames of a film by pygame, on an enlarged picture that is scaled down: smooth edges, fast.
-
-Only what changed is painted again.
-"""
+"""Frames of a film by pygame: painted larger and scaled down, only where they changed."""
 
 from __future__ import annotations
 
@@ -18,8 +15,7 @@ from sandbox.picture.geometry import XY, ribbon
 from sandbox.picture.palette import BACKGROUND, Colour, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter
 
-MASKS = (0xFF, 0xFF00, 0xFF0000, 0)
-"""Red, green, blue in this order in memory, the fourth byte unused."""
+MASKS = (0xFF, 0xFF00, 0xFF0000, 0)  # red, green, blue in memory, the fourth byte unused
 COLOUR = np.uint32(0xFFFFFF)  # the fourth byte of a word is anything
 LONG = 60  # lines with more corners have no mitres, which would take long
 HATCHED = 400  # areas whose hatching is kept
@@ -41,8 +37,8 @@ class Pixels:
         self.size, self.enlarge, self.type = size, enlarge, typesetter
         self.large = new_surface(size[0] * enlarge, size[1] * enlarge)
         self.small = new_surface(*size)
-        self.texts: list[tuple[XY, str, int, Colour, Sequence[XY]]] = []
-        self.plain: list[tuple[XY, str, int, Colour]] = []
+        self.texts: list[tuple[pygame.Surface, XY]] = []  # with their corners, to be written
+        self._leaders: list[tuple[Colour, XY, XY]] = []
         self._hatched: dict[bytes, tuple[pygame.Surface, pygame.Rect]] = {}
 
     def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
@@ -121,25 +117,22 @@ class Pixels:
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
         """Keep a text for the finished picture."""
-        self.texts.append((middle, words, size, ink, leader))
+        if leader:
+            self._leaders.append((lighter(ink, 0.35), leader[0], leader[1]))
+        face = self.type.render(words, size=size, colour=ink, halo=True)
+        self.texts.append((face, (round(middle[0] - face.get_width() / 2),
+                                  round(middle[1] - face.get_height() / 2))))
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
-        self.plain.append((corner, words, size, ink))
+        self.texts.append((self.type.render(words, size=size, colour=ink), corner))
 
     def write_texts(self) -> list[pygame.Rect]:
-        """Write the texts that were kept on the finished picture; returns what they cover."""
-        found = [self.small.blit(self.type.render(words, size=size, colour=ink), corner)
-                 for corner, words, size, ink in self.plain]
-        for (x, y), words, size, ink, leader in self.texts:
-            if leader:
-                drawn = pygame.draw.aaline(self.small, lighter(ink, 0.35), leader[0], leader[1])
-                found.append(drawn.inflate(4, 4).clip(self.small.get_rect()))
-            face = self.type.render(words, size=size, colour=ink, halo=True)
-            found.append(self.small.blit(face, (round(x - face.get_width() / 2),
-                                                round(y - face.get_height() / 2))))
-        self.plain.clear()
-        self.texts.clear()
+        """Write the texts that were kept on the finished picture; returns the covered areas."""
+        found = [pygame.draw.aaline(self.small, *leader).inflate(4, 4).clip(self.small.get_rect())
+                 for leader in self._leaders]
+        found += self.small.blits(self.texts) or []
+        self.texts, self._leaders = [], []
         return found
 
     def scale_down(self, areas: Sequence[pygame.Rect]) -> None:
@@ -208,7 +201,7 @@ class Frames:
             painter.large.fill(BACKGROUND, [v * enlarge for v in zone])
         picture.surround(painter, self.instant)
         picture.write_grid(painter, self.instant)
-        self._panel_texts = [text for text in painter.plain if panel.collidepoint(text[0])]
+        self._panel_texts = [text for text in painter.texts if panel.collidepoint(text[1])]
         painter.scale_down([pygame.Rect(0, 0, width, height)])
         painter.write_texts()
         self._large_still, self._small_still = painter.large.copy(), painter.small.copy()
@@ -240,7 +233,7 @@ class Frames:
             self._restore([self._panel])
             picture.panel.draw(painter, [t])
             painter.scale_down([self._panel])
-            painter.plain += self._panel_texts
+            painter.texts += self._panel_texts
             painter.write_texts()
         for rect in self._stamped:
             painter.small.blit(self._small_still, rect, rect)

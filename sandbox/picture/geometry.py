@@ -1,7 +1,6 @@
-"""Outlines, paths and points as plain arrays [m] or [pixels]; what reaches far is cut.
+"""Outlines, paths and points as plain arrays [m] or [pixels], cut to a picture.
 
-pygame walks every pixel of a shape, also outside of the picture, and takes no numbers beyond those
-of a C int. Coordinates that are not finite are dropped here, for all painters.
+pygame walks every pixel of a shape, also outside of the picture, and takes only numbers of a C int.
 """
 
 from __future__ import annotations
@@ -84,8 +83,10 @@ def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
     outer = [k for k in rings if not any(
         _holds(rings[other], rings[k]) for other in rings
         if other != k and not (other > k and _holds(rings[k], rings[other])))]
+    touching = {(a, b): bool((_depths(rings[a], rings[b]).max(axis=0) >= -TOUCHING).all())
+                for a in outer for b in outer if a != b}  # no side of a has all of b outside
     return [k for k in outer if any(
-        other != k and _touch(rings[k], rings[other]) for other in outer)]
+        touching[k, other] and touching[other, k] for other in outer if other != k)]
 
 
 def bare_outlines(shapes: Sequence[Shape], error: float, *, turns: bool) -> list[Array]:
@@ -148,12 +149,6 @@ def _depths(ring: Array, points: Array) -> Array:
 def _holds(ring: Array, other: Array) -> bool:
     """Whether one convex outline lies in another."""
     return bool((_depths(ring, other) >= -TOUCHING).all())
-
-
-def _touch(one: Array, other: Array) -> bool:
-    """Whether two convex outlines meet: no side of either has all of the other before it."""
-    return all(bool((_depths(a, b).max(axis=0) >= -TOUCHING).all())
-               for a, b in ((one, other), (other, one)))
 
 
 def arrow(tail: XY, tip: XY, shaft: float, head: float) -> list[XY]:

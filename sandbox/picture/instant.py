@@ -28,15 +28,12 @@ from sandbox.picture.listing import Item, Listing
 from sandbox.picture.palette import Colour, Painter, from_css
 
 Plan = Callable[[Painter], None]
-REACH = {"mark": 20.0, "span": 13.0, "taut": 6.0}
-"""How far items reach beside their points, by kind; other kinds 7, arrows 10 [points]."""
+REACH = {"mark": 20.0, "span": 13.0, "taut": 6.0}  # beside points, else 7 [points]
 ROUND = 0.15  # largest angle between corners of arcs [rad]
 STEPS = 1e3  # steps of a number, from 0 to its maximum, that look different
 PITCH = 7.0  # of hatching [points]
-DETAILS = frozenset(("dot", "eye"))
-"""Glyphs that small pictures leave out; they have no hatching, either."""
-FINEST, MARKS_APART, MAX_PIECES = 3.0, 9.0, 5000
-"""Trails: minimum length of pieces and distance of marks [points]; pieces, the latest ones."""
+DETAILS = frozenset(("dot", "eye"))  # glyphs that small pictures leave out, as hatching
+FINEST, MARKS_APART, MAX_PIECES = 3.0, 9.0, 5000  # trails: pieces, marks [points]; number
 
 
 class Label(NamedTuple):

@@ -83,8 +83,7 @@ Point = list[Any]
 Look = tuple[Any, ...]  # fill, edge, width, dash, hatched of a style
 SIDES = [(round(math.cos(k * math.pi / 4), 6), round(math.sin(k * math.pi / 4), 6), far)
          for far in (0, 22) for k in range(8)]
-"""Where a label may stand: direction (y up), and distance from its point in points. A label that
-stands off has a thin line to its point."""
+"""Sides of labels: direction (y up), and additional distance [points], with a line if not 0."""
 
 
 def short(value: float) -> float:
@@ -105,8 +104,7 @@ class Listing:
     pose: Array  # frames [n, frames, 3] m, rad
     world: int = 0  # the frame that stands still
     fixed_columns: bool = False
-    """Keep every column, also where its values are all equal or equal to another's. Lists of
-    different samples of one run then have the same items, as a live view needs."""
+    """Keep constant and equal columns: lists of other samples then have the same items."""
     inks: dict[str, list[str]] = field(default_factory=dict)
     ramps: dict[str, list[list[str]]] = field(default_factory=dict)
     styles: list[list[Any]] = field(default_factory=list)
@@ -202,12 +200,9 @@ class Between:
     def __init__(self, out: Listing, a: Array, b: Array) -> None:
         way = b - a
         self.out, self.a = out, a
-        self.length = np.maximum(np.hypot(*way.T), 1e-12)
-        """[n] m"""
+        self.length = np.maximum(np.hypot(*way.T), 1e-12)  # [n] m
         self.way = way / self.length[:, None]
-        """Its direction [n, 2]."""
-        self.angle: Array = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
-        """[n] rad"""
+        self.angle: Array = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))  # [n] rad
 
     def at(self, distance: Array | float) -> Point:
         """A point so far from the first place [m], in a frame whose x axis points to the other."""

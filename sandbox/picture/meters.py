@@ -30,9 +30,8 @@ from sandbox.samples.samples import Samples
 from sandbox.scene.settings import ShownMeter, View
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
-"""Least width of a meter, and least and largest height of its curve [points]."""
-GROWN = 0.6
-"""Share of what stays blank above meters that their curves take, up to the largest height."""
+"""Width of a meter, height of its curve (min., max.) [points]."""
+GROWN = 0.6  # share of a blank height above meters that their curves take
 SHARE = 0.62  # most of a picture's height that meters below the motion take
 TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85  # sizes of type, in those of the legend
 FINEST = 1.5  # so many finished pixels along time share the least and the largest of a curve

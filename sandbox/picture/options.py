@@ -32,13 +32,12 @@ OPTIONS = {
     "follow": "the name of a body",
     "bodies": 'names and patterns of bodies, names of groups, and roles such as "role:object"',
 }
-"""What each is, as a message says it."""
-PRINT_PER_INCH = 300  # pixels; what is printed needs no more
-LETTERS = 7.0  # no letter is smaller [pt]
+"""Descriptions for messages."""
+PRINT_PER_INCH = 300  # pixels
+LETTERS = 7.0  # the smallest letters on paper [pt]
+PRINT_TYPE = math.ceil(LETTERS / 72 * PRINT_PER_INCH / EM)  # the same, as a typesetter counts it
 UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4}  # millimetres in each
 LEAST, MOST = 25.0, 650.0  # of a width or a height [mm]
-FINE = 0.75
-"""Of lines and marks, in what would go with such letters: they are printed as fine as that."""
 _NUMBER, _UNIT = r"\s*([0-9]+\.?[0-9]*|\.[0-9]+)\s*", f"({'|'.join(UNITS)})"
 _FORM = re.compile(f"{_NUMBER}(?:{_UNIT}?\\s*[x×]{_NUMBER})?{_UNIT}\\s*", re.IGNORECASE)
 
@@ -133,33 +132,17 @@ def check_run(run: Samples) -> None:
 
 
 class PrintSize(NamedTuple):
-    """How large a still is printed."""
+    """Size of a printed still [mm]; the height is None if it is free."""
 
-    width: float  # [mm]
-    height: float | None = None  # [mm]; None for as high as what is shown
-
-    @property
-    def pixels(self) -> int:
-        """Across."""
-        return round(self.width / UNITS["in"] * PRINT_PER_INCH)
+    width: float
+    height: float | None = None
 
     @property
-    def pixels_down(self) -> int | None:
-        """If it is said how high it is."""
-        return None if self.height is None else round(self.height / UNITS["in"] * PRINT_PER_INCH)
-
-    @property
-    def least(self) -> int:
-        """The smallest type, as a typesetter counts it."""
-        return math.ceil(LETTERS / 72 * PRINT_PER_INCH / EM)
-
-    def unit(self, type_: int) -> float:
-        """Pixels per point of lines and marks, where such a size of type goes with one."""
-        return FINE * self.least / type_
-
-    def per_inch(self, across: int) -> float:
-        """Pixels per inch of a picture that is so many pixels wide."""
-        return across * UNITS["in"] / self.width
+    def pixels(self) -> tuple[int, int]:
+        """Width and height [pixels]; a free height is 0."""
+        wide, high = (round(side / UNITS["in"] * PRINT_PER_INCH)
+                      for side in (self.width, self.height or 0.0))
+        return wide, high
 
 
 def paper_of(size: Any) -> PrintSize | None:

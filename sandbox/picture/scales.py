@@ -23,17 +23,14 @@ OFTEN = 0.95  # share of the active time in which no arrow exceeds the reference
 ENDING = 0.1  # last share of the run whose median counts, too: the end is looked at longest
 REFERENCE, LONGEST = 0.085, 1.5
 """Reference arrow [picture widths]; longer arrows are cut at this multiple."""
-ROUNDING = 1e-6
-"""Acceleration [m/s^2] of all that moves: forces that are no larger than that takes are nothing."""
+ROUNDING = 1e-6  # forces of this acceleration of all bodies are rounding errors [m/s^2]
 MOST_DECIMALS = 9
 NOTHING = 1e-6  # what is below this fraction of the largest size of a run is what rounding leaves
 SAME = 1e-9  # pins of a body that are no farther apart are one [m]
-UNLOADED = 1e-3
-"""Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
+UNLOADED = 1e-3  # links below this are unloaded [tops of the scale]
 USUAL, SPIKE = 0.75, 2.0
 """Quantile of loaded samples, and maximum ratio of the top of the scale to it."""
-SLACK_FRACTION, UNSEEN = 1e-6, 1e-5
-"""Tensions below the first fraction of the scale count as slack; the second has no colour yet."""
+SLACK_FRACTION, UNSEEN = 1e-6, 1e-5  # slack, and without colour [tops of the scale]
 PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
 
 

@@ -24,7 +24,7 @@ from sandbox.picture.frame import (
     type_size,
 )
 from sandbox.picture.meters import MeterPanel
-from sandbox.picture.options import PrintSize, check_run, paper_of, view_of
+from sandbox.picture.options import PRINT_TYPE, UNITS, PrintSize, check_run, paper_of, view_of
 from sandbox.picture.palette import HAIRLINE, INK
 from sandbox.picture.typesetter import Headline, Typesetter, ellipsis
 from sandbox.samples.samples import Samples
@@ -44,6 +44,7 @@ ACROSS = 6  # pictures in a row of a strip without a size
 SHAPES = (0.35, 1.6)  # limits of height / width of a picture of a strip without a size
 LEAST = 0.42  # minimum width of a picture of a strip relative to the view's
 INSIDE = 0.65  # size of words inside the pictures of a strip relative to its own
+PRINT_UNIT = 0.75 * PRINT_TYPE / TYPE  # pixels per point on paper: lines are finer than letters
 NARROWEST, SMALLEST = 40.0, 40
 """Pictures of a strip: minimum width on paper [mm], minimum width and height [pixels]."""
 Instants = float | str | Sequence[float | str]
@@ -119,10 +120,10 @@ def save_stills(
     else:
         picture = partial(Picture, run, view=view, bare=bare, scales=scales, moments=times)
         if paper:
-            picture = partial(picture, unit=paper.unit(TYPE), least=paper.least)
-            high = paper.pixels_down or round(
-                picture(size=(paper.pixels, ROOM * paper.pixels)).needs)
-            picture = partial(picture, size=(paper.pixels, high))
+            picture = partial(picture, unit=PRINT_UNIT, least=PRINT_TYPE)
+            wide, high = paper.pixels
+            high = high or round(picture(size=(wide, ROOM * wide)).needs)
+            picture = partial(picture, size=(wide, high))
         made = picture()
     files = []
     for moment in moments:
@@ -132,7 +133,7 @@ def save_stills(
         elif len(moments) > 1:
             file = path.with_name(f"{path.stem}_{moment.word}{path.suffix}")
         save(output_path(file, WHAT), made, moment.time, transparent=transparent,
-             per_inch=paper.per_inch(made.size[0]) if paper else None)
+             per_inch=made.size[0] * UNITS["in"] / paper.width if paper else None)
         files.append(file)
     return files
 
@@ -184,11 +185,11 @@ class Strip:
                  paper: PrintSize | None = None) -> None:
         self.run, self.times, self.view = run, times, view
         self.titled, self.keyed, self.scales = not (bare or scales), scales or not bare, scales
-        self.least = paper.least if paper else 0
-        if paper and paper.pixels_down:
-            size = (paper.pixels, paper.pixels_down)
+        self.least = PRINT_TYPE if paper else 0
+        if paper and paper.height:
+            size = paper.pixels
         box = self._picture(view.size, picture_unit(view.size)).box
-        unit = paper.unit(TYPE) if paper else picture_unit(size or view.size)
+        unit = PRINT_UNIT if paper else picture_unit(size or view.size)
         if size:
             for rows in (1, 2, 3, 4):
                 self._surround(unit, size)
@@ -199,7 +200,7 @@ class Strip:
             return
         most = max(1, int(paper.width / NARROWEST)) if paper else ACROSS
         across = math.ceil(len(times) / math.ceil(len(times) / most))
-        wide = paper.pixels // across if paper else round(view.size[0] * max(LEAST, 1 / across))
+        wide = paper.pixels[0] // across if paper else round(view.size[0] * max(LEAST, 1 / across))
         shape = view.size[1] / view.size[0] if view.width and view.centre else float(
             np.clip(box.height / (view.width or max(box.width, 1e-9)), *SHAPES))
         own, pane = unit, (wide, round(wide * shape))

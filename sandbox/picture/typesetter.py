@@ -16,8 +16,7 @@ FINER = 4  # letters are drawn this many times larger, then scaled down
 MOST_LETTERS = 1000  # of a text; no picture is as wide
 KEPT = 2000  # texts that are kept: most of them come again in the next frame
 MOST, SHARE = 3, 0.25  # maximum lines of a title, and share of the height of a picture for several
-HEAD, LINE = 2.2, 1.25
-"""Height of a header of one line, in the ordinary type, and from line to line, in the title's."""
+HEAD, LINE = 2.2, 1.25  # height of a header, and from line to line of a title [sizes of type]
 
 
 class Typesetter:

@@ -17,8 +17,7 @@ from sandbox.numeric import Array
 from sandbox.picture.geometry import shape_points
 from sandbox.scene.geometry import to_body, to_world
 
-FEW, MANY, MOST = 14, 30, 400
-"""Range for teeth of the smallest of meshing wheels; maximum, above which a wheel has none."""
+FEW, MANY, MOST = 14, 30, 400  # teeth of the smallest meshing wheel; maximum of a wheel
 TOP, FOOT = 0.26, 0.3  # of a tooth above the pitch circle, of a gap below [pitches]
 ALONG, ACROSS = np.array([(-0.34, -FOOT), (-0.12, TOP), (0.12, TOP), (0.34, -FOOT)]).T
 """A tooth: places along the pitch circle, and across [pitches]."""

@@ -23,12 +23,10 @@ from sandbox.scene.geometry import solids
 from sandbox.values.appearance import ALL, depth, rgb
 
 EDGE, HAIR = 1.3, 0.5  # widths of an outline and of a pitch circle [points]
-BAR, STALK = 8.0, 2.2
-"""Widths of bodies without shapes, and of lines to anchors beside a body [points]."""
+BAR, STALK = 8.0, 2.2  # widths of bodies without shapes, of lines to anchors beside bodies [points]
 DARK = 90  # brightness, 0 to 255, below which a fill has an outline that is lighter
 DEEP = 0.45  # share of the edge's colour in the fill of bodies in the lowest plane of their role
-ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")
-"""Roles from back to front."""
+ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")  # from back to front
 WHEELS = ("gear", "rack", "roll")  # joints that hold wheels rather than points
 ERROR = 0.2  # how far outlines of round shapes may be from their true lines [points]
 

@@ -20,16 +20,12 @@ from sandbox.picture.scales import LONGEST, prefixed, typical
 from sandbox.picture.subject import Subject
 from sandbox.scene.bodies import Circle
 
-LENGTH = 0.07
-"""Length of a drive's arrow at its typical large value as a fraction of the picture's width."""
-SLIM, BLOCK = [3.4, 11], [7.0, 17]
-"""Shaft's and head's width of arrows that are to scale, and of others [points]."""
-COMPARABLE = 0.2
-"""A force that is typically larger than this share of the contact forces has their scale."""
+LENGTH = 0.07  # of the arrow of a typical large value [picture widths]
+SLIM, BLOCK = [3.4, 11], [7.0, 17]  # shaft and head of arrows to scale, and others [points]
+COMPARABLE = 0.2  # minimum size of forces on the scale of contact forces
 TELLING, NAMED = 6, 4  # maximum numbers of drives with written efforts, and of arrows with names
 SHORTEST = 0.5  # length of the arrow of a drive near 0, as a fraction of its typical length
-TURN, WIDER = 15.0, 6.0
-"""Radius of a torque's arrow, and by how much one about the same hinge is wider [points]."""
+TURN, WIDER = 15.0, 6.0  # radius of a torque's arrow, and increment on a shared hinge [points]
 SWEEP = (0.9, 3.4)  # angle of a torque's arrow near 0, and what a typical torque adds [rad]
 NEGLIGIBLE = 5e-3  # drives below this share of their typical value are not painted
 LARGE = 90.0  # radius of wheels on which, not beside which, numbers stand [points]

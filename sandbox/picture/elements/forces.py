@@ -25,18 +25,15 @@ from sandbox.picture.scales import (
 from sandbox.picture.subject import Subject
 from sandbox.samples.contacts import contacts_on, on_the_other, said_of
 
-FINE, SLIM = [2.4, 10], [3.4, 11]
-"""Shaft's and head's width of arrows of contact forces and vectors, and of loads [points]."""
+FINE, SLIM = [2.4, 10], [3.4, 11]  # shaft and head of arrows of forces, and of loads [points]
 SHORTEST, SHORT = 2.5, 5.0  # contact arrows, and others, that are shorter are left out [points]
 LABELLED = 0.12  # values of arrows and patches above this share of the reference are written
 TELLING = 6  # numbers of loads are written of at most so many
-APART = 4.0
-"""Loads have the scale of contact forces if one is at most so many times as large as the other."""
+APART = 4.0  # maximum ratio of loads and contact forces on one scale
 LOAD_LENGTH, VECTOR_LENGTH, LENGTH = 0.11, 0.1, 0.07
-"""Arrows of reference loads and vectors, height of line loads [picture widths]."""
+"""Of loads, vectors, line loads [picture widths]."""
 FAINT = 0.02  # loads below this share of the reference are left out
-STANDING = 1e-6
-"""Points that go no farther than this share of the picture's width in a run stand still."""
+STANDING = 1e-6  # points that move less are at rest [picture widths]
 LEVEL = 2e-3  # corners of a body this near to a contact's line, in sizes of the body, lie on it
 MOST_SAMPLES = 200  # samples looked at for the scale of line loads
 

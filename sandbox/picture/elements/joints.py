@@ -21,10 +21,8 @@ from sandbox.picture.scales import UNLOADED, bars_of
 from sandbox.picture.subject import Subject
 
 GAUGE = 13.0  # distance of the two lines of a groove in the ground [points]
-FAR_FOOT, PILED = 16.0, 11.0
-"""Ground symbols: minimum distance from shapes of a fixed body, and from each other [points]."""
-TELLING, SHORT, BESIDE = 12, 36.0, 6.0
-"""Numbers beside rods, ropes and bars: maximum count, minimum length and distance [points]."""
+FAR_FOOT, PILED = 16.0, 11.0  # distances of ground symbols from shapes, each other [points]
+TELLING, SHORT, BESIDE = 12, 36.0, 6.0  # numbers at links: count, minimum length, distance [points]
 TUBE, LONGEST_TUBE, STROKE = 0.85, 0.96, 0.88
 """Usual and longest cylinder, longest stroke of one rod [minimum lengths of the actuator]."""
 TUBE_WIDTH = 13.0  # of an actuator's cylinder [points]

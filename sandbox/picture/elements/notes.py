@@ -23,8 +23,7 @@ from sandbox.values.appearance import rgb
 Place = tuple[int, XY]
 TRACE, MARK = 1.8, 3.0  # width of a trace, radius of its marks of time [points]
 PITCH = 70.0  # least distance of lines of the grid [points]
-MOST_LINES, FAR = 200, 1e9
-"""Lines of the grid along an axis, at most; none are so many steps from the origin."""
+MOST_LINES, FAR = 200, 1e9  # lines of the grid along an axis, and steps from the origin
 WIDE = 1e4  # half the width of a liquid, in widths of the picture
 DARKER = 0.3  # how much darker a trace is than its body
 MOST_NAMED = 6  # of no more than so many traces the bodies' names stand at their ends
@@ -114,45 +113,33 @@ def fingertip(run: RunData, body: int) -> XY:
     return x, y
 
 
-def _given(run: RunData, view: View, chosen: Sequence[int]) -> list[Place]:
-    """The points of ``view.traces`` on some bodies."""
-    index = run.model.names.body
-    return [(index[trace.body], trace.at) for trace in view.traces if index[trace.body] in chosen]
-
-
-def _centres(run: RunData, bodies: Sequence[int], given: Sequence[Place]) -> list[Place]:
-    """Centres of mass of those bodies that move and have no point yet."""
-    x, y = run.arrays["body_centre"].T.tolist()
-    known = {body for body, _ in given}
-    return [(body, (x[body], y[body])) for body in bodies
-            if body not in known and not run.model.bodies.fixed[body]]
-
-
-def traced(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
+def traced(run: RunData, view: View, patterns: Sequence[str], *, tips: bool = True) -> list[Place]:
     """Traced points of the bodies that fit the patterns.
 
-    These are the points of ``view.traces``, then fingertips, and centres of mass of bodies without
-    a point that are named. For all bodies, each kind is used only if the ones before are empty.
+    These are the points of ``view.traces``, then ``tips`` of fingers, and centres of mass of moving
+    bodies without a point. For all bodies, each kind is used only if the ones before are empty.
     """
-    chosen, index = meant(patterns, run.mechanism.bodies), run.model.names.body
-    found = _given(run, view, chosen)
-    if tuple(patterns) == EVERY and found:
-        return found
-    tips = [index[group.bodies[-1]] for group in run.mechanism.groups
-            if group.kind == "finger" and group.bodies and group.bodies[-1] in index]
-    given = {body for body, _ in found}
-    found += [(body, fingertip(run, body)) for body in tips if body in chosen and body not in given]
-    if tuple(patterns) == EVERY and found:
-        return found
-    return found + _centres(run, chosen, found)
+    index, every = run.model.names.body, tips and tuple(patterns) == EVERY
+    chosen, fixed = meant(patterns, run.mechanism.bodies), run.model.bodies.fixed
+    found = [(index[trace.body], trace.at) for trace in view.traces if index[trace.body] in chosen]
+    if tips and not (every and found):
+        lasts = [index[group.bodies[-1]] for group in run.mechanism.groups
+                 if group.kind == "finger" and group.bodies and group.bodies[-1] in index]
+        known = {body for body, _ in found}
+        found += [(body, fingertip(run, body)) for body in lasts
+                  if body in chosen and body not in known]
+    if not (every and found):
+        x, y = run.arrays["body_centre"].T.tolist()
+        known = {body for body, _ in found}
+        found += [(body, (x[body], y[body])) for body in chosen
+                  if body not in known and not fixed[body]]
+    return found
 
 
 def marked(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
-    """The points whose velocity is shown: of each body that moves those traced, else its centre."""
-    chosen = [body for body in meant(patterns, run.mechanism.bodies)
-              if not run.model.bodies.fixed[body]]
-    given = _given(run, view, chosen)
-    return given + _centres(run, chosen, given)
+    """Points of moving bodies whose velocity is shown: the traced ones, else centres of mass."""
+    return [place for place in traced(run, view, patterns, tips=False)
+            if not run.model.bodies.fixed[place[0]]]
 
 
 def trace_colours(model: Model, bodies: Sequence[int]) -> list[Colour]:

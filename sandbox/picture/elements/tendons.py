@@ -22,14 +22,12 @@ from sandbox.samples.cables import off_wheels
 
 CABLE = 2.4  # width of a tendon [points]
 WOUND = 1.5  # length of a tendon that is shown on the wheel on which it ends [rad]
-CREEP, LEAST_SLIP = 1e-3, 1e-6
-"""Minimum slip per sample, relative to the largest one, and minimum of that [m]."""
+CREEP, LEAST_SLIP = 1e-3, 1e-6  # minimum slip: per sample [largest one], of that [m]
 NEAR_TURN = 0.02  # arcs that are so close to a whole turn are arcs of the other sign [rad]
-TUBE, TUBE_SHARE = (4.5, 9.0), 0.13
-"""Half widths of a cylinder, min. and max. [points], and relative to its length."""
+TUBE, TUBE_SHARE = (4.5, 9.0), 0.13  # half width of a cylinder: limits [points], [lengths]
 HOSE, VANE = 1.6, 10.0  # width of a hose and radius of a chamber on a hinge [points]
 PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
-"""Offsets of a pump, a tank and a line without chambers [points, y up]."""
+"""Offsets of pump, tank, line [points]."""
 SPARE = 0.04  # room before and behind a piston [largest lengths of the cylinder]
 LEAST_TUBE, MOST_TUBE = 0.55, 0.95  # limits of a tube [smallest lengths of the cylinder]
 
