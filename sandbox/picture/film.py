@@ -68,7 +68,8 @@ def shared_palette(
 
 def colours(words: Words) -> NDArray[np.uint8]:
     """Red, green, blue [..., 3] of words."""
-    return np.stack((words & 255, words >> 8 & 255, words >> 16 & 255), axis=-1).astype(np.uint8)
+    whole = np.ascontiguousarray(words).view(np.uint8).reshape(*words.shape, 4)
+    return np.ascontiguousarray(whole[..., :3])
 
 
 def packed(pixels: NDArray[np.uint8]) -> Words:
@@ -276,7 +277,8 @@ def _write_frames(frames: Iterator[NDArray[Any]], directory: Path, count: int) -
     """Write frames as PNG files; those of an earlier film are removed."""
     def save(item: tuple[int, NDArray[Any]]) -> None:
         with atomic_file(directory / f"frame_{item[0]:05d}.png", durable=False) as aside:
-            Image.fromarray(_bytes(item[1])).save(aside, format="PNG", compress_level=3)
+            pixels = item[1] if item[1].dtype == np.uint8 else colours(item[1])
+            Image.fromarray(pixels).save(aside, format="PNG", compress_level=3)
 
     remove_stale(directory)
     side_by_side(enumerate(frames), save)
@@ -297,14 +299,7 @@ def _write_mp4(frames: Iterator[Words], fps: int, path: Path) -> None:
     with iio.imopen(path, "w", plugin="pyav") as file:
         film: Any = file
         film.init_video_stream("libx264", fps=fps, pixel_format="yuv420p")
-        side_by_side(frames, lambda frame: film.write_frame(_bytes(frame)))
-
-
-def _bytes(frame: NDArray[Any]) -> NDArray[np.uint8]:
-    """Red, green, blue of words, or a frame that is bytes already."""
-    if frame.dtype == np.uint8:
-        return frame
-    return np.ascontiguousarray(frame.view(np.uint8).reshape(*frame.shape, 4)[..., :3])
+        side_by_side(frames, lambda frame: film.write_frame(colours(frame)))
 
 
 def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:

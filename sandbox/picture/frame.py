@@ -215,7 +215,7 @@ class Picture:
         """Place the meters below or beside the motion, where it is larger."""
         (width, height), panel, given = self.size, self.panel, self.view.width
         high = height - self.head - foot
-        panel.shrink()
+        panel.grow(0.0)
         if self.small:
             panel.limit(high - round(STAGE * height))
 
