@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from sandbox.picture.bounds import drift
 from sandbox.picture.elements import bodies, drives, forces, joints, notes, tendons
 from sandbox.picture.listing import Listing
 from sandbox.picture.palette import DRIVE, PUSH, SLACK, SPRING, TENSION, css, glyph, mixed
-from sandbox.picture.run_data import RunData, nearest
+from sandbox.picture.run_data import RunData
 from sandbox.picture.subject import Subject, VisibleLayers
 from sandbox.scene.settings import View
 
@@ -47,8 +47,6 @@ ROWS: Mapping[str, Row] = {
     "stop": Row("joints", 16, "stop"),
 }
 """By name, most important first. What a picture shows by itself has no row."""
-SHOWN_ON = "on the object"
-SEEN = 2.5  # arrows that are shorter everywhere have no scale [points]
 STEPS = 8  # colours of springs on either side of their own stiffness
 RAMPS = {"load": [[css(c) for c in PUSH], [css(c) for c in TENSION]],
          "stiffness": [[css(mixed(SPRING, other, k / (STEPS - 1))) for k in range(STEPS)]
@@ -72,8 +70,10 @@ def add_legend(s: Subject, carried: scales.Tensions) -> None:
         out.legend.append({"k": kind, "l": layer, **row})
 
     add("scale", "bodies", metres=1.0, unit="m", words="", s=out.style("", "ink", 1.6))
-    for token, unit, words, size, layer, scale in _arrow_scales(s):
-        if scale.metres > 0:
+    for layer in ("contacts", "drives", "loads", "velocity", "acceleration", "reactions"):
+        row = s.arrows.get(layer)
+        if row and not (layer == "loads" and "drives" in s.arrows and row[-1] == s.force):
+            token, unit, words, size, scale = row
             factor, written, _ = scales.prefixed(scale.reference, unit)
             add("scale", layer, metres=scale.metres / factor, unit=written, words=words,
                 size=size, s=out.style(token))
@@ -91,10 +91,10 @@ def add_legend(s: Subject, carried: scales.Tensions) -> None:
         pascals, unit = scales.pressure_unit(largest)
         add("ramp", "tendons", ramp="load", low=0, before="pressure 0",
             after=f"{largest / pascals:.4g} {unit}")
-    for name, row in ROWS.items():
-        if name in signs and row.layer in s.layers:
-            add("glyph", row.layer, g=glyph(out, name), width=row.width, words=row.words,
-                centred=row.centred)
+    for name, sign in ROWS.items():
+        if name in signs and sign.layer in s.layers:
+            add("glyph", sign.layer, g=glyph(out, name), width=sign.width, words=sign.words,
+                centred=sign.centred)
     if token := s.trace_ink:
         out.glyphs[name := f"trace {token}"] = [
             [out.style("", token, 1.8), {"l": [0, 0, 30, 0]}],
@@ -103,41 +103,15 @@ def add_legend(s: Subject, carried: scales.Tensions) -> None:
         add("glyph", "traces", g=name, width=30, words=f"every {every:g} s")
 
 
-def _arrow_scales(
-    s: Subject,
-) -> Iterator[tuple[str, str, str, list[float], str, scales.ForceScale]]:
-    """Token, unit, words, size, layer and scale of each kind of arrow."""
-    if "contacts" in s.layers and (
-            s.out.fixed_columns  # of a run that goes on it is not known
-            or _largest(s, "contacts") * s.force.metres >= SEEN * s.point):
-        on = f" {s.contacts_on}" if s.contacts_on.startswith(SHOWN_ON) and (
-            "else" not in s.contacts_on) else ""
-        yield "force", "N", f"contact force{on}", forces.FINE, "contacts", s.force
-    if scaled := "scaled" in s.signs and s.force.metres > 0:
-        yield "drive", "N", "driving force", forces.SLIM, "drives", s.force
-    if not (scaled and s.loads == s.force):
-        yield "drive", "N", "load", forces.SLIM, "loads", s.loads
-    for layer, token, unit, words, scale in s.vectors:
-        yield token, unit, words, forces.FINE, layer, scale
-
-
-def _largest(s: Subject, table: str) -> float:
-    """The largest arrow of a table in the painted samples."""
-    rows = s.out.tables.get(table, np.zeros((0, 6)))
-    if s.moments is not None:
-        rows = rows[np.isin(rows[:, 0], nearest(s.run.time, s.moments))]
-    return float(np.hypot(rows[:, 4], rows[:, 5]).max(initial=0.0))
-
-
 def _seen(s: Subject) -> set[str]:
     """Rows of signs that come and go: slack tendons, stops, bonds, arrows that are cut."""
-    some: Any = slice(None) if s.moments is None else nearest(s.run.time, s.moments)
+    some = s.painted()
     held = s.run.arrays["held"][some] != 0 if s.run.model.bonds.name else np.zeros(0, dtype=bool)
     slack = s.carried.pieces[some] <= scales.SLACK_FRACTION * s.carried.largest
     found = {
         "slack": bool(slack.any()), "stop": bool(joints.stopping(s)[some].any()),
         "holds": bool(held.any()), "gone": not held.all(),
-        "cut": any(_largest(s, item["t"]) > item["most"] for item in s.out.items
+        "cut": any(s.largest_arrow(item["t"]) > item["most"] for item in s.out.items
                    if item["k"] == "arrows")}
     return {sign for sign, shown in found.items() if shown}
 

@@ -7,12 +7,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags
 from sandbox.picture.listing import Item, Listing, Number, Point, short
 from sandbox.picture.palette import TOKENS, Colour, css, glyph
-from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import NO_SCALE, ForceScale, Tensions, prefixed
+from sandbox.picture.run_data import RunData, nearest
+from sandbox.picture.scales import ForceScale, Tensions, prefixed
 from sandbox.scene.layers import LAYERS, PASSES, Show, meant, shown
 from sandbox.scene.settings import View
 from sandbox.values.appearance import depth
@@ -56,10 +58,9 @@ class Subject:
     point: float  # metres per point
     beside: Sequence[RunData] = ()  # runs that are compared with this one: they share its scales
     moments: Sequence[float] | None = None  # the times that are painted [s], if they are few
-    loads: ForceScale = NO_SCALE
-    vectors: list[tuple[str, str, str, str, ForceScale]] = field(default_factory=list)
-    """Other arrows: layer, token, unit, words and scale of each kind."""
-    contacts_on: str = ""  # words of the legend: on whom contact forces are shown
+    arrows: dict[str, tuple[str, str, str, Sequence[float], ForceScale]] = field(
+        default_factory=dict)
+    """Arrows in the legend by layer: token, unit, words, size and scale."""
     trace_ink: str = ""  # token of the first trace
     signs: set[str] = field(default_factory=set)  # rows of the legend that are needed, see ROWS
     _keys: list[tuple[float, float, float]] = field(default_factory=list)
@@ -113,6 +114,17 @@ class Subject:
         self.add(step, "text", name, at=at, words=words, factor=factor, unit=unit,
                  value=self.out.column(values, steady=steady), decimals=decimals,
                  s=("", token), **fields)
+
+    def painted(self) -> Any:
+        """The painted samples."""
+        return slice(None) if self.moments is None else nearest(self.run.time, self.moments)
+
+    def largest_arrow(self, table: str) -> float:
+        """The largest arrow of a table in the painted samples."""
+        rows = self.out.tables.get(table, np.zeros((0, 6)))
+        if self.moments is not None:
+            rows = rows[np.isin(rows[:, 0], self.painted())]
+        return float(np.hypot(rows[:, 4], rows[:, 5]).max(initial=0.0))
 
     def close(self) -> Listing:
         """The list, sorted back to front."""

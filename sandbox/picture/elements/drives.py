@@ -138,8 +138,10 @@ def _straight(s: Subject, k: int, size: float, there: Array, *, named: bool) -> 
     s.add("drives", "arrows", name, t=f"drive {name}", metres=metres, most=most,
           size=SLIM if scaled else BLOCK, least=0, s=("drive", "paper", 2.0),
           factor=factor, unit=unit, decimals=decimals, names={k: name} if named else None)
-    if "drives" in s.layers:
-        s.signs.add("scaled" if scaled else "driven")
+    if scaled and "drives" in s.layers:
+        s.arrows["drives"] = "drive", "N", "driving force", SLIM, s.force
+    elif "drives" in s.layers:
+        s.signs.add("driven")
 
 
 def _bent(s: Subject, k: int, size: float, there: Array, others: int) -> None:

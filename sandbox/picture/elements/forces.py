@@ -38,14 +38,15 @@ LEVEL = 2e-3  # corners of a body this near to a contact's line, in sizes of the
 MOST_SAMPLES = 200  # samples looked at for the scale of line loads
 
 
-def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, **fields: Any,
-                ) -> None:
-    """An item for the table of a layer."""
-    factor, unit, decimals = prefixed(scale.reference, unit)
+def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, words: str,
+                size: Sequence[float] = FINE, **fields: Any) -> None:
+    """Add an item for the table of a layer, and its row of the legend."""
+    factor, written, decimals = prefixed(scale.reference, unit)
     s.add(layer, "arrows", layer, **{
-        "t": layer, "metres": scale.metres, "most": scale.longest, "size": FINE, "least": SHORT,
-        "s": (token, "paper", 2.0), "factor": factor, "unit": unit, "decimals": decimals,
+        "t": layer, "metres": scale.metres, "most": scale.longest, "size": size, "least": SHORT,
+        "s": (token, "paper", 2.0), "factor": factor, "unit": written, "decimals": decimals,
         "told": LABELLED * scale.reference, "rank": 2, **fields})
+    s.arrows[layer] = token, unit, words, size, scale
 
 
 def add_contacts(s: Subject) -> None:
@@ -56,12 +57,18 @@ def add_contacts(s: Subject) -> None:
     on, force = contacts_on(s.run.model, arrays)
     one, two = arrays["contact_body"], arrays["contact_other"]
     kept, other = np.isin(one, bodies) | np.isin(two, bodies), one + two - on
-    s.contacts_on = said_of(s.run.model, on[kept], other[kept])
     s.out.tables["contacts"] = np.column_stack([
         arrays["contact_sample"], on * len(s.run.mechanism.bodies) + other,
         arrays["contact_point"], force])[kept]
     if s.force.metres:
-        _add_arrows(s, "contacts", s.force, "force", "N", least=SHORTEST, rank=1)
+        words = said_of(s.run.model, on[kept], other[kept])
+        plain = "else" in words or not words.startswith("on the object")
+        _add_arrows(s, "contacts", s.force, "force", "N",
+                    "contact force" if plain else f"contact force {words}", least=SHORTEST, rank=1)
+        # of a live run the largest force is not known
+        if not s.out.fixed_columns and (
+                s.largest_arrow("contacts") * s.force.metres < SHORTEST * s.point):
+            del s.arrows["contacts"]
 
 
 def add_loads(s: Subject) -> None:
@@ -78,7 +85,7 @@ def add_loads(s: Subject) -> None:
     scale = shared(scales)
     if scale.metres == 0 or not size[:, some].max(initial=0.0) > 0:
         return
-    s.loads, rows = scale, []
+    rows = []
     for i in some:
         at, force = s.out.place([int(loads.body[i]), *loads.at[i]]), arrays["load_force"][:, i]
         if loads.law[i] is None:  # buoyancy acts at the middle of what is under the level
@@ -88,7 +95,7 @@ def add_loads(s: Subject) -> None:
         rows.append(np.column_stack([there, np.full(len(there), i), at[there], force[there]]))
     s.out.tables["loads"] = sort_rows(rows)
     few = len(some) <= TELLING
-    _add_arrows(s, "loads", scale, "drive", "N", size=SLIM, told=0.0 if few else np.inf,
+    _add_arrows(s, "loads", scale, "drive", "N", "load", SLIM, told=0.0 if few else np.inf,
                 names={i: s.run.mechanism.loads[loads.load[i]].name for i in some}
                 if few else None)
 
@@ -128,32 +135,28 @@ def reactions(run: RunData, bodies: Sequence[int]) -> tuple[list[Place], Array, 
 
 
 def add_vectors(s: Subject) -> None:
-    """Velocities, accelerations and forces of joints, if the view shows them."""
+    """Velocities, accelerations and forces of joints."""
     duration = max(float(s.run.time[-1] - s.run.time[0]), 1e-9)
-    for order, (layer, unit) in enumerate((("velocity", "m/s"), ("acceleration", "m/s²"))):
-        if layer in s.layers:
+    for order, (layer, unit) in enumerate((
+            ("velocity", "m/s"), ("acceleration", "m/s²"), ("reactions", "N"))):
+        if layer not in s.layers:
+            continue
+        if layer == "reactions":
+            places, values, words = reactions(s.run, s.layers.of(layer))
+            least, token = 0.0, "reaction"
+        else:
             places = marked(s.run, s.view, s.layers.patterns(layer))
-            _add_vectors(s, layer, layer, places, point_motion(s.run, places)[order], unit, layer,
-                         STANDING * s.width / duration**(order + 1))
-    if "reactions" in s.layers:
-        places, values, words = reactions(s.run, s.layers.of("reactions"))
-        _add_vectors(s, "reactions", "reaction", places, values, "N", words, 0.0)
-
-
-def _add_vectors(s: Subject, layer: str, token: str, places: Sequence[Place], values: Array,
-                 unit: str, words: str, least: float) -> None:
-    """Arrows of one kind from ``places``, [n, k, 2]; what is below ``least`` rounding leaves."""
-    values = np.nan_to_num(values)
-    size = np.hypot(values[..., 0], values[..., 1]).max(axis=1, initial=0.0)
-    reference = typical(size, s.run.time)
-    if reference <= least:
-        return
-    scale, samples = scale_of(reference, VECTOR_LENGTH * s.width), np.arange(len(values))
-    s.out.tables[layer] = sort_rows([
-        np.column_stack([samples, np.full(len(samples), k), s.out.place([body, *at]), values[:, k]])
-        for k, (body, at) in enumerate(places)])
-    _add_arrows(s, layer, scale, token, unit)
-    s.vectors.append((layer, token, unit, words, scale))
+            values, words = point_motion(s.run, places)[order], layer
+            least, token = STANDING * s.width / duration**(order + 1), layer
+        values = np.nan_to_num(values)
+        size = np.hypot(values[..., 0], values[..., 1]).max(axis=1, initial=0.0)
+        if (reference := typical(size, s.run.time)) <= least:
+            continue
+        samples = np.arange(len(values))
+        s.out.tables[layer] = sort_rows([np.column_stack([
+            samples, np.full(len(samples), k), s.out.place([body, *at]), values[:, k]])
+            for k, (body, at) in enumerate(places)])
+        _add_arrows(s, layer, scale_of(reference, VECTOR_LENGTH * s.width), token, unit, words)
 
 
 def spread(first: Any, second: Any, length: Any) -> tuple[Any, Any, Any, Any]:
