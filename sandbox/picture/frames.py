@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sandbox.numeric import Array
 from sandbox.picture.frame import Picture
 from sandbox.picture.geometry import XY, ribbon
-from sandbox.picture.palette import BACKGROUND, Colour, hatch_lines, lighter
+from sandbox.picture.palette import BACKGROUND, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter
 
 MASKS = (0xFF, 0xFF00, 0xFF0000, 0)  # red, green, blue in memory, the fourth byte unused
@@ -41,8 +41,8 @@ class Pixels:
         self._leaders: list[tuple[Colour, XY, XY]] = []
         self._hatched: dict[bytes, tuple[pygame.Surface, pygame.Rect]] = {}
 
-    def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
-             edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
+    def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
+             union: bool = False, hatch: float = 0.0) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         polygon, large = pygame.draw.polygon, self.large
         if fill is not None and (union or len(rings) == 1):
@@ -93,16 +93,15 @@ class Pixels:
         else:
             pygame.draw.lines(self.large, ink, False, path, max(1, round(width)))
 
-    def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
-               width: float) -> None:
+    def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         if fill is not None:
             pygame.draw.polygon(self.large, fill, corners)
         if edge is not None and width:
             pygame.draw.lines(self.large, edge, True, corners, max(1, round(width)))
 
-    def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
-             width: float, *, hatch: float = 0.0) -> None:
+    def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
+             hatch: float = 0.0) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         if edge is not None and width:
             pygame.draw.circle(self.large, edge, centre, radius + width / 2,
@@ -163,19 +162,10 @@ def touched(boxes: Array, stage: pygame.Rect) -> list[pygame.Rect]:
     for x0, y0, x1, y1 in np.clip(np.nan_to_num(cells), 0, limit).astype(int).tolist():
         grid[y0:y1, x0:x1] = 1
     edges = np.diff(grid, axis=1, prepend=0, append=0)
-    found: list[pygame.Rect] = []
-    last = np.zeros(0, dtype=np.int64)
-    for row, edge in enumerate(edges):
-        ends = np.flatnonzero(edge)
-        runs = ends.reshape(-1, 2).tolist()
-        if np.array_equal(ends, last):  # of equal rows the rectangles go on
-            for rect in found[len(found) - len(runs):]:
-                rect.height += CELL
-        else:
-            found += [pygame.Rect(stage.left + a * CELL, stage.top + row * CELL, (b - a) * CELL,
-                                  CELL) for a, b in runs]
-        last = ends
-    return [rect.clip(stage) for rect in found]
+    rows, starts = (each.tolist() for each in np.nonzero(edges == 1))
+    ends = np.nonzero(edges == -1)[1].tolist()
+    return [pygame.Rect(stage.left + a * CELL, stage.top + row * CELL, (b - a) * CELL, CELL).clip(
+        stage) for row, a, b in zip(rows, starts, ends, strict=True)]
 
 
 class Frames:

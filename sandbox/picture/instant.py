@@ -25,7 +25,7 @@ from sandbox.picture.geometry import (
     within,
 )
 from sandbox.picture.listing import Item, Listing
-from sandbox.picture.palette import Colour, Painter, from_css
+from sandbox.picture.palette import Colour, Ink, Painter, from_css
 
 Plan = Callable[[Painter], None]
 REACH = {"mark": 20.0, "span": 13.0, "taut": 6.0}  # beside points, else 7 [points]
@@ -207,14 +207,14 @@ class Instant:
         """A number, or a column's value."""
         return float(self.values[number[0]]) if isinstance(number, list) else float(number)
 
-    def ink(self, token: str, by: float = 0.0) -> Colour | None:
+    def ink(self, token: str, by: float = 0.0) -> Ink:
         """The colour of a token; ``by`` is the place on a ramp."""
         if token[:1] == "@":
             ramp = self._ramps[token[1:]][by >= 0]
             return ramp[min(len(ramp) - 1, int(abs(by) * (len(ramp) - 1) + 0.5))]
         return self._inks.get(token)
 
-    def look(self, item: Item) -> tuple[Colour | None, Colour | None, float, float, float]:
+    def look(self, item: Item) -> tuple[Ink, Ink, float, float, float]:
         """Fill, edge, width, dash and pitch of hatching [pixels] of an item now."""
         number = item["s"]
         if isinstance(number, list):
@@ -301,7 +301,7 @@ class Instant:
             if apart.sum() > 2:
                 yield ring[apart]
 
-    def _draw_line(self, painter: Painter, path: Sequence[XY], ink: Colour | None, width: float,
+    def _draw_line(self, painter: Painter, path: Sequence[XY], ink: Ink, width: float,
                    dash: float = 0.0) -> None:
         """Connected lines, cut where they are far outside."""
         if ink is None or len(path) < 2:

@@ -18,6 +18,8 @@ from sandbox.picture.geometry import XY, arrow
 from sandbox.picture.listing import Listing, flat, short
 
 Colour = tuple[int, int, int]
+Ink = Colour | None
+Rings = Sequence[Sequence[XY]]
 EM = 0.6875  # pixels of an em for one of pygame's own font's size
 BACKGROUND: Colour = (255, 255, 255)
 INK: Colour = (34, 40, 49)
@@ -115,8 +117,8 @@ class Painter(Protocol):
 
     enlarge: int  # pixels of shapes per finished pixel
 
-    def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
-             edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
+    def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
+             union: bool = False, hatch: float = 0.0) -> None:
         """Paint rings, each as its line and that line moved by half the width outwards, inwards.
 
         With ``union`` they are one area with one outline, otherwise the later ones are holes.
@@ -126,12 +128,11 @@ class Painter(Protocol):
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
         """Paint connected lines."""
 
-    def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
-               width: float) -> None:
+    def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
         """Paint a small polygon with an outline about its line."""
 
-    def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
-             width: float, *, hatch: float = 0.0) -> None:
+    def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
+             hatch: float = 0.0) -> None:
         """Paint a circle with an outline about its line."""
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:

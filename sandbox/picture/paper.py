@@ -20,14 +20,13 @@ from numpy.typing import NDArray
 from sandbox.atomic_files import atomic_file
 from sandbox.picture.frame import Picture
 from sandbox.picture.geometry import XY, turned_area
-from sandbox.picture.palette import BACKGROUND, EM, Colour, hatch_lines, lighter
+from sandbox.picture.palette import BACKGROUND, EM, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.stills import Strip
 from sandbox.picture.typesetter import Typesetter, letters
 
 SCREEN_PER_INCH, POINTS = 96, 72  # pixels per inch on the screen, as in CSS; points per inch
 FAMILIES = ("FreeSans", "Helvetica", "Arial", "Liberation Sans", "sans-serif")
 """The font, and fonts of equal width, for an SVG."""
-Rings = Sequence[Sequence[XY]]
 
 
 class Paper:
@@ -64,8 +63,8 @@ class Paper:
         width, height = self.size
         self._draw(_closed([[(0, 0), (width, 0), (width, height), (0, height)]]), ink)
 
-    def _draw(self, path: Any, fill: Colour | None, edge: Colour | None = None,
-              width: float = 0.0, inside: Any = None, cap: str = "butt") -> None:
+    def _draw(self, path: Any, fill: Ink, edge: Ink = None, width: float = 0.0,
+              inside: Any = None, cap: str = "butt") -> None:
         gc = self.renderer.new_gc()
         gc.set_linewidth(width * self.factor if edge is not None else 0.0)
         gc.set_foreground(_ink(edge) if edge is not None else (0, 0, 0, 0), isRGBA=True)
@@ -79,8 +78,8 @@ class Paper:
         self.renderer.draw_path(gc, path, self._flip, _ink(fill) if fill is not None else None)
         gc.restore()
 
-    def area(self, rings: Sequence[Rings], fill: Colour | None, edge: Colour | None, width: float,
-             *, union: bool = False, hatch: float = 0.0) -> None:
+    def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
+             union: bool = False, hatch: float = 0.0) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         lines = [ring for ring, _, _ in rings]
         if union:
@@ -105,13 +104,12 @@ class Paper:
         """See :class:`sandbox.picture.palette.Painter`."""
         self._draw(Outline(np.asarray(path)), None, ink, width)
 
-    def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
-               width: float) -> None:
+    def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         self._draw(_closed([corners]), fill, edge, width)
 
-    def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
-             width: float, *, hatch: float = 0.0) -> None:
+    def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
+             hatch: float = 0.0) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         circle = Outline.circle(centre, radius)
         self._draw(circle, fill, edge if width else None, width)

@@ -149,19 +149,19 @@ class _Cable:
 
     def pieces(self, stretches: Integers) -> None:
         """Each straight piece with half of the arcs at its ends, in the colour of its tension."""
-        count, rows, middle = len(self.points), np.arange(len(self.on)), self.middle
-        for g in range(count - 1):
-            begins, ends = g == 0 and not self.closed, g + 2 == count and not self.closed
+        rows, middle = np.arange(len(self.on)), self.middle.copy()
+        if not self.closed:
+            middle[:, 0] = (self.meets if self.radii[0] else self.leaves)[:, 0]
+            middle[:, -1] = self.leaves[:, -1]
+        for g in range(len(self.points) - 1):
             following = g + 1 + np.argmax(self.on[:, g + 1:], axis=1)
-            start = self.guide(g, self.meets[:, g] if begins and self.radii[g] else
-                               self.leaves[:, g] if begins else middle[:, g], self.leaves[:, g])
+            start = self.guide(g, middle[:, g], self.leaves[:, g])
             if (following == g + 1).all():
-                end = self.guide(g + 1, self.meets[:, g + 1],
-                                 (self.leaves if ends else middle)[:, g + 1])
+                end = self.guide(g + 1, self.meets[:, g + 1], middle[:, g + 1])
             else:  # it skips guides that the tendon has left
                 centre = np.stack(self.places, axis=1)[rows, following]
                 end = self.guide(int(following[0]), self.meets[rows, following],
-                                 middle[rows, following], self.s.out.spot(centre))
+                                 self.middle[rows, following], self.s.out.spot(centre))
             self.line([start, end], stretches[g], there=self.on[:, g])
 
     def collar(self, guide: int, slips: Flags) -> None:
