@@ -27,7 +27,7 @@ from sandbox.picture.run_data import read_curve
 from sandbox.picture.scales import pressure_unit, round_up
 from sandbox.picture.typesetter import Typesetter, ellipsis
 from sandbox.samples.samples import Samples
-from sandbox.scene.settings import ShownMeter, View
+from sandbox.scene.settings import View
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Width of a meter, height of its curve (min., max.) [points]."""
@@ -73,27 +73,26 @@ class Dial(NamedTuple):
 
 def dials(run: Samples, view: View) -> list[Dial]:
     """Data of the meters of a view."""
-    return [_dial(run, meter) for meter in view.meters]
-
-
-def _dial(run: Samples, meter: ShownMeter) -> Dial:
-    names = curves(meter, run.catalogue)
-    rows = np.array([read_curve(run, name) for name in names]).reshape(len(names), len(run.time))
-    unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
-    scaled = rows if meter.range is None else np.array(meter.range)
-    if unit == "Pa":  # in the unit of the drawing; other quantities in those of plots
-        largest = float(np.nanmax(np.abs(scaled), initial=0.0))
-        size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
-        factor, sign = 1 / size, f" {name}"
-    else:
-        shown = shown_as(unit, *np.atleast_2d(scaled))
-        factor, sign = shown.factor, shown.sign.replace("^2", "²").replace("^3", "³")
-    values = factor * rows
-    low, high = _range(values) if meter.range is None else (
-        factor * meter.range[0], factor * meter.range[1])
-    own, rest = _apart(names) if len(names) > 1 else ([""], names[0])
-    return Dial(meter.title or rest, own, values, sign, low, high,
-                meter.style == "plot" and len(run.time) > 1)
+    found = []
+    for meter in view.meters:
+        names = curves(meter, run.catalogue)
+        rows = np.array([read_curve(run, name) for name in names]).reshape(-1, len(run.time))
+        unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
+        scaled = rows if meter.range is None else np.array(meter.range)
+        if unit == "Pa":  # in the unit of the drawing; other quantities in those of plots
+            largest = float(np.nanmax(np.abs(scaled), initial=0.0))
+            size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
+            factor, sign = 1 / size, f" {name}"
+        else:
+            shown = shown_as(unit, *np.atleast_2d(scaled))
+            factor, sign = shown.factor, shown.sign.replace("^2", "²").replace("^3", "³")
+        values = factor * rows
+        low, high = _range(values) if meter.range is None else (
+            factor * meter.range[0], factor * meter.range[1])
+        own, rest = _apart(names) if len(names) > 1 else ([""], names[0])
+        found.append(Dial(meter.title or rest, own, values, sign, low, high,
+                          meter.style == "plot" and len(run.time) > 1))
+    return found
 
 
 def _range(values: Array) -> tuple[float, float]:

@@ -99,9 +99,9 @@ def from_css(colour: str) -> Colour:
 
 def _ramp(*stops: tuple[float, Colour]) -> tuple[Colour, ...]:
     """Colours between those at some places from 0 to 1."""
-    return tuple(next(mixed(low, high, (k / (LEVELS - 1) - a) / (b - a))
-                      for (a, low), (b, high) in pairwise(stops) if k / (LEVELS - 1) <= b)
-                 for k in range(LEVELS))
+    return tuple(next(mixed(low, high, (share - a) / (b - a))
+                      for (a, low), (b, high) in pairwise(stops) if share <= b)
+                 for share in (k / (LEVELS - 1) for k in range(LEVELS)))
 
 
 # grey at no tension, over sand and orange, to a deep red; lightness falls all along
@@ -184,11 +184,6 @@ def _turn(sense: int) -> list[Part]:
     return [(("", "drive", 1.5), _line(*arc)), (("drive",), head)]
 
 
-def _tick(turn: float) -> dict[str, list[float]]:
-    return _line(*flat(*((r * math.cos(turn), r * math.sin(turn))
-                         for r in (TURN - 2.5, TURN + 3))))
-
-
 def _valve(fill: str) -> list[Part]:
     return [((fill, "drive", 1.2), [0, 0, side * 7, 4.2, side * 7, -4.2]) for side in (1, -1)]
 
@@ -217,7 +212,9 @@ GLYPHS: dict[str, list[Part]] = {
     "motor": _turn(1),
     "motor_back": _turn(-1),
     "motor_rest": [RING],
-    "servo": [RING, *((("", "drive", 2.0), _tick(k * math.pi / 2)) for k in range(4))],
+    "servo": [RING, *((("", "drive", 2.0), _line(*(r * v for r in (TURN - 2.5, TURN + 3)
+                                                  for v in way)))
+                      for way in ((1, 0), (0, 1), (-1, 0), (0, -1)))],
     "belt": [(("drive", "paper", 0.6), [6, 4.5, -3.6, 8.7, -3.6, 0.3])],
     "belt_back": [(("drive", "paper", 0.6), [-6, 4.5, 3.6, 8.7, 3.6, 0.3])],
     "open": _valve("drive"),

@@ -126,13 +126,12 @@ class Subject:
             rows = rows[np.isin(rows[:, 0], self.painted())]
         return float(np.hypot(rows[:, 4], rows[:, 5]).max(initial=0.0))
 
-    def close(self) -> Listing:
-        """The list, sorted back to front."""
+    def close(self) -> None:
+        """Sort the list back to front."""
         order = sorted(range(len(self._keys)), key=self._keys.__getitem__)
         self.out.items = [self.out.items[k] for k in order]
         self._keys = []
         self.out.close()
-        return self.out
 
     def held(self, *bonds: int) -> list[int] | None:
         """A column that is 1 while all of these hold; None if nothing of them can be released."""

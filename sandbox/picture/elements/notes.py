@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sandbox.model.model import Model
 from sandbox.picture.bounds import Camera, Stage
 from sandbox.picture.elements.bodies import colour_of
 from sandbox.picture.geometry import XY, shape_points
@@ -38,7 +37,11 @@ def add_traces(s: Subject) -> None:
     bodies = [body for body, _ in places]
     named = 1 < len(set(bodies)) == len(bodies) <= MOST_NAMED
     every = round_interval(float(s.run.time[-1] - s.run.time[0]))
-    for (body, at), colour in zip(places, trace_colours(s.run.model, bodies), strict=True):
+    own = [colour_of(s.run.model, s.run.mechanism.bodies[body]) for body in bodies]
+    colours: list[Colour] = [mixed(rgb(each), INK, DARKER) for each in own if each]
+    if len(own) == 1 or len(set(colours)) < len(own):  # bodies without different colours
+        colours = [TRACES[k % len(TRACES)] for k in range(len(own))]
+    for (body, at), colour in zip(places, colours, strict=True):
         token, name = s.ink(colour, lighter(colour, 0.5)), s.run.mechanism.bodies[body].name
         s.trace_ink = s.trace_ink or token
         s.add("traces", "trail", name, at=s.on(body, at), every=every, mark=MARK,
@@ -140,15 +143,6 @@ def marked(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
     """Points of moving bodies whose velocity is shown: the traced ones, else centres of mass."""
     return [place for place in traced(run, view, patterns, tips=False)
             if not run.model.bodies.fixed[place[0]]]
-
-
-def trace_colours(model: Model, bodies: Sequence[int]) -> list[Colour]:
-    """Colours of paths: the bodies' own ones, darker, if all differ, else :data:`TRACES`."""
-    own = [colour_of(model, model.mechanism.bodies[body]) for body in bodies]
-    given = [mixed(rgb(each), INK, DARKER) for each in own if each]
-    if len(own) > 1 and len(set(given)) == len(own):
-        return given
-    return [TRACES[k % len(TRACES)] for k in range(len(own))]
 
 
 def round_interval(duration: float) -> float:

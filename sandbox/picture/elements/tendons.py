@@ -32,13 +32,6 @@ SPARE = 0.04  # room before and behind a piston [largest lengths of the cylinder
 LEAST_TUBE, MOST_TUBE = 0.55, 0.95  # limits of a tube [smallest lengths of the cylinder]
 
 
-def slipping(slip: Array) -> Flags:
-    """Samples in which a tendon slips over each guide, [n, nf], by its ``slip`` since t = 0 [m]."""
-    slid = np.abs(np.diff(slip, axis=0, prepend=slip[:1]))
-    least = CREEP * np.maximum(slid.max(axis=0, initial=0.0), LEAST_SLIP)
-    return np.asarray(slid > least, dtype=bool)
-
-
 def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int], on: Flags, *,
          closed: bool) -> tuple[Array, Array]:
     """The angles at which a tendon meets and leaves each guide [n, g] rad; NaN off the guide.
@@ -79,7 +72,9 @@ def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int],
 
 def add_cables(s: Subject) -> None:
     """Every tendon with its eyes, and collars where guides have friction."""
-    off, slips = off_wheels(s.run.arrays), slipping(s.run.arrays["guide_slip"])
+    off, slip = off_wheels(s.run.arrays), s.run.arrays["guide_slip"]
+    slid = np.abs(np.diff(slip, axis=0, prepend=slip[:1]))
+    slips = slid > CREEP * np.maximum(slid.max(axis=0, initial=0.0), LEAST_SLIP)
     for k, spec in enumerate(s.run.mechanism.tendons):
         cable = _Cable(s, k, off[:, s.run.model.tendons.loose(k)])
         gripped = s.run.model.tendons.gripped(k).tolist()
