@@ -83,10 +83,13 @@ def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
     outer = [k for k in rings if not any(
         _holds(rings[other], rings[k]) for other in rings
         if other != k and not (other > k and _holds(rings[k], rings[other])))]
-    touching = {(a, b): bool((_depths(rings[a], rings[b]).max(axis=0) >= -TOUCHING).all())
-                for a in outer for b in outer if a != b}  # no side of a has all of b outside
-    return [k for k in outer if any(
-        touching[k, other] and touching[other, k] for other in outer if other != k)]
+
+    def separated(one: int, other: int) -> bool:
+        """Whether a side of one shape has all of the other outside."""
+        return bool((_depths(rings[one], rings[other]).max(axis=0) < -TOUCHING).any())
+
+    return [k for k in outer if any(other != k and not separated(k, other)
+                                    and not separated(other, k) for other in outer)]
 
 
 def bare_outlines(shapes: Sequence[Shape], error: float, *, turns: bool) -> list[Array]:
@@ -210,7 +213,7 @@ def ribbon(path: Sequence[XY], width: float) -> list[XY]:
 
 
 def within(points: Sequence[XY], edges: Edges) -> bool:
-    """Whether all points are within the edges; NaN is not."""
+    """Whether all points, none of them NaN, are within the edges."""
     left, top, right, bottom = edges
     return all(left <= x <= right and top <= y <= bottom for x, y in points)
 

@@ -7,7 +7,6 @@ tendon, pumps and valves beside their lines of fluid.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -30,8 +29,6 @@ SWEEP = (0.9, 3.4)  # angle of a torque's arrow near 0, and what a typical torqu
 NEGLIGIBLE = 5e-3  # drives below this share of their typical value are not painted
 LARGE = 90.0  # radius of wheels on which, not beside which, numbers stand [points]
 APART = 34.0  # distance of the marks of a running surface along its outline, more or less [points]
-
-
 ARROWS = ("force", "tension", "push")  # quantities of drives with a straight arrow
 
 
@@ -64,40 +61,28 @@ def _hinge(model: Model, drive: int, end: int = 1) -> Point:
     return [int(joints.bodies[joint, end]), *joints.anchor[joint, end].tolist()]
 
 
-def signs_of(model: Model) -> set[str]:
-    """Rows of the legend for drives and for dry friction."""
-    friction = model.joints.frictional.size or model.tendons.grips.size
-    found = {"rubs", "slides"} if friction else set()
-    for kind in model.drives.kind:
-        if kind.limited and not kind.target.line:
-            found |= set(_states(kind)[0]) - {"motor_back", "motor_rest"}
-        elif kind.gives == "surface":
-            found.add("belt")
-        elif kind.gives == "stiffness" and kind.target.among != "tendons":
-            found.add("stiffer")
-    return found
-
-
-def _states(kind: Any) -> tuple[list[str], Any]:
-    """Marks of a drive about a hinge, and which of them shows for a value and the hinge's sense."""
-    if kind.sole == "brake":
-        return ["unbraked", "braked"], lambda value, sense: value > 0
-    if kind.places:
-        return ["servo"], None
-    return ["motor_back", "motor_rest", "motor"], lambda value, sense: np.sign(sense * value) + 1
-
-
 def add_drives(s: Subject) -> None:
     """Arrows with values, and marks about hinges."""
     model, about = s.run.model, list[Point]()
+    friction = model.joints.frictional.size or model.tendons.grips.size
+    signs = {"rubs", "slides"} if friction else set[str]()
     named = sum(kind.gives in ARROWS and not kind.limited for kind in model.drives.kind) <= NAMED
     for k, kind in enumerate(model.drives.kind):
         name, value = model.drives.name[k], s.run.arrays["drive_value"][:, k]
         if kind.limited and not kind.target.line:
-            at, (marks, state) = _hinge(model, k), _states(kind)
-            sense = int(model.joints.sense[model.drives.target[k]])
+            at, sense = _hinge(model, k), int(model.joints.sense[model.drives.target[k]])
+            marks, state = ["motor_back", "motor_rest", "motor"], np.sign(sense * value) + 1
+            if kind.sole == "brake":
+                marks, state = ["unbraked", "braked"], value > 0
+            elif kind.places:
+                marks, state = ["servo"], None
+            signs |= set(marks) - {"motor_back", "motor_rest"}
             s.add("marks", "mark", name, plane=s.plane(at[0]), at=at, g=marks,
-                  state=None if state is None else s.steady(state(value, sense)))
+                  state=None if state is None else s.steady(state))
+        elif kind.gives == "surface":
+            signs.add("belt")
+        elif kind.gives == "stiffness" and kind.target.among != "tendons":
+            signs.add("stiffer")
         if kind.limited or kind.gives not in (*ARROWS, "torque"):
             continue
         values = [(run, run.model.names.drive.get(name)) for run in (s.run, *s.beside)]
@@ -114,8 +99,7 @@ def add_drives(s: Subject) -> None:
             about.append(_hinge(model, k))
         else:
             _straight(s, k, size, there, named=named)
-    if "drives" in s.layers:
-        s.signs |= signs_of(model)
+    s.signs |= signs if "drives" in s.layers else set()
     _add_efforts(s)
 
 
