@@ -89,8 +89,7 @@ def add_cables(s: Subject) -> None:
                 cable.collar(guide, slips[:, grip])
         for g in range(last):
             if not cable.radii[g]:
-                s.add("cables", "mark", plane=cable.plane, rank=2, at=cable.points[g], g="eye",
-                      **cable.shown)
+                cable.add("mark", rank=2, at=cable.points[g], g="eye", shown=cable.shown)
 
 
 class _Cable:
@@ -104,15 +103,14 @@ class _Cable:
         self.radii = [short(guide.radius) for guide in path]
         self.senses = [1 if guide.side == "right" else -1 for guide in path]
         self.points = [s.on(*at) for at in zip(bodies, tendons.guide_at[where], strict=True)]
-        self.plane = s.plane(*bodies)
+        self.add = partial(s.add, "cables", plane=s.plane(*bodies))
         self.hold = held_one(int(s.run.model.bonds.tendon[k]), s.run.arrays["held"])
-        self.shown: dict[str, Any] = {} if self.hold.all() else {"shown": s.steady(self.hold)}
+        self.shown = None if self.hold.all() else s.steady(self.hold)
         self.on = np.ones((len(s.run.time), len(path)), dtype=bool)
         self.on[:, list(spec.lifting)] = ~off
-        self.wide: dict[str, Any] = {}
-        if (drive := int(tendons.stiffener[k])) != NONE:
-            _, wide = made_stiffer(s, drive, float(tendons.stiffness[k]))
-            self.wide = {"wide": s.out.varying(wide)}
+        drive = int(tendons.stiffener[k])
+        self.wide = None if drive == NONE else s.out.varying(
+            made_stiffer(s, drive, float(tendons.stiffness[k]))[1])
         self.places: list[Array] = []
         self.meets = self.leaves = np.zeros(self.on.shape)
         if tendons.gripped(k).size or any(self.radii) or not self.on.all():
@@ -137,10 +135,10 @@ class _Cable:
         share = s.carried.pieces[:, stretch] / (s.carried.largest or 1.0)
         slack, shown = share <= SLACK_FRACTION, self.shown
         if there is not None and not there.all():
-            shown = {"shown": s.steady(there & self.hold)}
-        s.add("cables", "taut", self.name, plane=self.plane, rank=float(np.mean(share)) - 1,
-              p=guides, c=closed, s=[("", "@load", CABLE), ("", "slack", 1.8, 5)],
-              state=s.steady(slack), by=s.steady(np.where(slack, 0.0, share)), **self.wide, **shown)
+            shown = s.steady(there & self.hold)
+        self.add("taut", self.name, rank=float(np.mean(share)) - 1, p=guides, c=closed,
+                 s=[("", "@load", CABLE), ("", "slack", 1.8, 5)], state=s.steady(slack),
+                 by=s.steady(np.where(slack, 0.0, share)), wide=self.wide, shown=shown)
 
     def pieces(self, stretches: Integers) -> None:
         """Each straight piece with half of the arcs at its ends, in the colour of its tension."""
@@ -166,8 +164,8 @@ class _Cable:
             angle = self.middle[:, guide]
             at = s.out.spot(self.places[guide] + radius * np.column_stack(
                 (np.cos(angle), np.sin(angle))))
-        s.add("cables", "mark", plane=self.plane, rank=1, at=at, state=s.steady(~slips),
-              g=["slides", "rubs"], shown=None if there.all() else s.steady(there))
+        self.add("mark", rank=1, at=at, state=s.steady(~slips), g=["slides", "rubs"],
+                 shown=None if there.all() else s.steady(there))
 
 
 def largest_pressure(run: RunData) -> float:
