@@ -27,10 +27,10 @@ from sandbox.scene.settings import View
 MARGIN = 0.04  # fraction of the stage left free on every side of a fitted picture
 SMALLEST = 1e-9  # extents below this [m] count as a point
 MOST_SAMPLES = 200  # samples looked at; a motion is smooth enough between them for a margin of 4 %
-SCENERY = ("link", "ground")  # roles of fixed bodies of which a picture shows what is near the rest
-BESIDE = 0.5  # how far beside the rest, in sizes of it, what is fixed and still larger is shown
-GROWN = 2.5  # how many times as large a picture may be for the paths of traced points
-ROOM = 0.25  # how far beside what stays a body may be and still be with it, in sizes of what stays
+SCENERY = ("link", "ground")  # roles of fixed bodies that are cut
+BESIDE = 0.5  # visible part of larger fixed bodies beside the rest [sizes of the rest]
+GROWN = 2.5  # maximum growth of a picture for traced paths
+ROOM = 0.25  # distance from anchored bodies at which a body has left [their size]
 FLIGHT = 12.0  # the same if nothing is anchored, in sizes of all at the start
 
 
@@ -217,7 +217,7 @@ def body_box(run: RunData, view: View | None = None,
     machine = _Motion(run, still, motion.samples).machine()
     if np.ptp(motion.gone, axis=0).max() <= BESIDE * max(machine.width, machine.height):
         return motion.machine()
-    # it goes far in its machine: as much beside the group as is there
+    # it moves far in its machine
     boxes, reach = boxes.reshape(-1, 2, 2), BESIDE * max(group.width, group.height)
     low, high = group.corners + np.array([[-reach], [reach]])
     meets = ((boxes[:, 0] <= high) & (boxes[:, 1] >= low)).all(axis=1)

@@ -167,7 +167,7 @@ def render(
         The files that were written, or the directory of frames.
 
     Raises:
-        OutputError: no path, an unknown ending, what no view can have, no or an empty recording,
+        OutputError: no path, an unknown ending, options that no view can have, no samples,
             a time that the run does not reach, too many frames, or a file that cannot be written.
     """
     check_run(run)

@@ -18,7 +18,7 @@ from sandbox.picture.typesetter import Typesetter
 MASKS = (0xFF, 0xFF00, 0xFF0000, 0)  # red, green, blue in memory, the fourth byte unused
 COLOUR = np.uint32(0xFFFFFF)  # the fourth byte of a word is anything
 LONG = 60  # lines with more corners have no mitres, which would take long
-HATCHED = 400  # areas whose hatching is kept
+HATCHED = 400  # cached hatchings
 CELL = 24  # side of a cell [pixels of the finished picture]
 MOST_PIXELS = 60_000_000  # of the enlarged picture; very large pictures are enlarged less
 
@@ -233,7 +233,7 @@ class Frames:
         return words
 
     def _restore(self, areas: Sequence[pygame.Rect]) -> None:
-        """Put back what the last frame covered."""
+        """Restore areas that the last frame covered."""
         large = [tuple(v * self.painter.enlarge for v in rect) for rect in areas]
         self.painter.large.blits([(self._large_still, area, area) for area in large],
                                  doreturn=False)

@@ -79,7 +79,7 @@ class Instant:
         self.px: Any = np.zeros((0, 2))  # all points [pixels]
         self.points: list[XY] = []  # the same, made when they are painted
         self.wild = False  # whether a point is far outside of the picture, or not finite
-        self.touched: list[Sequence[float]] = []  # boxes of what has no points in a frame [pixels]
+        self.touched: list[Sequence[float]] = []  # boxes of items without frames [pixels]
         self.outlines: list[slice] = []  # points along each item, where labels hide something
         self.fills: list[slice] = []  # corners of filled areas, a ring each
         self.marks: list[tuple[int, Array]] = []
@@ -230,7 +230,7 @@ class Instant:
         return self.out.tables[item["t"]][first[self.sample]:first[self.sample + 1]]
 
     def paint(self, painter: Painter, *, still: bool = False) -> None:
-        """Paint what moves, or the ``still`` part, which lies behind all else."""
+        """Paint moving items, or the ``still`` ones, which lie behind all others."""
         self.points = self.points or self.px.tolist()
         if not still:
             self.touched.clear()
@@ -563,7 +563,7 @@ class Instant:
         return Label(item, key, words, point, away, ink, side, item.get("clear", 0.0))
 
 
-STROKES = frozenset(("line", "sag", "span", "taut"))  # kinds whose methods give lines
+STROKES = frozenset(("line", "sag", "span", "taut"))  # kinds of items that are lines
 
 
 def _maxima(rows: Array) -> Array:

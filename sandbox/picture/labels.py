@@ -16,7 +16,7 @@ from sandbox.picture.instant import Instant, Label
 from sandbox.picture.listing import SIDES
 
 LOOKED = 48  # samples that are looked at
-HOLD = 0.35  # least time that a label stays or is away [s of the film]
+HOLD = 0.35  # minimum time that a label is visible or hidden [s of the film]
 CELL = 5  # side of the cells that have ink or not [pixels of the finished picture]
 TURNED, OFF, COVERED, FILLED, CROSSED, OUTSIDE = 0.02, 0.5, 0.12, 0.02, 2.0, 4.0
 """Costs per sample: angle to the arrow, standing off, cell of ink, filled cell, label, outside."""

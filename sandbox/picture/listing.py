@@ -114,7 +114,7 @@ class Listing:
     steady: list[int] = field(default_factory=list)
     tables: dict[str, Array] = field(default_factory=dict)
     legend: list[Item] = field(default_factory=list)
-    drift: Array | None = None  # how far the camera goes with a body [n, 2] m; None if it stands
+    drift: Array | None = None  # displacement of a camera that follows a body [n, 2] m
     _known: dict[Any, int] = field(default_factory=dict)
     _made: list[Array] = field(default_factory=list)
 
@@ -205,5 +205,5 @@ class Between:
         self.angle: Array = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))  # [n] rad
 
     def at(self, distance: Array | float) -> Point:
-        """A point so far from the first place [m], in a frame whose x axis points to the other."""
+        """A point at a distance from the first place [m], in a frame with x to the other."""
         return self.out.spot(self.a + np.reshape(distance, (-1, 1)) * self.way, self.angle)

@@ -107,13 +107,13 @@ def _ramp(*stops: tuple[float, Colour]) -> tuple[Colour, ...]:
 # grey at no tension, over sand and orange, to a deep red; lightness falls all along
 TENSION = _ramp((0.0, (160, 166, 173)), (0.3, (226, 164, 92)), (0.6, (228, 108, 34)),
                 (1.0, (158, 18, 20)))
-# what pushes: the same grey, over light blue to a dark one
+# pushing: the same grey, over light blue to a dark one
 PUSH = _ramp((0.0, (160, 166, 173)), (0.3, (116, 180, 214)), (0.6, (44, 128, 196)),
              (1.0, (16, 52, 128)))
 
 
 class Painter(Protocol):
-    """What paints shapes on a picture that may be enlarged, in its pixels, y down; and texts."""
+    """Paints shapes on a picture that may be enlarged, in its pixels, y down; and texts."""
 
     enlarge: int  # pixels of shapes per finished pixel
 
@@ -136,7 +136,7 @@ class Painter(Protocol):
         """Paint a circle with an outline about its line."""
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
-        """Write a label with a rim, and a thin line to what it belongs to."""
+        """Write a label with a rim, and a thin line to its point."""
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
         """Write words right of and below a corner [finished pixels]."""

@@ -51,7 +51,7 @@ class Paper:
             self.factor)
 
     def clip(self, area: Sequence[float] | None) -> None:
-        """Cut what follows to left, top, width, height."""
+        """Clip to left, top, width, height."""
         self._clip = None
         if area is not None:
             x, y = area[0] + self._shift[0], area[1] + self._shift[1]

@@ -25,7 +25,7 @@ REFERENCE, LONGEST = 0.085, 1.5
 """Reference arrow [picture widths]; longer arrows are cut at this multiple."""
 ROUNDING = 1e-6  # forces of this acceleration of all bodies are rounding errors [m/s^2]
 MOST_DECIMALS = 9
-NOTHING = 1e-6  # what is below this fraction of the largest size of a run is what rounding leaves
+NOTHING = 1e-6  # rounding errors are below this fraction of the largest size of a run
 SAME = 1e-9  # pins of a body that are no farther apart are one [m]
 UNLOADED = 1e-3  # links below this are unloaded [tops of the scale]
 USUAL, SPIKE = 0.75, 2.0
@@ -39,7 +39,7 @@ class ForceScale(NamedTuple):
 
     metres: float  # length of an arrow of size 1 [m]; 0 where there is nothing to show
     reference: float
-    """A size that is typical of the large ones of the run [N, or the unit of what is shown]."""
+    """A typical large size of the run [N, or the unit of the quantity]."""
 
     @property
     def longest(self) -> float:
@@ -221,7 +221,7 @@ class Tensions(NamedTuple):
 
     @property
     def loaded(self) -> Integers:
-        """The joints whose links carry something at some time."""
+        """The joints with a loaded link."""
         sizes = np.abs(self.links).max(axis=0, initial=0.0)
         return np.flatnonzero(sizes > UNLOADED * self.largest)
 

@@ -1,4 +1,4 @@
-"""What a display list is made from: the run, what to show of it, and to which scales."""
+"""Input of a display list: the run, its visible layers and its scales."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ class Subject:
     out: Listing
     carried: Tensions  # tensions, and the scale of their colours
     force: ForceScale  # of contact forces
-    width: float  # of what the picture shows [m]
+    width: float  # of the picture [m]
     point: float  # metres per point
-    beside: Sequence[RunData] = ()  # runs that are compared with this one: they share its scales
+    beside: Sequence[RunData] = ()  # other runs with the same scales
     moments: Sequence[float] | None = None  # the times that are painted [s], if they are few
     arrows: dict[str, tuple[str, str, str, Sequence[float], ForceScale]] = field(
         default_factory=dict)

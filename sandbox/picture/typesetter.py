@@ -99,7 +99,7 @@ def ellipsis(type_: Typesetter, text: str, room: int, size: int) -> str:
 
 @lru_cache(4000)
 def letters(text: str) -> str:
-    """What is written of a text: what does not print spelled out, and :data:`MOST_LETTERS`."""
+    """The printable form of a text, of at most :data:`MOST_LETTERS`."""
     return printable(text[:MOST_LETTERS])[:MOST_LETTERS]
 
 

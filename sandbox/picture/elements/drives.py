@@ -25,7 +25,7 @@ COMPARABLE = 0.2  # minimum size of forces on the scale of contact forces
 TELLING, NAMED = 6, 4  # maximum numbers of drives with written efforts, and of arrows with names
 SHORTEST = 0.5  # length of the arrow of a drive near 0, as a fraction of its typical length
 TURN, WIDER = 15.0, 6.0  # radius of a torque's arrow, and increment on a shared hinge [points]
-SWEEP = (0.9, 3.4)  # angle of a torque's arrow near 0, and what a typical torque adds [rad]
+SWEEP = (0.9, 3.4)  # angle of a torque's arrow near 0, and increment of a typical torque [rad]
 NEGLIGIBLE = 5e-3  # drives below this share of their typical value are not painted
 LARGE = 90.0  # radius of wheels on which, not beside which, numbers stand [points]
 APART = 34.0  # distance of the marks of a running surface along its outline, more or less [points]
@@ -177,7 +177,7 @@ def rim(s: Subject, at: Point) -> float:
 def add_belts(s: Subject) -> None:
     """Marks that go along the outlines of surfaces that run."""
     drives, arrays = s.run.model.drives, s.run.arrays
-    travel = arrays.get("drive_travel")  # of a run that goes on
+    travel = arrays.get("drive_travel")  # of a live run
     if travel is None:
         steps = np.diff(s.run.time, prepend=0.0)
         travel = np.cumsum(steps[:, None] * arrays["drive_value"], axis=0)

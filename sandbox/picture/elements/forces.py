@@ -88,7 +88,7 @@ def add_loads(s: Subject) -> None:
     rows = []
     for i in some:
         at, force = s.out.place([int(loads.body[i]), *loads.at[i]]), arrays["load_force"][:, i]
-        if loads.law[i] is None:  # buoyancy acts at the middle of what is under the level
+        if loads.law[i] is None:  # buoyancy acts at the middle of the submerged part
             lift = np.where(force[:, 1] == 0, np.inf, force[:, 1])
             at = at + np.column_stack([arrays["load_torque"][:, i] / lift, np.zeros(len(at))])
         there = np.flatnonzero(size[:, i] > FAINT * scale.reference)

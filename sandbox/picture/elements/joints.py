@@ -33,7 +33,7 @@ BAND = 5.4  # width of a loaded bar's band [points]
 
 
 def add_joints(s: Subject) -> None:
-    """Marks and grooves of all joints: a pin or what rubs at b, a weld at a, ends of links."""
+    """Marks and grooves of joints: a pin or friction at b, a weld at a, ends of links."""
     model, joints = s.run.model, s.run.model.joints
     for k, kind in enumerate(joints.kind):
         (a, b), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
@@ -136,7 +136,7 @@ def add_latches(s: Subject) -> None:
 
 
 def add_links(s: Subject) -> None:
-    """Rods, ropes and actuators, coloured by what they carry, with numbers if they are few."""
+    """Rods, ropes and actuators, coloured by their load, with numbers if they are few."""
     model, carried = s.run.model, s.carried
     driven = {int(model.drives.target[i]) for i in model.drives.giving("push")}
     loaded = carried.loaded.tolist()
@@ -276,7 +276,7 @@ def add_springs(s: Subject) -> None:
             start, end = map(s.out.place, ends)
             size = np.maximum(np.hypot(*(end - start).T), 1e-12)
             apart = side * (size - rest) <= 0
-            if side < 0 and (size > rest).any():  # it does not follow what leaves it
+            if side < 0 and (size > rest).any():  # it does not follow a body that leaves it
                 share = np.minimum(1.0, rest / size)[:, None]
                 ends[1] = s.out.spot(start + (end - start) * share)
         look = _spring_look(s, k, apart)
@@ -301,7 +301,7 @@ def _spring_look(s: Subject, k: int, apart: Array | None) -> dict[str, Any]:
 
 
 def add_bars(s: Subject) -> None:
-    """Bands from pin to pin of bodies, in the colour of what they carry; numbers of a few."""
+    """Bands from pin to pin of bodies, in the colour of their load; with a few numbers."""
     bars, carried = bars_of(s.run, s.layers.of("bars")), s.carried
     for k, bar in enumerate(bars):
         ends, tension = [s.on(bar.body, at) for at in bar.ends], carried.bars[:, k]
