@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import matplotlib
 import numpy as np
@@ -18,11 +18,13 @@ from matplotlib.transforms import Affine2D, Bbox, TransformedPath
 from numpy.typing import NDArray
 
 from sandbox.atomic_files import atomic_file
-from sandbox.picture.frame import Picture
 from sandbox.picture.geometry import XY, turned_area
 from sandbox.picture.palette import BACKGROUND, EM, Colour, Ink, Rings, hatch_lines, lighter
-from sandbox.picture.stills import Strip
 from sandbox.picture.typesetter import Typesetter, letters
+
+if TYPE_CHECKING:
+    from sandbox.picture.frame import Picture
+    from sandbox.picture.stills import Strip
 
 SCREEN_PER_INCH, POINTS = 96, 72  # pixels per inch on the screen, as in CSS; points per inch
 FAMILIES = ("FreeSans", "Helvetica", "Arial", "Liberation Sans", "sans-serif")
