@@ -5,7 +5,7 @@ The camera maps world [m], y up, to picture [pixels], y down. Equal aspect, noth
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -18,33 +18,24 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.elements.bodies import joined_points
 from sandbox.picture.geometry import shape_points
 from sandbox.picture.listing import Listing
-from sandbox.picture.run_data import RunData
+from sandbox.picture.run_data import RunData, nearest
 from sandbox.picture.wheels import wheel_pictures
 from sandbox.scene.bodies import Circle
 from sandbox.scene.layers import meant
 from sandbox.scene.settings import View
 
-MARGIN = 0.04
-"""Fraction of the stage left free on every side of a fitted picture."""
-SMALLEST = 1e-9
-"""Extents below this [m] count as a point."""
-MOST_SAMPLES = 200
-"""Samples looked at; a motion is smooth enough between them for a margin of 4 %."""
-SCENERY = ("link", "ground")
-"""Roles of fixed bodies of which a picture shows what is near the rest."""
-BESIDE = 0.5
-"""How far beside the rest, in sizes of it, what is fixed and still larger is shown."""
-GROWN = 2.5
-"""How many times as large a picture may be for the paths of traced points."""
-ROOM = 0.25
-"""How far beside what stays a body may be and still be with it, in sizes of what stays."""
-FLIGHT = 12.0
-"""The same where nothing stays, in sizes of what is there at the start: what flies off alone is
-seen on its way while it is no speck in the picture."""
+MARGIN = 0.04  # fraction of the stage left free on every side of a fitted picture
+SMALLEST = 1e-9  # extents below this [m] count as a point
+MOST_SAMPLES = 200  # samples looked at; a motion is smooth enough between them for a margin of 4 %
+SCENERY = ("link", "ground")  # roles of fixed bodies that are cut
+BESIDE = 0.5  # visible part of larger fixed bodies beside the rest [sizes of the rest]
+GROWN = 2.5  # maximum growth of a picture for traced paths
+ROOM = 0.25  # distance from anchored bodies at which a body has left [their size]
+FLIGHT = 12.0  # the same if nothing is anchored, in sizes of all at the start
 
 
 class Rectangle(NamedTuple):
-    """A rectangle of the world [m]: ``x0 <= x1``, ``y0 <= y1``."""
+    """A rectangle of the world [m]."""
 
     x0: float
     y0: float
@@ -88,10 +79,8 @@ class Stage(NamedTuple):
 class Camera(NamedTuple):
     """``pixel = (px, py) + scale * (x - cx, -(y - cy))``."""
 
-    scale: float
-    """Pixels per metre."""
-    centre: tuple[float, float]
-    """World point [m] that is shown at ``pixel``."""
+    scale: float  # pixels per metre
+    centre: tuple[float, float]  # world point [m] that is shown at ``pixel``
     pixel: tuple[float, float]
 
     def to_pixels(self, points: Array) -> Array:
@@ -104,11 +93,7 @@ class Camera(NamedTuple):
 
 
 def width_shown(box: Rectangle, aspect: float, width: float | None = None) -> float:
-    """How much of ``box`` a picture shows from side to side [m], by which arrows are measured.
-
-    All of it, or the ``width`` that the view asks for, if that is less: what flies off makes no
-    arrow of what is shown longer. ``aspect`` is the picture's width over its height.
-    """
+    """Width of ``box`` in a picture of an ``aspect`` [m], at most the view's ``width``."""
     whole = max(box.width, box.height * aspect, 1e-3)
     return min(whole, width) if width else whole
 
@@ -117,11 +102,7 @@ def place_camera(
     box: Rectangle, stage: Stage, *, centre: tuple[float, float] | None = None,
     width: float | None = None,
 ) -> Camera:
-    """The camera that shows ``box`` on ``stage``, or what ``centre`` and ``width`` [m] ask for.
-
-    A width alone keeps the box's centre; a centre alone takes the largest scale
-    that still shows the whole box.
-    """
+    """The camera that shows ``box`` on ``stage``, or the view's ``centre`` and ``width`` [m]."""
     middle = centre or ((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)
     pixel = (stage.left + stage.width / 2, stage.top + stage.height / 2)
     if width is not None:
@@ -136,14 +117,14 @@ def place_camera(
 
 
 class _Motion:
-    """Where bodies and traced points are in some samples, less how far the picture goes."""
+    """Positions of bodies and traced points in some samples, relative to a followed body."""
 
     def __init__(self, run: RunData, view: View, samples: Integers | slice) -> None:
         self.run, self.view, self.samples = run, view, samples
         self.pose, self.gone = run.arrays["body_pose"][samples], drift(run, view)[samples]
 
     def ways(self, few: Sequence[int] | None = None) -> Array:
-        """Where the points are that the view traces, of all bodies or of a few, [n, k, 2] m."""
+        """Traced points of the view, of all bodies or of a few, [n, k, 2] m."""
         places = [(self.run.model.names.body[trace.body], trace.at) for trace in self.view.traces]
         return np.array([placed(self.pose[:, body], np.array(at)) - self.gone
                          for body, at in places if few is None or body in few]).reshape(
@@ -152,9 +133,8 @@ class _Motion:
     def boxes(self, *, scenery: bool = True, outlines: bool = False) -> Array:
         """Left, bottom, right and top of every body with its anchors and guides, [n, nb, 4] m.
 
-        Without ``scenery`` fixed bodies that are no part of a hand and no object have their
-        anchors, guides and wheels only: a floor may be far larger than what stands on it. By
-        ``outlines`` what has shapes or wheels has these only: a tendon may be held far beside it.
+        Without ``scenery``, fixed links and grounds have no shapes: a floor may be very large. With
+        ``outlines``, bodies with shapes have no anchors and guides: tendons may end far away.
         """
         run, drives, tendons = self.run, self.run.model.drives, self.run.model.tendons
         found: dict[int, list[Array]] = {}
@@ -168,8 +148,7 @@ class _Motion:
                     shape, Circle) else 0.0
                 found.setdefault(i, []).append(shape_points(shape, grow=grow))
         for i, wheels in wheel_pictures(run.model).items():
-            found.setdefault(i, []).extend((wheel.outline if wheel.rim is None else wheel.rim)
-                                           + wheel.centre for wheel in wheels)
+            found.setdefault(i, []).extend(wheel.rings[0] for wheel in wheels)
         outlined = set(found) if outlines else set[int]()
         for i, points in joined_points(run.model).items():
             if i not in outlined:
@@ -186,12 +165,8 @@ class _Motion:
         return boxes
 
     def machine(self) -> Rectangle:
-        """The box [m] of what stays with the mechanism, and of what is near it of large scenery.
-
-        What stays is determined in the world, and shown where the view has it. Of a traced point it
-        is the path that its body makes with the mechanism.
-        """
-        whole, own, stays = self.boxes(), self.boxes(scenery=False), anchored(self.run)
+        """The box [m] of bodies that stay with the mechanism, and of large scenery near them."""
+        whole, own, stays = self.boxes(), self.boxes(scenery=False), groups_of(self.run)[1]
         home = own if np.isfinite(own[:, stays]).any() else whole
         near = with_it(home + np.tile(self.gone[:, None], 2), stays)
         traced = [self.run.model.names.body[trace.body] for trace in self.view.traces]
@@ -208,22 +183,20 @@ class _Motion:
 
 
 def _samples(run: RunData, moments: Sequence[float] | None) -> Integers:
-    """Those that are looked at: of all of the run, or the nearest to a few moments [s]."""
+    """Samples of all of the run, or the nearest to a few moments [s]."""
     n = len(run.time)
-    return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.int64)
-                     if moments is None else [np.argmin(np.abs(run.time - t)) for t in moments])
+    return nearest(run.time, moments) if moments is not None else np.unique(
+        np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.int64))
 
 
 def body_box(run: RunData, view: View | None = None,
              moments: Sequence[float] | None = None) -> Rectangle:
-    """The box [m] of what a picture has to show of all bodies, anchors and guides in a run.
+    """The box [m] that a picture has to show: all bodies, anchors, guides and traced points.
 
-    Of what leaves the mechanism, up to its leaving; of fixed floors and frames that are far larger
-    than the rest, what is near it; a traced point counts as its body. With a body that is followed
-    it is the same in a frame that goes with it; what is connected to that body and near it, where
-    it goes far in its machine; what is connected to it alone, where it is free of all that stays.
-    Of the bodies that the view names it is these and their traced points and nothing else, in the
-    ``moments`` [s] that are drawn, or in all of the run.
+    Bodies that leave the mechanism count until then, and far larger scenery near the rest. If the
+    view follows a body, positions are relative to it; only bodies connected to it count if nothing
+    anchors them, or near them if it moves far in its machine. If the view names bodies, only these
+    count, in the ``moments`` [s] or in all of the run.
     """
     view = view or run.mechanism.view
     if (few := chosen(run, view)) is not None:
@@ -235,16 +208,16 @@ def body_box(run: RunData, view: View | None = None,
     body = run.model.names.body.get(view.follow or "")
     if body is None:
         return motion.machine()
-    groups, boxes = groups_of(run), motion.boxes()
+    (groups, anchored), boxes = groups_of(run), motion.boxes()
     connected = [k for k, group in enumerate(groups) if group == groups[body]]
     group = Rectangle.around(boxes[:, connected], motion.ways())
-    if not anchored(run)[connected].any():
+    if not anchored[connected].any():
         return group
     still = view.model_copy(update={"follow": None})
     machine = _Motion(run, still, motion.samples).machine()
     if np.ptp(motion.gone, axis=0).max() <= BESIDE * max(machine.width, machine.height):
         return motion.machine()
-    # it goes far in its machine: as much beside the group as is there
+    # it moves far in its machine
     boxes, reach = boxes.reshape(-1, 2, 2), BESIDE * max(group.width, group.height)
     low, high = group.corners + np.array([[-reach], [reach]])
     meets = ((boxes[:, 0] <= high) & (boxes[:, 1] >= low)).all(axis=1)
@@ -252,13 +225,13 @@ def body_box(run: RunData, view: View | None = None,
 
 
 def chosen(run: RunData, view: View) -> list[int] | None:
-    """The bodies that the view asks for, where these are not simply all."""
+    """The bodies that the view names; None for all."""
     found = meant(view.bodies, run.mechanism.bodies, run.mechanism.groups)
     return found if view.bodies and len(found) < len(run.mechanism.bodies) else None
 
 
 def drift(run: RunData, view: View) -> Array:
-    """How far the picture has gone since t = 0 with the body that it follows, [n, 2] m."""
+    """Displacement of the camera with the body that it follows, [n, 2] m."""
     body = run.model.names.body.get(view.follow or "")
     if body is None:
         return np.zeros((len(run.time), 2))
@@ -268,11 +241,7 @@ def drift(run: RunData, view: View) -> Array:
 
 def whole_box(out: Listing, run: RunData, bodies: Rectangle, view: View,
               moments: Sequence[float] | None = None) -> Rectangle:
-    """``bodies`` with room for arrows that begin there, and for the paths of traced points [m].
-
-    Paths that would make the picture much larger are not counted. Where the view names bodies, only
-    contact forces on these count, in the ``moments`` [s] that are painted.
-    """
+    """``bodies`` with arrows that begin there, and paths of traced points unless very large [m]."""
     points, few = [bodies.corners], chosen(run, view)
     samples = _samples(run, None if few is None else moments)
     went = drift(run, view)
@@ -299,58 +268,37 @@ def whole_box(out: Listing, run: RunData, bodies: Rectangle, view: View,
     return box
 
 
-def _held(run: RunData) -> Flags:
-    """Which bodies do not move freely."""
-    return np.array([body.motion != "dynamic" for body in run.mechanism.bodies], dtype=bool)
+def groups_of(run: RunData) -> tuple[list[int], Flags]:
+    """The number of each body's group, and which bodies are anchored, [nb].
 
-
-def groups_of(run: RunData) -> list[int]:
-    """The number of each body's group: of bodies that move, those connected at the run's end.
-
-    What does not move freely is a group of its own each and connects nothing.
+    A group is dynamic bodies that are connected at the end of the run; each other body is a group
+    of its own. Fixed bodies are anchored, and groups that are connected to a body that is not
+    dynamic. A scheduled body without connections, such as a shelf that moves away, is not.
     """
-    still = _held(run)
-    return components(len(still), [pair for bodies in _connected(run) for pair in pairwise(
-        body for body in bodies if not still[body])])
-
-
-def _connected(run: RunData) -> Iterable[set[int]]:
-    """Sets of connected bodies, without connections that are released at the end."""
     model, held = run.model, run.arrays["held"]
-    tendons, lines = model.tendons, model.lines
+    tendons, lines, found = model.tendons, model.lines, list[set[int]]()
+    still = np.array([body.motion != "dynamic" for body in run.mechanism.bodies], dtype=bool)
     connected: list[tuple[Integers, list[list[int]]]] = [
         (model.bonds.joint, model.joints.bodies.tolist()),
         (model.bonds.spring, model.springs.bodies.tolist()),
         (model.bonds.tendon, [tendons.guide_body[tendons.guides(k)].tolist()
                              for k in range(len(tendons.name))])]
     for bonds, sets in connected:
-        for bond, bodies in zip(bonds.tolist(), sets, strict=True):
-            if bond == NONE or not len(held) or held[-1, bond]:
-                yield set(bodies)
-    yield from map(set, lines.bodies[lines.joint == NONE].tolist())
-
-
-def anchored(run: RunData) -> Flags:
-    """Which bodies stay, [nb]: fixed ones, and what is connected to what does not move freely.
-
-    A scheduled body that holds nothing, such as a shelf that goes away, does not.
-    """
-    still, groups = _held(run), groups_of(run)
-    fast = {groups[b] for bodies in _connected(run) if still[list(bodies)].any() for b in bodies}
-    return np.asarray(run.model.bodies.fixed | np.isin(groups, list(fast)), dtype=bool)
+        found += [set(bodies) for bond, bodies in zip(bonds.tolist(), sets, strict=True)
+                  if bond == NONE or not len(held) or held[-1, bond]]
+    found += map(set, lines.bodies[lines.joint == NONE].tolist())
+    groups = components(len(still), [pair for bodies in found for pair in pairwise(
+        body for body in bodies if not still[body])])
+    fast = {groups[b] for bodies in found if still[list(bodies)].any() for b in bodies}
+    return groups, np.asarray(model.bodies.fixed | np.isin(groups, list(fast)), dtype=bool)
 
 
 def with_it(boxes: Array, stays: Flags) -> Flags:
     """In which samples each body is with the mechanism, [n, nb].
 
-    A body that stays always is, and so is one that comes near for the first time later on. One
-    that goes farther than :data:`ROOM` allows from what stays, and from where all bodies began, has
-    left, if it does not come back. Where nothing stays, it may go as far as :data:`FLIGHT` allows.
-
-    Args:
-        boxes: left, bottom, right and top of every body in every sample, [n, nb, 4] m; nan of a
-            body that has no extent.
-        stays: those that stay, [nb].
+    Anchored bodies (``stays``) always are. Another one has left after the last sample in which its
+    box (left, bottom, right, top [n, nb, 4] m) is within :data:`ROOM` of these and of where all
+    bodies began, or within :data:`FLIGHT` if nothing is anchored.
     """
     found = np.ones(boxes.shape[:2], dtype=bool)
     home = np.concatenate([boxes[:, stays].reshape(-1, 4), boxes[0]])

@@ -19,10 +19,11 @@ from sandbox.errors import OutputError
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
 from sandbox.picture.options import check_run, check_view, paper_of, view_of
-from sandbox.picture.run_data import MeteredRun, RunData
+from sandbox.picture.run_data import RunData
 from sandbox.picture.stills import ENDINGS as STILLS
 from sandbox.picture.stills import WHAT, Instants, save_stills
 from sandbox.recording.new_run import FRAME
+from sandbox.samples.samples import Samples
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.settings import View
 
@@ -31,56 +32,44 @@ Words = NDArray[np.uint32]
 Progress = Callable[[float], None]
 Meters = str | Sequence[str | Mapping[str, Any]]
 Show = str | Sequence[str] | Mapping[str, object]
-CLEAR = UNKNOWN = 255
-"""Place in the palette that stands for: as before; and for a colour without a place yet."""
-COVERED = 128
-"""Opacity, 0 to 255, from which a pixel counts as covered."""
-KEEP, CLEAN = 1, 2
-"""What is done with a frame when its time is over: it stays, or its box is emptied."""
+CLEAR = UNKNOWN = 255  # place in the palette: as before; and of a colour that is not in it yet
+COVERED = 128  # minimum opacity, 0 to 255, of a pixel that counts as covered
+KEEP, CLEAN = 1, 2  # disposal of a frame in a GIF: it stays, or its box is emptied
 FILMS = (".gif", ".mp4")
-NO_PAPER = ("a film has pixels, as in 800x600; a size on paper is one of a still "
-            f"({', '.join(STILLS)})")
-MOST_FRAMES = Limits.frames
-"""Of a film, unless more are allowed."""
-HOLD = 1.5
-"""How long a GIF shows its last frame [s], to let it be read."""
+MAX_FRAMES = Limits.frames  # default limit of a film
+HOLD = 1.5  # time that a GIF shows its last frame [s]
 PALETTE_FRAMES = 5
-WAITING = 8
-"""Frames that may wait to be encoded; more would only cost memory."""
+WAITING = 8  # frames that may wait to be encoded; more would only cost memory
 
 
 def shared_palette(
     frames: Sequence[Words], keep: Sequence[tuple[int, int, int]] = (),
 ) -> NDArray[np.uint8]:
-    """At most 255 colours [n, 3] that suit all ``frames``, the most frequent ones exact.
+    """At most 255 colours [n, 3] for all ``frames``; ``keep`` (at most 100) are among them.
 
-    ``keep`` (at most 100) are always among them. Flat fills matter most in drawings: colours that
-    cover more than 1 in 2000 pixels are taken as they are, the mixed ones at edges share the rest.
+    Colours of more than 1 in 2000 pixels are exact; mixed ones at edges share the rest.
     """
-    words, counts = np.unique(np.concatenate([f.ravel() for f in frames]),
-                              return_counts=True)
+    words, counts = np.unique(np.concatenate([f.ravel() for f in frames]), return_counts=True)
+    kept = packed(np.array(keep, dtype=np.uint8).reshape(-1, 3))
     order = np.argsort(-counts, kind="stable")
+    order = order[~np.isin(words[order], kept)]
+    exact = min(100, int((counts[order] > counts.sum() / 2000).sum()))
     words, counts = words[order], counts[order]
-    kept = np.array([r + 256 * g + 65536 * b for r, g, b in keep], dtype=words.dtype)
-    others = ~np.isin(words, kept)
-    frequent = counts > counts.sum() / 2000
-    words = np.concatenate((kept, words[others]))
-    counts = np.concatenate((np.full(len(kept), counts[0]), counts[others]))
-    exact = len(kept) + min(100, int(frequent[others].sum()))
-    if len(words) <= CLEAR:
-        return colours(words)
+    if len(kept) + len(words) <= CLEAR:
+        return colours(np.concatenate((kept, words)))
+    found = colours(np.concatenate((kept, words[:exact])))
     # edges: each mixed colour once or a few times, so that rare hues keep a place
     weight = np.minimum(np.ceil(np.sqrt(counts[exact:])), 40).astype(int)
     strip = Image.fromarray(np.repeat(colours(words[exact:]), weight, axis=0)[None])
-    mixed = strip.quantize(CLEAR - exact, method=Image.Quantize.MEDIANCUT,
+    mixed = strip.quantize(CLEAR - len(found), method=Image.Quantize.MEDIANCUT,
                            dither=Image.Dither.NONE).getpalette() or []
-    return np.concatenate((colours(words[:exact]),
-                           np.array(mixed, np.uint8).reshape(-1, 3)[: CLEAR - exact]))
+    return np.concatenate((found, np.array(mixed, np.uint8).reshape(-1, 3)))[:CLEAR]
 
 
 def colours(words: Words) -> NDArray[np.uint8]:
-    """Red, green, blue [n, 3] of words [n]."""
-    return np.stack((words & 255, words >> 8 & 255, words >> 16 & 255), axis=-1).astype(np.uint8)
+    """Red, green, blue [..., 3] of words."""
+    whole = np.ascontiguousarray(words).view(np.uint8).reshape(*words.shape, 4)
+    return np.ascontiguousarray(whole[..., :3])
 
 
 def packed(pixels: NDArray[np.uint8]) -> Words:
@@ -97,48 +86,37 @@ class GifWriter:
         self._file, self._palette = file, palette.astype(np.int32)
         self._table = np.full(1 << 24, UNKNOWN, dtype=np.uint8)
         self._last: Words | None = None
-        filled = np.zeros((256, 3), np.uint8)
-        filled[: len(palette)] = palette
-        self._colours = filled.tobytes()
+        self._colours = palette.tobytes().ljust(3 * 256, b"\0")
         # logical screen: a global table of 256 colours; then: repeat for ever
         file.write(b"GIF89a" + struct.pack("<HHBBB", *size, 0xF7, 0, 0) + self._colours)
         file.write(b"!\xff\x0bNETSCAPE2.0\x03\x01" + struct.pack("<H", 0) + b"\x00")
 
-    def add(self, frame: Words, hundredths: int) -> None:
-        """Write ``frame`` (height, width), shown for ``hundredths`` of a second."""
-        if self._last is None:
-            self._write(self._places(frame.ravel()).reshape(frame.shape), (0, 0), hundredths)
+    def add(self, frame: NDArray[Any], hundredths: int) -> None:
+        """Write the box that differs from the last frame, shown for ``hundredths`` of a second.
+
+        A frame is words [h, w], or red, green, blue and opacity [h, w, 4] that replace the last
+        frame.
+        """
+        if frame.ndim == 3:
+            words, new, disposal = packed(frame), frame[..., 3] >= COVERED, CLEAN
         else:
-            changed = frame != self._last
-            box, corner = _box(changed)
-            new = np.flatnonzero(changed[box])
-            cut = np.full(changed[box].shape, CLEAR, dtype=np.uint8)
-            cut.ravel()[new] = self._places(frame[box].ravel()[new])
-            self._write(cut, corner, hundredths)
-        self._last = frame
-
-    def add_covered(self, pixels: NDArray[np.uint8], hundredths: int) -> None:
-        """Write red, green, blue and opacity [h, w, 4] where it is covered, and nothing else."""
-        covered = pixels[..., 3] >= COVERED
-        box, corner = _box(covered)
-        words = packed(pixels)[box]
-        places = np.where(covered[box], self._places(words.ravel()).reshape(words.shape), CLEAR)
-        self._write(places.astype(np.uint8), corner, hundredths, CLEAN)
-
-    def close(self) -> None:
-        """Write the trailer; the file itself stays open."""
-        self._file.write(b";")
-
-    def _write(self, cut: NDArray[np.uint8], at: tuple[int, int], hundredths: int,
-               disposal: int = KEEP) -> None:
+            words, disposal = frame, KEEP
+            new = np.ones(frame.shape, dtype=bool) if self._last is None else frame != self._last
+            self._last = words
+        rows = np.flatnonzero(new.any(axis=1)).tolist() or [0]
+        columns = np.flatnonzero(new[rows[0]:rows[-1] + 1].any(axis=0)).tolist() or [0]
+        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        cut = np.full(new[box].shape, CLEAR, dtype=np.uint8)
+        some = np.flatnonzero(new[box])
+        cut.ravel()[some] = self._places(words[box].ravel()[some])
         image = Image.fromarray(cut)
         image.putpalette(self._colours)
-        blocks = GifImagePlugin.getdata(image, at, duration=10 * hundredths, disposal=disposal,
-                                        transparency=CLEAR)
+        blocks = GifImagePlugin.getdata(image, (columns[0], rows[0]), duration=10 * hundredths,
+                                        disposal=disposal, transparency=CLEAR)
         self._file.write(b"".join(blocks))
 
     def _places(self, words: Words) -> NDArray[np.uint8]:
-        """Places in the palette, the nearest colour where there is no equal one."""
+        """Places in the palette, of the nearest colour where there is no equal one."""
         found = self._table.take(words)
         if (unknown := found == UNKNOWN).any():
             new = np.unique(words[unknown])
@@ -148,22 +126,14 @@ class GifWriter:
         return found
 
 
-def _box(marked: NDArray[np.bool_]) -> tuple[tuple[slice, slice], tuple[int, int]]:
-    """The smallest box that holds what is marked [h, w], as slices and as its left and top."""
-    rows = np.flatnonzero(marked.any(axis=1)).tolist() or [0]
-    columns = np.flatnonzero(marked[rows[0]:rows[-1] + 1].any(axis=0)).tolist() or [0]
-    return ((slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)),
-            (columns[0], rows[0]))
-
-
 def render(
-    run: MeteredRun, path: str | Path, *, at: Instants | None = None, strip: bool | int = False,
+    run: Samples, path: str | Path, *, at: Instants | None = None, strip: bool | int = False,
     size: tuple[int, int] | str | None = None, fps: int | None = None,
     speed: float | None = None, centre: tuple[float, float] | None = None,
     width: float | None = None, show: Show | None = None, bodies: Sequence[str] | None = None,
     follow: str | None = None, meters: Meters | None = None,
     transparent: bool = False, bare: bool = False, scales: bool = False,
-    progress: Progress | None = None, most_frames: int = MOST_FRAMES,
+    progress: Progress | None = None, most_frames: int = MAX_FRAMES,
 ) -> list[Path]:
     """Draw a run to ``path``.
 
@@ -197,7 +167,7 @@ def render(
         The files that were written, or the directory of frames.
 
     Raises:
-        OutputError: no path, an unknown ending, what no view can have, no or an empty recording,
+        OutputError: no path, an unknown ending, options that no view can have, no samples,
             a time that the run does not reach, too many frames, or a file that cannot be written.
     """
     check_run(run)
@@ -218,34 +188,31 @@ def render(
 
 def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
              size: tuple[int, int] | str | None) -> bool:
-    """Whether stills are asked for, by the ending or by ``at`` and ``strip``.
+    """Whether the file's ending, or ``at`` and ``strip``, select stills.
 
     Raises:
-        OutputError: an ending that no picture has, or of a film that has not what is asked for,
-            such as a size on paper.
+        OutputError: an unknown ending, or a film with options of stills, such as a size on paper.
     """
-    ending, wrong = "" if path.is_dir() else path.suffix.lower(), ""
-    if ending in FILMS:
-        word = "at" if at else "strip" if strip else "transparent" if (
-            transparent and ending != ".gif") else ""
-        what, films = ("a see-through ground", (".gif",)) if word == "transparent" else (
-            "single moments", ())
-        if word:
-            wrong = (f"{word} asks for {what}, which no {ending} has; allowed: "
-                     f"{', '.join((*films, *STILLS))}, or none for a directory")
-    elif ending and ending not in STILLS:
-        wrong = (f"no picture can have the ending {path.suffix!r}; allowed: "
-                 f"{', '.join((*FILMS, *STILLS))}, or none for a directory")
+    ending, problem = "" if path.is_dir() else path.suffix.lower(), ""
     stills = ending in STILLS or at or strip
-    if not wrong and not stills and paper_of(size):
-        wrong = f"size={size!r} asks for paper: {NO_PAPER}"
-    if wrong:
-        raise OutputError(f"{path}: {wrong}", code="bad-picture")
+    if ending not in ("", *FILMS, *STILLS):
+        problem = (f"no picture can have the ending {path.suffix!r}; allowed: "
+                   f"{', '.join((*FILMS, *STILLS))}, or none for a directory")
+    elif ending in FILMS and (at or strip or (transparent and ending != ".gif")):
+        word = "at" if at else "strip" if strip else "transparent"
+        what, more = ("single moments", ()) if at or strip else ("a see-through ground", (".gif",))
+        problem = (f"{word} asks for {what}, which no {ending} has; allowed: "
+                   f"{', '.join((*more, *STILLS))}, or none for a directory")
+    elif not stills and paper_of(size):
+        problem = (f"size={size!r} asks for paper: a film has pixels, as in 800x600; a size on "
+                   f"paper is one of a still ({', '.join(STILLS)})")
+    if problem:
+        raise OutputError(f"{path}: {problem}", code="bad-picture")
     return stills
 
 
 def frame_times(run: RunData, *, fps: int, speed: float, start: float = 0.0,
-                most: int = MOST_FRAMES) -> list[float]:
+                most: int = MAX_FRAMES) -> list[float]:
     """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end.
 
     Raises:
@@ -264,7 +231,7 @@ def frame_times(run: RunData, *, fps: int, speed: float, start: float = 0.0,
 
 
 def _animate(
-    run: MeteredRun, path: Path, view: View, *, progress: Progress | None, most_frames: int,
+    run: Samples, path: Path, view: View, *, progress: Progress | None, most_frames: int,
     transparent: bool, bare: bool, scales: bool,
 ) -> None:
     """Write a film, ``.gif`` or ``.mp4``, or a directory of ``frame_00000.png`` and so on."""
@@ -274,8 +241,13 @@ def _animate(
     picture = Picture(run, size=(view.size[0] // even * even, view.size[1] // even * even),
                       view=view, bare=bare, scales=scales,
                       note="" if view.speed == 1 else f"{view.speed:g}× speed")
-    draw: Callable[[float], NDArray[Any]] = (
-        partial(see_through, picture) if transparent else Frames(picture).draw_packed)
+    draw: Callable[[float], NDArray[Any]]
+    if transparent:
+        from sandbox.picture.paper import pixels
+
+        draw = partial(pixels, picture, transparent=True)
+    else:
+        draw = Frames(picture).draw_packed
 
     def drawn() -> Iterator[NDArray[Any]]:
         for k, t in enumerate(times):
@@ -290,31 +262,23 @@ def _animate(
         if ending == ".mp4":
             _write_mp4(drawn(), view.fps, aside)
             return
-        some = [draw(times[k]) for k in np.unique(
+        some: list[Any] = [draw(times[k]) for k in np.unique(
             np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))]
         palette = shared_palette([packed(each[each[..., 3] >= COVERED]) for each in some]
                                  if transparent else some, picture.subject.carried.colours)
         lasts = [100 // view.fps] * (len(times) - 1) + [round(100 * HOLD)]
         with aside.open("wb") as file:
             writer = GifWriter(file, picture.size, palette)
-            add = writer.add_covered if transparent else writer.add
-            side_by_side(zip(drawn(), lasts, strict=True), lambda frame: add(*frame))
-            writer.close()
-
-
-def see_through(picture: Picture, t: float) -> NDArray[np.uint8]:
-    """A picture without a ground: red, green, blue and opacity [h, w, 4]."""
-    from sandbox.picture.paper import paint_picture, pixels
-
-    return pixels(picture.size, picture.type, lambda paper: paint_picture(picture, paper, t),
-                  transparent=True)
+            side_by_side(zip(drawn(), lasts, strict=True), lambda frame: writer.add(*frame))
+            file.write(b";")
 
 
 def _write_frames(frames: Iterator[NDArray[Any]], directory: Path, count: int) -> None:
     """Write frames as PNG files; those of an earlier film are removed."""
     def save(item: tuple[int, NDArray[Any]]) -> None:
         with atomic_file(directory / f"frame_{item[0]:05d}.png", durable=False) as aside:
-            Image.fromarray(_bytes(item[1])).save(aside, format="PNG", compress_level=3)
+            pixels = item[1] if item[1].dtype == np.uint8 else colours(item[1])
+            Image.fromarray(pixels).save(aside, format="PNG", compress_level=3)
 
     remove_stale(directory)
     side_by_side(enumerate(frames), save)
@@ -335,21 +299,11 @@ def _write_mp4(frames: Iterator[Words], fps: int, path: Path) -> None:
     with iio.imopen(path, "w", plugin="pyav") as file:
         film: Any = file
         film.init_video_stream("libx264", fps=fps, pixel_format="yuv420p")
-        side_by_side(frames, lambda frame: film.write_frame(_bytes(frame)))
-
-
-def _bytes(frame: NDArray[Any]) -> NDArray[np.uint8]:
-    """Red, green, blue of words, or a frame that is bytes already."""
-    if frame.dtype == np.uint8:
-        return frame
-    return np.ascontiguousarray(frame.view(np.uint8).reshape(*frame.shape, 4)[..., :3])
+        side_by_side(frames, lambda frame: film.write_frame(colours(frame)))
 
 
 def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:
-    """Run ``produce`` in this thread, and ``consume`` each of its items, in order, in another.
-
-    Frames are painted while those before them are encoded. An error of either is raised.
-    """
+    """Run ``produce`` in this thread, and ``consume`` its items, in order, in another one."""
     with ThreadPoolExecutor(1, "encoder") as encoder:
         waiting: deque[Future[None]] = deque()
         try:

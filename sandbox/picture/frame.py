@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pygame
@@ -19,31 +19,29 @@ from sandbox.picture.bounds import (
 )
 from sandbox.picture.build import subject_of
 from sandbox.picture.elements.notes import grid
-from sandbox.picture.geometry import arrow
+from sandbox.picture.geometry import arrow, within
 from sandbox.picture.instant import Instant
-from sandbox.picture.labels import SMALL, paint_labels, place_labels
-from sandbox.picture.listing import Item
+from sandbox.picture.labels import SMALL, offset, place_labels
+from sandbox.picture.listing import SIDES, Item
 from sandbox.picture.meters import MeterPanel
 from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK, Painter
-from sandbox.picture.run_data import MeteredRun
+from sandbox.picture.run_data import nearest
 from sandbox.picture.scales import round_length
 from sandbox.picture.typesetter import HEAD, Headline, Typesetter
+from sandbox.samples.samples import Samples
 from sandbox.scene.settings import View
 
-TYPE, LEAST_TYPE = 20, 11
-"""Size of type in points, and at least in pixels."""
-LEGEND = 2
-"""Rows of the legend, at most; one in a small picture."""
+if TYPE_CHECKING:
+    from sandbox.picture.paper import Paper  # loads matplotlib
+
+TYPE, MIN_TYPE = 20, 11  # size of type [points], and its minimum [pixels]
+MAX_ROWS = 2  # of the legend; one in a small picture
 BAR, ARROW, RAMP = 80.0, 52.0, 64.0
-"""Widths of scales in the legend: of lengths, of arrows (at most) and of colours [points]."""
-GAP, APART = 17.0, 5.0
-"""Between two rows of the legend side by side, and between symbol and words [points]."""
-VALUE = 1.1
-"""Size of type of labels, in that of the legend."""
-SHAPES = (0.2, 1.5)
-"""Least and largest height of the motion in its width, where a picture is as high as it needs."""
-STAGE = 0.75
-"""Least share of a small picture's height that shows the mechanism: meters give way."""
+"""Widths in the legend: lengths, arrows (maximum), ramps [points]."""
+GAP, APART = 17.0, 5.0  # between rows of the legend, and between symbol and words [points]
+VALUE = 1.1  # size of type of labels, relative to the legend
+SHAPES = (0.2, 1.5)  # limits of height / width of the motion where the height is free
+STAGE = 0.75  # minimum share of a small picture's height that shows the mechanism
 
 
 def picture_unit(size: tuple[int, int]) -> float:
@@ -53,11 +51,11 @@ def picture_unit(size: tuple[int, int]) -> float:
 
 def type_size(unit: float) -> int:
     """Size of type [pixels] for so many pixels per point."""
-    return max(LEAST_TYPE, round(TYPE * unit))
+    return max(MIN_TYPE, round(TYPE * unit))
 
 
 class Entry(NamedTuple):
-    """A row of the legend, set: words, symbol, words; widths in finished pixels."""
+    """A row of the legend: words, symbol, words; widths in finished pixels."""
 
     row: Item
     before: str
@@ -65,22 +63,36 @@ class Entry(NamedTuple):
     after: str
 
 
-def entries(legend: Sequence[Item], scale: float, unit: float, *, scales: bool) -> list[Entry]:
-    """The rows for a camera of ``scale`` [pixels per metre]; ``scales`` leaves glyphs out."""
-    found = []
+def arrange(legend: Sequence[Item], scale: float, type_: Typesetter, unit: float, width: float,
+            max_rows: int, *, scales: bool) -> list[list[Entry]]:
+    """The legend in lines no wider than ``width``; entries without room are left out.
+
+    ``scale`` is the camera's [pixels per metre]; ``scales`` leaves glyphs out.
+    """
+    lines: list[list[Entry]] = []
+    used = width + 1.0
     for row, following in zip(legend, [*legend[1:], {}], strict=False):
-        if following.get("instead") == row["l"]:
+        if following.get("instead") == row["l"] or (scales and row["k"] == "glyph"):
             continue
         if row["k"] == "scale":
             bar = "size" not in row
             size = round_length((BAR if bar else ARROW) * unit / (row["metres"] * scale))
             words = length_text(size) if bar else f"{size:g} {row['unit']} {row['words']}"
-            found.append(Entry(row, "", size * row["metres"] * scale, words))
+            item = Entry(row, "", size * row["metres"] * scale, words)
         elif row["k"] == "ramp":
-            found.append(Entry(row, row["before"], RAMP * unit, row["after"]))
-        elif not scales:
-            found.append(Entry(row, "", row["width"] * unit, row["words"]))
-    return found
+            item = Entry(row, row["before"], RAMP * unit, row["after"])
+        else:
+            item = Entry(row, "", row["width"] * unit, row["words"])
+        needs = item.symbol + sum(type_.width(words) + APART * unit
+                                  for words in (item.before, item.after) if words)
+        if used + needs > width:
+            if len(lines) == max_rows or needs > width:
+                continue
+            lines.append([])
+            used = 0.0
+        lines[-1].append(item)
+        used += needs + GAP * unit
+    return lines
 
 
 def length_text(metres: float) -> str:
@@ -89,24 +101,6 @@ def length_text(metres: float) -> str:
         if metres * factor >= 0.9995:
             return f"{metres * factor:.6g} {unit}"
     return f"{metres:.3g} m"
-
-
-def arrange(items: Sequence[Entry], type_: Typesetter, unit: float, width: float,
-            most_rows: int) -> list[list[Entry]]:
-    """Entries in rows no wider than ``width``; those that find no room are left out."""
-    rows: list[list[Entry]] = []
-    used = width + 1.0
-    for item in items:
-        needs = item.symbol + sum(type_.width(words) + APART * unit
-                                  for words in (item.before, item.after) if words)
-        if used + needs > width:
-            if len(rows) == most_rows or needs > width:
-                continue
-            rows.append([])
-            used = 0.0
-        rows[-1].append(item)
-        used += needs + GAP * unit
-    return rows
 
 
 def draw_legend(painter: Painter, instant: Instant, rows: Sequence[Sequence[Entry]],
@@ -167,65 +161,61 @@ class Picture:
         moments: the only times [s] that are painted.
     """
 
-    def __init__(self, run: MeteredRun, *, size: tuple[int, int] | None = None,
+    def __init__(self, run: Samples, *, size: tuple[int, int] | None = None,
                  view: View | None = None, note: str = "", unit: float | None = None,
                  bare: bool = False, scales: bool = False, least: int = 0,
                  moments: Sequence[float] | None = None) -> None:
         self.run, self.view = run, view or run.mechanism.view
         self.size = size or self.view.size
         self.unit = unit or picture_unit(self.size)
-        self.note, self.moments, self.least = note, moments, least
-        self.bare, self.scales = bare or scales, scales
+        self.note, self.moments = note, moments
+        self.bare = bare or scales
         self.small = self.size[0] < SMALL and not least
         self.type = Typesetter(type_size(self.unit), least)
-        self.label_size = max(LEAST_TYPE, self.type.scaled(VALUE))
+        self.label_size = max(MIN_TYPE, self.type.scaled(VALUE))
         self.row, self.pad = round(1.5 * self.type.size), round(0.8 * self.type.size)
-        self._labelled = False
         self._instants: dict[int, Instant] = {}
-        self._lay_out()
-
-    def _lay_out(self) -> None:
-        run, view, mechanism, (width, height) = self.run, self.view, self.run.mechanism, self.size
+        view, mechanism, (width, height) = self.view, run.mechanism, self.size
         room = width - 3 * self.pad - self.type.width(self.stamp(float(run.time[-1])))
         self.title = None if self.bare else Headline.of(
             mechanism.title or mechanism.name, self.type, room,
             self.type.scaled(1.0 if self.small else 1.25), height)
         self.head = self.title.high if self.title else 0
-        self.panel = MeterPanel(run, view, self.type, self.unit, self.size)
-        bodies = body_box(run, view, self.moments)
-        across = width_shown(bodies, width / height, view.width)
+        self.panel = panel = MeterPanel(run, view, self.type, self.unit, self.size)
+        bodies = body_box(run, view, moments)
         guess = place_camera(bodies, Stage(0, 0, width, max(8, height - self.head - self.row)),
                              centre=view.centre, width=view.width)
-        self.subject = subject_of(run, view, width=across, point=self.unit / guess.scale,
-                                  moments=self.moments)
+        self.subject = subject_of(run, view, point=self.unit / guess.scale, moments=moments,
+                                  width=width_shown(bodies, width / height, view.width))
         self.out = self.subject.out
-        self.box = whole_box(self.out, run, bodies, view, self.moments)
-        keyed = self.scales or not self.bare
-        most = 0 if not keyed else 1 if self.small else 4 if self.least else LEGEND
-        rows = 1 if keyed else 0
+        self.box = whole_box(self.out, run, bodies, view, moments)
+        most = 0 if bare and not scales else 1 if self.small else 4 if least else MAX_ROWS
+        rows = min(1, most)
         for _ in range(3):
-            foot = rows * self.row + (self.pad if rows else 0)
-            self._place_camera(foot)
-            self.legend = arrange(
-                entries(self.out.legend, self.camera.scale, self.unit, scales=self.scales),
-                self.type, self.unit, width - 2 * self.pad, most)
+            self._place_camera(rows * self.row + (self.pad if rows else 0))
+            self.legend = arrange(self.out.legend, self.camera.scale, self.type, self.unit,
+                                  width - 2 * self.pad, most, scales=scales)
             if len(self.legend) <= rows:
                 break
             rows = len(self.legend)
-        self._settle()
+        gap = self.pad // 2 if self.legend or not self.bare else 0
+        self.foot = max(height - len(self.legend) * self.row - gap, self.head + 2)
+        bottom = self.foot - gap
+        beside, below = (panel.beside, 0) if self.aside else (0, panel.below)
+        self.stage = Stage(0, self.head, width - beside, max(1, bottom - below - self.head))
+        low = self.head + int(self.stage.height)
+        panel.settle(pygame.Rect(width - beside, self.head, beside, bottom - self.head)
+                     if self.aside else pygame.Rect(0, low, width, below), aside=self.aside)
         if "coordinates" in self.subject.layers:
             lines = grid(self.out, self.camera, self.stage, self.unit)
             self.out.items = [*(i for i in lines if i["k"] == "line"), *self.out.items,
                               *(i for i in lines if i["k"] == "text")]
 
     def _place_camera(self, foot: int) -> None:
-        """Choose the place of the meters where the motion is larger: below it or beside it.
-
-        The window of a view is kept whole beside meters as above them.
-        """
+        """Place the meters below or beside the motion, where it is larger."""
         (width, height), panel, given = self.size, self.panel, self.view.width
         high = height - self.head - foot
-        panel.shrink()
+        panel.grow(0.0)
         if self.small:
             panel.limit(high - round(STAGE * height))
 
@@ -237,38 +227,27 @@ class Picture:
 
         below = max(8, high - panel.below)
         self.camera, self.aside = camera_on(width, below), False
-        if panel and panel.tall <= high and not self.small:
+        if not panel or self.small:
+            return
+        if panel.tall <= high:
             beside = camera_on(max(8, width - panel.beside), high)
             if beside.scale > self.camera.scale:
                 self.camera, self.aside = beside, True
-        if panel and not self.aside and given is None and not self.small:
+        if not self.aside and given is None:
             middle = self.camera.centre[1]
             half = max(self.box.y1 - middle, middle - self.box.y0)
             panel.grow(below - 2 * half * self.camera.scale / (1 - 2 * MARGIN))
             self.camera = camera_on(width, max(8, high - panel.below))
 
-    def _settle(self) -> None:
-        """The stage, and the places of meters and legend [finished pixels]."""
-        (width, height), panel = self.size, self.panel
-        gap = self.pad // 2 if self.legend or not self.bare else 0
-        self.foot = max(height - len(self.legend) * self.row - gap, self.head + 2)
-        bottom = self.foot - gap
-        beside, below = (panel.beside, 0) if self.aside else (0, panel.below)
-        self.stage = Stage(0, self.head, width - beside, max(1, bottom - below - self.head))
-        low = self.head + int(self.stage.height)
-        panel.settle(pygame.Rect(width - beside, self.head, beside, bottom - self.head)
-                     if self.aside else pygame.Rect(0, low, width, below), aside=self.aside)
-
     @property
     def needs(self) -> float:
         """The height at which the mechanism fills the picture's width [pixels]."""
-        wide, view = self.size[0], self.view
-        share = self.box.height / max(self.box.width, 1e-9)
-        if view.centre and view.width:
-            share = view.size[1] / view.size[0]
+        view = self.view
+        share = view.size[1] / view.size[0] if view.centre and view.width else (
+            self.box.height / max(self.box.width, 1e-9))
         around = self.head + self.panel.below + (
             len(self.legend) * self.row + self.pad if self.legend else 0)
-        return around + wide * float(np.clip(share, *SHAPES))
+        return around + self.size[0] * float(np.clip(share, *SHAPES))
 
     def stamp(self, t: float) -> str:
         """The time, after the note."""
@@ -277,24 +256,23 @@ class Picture:
 
     def instant(self, enlarge: int) -> Instant:
         """The list for a picture that is painted so many times larger, with its labels placed."""
-        if enlarge in self._instants:
-            return self._instants[enlarge]
         (width, height), (x, y) = self.size, self.camera.pixel
-        camera = Camera(self.camera.scale * enlarge, self.camera.centre, (x * enlarge, y * enlarge))
-        width, height = width * enlarge, height * enlarge
-        made = Instant(self.out, camera, self.unit * enlarge,
-                       (-width, -height, 2 * width, 2 * height), factor=1 / enlarge,
-                       small=self.small)
-        if not self._labelled:
-            self._labelled = True
+
+        def made() -> Instant:
+            camera = Camera(self.camera.scale * enlarge, self.camera.centre,
+                            (x * enlarge, y * enlarge))
+            edges = (-width * enlarge, -height * enlarge, 2 * width * enlarge, 2 * height * enlarge)
+            return Instant(self.out, camera, self.unit * enlarge, edges, factor=1 / enlarge,
+                           small=self.small)
+
+        if not self._instants:  # labels add columns to the list
             left, top, wide, high = self.stage
-            few = None if self.moments is None else np.unique(
-                np.abs(self.run.time[:, None] - np.asarray(self.moments)).argmin(axis=0))
-            place_labels(made, self.half, (left, top, left + wide, top + high), 1 / enlarge,
-                         speed=self.view.speed, samples=few, width=self.size[0])
-            return self.instant(enlarge)  # labels have made columns
-        self._instants[enlarge] = made
-        return made
+            few = None if self.moments is None else nearest(self.run.time, self.moments)
+            place_labels(made(), self.half, (left, top, left + wide, top + high), 1 / enlarge,
+                         speed=self.view.speed, samples=few, width=width)
+        if enlarge not in self._instants:
+            self._instants[enlarge] = made()
+        return self._instants[enlarge]
 
     def half(self, words: str) -> tuple[float, float]:
         """Half the size of a label [finished pixels]."""
@@ -302,7 +280,7 @@ class Picture:
         return face.get_width() / 2, face.get_height() / 2
 
     def surround(self, painter: Painter, instant: Instant) -> None:
-        """Paint title, legend and what stays of the meters."""
+        """Paint title, legend and the constant part of the meters."""
         k, width = painter.enlarge, self.size[0]
         if self.legend and not self.bare:
             y = (self.foot - self.pad // 2) * k
@@ -322,7 +300,7 @@ class Picture:
                           self.type.size, FAINT_INK)
 
     def write_grid(self, painter: Painter, instant: Instant) -> None:
-        """Numbers of the grid, at the left and the bottom edge of the stage."""
+        """Write numbers of the grid, at the left and the bottom edge of the stage."""
         left, top, _, high = self.stage
         for item, at in instant.texts:
             if "edge" in item:
@@ -333,5 +311,33 @@ class Picture:
                 painter.text(middle, item["words"], self.label_size, FAINT_INK, ())
 
     def write_labels(self, painter: Painter, instant: Instant) -> None:
-        """Write the labels that have a place."""
-        paint_labels(instant, painter, self.label_size, self.half)
+        """Write the labels that have a place, with a line to the point of one that stands off."""
+        point = self.unit
+        for label in instant.labels():
+            if label.side < 0 or not within([label.point], instant.edges):
+                continue
+            (x, y), clear = (v * instant.factor for v in label.point), label.clear * point
+            dx, dy = offset(label.side, self.half(label.words), clear, point)
+            ux, uy, far = SIDES[label.side]
+            leader = [(x + ux * away, y - uy * away)
+                      for away in (2 * point, (far + 2) * point + clear)] if far else []
+            painter.text((x + dx, y + dy), label.words, self.label_size, label.ink, leader)
+
+    def paint_stage(self, paper: Paper, t: float) -> Instant:
+        """Paint the mechanism with its labels at a time [s]."""
+        instant = self.instant(1)
+        instant.go_to(t)
+        paper.clip(self.stage)
+        instant.paint(paper, still=True)
+        instant.paint(paper)
+        paper.clip(None)
+        return instant
+
+    def paint(self, paper: Paper, t: float) -> None:
+        """Paint all of it at a time [s]."""
+        instant = self.paint_stage(paper, t)
+        self.surround(paper, instant)
+        self.write_grid(paper, instant)
+        self.write_labels(paper, instant)
+        self.panel.draw(paper, [t])
+        self.write_stamp(paper, t)

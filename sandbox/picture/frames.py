@@ -1,7 +1,4 @@
-"""Frames of a film by pygame, on an enlarged picture that is scaled down: smooth edges, fast.
-
-Only what changed is painted again.
-"""
+"""Frames of a film by pygame: painted larger and scaled down, only where they changed."""
 
 from __future__ import annotations
 
@@ -15,21 +12,15 @@ from numpy.typing import NDArray
 from sandbox.numeric import Array
 from sandbox.picture.frame import Picture
 from sandbox.picture.geometry import XY, ribbon
-from sandbox.picture.palette import BACKGROUND, Colour, hatch_lines, lighter
+from sandbox.picture.palette import BACKGROUND, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter
 
-MASKS = (0xFF, 0xFF00, 0xFF0000, 0)
-"""Red, green, blue in this order in memory, the fourth byte unused."""
-COLOUR = np.uint32(0xFFFFFF)
-"""The fourth byte of a word is anything."""
-LONG = 60
-"""Lines with more corners have no mitres, which would take long."""
-HATCHED = 400
-"""Areas whose hatching is kept."""
-CELL = 24
-"""Side of a cell [pixels of the finished picture]."""
-MOST_PIXELS = 60_000_000
-"""Of the enlarged picture; very large pictures are enlarged less."""
+MASKS = (0xFF, 0xFF00, 0xFF0000, 0)  # red, green, blue in memory, the fourth byte unused
+COLOUR = np.uint32(0xFFFFFF)  # the fourth byte of a word is anything
+LONG = 60  # lines with more corners have no mitres, which would take long
+HATCHED = 400  # cached hatchings
+CELL = 24  # side of a cell [pixels of the finished picture]
+MOST_PIXELS = 60_000_000  # of the enlarged picture; very large pictures are enlarged less
 
 
 def new_surface(width: int, height: int) -> pygame.Surface:
@@ -46,12 +37,12 @@ class Pixels:
         self.size, self.enlarge, self.type = size, enlarge, typesetter
         self.large = new_surface(size[0] * enlarge, size[1] * enlarge)
         self.small = new_surface(*size)
-        self.texts: list[tuple[XY, str, int, Colour, Sequence[XY]]] = []
-        self.plain: list[tuple[XY, str, int, Colour]] = []
+        self.texts: list[tuple[pygame.Surface, XY]] = []  # with their corners, to be written
+        self._leaders: list[tuple[Colour, XY, XY]] = []
         self._hatched: dict[bytes, tuple[pygame.Surface, pygame.Rect]] = {}
 
-    def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
-             edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
+    def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
+             union: bool = False, hatch: float = 0.0) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         polygon, large = pygame.draw.polygon, self.large
         if fill is not None and (union or len(rings) == 1):
@@ -102,16 +93,15 @@ class Pixels:
         else:
             pygame.draw.lines(self.large, ink, False, path, max(1, round(width)))
 
-    def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
-               width: float) -> None:
+    def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         if fill is not None:
             pygame.draw.polygon(self.large, fill, corners)
         if edge is not None and width:
             pygame.draw.lines(self.large, edge, True, corners, max(1, round(width)))
 
-    def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
-             width: float, *, hatch: float = 0.0) -> None:
+    def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
+             hatch: float = 0.0) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         if edge is not None and width:
             pygame.draw.circle(self.large, edge, centre, radius + width / 2,
@@ -126,25 +116,22 @@ class Pixels:
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
         """Keep a text for the finished picture."""
-        self.texts.append((middle, words, size, ink, leader))
+        if leader:
+            self._leaders.append((lighter(ink, 0.35), leader[0], leader[1]))
+        face = self.type.render(words, size=size, colour=ink, halo=True)
+        self.texts.append((face, (round(middle[0] - face.get_width() / 2),
+                                  round(middle[1] - face.get_height() / 2))))
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
-        self.plain.append((corner, words, size, ink))
+        self.texts.append((self.type.render(words, size=size, colour=ink), corner))
 
     def write_texts(self) -> list[pygame.Rect]:
-        """Write the texts that were kept on the finished picture; returns what they cover."""
-        found = [self.small.blit(self.type.render(words, size=size, colour=ink), corner)
-                 for corner, words, size, ink in self.plain]
-        for (x, y), words, size, ink, leader in self.texts:
-            if leader:
-                drawn = pygame.draw.aaline(self.small, lighter(ink, 0.35), leader[0], leader[1])
-                found.append(drawn.inflate(4, 4).clip(self.small.get_rect()))
-            face = self.type.render(words, size=size, colour=ink, halo=True)
-            found.append(self.small.blit(face, (round(x - face.get_width() / 2),
-                                                round(y - face.get_height() / 2))))
-        self.plain.clear()
-        self.texts.clear()
+        """Write the texts that were kept on the finished picture; returns the covered areas."""
+        found = [pygame.draw.aaline(self.small, *leader).inflate(4, 4).clip(self.small.get_rect())
+                 for leader in self._leaders]
+        found += self.small.blits(self.texts) or []
+        self.texts, self._leaders = [], []
         return found
 
     def scale_down(self, areas: Sequence[pygame.Rect]) -> None:
@@ -168,40 +155,21 @@ def _turns_back(path: Sequence[XY]) -> bool:
 
 
 def touched(boxes: Array, stage: pygame.Rect) -> list[pygame.Rect]:
-    """Rectangles of whole cells, without overlap, that cover boxes on the stage.
-
-    Args:
-        boxes: left, top, right, bottom [k, 4] pixels of the finished picture.
-        stage: what lies outside of it is cut off.
-    """
+    """Rectangles of whole cells, without overlap, that cover boxes [k, 4] pixels on the stage."""
     grid = np.zeros((-(-stage.height // CELL), -(-stage.width // CELL)), dtype=np.int8)
     cells = np.floor((boxes - np.tile(stage.topleft, 2)) / CELL) + np.array([0.0, 0.0, 1.0, 1.0])
     limit = (*grid.shape[::-1], *grid.shape[::-1])
     for x0, y0, x1, y1 in np.clip(np.nan_to_num(cells), 0, limit).astype(int).tolist():
         grid[y0:y1, x0:x1] = 1
     edges = np.diff(grid, axis=1, prepend=0, append=0)
-    found: list[pygame.Rect] = []
-    last = np.zeros(0, dtype=np.int64)
-    for row, edge in enumerate(edges):
-        ends = np.flatnonzero(edge)
-        runs = ends.reshape(-1, 2).tolist()
-        if np.array_equal(ends, last):  # of equal rows the rectangles go on
-            for rect in found[len(found) - len(runs):]:
-                rect.height += CELL
-        else:
-            found += [pygame.Rect(stage.left + a * CELL, stage.top + row * CELL, (b - a) * CELL,
-                                  CELL) for a, b in runs]
-        last = ends
-    return [rect.clip(stage) for rect in found]
+    rows, starts = (each.tolist() for each in np.nonzero(edges == 1))
+    ends = np.nonzero(edges == -1)[1].tolist()
+    return [pygame.Rect(stage.left + a * CELL, stage.top + row * CELL, (b - a) * CELL, CELL).clip(
+        stage) for row, a, b in zip(rows, starts, ends, strict=True)]
 
 
 class Frames:
-    """Paints a picture at any time, enlarged and scaled down so that edges are smooth.
-
-    Args:
-        picture: what to paint.
-        enlarge: how many times larger it is painted; a power of 2.
-    """
+    """Paints a picture at any time, ``enlarge`` (a power of 2) times larger and scaled down."""
 
     def __init__(self, picture: Picture, enlarge: int = 2) -> None:
         self.picture, self.size = picture, picture.size
@@ -216,23 +184,20 @@ class Frames:
         self._areas: list[pygame.Rect] = []
         self._stamped: list[pygame.Rect] = []
         self._key: bytes | None = None
-        self.instant.go_to_sample(0)
-        self.instant.paint_still(painter)
+        self.instant.go_to(float(picture.run.time[0]))
+        self.instant.paint(painter, still=True)
         for zone in ((0, 0, width, stage.top), (0, stage.bottom, width, height),
                      (stage.right, stage.top, width, stage.height)):
             painter.large.fill(BACKGROUND, [v * enlarge for v in zone])
         picture.surround(painter, self.instant)
         picture.write_grid(painter, self.instant)
-        self._panel_texts = [text for text in painter.plain if panel.collidepoint(text[0])]
+        self._panel_texts = [text for text in painter.texts if panel.collidepoint(text[1])]
         painter.scale_down([pygame.Rect(0, 0, width, height)])
         painter.write_texts()
         self._large_still, self._small_still = painter.large.copy(), painter.small.copy()
 
     def draw(self, t: float) -> NDArray[np.uint8]:
-        """The picture at ``t`` [s]: (height, width, 3), red, green, blue.
-
-        Times outside of the recording show its first or last sample.
-        """
+        """The picture at ``t`` [s], limited to the run: (height, width, 3), red, green, blue."""
         return self.draw_packed(t).view(np.uint8).reshape(*self.size[::-1], 4)[..., :3]
 
     def draw_packed(self, t: float) -> NDArray[np.uint32]:
@@ -258,7 +223,7 @@ class Frames:
             self._restore([self._panel])
             picture.panel.draw(painter, [t])
             painter.scale_down([self._panel])
-            painter.plain += self._panel_texts
+            painter.texts += self._panel_texts
             painter.write_texts()
         for rect in self._stamped:
             painter.small.blit(self._small_still, rect, rect)
@@ -268,7 +233,7 @@ class Frames:
         return words
 
     def _restore(self, areas: Sequence[pygame.Rect]) -> None:
-        """Put back what the last frame covered."""
+        """Restore areas that the last frame covered."""
         large = [tuple(v * self.painter.enlarge for v in rect) for rect in areas]
         self.painter.large.blits([(self._large_still, area, area) for area in large],
                                  doreturn=False)

@@ -1,7 +1,6 @@
-"""Outlines, paths and points as plain arrays [m] or [pixels]; what reaches far is cut.
+"""Outlines, paths and points as plain arrays [m] or [pixels], cut to a picture.
 
-pygame walks every pixel of a shape, also outside of the picture, and takes no numbers beyond those
-of a C int. Coordinates that are not finite are dropped here, for all painters.
+pygame walks every pixel of a shape, also outside of the picture, and takes only numbers of a C int.
 """
 
 from __future__ import annotations
@@ -17,14 +16,10 @@ from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape,
 from sandbox.scene.geometry import solids
 
 XY = tuple[float, float]
-Edges = tuple[float, float, float, float]
-"""Left, top, right, bottom [pixels]."""
-FAR = 1e12
-"""Coordinates beyond this are moved there [pixels]."""
-ARC = 128
-"""Sides of the visible piece of a very large circle."""
-TOUCHING = 1e-7
-"""Shapes that are no farther apart touch [m]."""
+Edges = tuple[float, float, float, float]  # left, top, right, bottom [pixels]
+FAR = 1e12  # coordinates beyond this are moved there [pixels]
+ARC = 128  # sides of the visible piece of a very large circle
+TOUCHING = 1e-7  # shapes that are no farther apart touch [m]
 
 
 def arc_steps(radius: float, error: float, least: int = 4) -> int:
@@ -64,10 +59,7 @@ def shape_points(*shapes: Shape, grow: float = 0.0) -> Array:
 
 
 def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
-    """Corners of a shape in its body's frame [n, 2] m, grown outwards by ``grow``.
-
-    Arcs stay within ``error`` [m] of their true line where it is given.
-    """
+    """Corners of a shape [n, 2] m, grown by ``grow``; arcs within ``error`` [m] if it is given."""
     if isinstance(shape, Capsule | Circle):
         radius = max(shape.radius + grow, 1e-9)
         ends = (shape.start, shape.end) if isinstance(shape, Capsule) else (shape.at, shape.at)
@@ -81,10 +73,9 @@ def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
 
 
 def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
-    """The numbers of those convex shapes of a body that touch others of it and lie in none.
+    """The convex shapes of a body that touch others of it and lie in none.
 
-    What lies in another, such as a hub, is seen by its own outline, and so are circles that a drive
-    changes and shapes of several pieces.
+    Shapes inside others, such as hubs, keep their outline, and so do circles that a drive changes.
     """
     rings = {k: shape_outline(shape) for k, shape in enumerate(shapes)
              if k not in changing and not isinstance(shape, Polyline)
@@ -92,16 +83,20 @@ def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
     outer = [k for k in rings if not any(
         _holds(rings[other], rings[k]) for other in rings
         if other != k and not (other > k and _holds(rings[k], rings[other])))]
-    return [k for k in outer if any(
-        other != k and _touch(rings[k], rings[other]) for other in outer)]
+
+    def separated(one: int, other: int) -> bool:
+        """Whether a side of one shape has all of the other outside."""
+        return bool((_depths(rings[one], rings[other]).max(axis=0) < -TOUCHING).any())
+
+    return [k for k in outer if any(other != k and not separated(k, other)
+                                    and not separated(other, k) for other in outer)]
 
 
 def bare_outlines(shapes: Sequence[Shape], error: float, *, turns: bool) -> list[Array]:
-    """What is drawn of shapes without a fill: lines [n, 2] m.
+    """Lines [n, 2] m of shapes without a fill: the outline of all of them together.
 
-    Their outlines without the parts that lie in others of them, but all of one that lies whole in
-    another; of circles that turn a radius, which shows it. ``error`` [m] is how far lines may be
-    from round ones.
+    A shape inside another one is drawn whole; circles that turn have a radius. ``error`` [m] is the
+    largest distance from round lines.
     """
     rings = [shape_outline(solid, 0.0, error) for shape in shapes for solid, _ in solids(shape)]
     rings = [ring if turned_area(ring) >= 0 else ring[::-1] for ring in rings]
@@ -159,17 +154,8 @@ def _holds(ring: Array, other: Array) -> bool:
     return bool((_depths(ring, other) >= -TOUCHING).all())
 
 
-def _touch(one: Array, other: Array) -> bool:
-    """Whether two convex outlines meet: no side of either has all of the other before it."""
-    return all(bool((_depths(a, b).max(axis=0) >= -TOUCHING).all())
-               for a, b in ((one, other), (other, one)))
-
-
 def arrow(tail: XY, tip: XY, shaft: float, head: float) -> list[XY]:
-    """The seven corners of an arrow: widths of its shaft and length of its head.
-
-    The head shrinks where the arrow is shorter than 1.6 heads.
-    """
+    """The corners of an arrow: widths of its shaft and length of its head, at most 0.62 of all."""
     dx, dy = tip[0] - tail[0], tip[1] - tail[1]
     length = math.hypot(dx, dy) or 1e-12
     ux, uy = dx / length, dy / length
@@ -202,10 +188,7 @@ def dashes(path: Sequence[XY], dash: float, gap: float) -> list[tuple[XY, XY]]:
 
 
 def ribbon(path: Sequence[XY], width: float) -> list[XY]:
-    """The outline of a line of even ``width`` along ``path``, mitred at its corners.
-
-    Mitres reach at most 1.5 widths; points that repeat are skipped.
-    """
+    """The outline of a line of constant ``width``; mitres reach at most 1.5 widths."""
     corners = path if len(path) == 2 else [
         p for k, p in enumerate(path) if not k or math.dist(p, path[k - 1]) > 1e-9]
     half = width / 2
@@ -230,21 +213,17 @@ def ribbon(path: Sequence[XY], width: float) -> list[XY]:
 
 
 def within(points: Sequence[XY], edges: Edges) -> bool:
-    """Whether all points are within the edges; NaN is not."""
+    """Whether all points, none of them NaN, are within the edges."""
     left, top, right, bottom = edges
     return all(left <= x <= right and top <= y <= bottom for x, y in points)
 
 
-def _held(points: Sequence[XY]) -> list[XY]:
-    """The points within :data:`FAR`; none if one of them is NaN."""
-    if any(math.isnan(x) or math.isnan(y) for x, y in points):
-        return []
-    return [(min(max(x, -FAR), FAR), min(max(y, -FAR), FAR)) for x, y in points]
-
-
 def cut_polygon(corners: Sequence[XY], edges: Edges) -> list[XY]:
-    """A polygon's corners within the edges (Sutherland and Hodgman)."""
-    found = _held(corners)
+    """A polygon's corners within the edges (Sutherland and Hodgman); none if one is NaN."""
+    found = [(min(max(x, -FAR), FAR), min(max(y, -FAR), FAR)) for x, y in corners
+             if not math.isnan(x + y)]
+    if len(found) < len(corners):
+        return []
     for axis, limit, sign in ((0, edges[0], 1), (1, edges[1], 1), (0, edges[2], -1),
                               (1, edges[3], -1)):
         before, found = found, []
@@ -261,37 +240,25 @@ def cut_polygon(corners: Sequence[XY], edges: Edges) -> list[XY]:
 
 
 def cut_line(start: XY, end: XY, edges: Edges) -> tuple[XY, XY] | None:
-    """The piece of a line within the edges (Liang and Barsky); None if there is none."""
-    ends = _held((start, end))
-    if not ends:
-        return None
-    (x, y), (dx, dy) = ends[0], (ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
-    first, last = 0.0, 1.0
-    for step, room in ((-dx, x - edges[0]), (-dy, y - edges[1]), (dx, edges[2] - x),
-                       (dy, edges[3] - y)):
-        if step < 0:
-            first = max(first, room / step)
-        elif step > 0:
-            last = min(last, room / step)
-        elif room < 0:
-            return None
-    return None if first > last else (
-        (x + first * dx, y + first * dy), (x + last * dx, y + last * dy))
+    """The piece of a line within the edges; None if there is none."""
+    found = cut_polygon((start, end), edges)
+    sx, sy = (math.copysign(1.0, b - a) for a, b in zip(start, end, strict=True))
+    found.sort(key=lambda at: sx * at[0] + sy * at[1])
+    return (found[0], found[-1]) if found else None
 
 
 def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
-    """What the edges show of a circle that is far larger, as a polygon: nothing, all or a piece.
+    """The visible part of a far larger circle as a polygon: nothing, all or a piece.
 
-    The arc is measured from its point nearest to the picture: differences of numbers as large as
-    the radius would have no digits left.
+    The arc is measured from its point nearest to the picture, which keeps digits.
     """
     left, top, right, bottom = edges
     reach = math.hypot(right - left, bottom - top) / 2
     middle = (left + right) / 2, (top + bottom) / 2
-    held, radius = _held([centre]), min(radius, FAR)
-    if not held or math.isnan(radius):
+    if math.isnan(centre[0] + centre[1] + radius):
         return []
-    x, y = middle[0] - held[0][0], middle[1] - held[0][1]
+    x, y = (m - min(max(v, -FAR), FAR) for m, v in zip(middle, centre, strict=True))
+    radius = min(radius, FAR)
     distance = math.hypot(x, y)
     if distance - radius > reach:
         return []

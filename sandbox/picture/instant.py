@@ -1,9 +1,9 @@
-"""A display list at one time, as areas, lines and discs in pixels: what every painter takes."""
+"""A display list at one time: poses, columns and points in pixels, as painters take them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -25,24 +25,19 @@ from sandbox.picture.geometry import (
     within,
 )
 from sandbox.picture.listing import Item, Listing
-from sandbox.picture.moment import Moment
-from sandbox.picture.palette import Colour, Painter
-from sandbox.picture.scales import written
+from sandbox.picture.palette import Colour, Ink, Painter, from_css
 
 Plan = Callable[[Painter], None]
-REACH = {"mark": 20.0, "span": 13.0, "taut": 6.0}
-"""How far beside their points items of a kind reach, 7 points for others."""
-ROUND = 0.15
-"""Angle between corners of arcs, at most [rad]."""
-DETAILS = frozenset(("dot", "eye"))
-"""Glyphs that small pictures leave out; they have no hatching, either."""
-FINEST, MARKS_APART, MOST_PIECES = 3.0, 9.0, 5000
-"""Least length of the pieces of a trail, and least distance of its marks [points]; pieces at most:
-the latest ones."""
+REACH = {"mark": 20.0, "span": 13.0, "taut": 6.0}  # beside points, else 7 [points]
+ROUND = 0.15  # largest angle between corners of arcs [rad]
+STEPS = 1e3  # steps of a number, from 0 to its maximum, that look different
+PITCH = 7.0  # of hatching [points]
+DETAILS = frozenset(("dot", "eye"))  # glyphs that small pictures leave out, as hatching
+FINEST, MARKS_APART, MAX_PIECES = 3.0, 9.0, 5000  # trails: pieces, marks [points]; number
 
 
 class Label(NamedTuple):
-    """A text of an instant: what it says, its point and where it stands."""
+    """A text of an instant: its words, its point and its side."""
 
     item: Item
     key: int
@@ -50,39 +45,86 @@ class Label(NamedTuple):
     point: XY
     away: XY
     ink: Colour
-    side: int
-    """-1 where it has no place."""
+    side: int  # -1 without a place
     clear: float
 
 
-class Instant(Moment):
-    """What to paint of a display list: for each item a function of the painter."""
+class Instant:
+    """A display list for one camera: for each item a function that paints it.
+
+    Args:
+        out: the list.
+        camera: world to pixels of the painted picture, at the first sample if it follows a body.
+        point: pixels per point.
+        edges: limits of coordinates for painters: left, top, right, bottom [pixels].
+        factor: finished pixels per pixel.
+        small: leave details out, as in small pictures.
+    """
 
     def __init__(self, out: Listing, camera: Camera, point: float, edges: Edges, *,
                  factor: float = 1.0, small: bool = False) -> None:
-        """See :class:`Moment`."""
-        super().__init__(out, camera, point, edges, factor=factor, small=small)
+        self.out, self.still_camera, self.camera, self.point = out, camera, camera, point
+        self.scale, self.edges, self.small, self.factor = camera.scale, edges, small, factor
+        self.thin, self.hatch = (0.75, 0.0) if small else (1.0, PITCH * point)
+        self._columns = np.array(out.columns).reshape(-1, len(out.time)).T
+        self._steady = np.isin(np.arange(len(out.columns)), out.steady)
+        self._first = {name: np.searchsorted(rows[:, 0], np.arange(len(out.time) + 1))
+                       for name, rows in out.tables.items()}
+        self._maxima = {name: _maxima(rows) for name, rows in out.tables.items() if len(rows)}
+        self._sizes = _maxima(self._columns)
+        self._inks = {token: from_css(pair[0]) for token, pair in out.inks.items()}
+        self._ramps = {name: [[from_css(c) for c in side] for side in sides]
+                       for name, sides in out.ramps.items()}
+        self._moves = np.ptp(np.nan_to_num(out.pose), axis=0).any(axis=1)
+        self.px: Any = np.zeros((0, 2))  # all points [pixels]
+        self.points: list[XY] = []  # the same, made when they are painted
+        self.wild = False  # whether a point is far outside of the picture, or not finite
+        self.touched: list[Sequence[float]] = []  # boxes of items without frames [pixels]
+        self.outlines: list[slice] = []  # points along each item, where labels hide something
+        self.fills: list[slice] = []  # corners of filled areas, a ring each
+        self.marks: list[tuple[int, Array]] = []
+        """The point of each glyph, and its box about that [pixels]: left, top and right, bottom."""
         self.texts: list[tuple[Item, int]] = []
-        self.still_plans: list[Plan] = []
-        self.plans: list[Plan] = []
+        self._still: list[Plan] = []
+        self._plans: list[Plan] = []
+        self._extents: list[tuple[int, float]] = []
+        """First point of each moving item, and how far it reaches beside its points [points]."""
+        self._pooled: list[tuple[int, Array, XY]] = []  # frame, points and offset
+        self._count = 0
         for item in out.items:
             self._plan(item)
-        self._join()
+        sizes = [len(points) for _, points, _ in self._pooled]
+        self._frame = np.repeat([frame for frame, _, _ in self._pooled] or [0], sizes or [0])
+        self._local = np.concatenate([np.zeros((0, 2)), *(each for _, each, _ in self._pooled)])
+        offsets = np.array([at for *_, at in self._pooled]).reshape(-1, 2)
+        self._offset = np.repeat(offsets, sizes, axis=0) if offsets.any() else None
+
+    def _pool(self, frame: int, points: Any, offset: XY = (0.0, 0.0)) -> slice:
+        """Add points of a frame; their places in ``points``."""
+        points = np.asarray(points, dtype=float).reshape(-1, 2)
+        self._pooled.append((frame, points, offset))
+        self._count += len(points)
+        return slice(self._count - len(points), self._count)
+
+    def _place(self, point: Sequence[Any]) -> int:
+        offset = (point[3], point[4]) if len(point) > 3 else (0.0, 0.0)
+        return int(self._pool(point[0], [point[1:3]], offset).start)
 
     def _plan(self, item: Item) -> None:
-        first = self._count
-        plan: Plan | None = getattr(self, f"_{item['k']}")(item)
-        if plan is None:
+        first, kind = self._count, item["k"]
+        made: Any = getattr(self, f"_{kind}")(item)
+        if made is None:
             return
+        plan: Plan = self._stroke(item, made) if kind in STROKES else made
         if self._count > first:
             self.outlines.append(slice(first, self._count))
-        if not self.plans and self._stays(item):
-            self.still_plans.append(plan)
+        if not self._plans and self._stays(item):
+            self._still.append(plan)
             return
-        self.plans.append(self._where(item["if"], plan) if "if" in item else plan)
+        self._plans.append(self._where(item["if"], plan) if "if" in item else plan)
         if self._count > first:
-            self._extents.append((first, max(item["r"]) + 14 if item["k"] == "spiral"
-                                  else REACH.get(item["k"], 7.0)))
+            self._extents.append((first, max(item["r"]) + 14 if kind == "spiral"
+                                  else REACH.get(kind, 7.0)))
 
     def _where(self, shown: Any, plan: Plan) -> Plan:
         def paint(painter: Painter) -> None:
@@ -101,24 +143,105 @@ class Instant(Moment):
         return not (any(isinstance(number, list) for number in numbers)
                     or any(self._moves[frame] for frame in frames))
 
-    def paint(self, painter: Painter) -> None:
-        """Paint what moves."""
-        self._list_points()
-        self.touched.clear()
-        for plan in self.plans:
-            plan(painter)
+    def go_to(self, t: float) -> None:
+        """Set the time [s]: interpolate poses and columns, and project all points."""
+        time, out = self.out.time, self.out
+        j = int(np.clip(np.searchsorted(time, t), 0, len(time) - 1))
+        i = max(j - 1, 0) if t < time[j] else j
+        w = float((t - time[i]) / (time[j] - time[i])) if i < j else 0.0
 
-    def paint_still(self, painter: Painter) -> None:
-        """Paint what stays, behind all else."""
-        self._list_points()
-        for plan in self.still_plans:
+        def between(rows: Array) -> Array:
+            return np.asarray(rows[i] if i == j else (1 - w) * rows[i] + w * rows[j])
+
+        self.time, self.sample = t, j if w > 0.5 else i
+        self.values = np.where(self._steady, self._columns[self.sample],
+                               between(self._columns)).tolist()
+        (px, py), (cx, cy) = self.still_camera.pixel, self.still_camera.centre
+        if out.drift is not None:
+            dx, dy = between(out.drift).tolist()
+            cx, cy = cx + dx, cy + dy
+            self.camera = self.still_camera._replace(centre=(cx, cy))
+        p = between(out.pose)[self._frame]
+        c, s = np.cos(p[:, 2]), np.sin(p[:, 2])
+        x, y = self._local.T
+        self.px = np.empty((len(p), 2))
+        self.px[:, 0] = px + self.scale * (p[:, 0] + c * x - s * y - cx)
+        self.px[:, 1] = py - self.scale * (p[:, 1] + s * x + c * y - cy)
+        if self._offset is not None:
+            self.px += self._offset * (self.point, -self.point)
+        self.points = []  # frames that look equal need none
+        left, top, right, bottom = self.edges
+        self.wild = bool(len(self.px)) and not (
+            self.px.min() >= min(left, top) and self.px[:, 0].max() <= right
+            and self.px[:, 1].max() <= bottom)
+
+    def key(self) -> bytes:
+        """Equal for times that look the same."""
+        parts = [np.clip(np.nan_to_num(np.rint(self.px), nan=-9e8), -1e9, 1e9).astype(
+            np.int32).tobytes(), np.round(np.array(self.values) / self._sizes * STEPS).tobytes()]
+        for name, maxima in self._maxima.items():
+            rows = self.rows({"t": name})
+            parts.append(np.round(np.nan_to_num(rows / maxima)[:, 1:] * STEPS).tobytes())
+        if any(item["k"] == "trail" for item in self.out.items):
+            parts.append(str(self.sample).encode())
+        return b"".join(parts)
+
+    def boxes(self) -> Array:
+        """Left, top, right and bottom of all that moves, [k, 4] pixels."""
+        boxes = np.array(self.touched).reshape(-1, 4)
+        reach = np.full(len(boxes), 10.0)
+        if self._extents:
+            starts, beside = zip(*self._extents, strict=True)
+            px = np.nan_to_num(self.px, nan=-1e6, posinf=1e6, neginf=-1e6)
+            low, high = (each.reduceat(px, starts, axis=0) for each in (np.minimum, np.maximum))
+            boxes = np.concatenate([np.hstack((low, high)), boxes])
+            reach = np.concatenate([beside, reach])
+        return np.asarray(boxes + self.point * reach[:, None] * (-1.0, -1.0, 1.0, 1.0))
+
+    def _touch(self, *points: Any) -> None:
+        """Note the box of points [pixels] that belong to no frame."""
+        x, y = np.asarray(points, dtype=float).reshape(-1, 2).T
+        self.touched.append((x.min(), y.min(), x.max(), y.max()))
+
+    def value(self, number: Any) -> float:
+        """A number, or a column's value."""
+        return float(self.values[number[0]]) if isinstance(number, list) else float(number)
+
+    def ink(self, token: str, by: float = 0.0) -> Ink:
+        """The colour of a token; ``by`` is the place on a ramp."""
+        if token[:1] == "@":
+            ramp = self._ramps[token[1:]][by >= 0]
+            return ramp[min(len(ramp) - 1, int(abs(by) * (len(ramp) - 1) + 0.5))]
+        return self._inks.get(token)
+
+    def look(self, item: Item) -> tuple[Ink, Ink, float, float, float]:
+        """Fill, edge, width, dash and pitch of hatching [pixels] of an item now."""
+        number = item["s"]
+        if isinstance(number, list):
+            number = number[min(len(number) - 1, max(0, round(self.value(item["state"]))))]
+        fill, edge, width, dash, hatched = self.out.styles[number]
+        by, wide = self.value(item.get("by", 0.0)), self.value(item.get("wide", 1.0))
+        return (self.ink(fill, by), self.ink(edge, by), width * wide * self.point * self.thin,
+                dash * self.point, self.hatch if hatched else 0.0)
+
+    def rows(self, item: Item) -> Array:
+        """The rows of an item's table in this sample."""
+        first = self._first[item["t"]]
+        return self.out.tables[item["t"]][first[self.sample]:first[self.sample + 1]]
+
+    def paint(self, painter: Painter, *, still: bool = False) -> None:
+        """Paint moving items, or the ``still`` ones, which lie behind all others."""
+        self.points = self.points or self.px.tolist()
+        if not still:
+            self.touched.clear()
+        for plan in self._still if still else self._plans:
             plan(painter)
 
     def _path(self, item: Item) -> Plan:
         if len(item["d"]) == 1 and isinstance(item["d"][0], dict):
             x0, y0, x1, y1, radius = item["d"][0]["c"]
             if (x0, y0) == (x1, y1):
-                return self._circle(item, self._place([item["f"], x0, y0]), radius)
+                return self._circle(item, (x0, y0), radius)
         union, width = bool(item.get("m")), self.out.styles[item["s"]][2]
         half = width / 2 * self.point * self.thin / self.scale
         rings = []
@@ -145,16 +268,16 @@ class Instant(Moment):
     def _cut(self, corners: Sequence[XY]) -> Sequence[XY]:
         return corners if within(corners, self.edges) else cut_polygon(corners, self.edges)
 
-    def _circle(self, item: Item, at: int, radius: Any) -> Plan:
-        if not isinstance(radius, list):  # its box
-            x, y = item["d"][0]["c"][:2]
-            self.fills.append(self._pool(item["f"], _square(x, y, radius)))
+    def _circle(self, item: Item, centre: XY, radius: Any) -> Plan:
+        at = self._place([item["f"], *centre])
+        if not isinstance(radius, list):
+            self.fills.append(self._pool(item["f"], _square(*centre, radius)))
 
         def paint(painter: Painter) -> None:
             fill, edge, width, _, hatch = self.look(item)
             size, (x, y) = self.value(radius) * self.scale, self.points[at]
             if isinstance(radius, list):
-                self.touch(*_square(x, y, size))
+                self._touch(*_square(x, y, size))
             left, top, right, bottom = self.edges
             if size < 4 * math.hypot(right - left, bottom - top):
                 if math.isfinite(x + y) and (left - size <= x <= right + size
@@ -165,33 +288,22 @@ class Instant(Moment):
         return paint
 
     def _rings(self, subpaths: Sequence[Any]) -> Iterator[Array]:
-        """Corners of closed subpaths, without those that repeat."""
+        """Corners of closed subpaths, without repeated ones."""
         error = 0.3 / self.scale
         for one in subpaths:
-            ring = np.array([] if isinstance(one, dict) else one).reshape(-1, 2)
             if isinstance(one, dict):
                 x0, y0, x1, y1, r = one["c"]
                 steps = min(400, arc_steps(max(r, 2 * error), error, 6))
                 ring = capsule_outline((x0, y0), (x1, y1), r, steps)
+            else:
+                ring = np.array(one).reshape(-1, 2)
             apart = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T) > 0
             if apart.sum() > 2:
                 yield ring[apart]
 
-    def _line(self, item: Item) -> Plan:
-        at = [self._place(point) for point in item["p"]]
-
-        def paint(painter: Painter) -> None:
-            self._stroke(painter, [self.points[i] for i in at], item)
-        return paint
-
-    def _stroke(self, painter: Painter, path: Sequence[XY], item: Item) -> None:
-        """Connected lines in an item's style."""
-        _, edge, width, dash, _ = self.look(item)
-        self._draw_line(painter, path, edge, width, dash)
-
-    def _draw_line(self, painter: Painter, path: Sequence[XY], ink: Colour | None, width: float,
+    def _draw_line(self, painter: Painter, path: Sequence[XY], ink: Ink, width: float,
                    dash: float = 0.0) -> None:
-        """Connected lines, cut if they are far outside, in dashes if asked for."""
+        """Connected lines, cut where they are far outside."""
         if ink is None or len(path) < 2:
             return
         pieces: list[Sequence[XY]] = [path]
@@ -200,6 +312,96 @@ class Instant(Moment):
         for one in pieces:
             for part in dashes(one, dash, 0.8 * dash) if dash else (one,):
                 painter.line(part, ink, width)
+
+    def _stroke(self, item: Item, paths: Callable[[], Iterable[Sequence[XY]]]) -> Plan:
+        """Paint lines in the style of an item."""
+        def paint(painter: Painter) -> None:
+            _, edge, width, dash, _ = self.look(item)
+            for path in paths():
+                self._draw_line(painter, path, edge, width, dash)
+        return paint
+
+    def _line(self, item: Item) -> Callable[[], Any]:
+        at = [self._place(point) for point in item["p"]]
+        return lambda: [[self.points[i] for i in at]]
+
+    def _sag(self, item: Item) -> Callable[[], Any]:
+        a, b, share = self._place(item["a"]), self._place(item["b"]), np.linspace(0, 1, 13)
+
+        def paths() -> Iterator[Any]:
+            path = self.px[a] + share[:, None] * (self.px[b] - self.px[a])
+            path[:, 1] += 4 * self.value(item["depth"]) * self.scale * share * (1 - share)
+            self._touch(*path)
+            yield path.tolist()
+        return paths
+
+    def _taut(self, item: Item) -> Callable[[], Any]:
+        at = [self._place(point) for point in item["p"]]
+        for frame, x, y, r, *_ in item["p"]:
+            if r:
+                self._pool(frame, _square(x, y, r))
+
+        def paths() -> Iterator[Any]:
+            path: list[XY] = []
+            for i, (_, _, _, r, _, *turn) in zip(at, item["p"], strict=True):
+                x, y = self.points[i]
+                if not turn:
+                    path.append((x, y))
+                    continue
+                meets, leaves = self.value(turn[0]), self.value(turn[1])
+                if math.isfinite(meets + leaves):
+                    size = r * self.scale
+                    count = max(1, math.ceil(abs(leaves - meets) / ROUND)) if size else 0
+                    for k in range(count + 1):
+                        angle = meets + (leaves - meets) * k / max(count, 1)
+                        path.append((x + size * math.cos(angle), y - size * math.sin(angle)))
+            yield [*path, path[0]] if item.get("c") else path
+        return paths
+
+    def _span(self, item: Item) -> Callable[[], Any]:
+        a, b = self._place(item["a"]), self._place(item["b"])
+        pattern = np.array(item["t"], dtype=float).reshape(-1, 2)
+
+        def paths() -> Iterator[Any]:
+            piece: tuple[XY, XY] | None = (self.points[a], self.points[b])
+            if self.wild and not within((self.points[a], self.points[b]), self.edges):
+                piece = cut_line(self.points[a], self.points[b], self.edges)
+            if piece is None:
+                return
+            start, way = np.array(piece[0]), np.array(piece[1]) - np.array(piece[0])
+            length = max(math.hypot(*way), 1e-9)
+            along, side = way / length, np.array((way[1], -way[0])) / length  # side: left, y up
+            if "every" in item:
+                step = item["every"] * self.point
+                stroke = self.point * (pattern[:, :1] * along + pattern[:, 1:] * side)
+                for k in range(1, math.ceil(length / step)):
+                    yield (start + k * step * along + stroke).tolist()
+                return
+            share, low, high = item["w"]
+            half = min(max(share * length, low * self.point), high * self.point)
+            yield (start + pattern[:, :1] * way + half * pattern[:, 1:] * side).tolist()
+        return paths
+
+    def _spiral(self, item: Item) -> Plan:
+        at, share = self._place(item["at"]), np.linspace(0, 1, 30)
+        radius = item["r"][0] + (item["r"][1] - item["r"][0]) * share
+
+        def paint(painter: Painter) -> None:
+            _, edge, width, _, _ = self.look(item)
+            if edge is None or not within([self.points[at]], self.edges):
+                return
+            sweep = self.value(item["sweep"])
+            angle = self.value(item["start"]) + sweep * share
+            path: list[XY] = (self.px[at] + self.point * radius[:, None] * np.column_stack(
+                (np.cos(angle), -np.sin(angle)))).tolist()
+            keep, head = len(path), item.get("head", 0.0) * self.point
+            if head:
+                back = min(0.8 * abs(sweep), head / (radius[-1] * self.point))
+                keep = max(2, round(len(path) * (1 - back / max(abs(sweep), 1e-9))))
+            self._draw_line(painter, path[:keep], edge, width)
+            if head:
+                painter.simple(arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
+        return paint
 
     def _mark(self, item: Item) -> Plan | None:
         names = item["g"] if isinstance(item["g"], list) else [item["g"]]
@@ -211,7 +413,7 @@ class Instant(Moment):
         self.marks.append((at, np.array([ends.min(axis=0), ends.max(axis=0)])))
 
         def paint(painter: Painter) -> None:
-            state = round(self.value(item["state"])) if "state" in item else 0
+            state = round(self.value(item.get("state", 0.0)))
             if not self.wild or within([self.points[at]], self.edges):
                 self.stamp(painter, made[min(len(made) - 1, max(0, state))], self.points[at],
                            self.value(item.get("turn", 0.0)))
@@ -246,86 +448,19 @@ class Instant(Moment):
             else:
                 self._draw_line(painter, here, edge, width, dash)
 
-    def _span(self, item: Item) -> Plan:
-        a, b = self._place(item["a"]), self._place(item["b"])
-        pattern = np.array(item["t"], dtype=float).reshape(-1, 2)
-
-        def paint(painter: Painter) -> None:
-            piece: tuple[XY, XY] | None = (self.points[a], self.points[b])
-            if self.wild and not within((self.points[a], self.points[b]), self.edges):
-                piece = cut_line(self.points[a], self.points[b], self.edges)
-            if piece is None:
-                return
-            start, way = np.array(piece[0]), np.array(piece[1]) - np.array(piece[0])
-            length = max(math.hypot(*way), 1e-9)
-            along, side = way / length, np.array((way[1], -way[0])) / length  # side: left, y up
-            if "every" in item:
-                step = item["every"] * self.point
-                stroke = self.point * (pattern[:, :1] * along + pattern[:, 1:] * side)
-                _, edge, width, _, _ = self.look(item)
-                for k in range(1, math.ceil(length / step)):
-                    self._draw_line(painter, (start + k * step * along + stroke).tolist(), edge,
-                                    width)
-                return
-            share, low, high = item["w"]
-            half = min(max(share * length, low * self.point), high * self.point)
-            path = start + pattern[:, :1] * way + half * pattern[:, 1:] * side
-            self._stroke(painter, path.tolist(), item)
-        return paint
-
-    def _spiral(self, item: Item) -> Plan:
-        at, share = self._place(item["at"]), np.linspace(0, 1, 30)
-        radius = item["r"][0] + (item["r"][1] - item["r"][0]) * share
-
-        def paint(painter: Painter) -> None:
-            _, edge, width, _, _ = self.look(item)
-            if edge is None or not within([self.points[at]], self.edges):
-                return
-            sweep = self.value(item["sweep"])
-            angle = self.value(item["start"]) + sweep * share
-            path: list[XY] = (self.px[at] + self.point * radius[:, None] * np.column_stack(
-                (np.cos(angle), -np.sin(angle)))).tolist()
-            keep, head = len(path), item.get("head", 0.0) * self.point
-            if head:
-                back = min(0.8 * abs(sweep), head / (radius[-1] * self.point))
-                keep = max(2, round(len(path) * (1 - back / max(abs(sweep), 1e-9))))
-            self._draw_line(painter, path[:keep], edge, width)
-            if head:
-                painter.simple(arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
-        return paint
-
-    def _taut(self, item: Item) -> Plan:
-        at = [self._place(point) for point in item["p"]]
-        for frame, x, y, r, *_ in item["p"]:  # boxes of the wheels
-            if not isinstance(r, list) and r:
-                self._pool(frame, _square(x, y, r))
-
-        def paint(painter: Painter) -> None:
-            path: list[XY] = []
-            for i, (_, _, _, r, _, *turn) in zip(at, item["p"], strict=True):
-                x, y = self.points[i]
-                if not turn:
-                    path.append((x, y))
-                    continue
-                meets, leaves = self.value(turn[0]), self.value(turn[1])
-                if math.isfinite(meets + leaves):
-                    size = self.value(r) * self.scale
-                    count = max(1, math.ceil(abs(leaves - meets) / ROUND)) if size else 0
-                    for k in range(count + 1):
-                        angle = meets + (leaves - meets) * k / max(count, 1)
-                        path.append((x + size * math.cos(angle), y - size * math.sin(angle)))
-            self._stroke(painter, [*path, path[0]] if item.get("c") else path, item)
-        return paint
-
-    def _sag(self, item: Item) -> Plan:
-        a, b, share = self._place(item["a"]), self._place(item["b"]), np.linspace(0, 1, 13)
-
-        def paint(painter: Painter) -> None:
-            path = self.px[a] + share[:, None] * (self.px[b] - self.px[a])
-            path[:, 1] += 4 * self.value(item["depth"]) * self.scale * share * (1 - share)
-            self.touch(*path)
-            self._stroke(painter, path.tolist(), item)
-        return paint
+    def arrows(self, item: Item) -> tuple[Array, Array, Array, Array]:
+        """Rows with a visible arrow, tails and tips [k, 2] pixels, sizes; small ones first."""
+        rows = self.rows(item)
+        size = np.hypot(rows[:, 4], rows[:, 5])
+        cut = np.minimum(1.0, item["most"] / np.maximum(size, 1e-30)) * item["metres"]
+        tails = self.camera.to_pixels(rows[:, 2:4])
+        way = rows[:, 4:6] * cut[:, None] * (self.scale, -self.scale)
+        left, top, right, bottom = self.edges
+        x, y = tails.T
+        there = (np.isfinite(way).all(axis=1) & (x > left) & (x < right) & (y > top)
+                 & (y < bottom) & (np.hypot(*way.T) >= item["least"] * self.point))
+        order = np.flatnonzero(there)[np.argsort(size[there], kind="stable")]
+        return rows[order], tails[order], (tails + way)[order], size[order]
 
     def _arrows(self, item: Item) -> Plan:
         shaft, head = item["size"]
@@ -334,35 +469,29 @@ class Instant(Moment):
             fill, rim, width, _, _ = self.look(item)
             _, tails, tips, sizes = self.arrows(item)
             u = self.point * (0.8 if self.small else 1.0)
+            self.touched += np.hstack((np.minimum(tails, tips), np.maximum(tails, tips))).tolist()
             for a, b, size in zip(tails.tolist(), tips.tolist(), sizes.tolist(), strict=True):
-                self.touched.append((min(a[0], b[0]), min(a[1], b[1]), max(a[0], b[0]),
-                                     max(a[1], b[1])))
                 for ink, more in ((rim, width), (fill, 0.0)):
                     corners = self._cut(arrow(a, b, shaft * u + more, head * u + more / 2))
                     if ink is not None and len(corners) > 2:
                         painter.simple(corners, ink, None, 0)
-                if size > item["most"] and rim is not None:
-                    self._cut_bars(painter, a, b, (shaft + 6.5) / 2 * u, rim)
+                if size <= item["most"] or rim is None:
+                    continue
+                along = np.subtract(b, a) / (math.dist(a, b) or 1.0)  # two slanted bars across it
+                bar = (shaft + 6.5) / 2 * u * along[::-1] * (1, -1) - 2 * self.point * along
+                for share in (0.40, 0.50):
+                    middle = a + share * np.subtract(b, a)
+                    if within([middle], self.edges):
+                        painter.line([(middle + bar).tolist(), (middle - bar).tolist()], rim,
+                                     1.8 * self.point)
         return paint
-
-    def _cut_bars(self, painter: Painter, tail: XY, tip: XY, half: float, ink: Colour) -> None:
-        """Two slanted bars across an arrow that would be longer."""
-        length = math.dist(tail, tip) or 1.0
-        ux, uy = (tip[0] - tail[0]) / length, (tip[1] - tail[1]) / length
-        lean = 2 * self.point
-        for share in (0.40, 0.50):
-            x, y = (a + share * (b - a) for a, b in zip(tail, tip, strict=True))
-            if within([(x, y)], self.edges):
-                painter.line([(x + uy * half - ux * lean, y - ux * half - uy * lean),
-                              (x - uy * half + ux * lean, y + ux * half + uy * lean)], ink,
-                             1.8 * self.point)
 
     def _strips(self, item: Item) -> Plan:
         def paint(painter: Painter) -> None:
             fill, edge, width, _, _ = self.look(item)
             for corners in self.camera.to_pixels(self.rows(item)[:, 2:10].reshape(-1, 4, 2)):
                 if within(corners.tolist(), self.edges):
-                    self.touch(*corners)
+                    self._touch(*corners)
                     painter.simple(corners.tolist(), fill, edge, width)
         return paint
 
@@ -379,11 +508,11 @@ class Instant(Moment):
         def paint(painter: Painter) -> None:
             fill, edge, width, _, _ = self.look(item)
             width = max(width, 1.5 / self.factor)
-            passed = kept[:int(np.searchsorted(kept, self.sample, side="right"))][-MOST_PIECES:]
+            passed = kept[:int(np.searchsorted(kept, self.sample, side="right"))][-MAX_PIECES:]
             path: list[XY] = [*self.camera.to_pixels(way[passed]).tolist(), self.points[at]]
             self._draw_line(painter, path, edge, width)
             for k in range(0, len(path) - 1, 8):
-                self.touch(*path[k:k + 9])
+                self._touch(*path[k:k + 9])
             marks = self.camera.to_pixels(spots[times <= self.time * (1 + 1e-9)]).tolist()
             for centre, radius in (*((mark, item["mark"] * self.point) for mark in marks),
                                    (self.points[at], 1.5 * width)):
@@ -395,26 +524,24 @@ class Instant(Moment):
         self.texts.append((item, self._place(item["at"])))
 
     def labels(self) -> Iterator[Label]:
-        """All texts and values of this instant, also those that have no place."""
-        self._list_points()
+        """All texts and values of this instant, also those without a place."""
+        self.points = self.points or self.px.tolist()
         for item, at in self.texts:
-            if ("if" in item and self.value(item["if"]) <= 0.5) or "edge" in item:
-                continue
-            place = [item["side"], item["show"]] if "side" in item else None
-            yield self._label(item, 0, item["words"], self.value(item.get("value", 0.0)),
-                              self.points[at], (0.0, 0.0), place)
+            if ("if" not in item or self.value(item["if"]) > 0.5) and "edge" not in item:
+                place = [item["side"], item["show"]] if "side" in item else None
+                yield self._label(item, 0, item["words"], self.value(item.get("value", 0.0)),
+                                  self.points[at], (0.0, 0.0), place)
         for item in self.out.items:
             places, names = item.get("labels", {}), item.get("names") or {}
             if item["k"] == "arrows":
                 rows, tails, tips, sizes = self.arrows(item)
                 values = rows[:, 6] if rows.shape[1] > 6 else sizes
-                for key, tail, tip, size, value in zip(
-                        rows[:, 1].astype(int).tolist(), tails.tolist(), tips.tolist(), sizes,
-                        values.tolist(), strict=True):
+                for key, (x, y), away, size, value in zip(
+                        rows[:, 1].astype(int).tolist(), tips.tolist(), (tips - tails).tolist(),
+                        sizes, values.tolist(), strict=True):
                     if size >= 0.5 * item.get("told", 0.0):
-                        away = (tip[0] - tail[0], tip[1] - tail[1])
-                        yield self._label(item, key, names.get(key, ""), value, tip, away,
-                                          places.get(key))
+                        yield self._label(item, key, names.get(key, ""), value, (x, y),
+                                          (away[0], away[1]), places.get(key))
             elif item["k"] == "strips":
                 for row in self.rows(item):
                     if row[10] >= item["least"]:
@@ -428,12 +555,20 @@ class Instant(Moment):
     def _label(self, item: Item, key: int, words: str, value: float, point: XY, away: XY,
                place: Any) -> Label:
         if "factor" in item:
-            number = f"{written(value, item['factor'], item['decimals'])} {item['unit']}"
-            words = f"{words} {number}".strip()
+            number = f"{item['factor'] * value:z.{item['decimals']}f}"
+            words = f"{words} {number} {item['unit']}".strip()
         fill, edge, *_ = self.look(item)
         ink = (edge if item["k"] == "text" else fill) or (0, 0, 0)
         side = int(place[0]) if place is not None and self.value(place[1]) > 0.5 else -1
         return Label(item, key, words, point, away, ink, side, item.get("clear", 0.0))
+
+
+STROKES = frozenset(("line", "sag", "span", "taut"))  # kinds of items that are lines
+
+
+def _maxima(rows: Array) -> Array:
+    """The largest size in each column, above 0."""
+    return np.asarray(np.maximum(np.abs(np.nan_to_num(rows)).max(axis=0, initial=0.0), 1e-300))
 
 
 def _apart(points: Array, least: float) -> Any:

@@ -1,7 +1,7 @@
-"""Where numbers and names stand, decided once for a film: each keeps its side, none flickers.
+"""Places of numbers and names, chosen once for a film so that they do not jump or flicker.
 
 A label has one of 16 sides of its point (:data:`SIDES`) for the whole film: the one that covers
-least ink and no other label. It comes and goes no more often than every :data:`HOLD` seconds.
+the least ink and no other label. It stays or is away for at least :data:`HOLD` seconds.
 """
 
 from __future__ import annotations
@@ -11,26 +11,18 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.picture.geometry import XY, within
+from sandbox.picture.geometry import XY
 from sandbox.picture.instant import Instant, Label
 from sandbox.picture.listing import SIDES
-from sandbox.picture.palette import Painter
 
-LOOKED = 48
-"""Samples that are looked at."""
-HOLD = 0.35
-"""Least time that a label stays or is away [s of the film]."""
-CELL = 5
-"""Side of the cells that have ink or not [pixels of the finished picture]."""
+LOOKED = 48  # samples that are looked at
+HOLD = 0.35  # minimum time that a label is visible or hidden [s of the film]
+CELL = 5  # side of the cells that have ink or not [pixels of the finished picture]
 TURNED, OFF, COVERED, FILLED, CROSSED, OUTSIDE = 0.02, 0.5, 0.12, 0.02, 2.0, 4.0
-"""Costs of a sample: by the angle to the arrow, for standing off, for each cell with ink and each
-cell of a filled area, for each label that is covered, and for a place outside of the stage."""
-MOST, FEW, SMALL = 24, 6, 500
-"""Numbers in a picture, in one narrower than so many pixels."""
-PATIENCE = 0.25
-"""Share of its samples in which a label has to find room, or it is left out."""
-FAR = 20
-"""Areas that reach farther than so many pictures are not counted."""
+"""Costs per sample: angle to the arrow, standing off, cell of ink, filled cell, label, outside."""
+MOST, FEW, SMALL = 24, 6, 500  # numbers in a picture, in one narrower than so many pixels
+PATIENCE = 0.25  # share of its samples in which a label has to find room, or it is left out
+FAR = 20  # areas that reach farther than so many pictures are not counted
 Half = Callable[[str], tuple[float, float]]
 
 
@@ -42,11 +34,6 @@ class _Seen:
         self.number = "value" in label.item or label.item["k"] != "text"
         self.rows = np.full((samples, 4), np.nan)
         """Point x, y, away x, y [samples, 4] pixels of the finished picture; NaN where absent."""
-
-    @property
-    def order(self) -> tuple[float, float]:
-        """Those with less are placed first."""
-        return float(self.label.item.get("rank", 1)), -self.size
 
 
 def place_labels(instant: Instant, half: Half, stage: Sequence[float], factor: float, *,
@@ -68,7 +55,7 @@ def place_labels(instant: Instant, half: Half, stage: Sequence[float], factor: f
     seen, covered = _look(instant, some, stage, factor)
     point, placed = instant.point * factor, np.full((0, len(some), 4), np.nan)
     numbers, most = 0, FEW if width < SMALL else MOST
-    for one in sorted(seen, key=lambda one: one.order):
+    for one in sorted(seen, key=lambda one: (one.label.item.get("rank", 1), -one.size)):
         if one.number and numbers >= most:
             continue
         box = half(one.words)
@@ -99,12 +86,13 @@ def _look(instant: Instant, some: Integers, stage: Sequence[float],
           factor: float) -> tuple[list[_Seen], Array]:
     """Each label in each sample, and sums of the costs of cells."""
     seen: dict[tuple[int, int], _Seen] = {}
+    time = instant.out.time
     width, height = (int(v) // CELL + 2 for v in stage[2:4])
     covered = np.zeros((len(some), height + 1, width + 1))
     first = np.concatenate([np.zeros(0, int), *(
         np.arange(pool.start, pool.stop - 1) for pool in instant.outlines)]).astype(int)
     for row, sample in enumerate(some.tolist()):
-        instant.go_to_sample(sample)
+        instant.go_to(float(time[sample]))
         starts, ends = [instant.px[first]], [instant.px[first + 1]]
         for label in instant.labels():
             one = seen.setdefault((id(label.item), label.key), _Seen(label, len(some)))
@@ -181,10 +169,7 @@ def _meet(a: Array, b: Array) -> Flags:
 
 
 def steady(there: Flags, time: Array, least: float) -> Flags:
-    """The flags without gaps, then without stays, that are shorter than ``least`` [s].
-
-    Those at the beginning and at the end are kept.
-    """
+    """The flags without inner gaps, then without inner stays, shorter than ``least`` [s]."""
     found = there.copy()
     for wanted in (False, True):
         edges = np.flatnonzero(np.diff(found.astype(int), prepend=-1, append=-1))
@@ -200,16 +185,3 @@ def offset(side: int, half: tuple[float, float], clear: float, point: float) -> 
     reach = (3 + far) * point + clear
     return dx * (half[0] + reach), -dy * (half[1] + reach)
 
-
-def paint_labels(instant: Instant, painter: Painter, type_size: int, half: Half) -> None:
-    """Write the labels that have a place."""
-    point = instant.point * instant.factor
-    for label in instant.labels():
-        if label.side < 0 or not within([label.point], instant.edges):
-            continue
-        x, y = label.point[0] * instant.factor, label.point[1] * instant.factor
-        dx, dy = offset(label.side, half(label.words), label.clear * point, point)
-        ux, uy, far = SIDES[label.side]
-        reach = (far + 2) * point + label.clear * point
-        leader = [(x + ux * away, y - uy * away) for away in (2 * point, reach)] if far else []
-        painter.text((x + dx, y + dy), label.words, type_size, label.ink, leader)

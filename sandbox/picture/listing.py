@@ -2,16 +2,16 @@
 
 Painters (films, paper, the page's script) know item kinds and styles only. A list has all samples.
 
-Frames: ``pose`` [n, frames, 3] is x, y [m] and angle [rad]; first the bodies, then ``world``, which
-stands still at the origin, then what elements append, such as a piston that slides.
+Frames: ``pose`` [n, frames, 3] is x, y [m] and angle [rad]: the bodies, then ``world``, which is at
+rest at the origin, then frames of elements, such as a piston.
 Points: ``[frame, x, y]`` in metres of the frame, or ``[frame, x, y, dx, dy]`` with an offset in
 points of the screen (dy up) that does not turn. A point is a unit of widths, glyphs and offsets: a
 picture is 800 points wide or 300 high, whichever gives fewer pixels for each.
-Columns: ``columns`` [k][n] change from sample to sample; any number of an item may be ``[k]``, the
-index of a column. Painters interpolate poses and columns linearly, except columns in ``steady``,
-which keep the value of the nearest sample, as rows of tables do.
-Tables: any number of rows for each sample, sorted: the sample, a key that stays with what the row
-describes, and more.
+Columns: ``columns`` [k][n] vary in time; any number of an item may be ``[k]``, the index of a
+column. Poses and columns are interpolated linearly; columns in ``steady`` and rows of tables are
+those of the nearest sample.
+Tables: any number of rows for each sample, sorted: the sample, a key of the described pair or
+element, and more.
 Inks: ``inks`` maps a token to ``#rrggbb`` by day and by night; ``ramps`` a name to the colours for
 -1 to 0 (element 0 is 0) and for 0 to 1. ``@name`` is the colour of a ramp at the item's ``by``; the
 empty token paints nothing.
@@ -20,49 +20,49 @@ Glyphs: ``{name: [[style, subpath], ...]}``, symbols of constant size in points,
 Subpaths: a closed ring ``[x0, y0, x1, y1, ...]``, a capsule or circle ``{"c": [x0, y0, x1, y1,
 radius]}`` (the radius may be a column), or an open line ``{"l": [x0, y0, ...]}``.
 
-Items lie back to front. Each has ``k`` kind, ``l`` layer, ``s`` style, and where needed ``n`` the
-element's name, ``state`` (column) that picks one of several styles or glyphs, ``if`` (column) that
-shows it where it is not 0, ``by`` its place on a ramp, ``wide`` (column) a factor of its width:
+Items are sorted back to front. Each has ``k`` kind, ``l`` layer, ``s`` style, and optionally ``n``
+the element's name, ``state`` (column) that selects one of several styles or glyphs, ``if`` (column)
+that shows it where it is not 0, ``by`` its place on a ramp, ``wide`` (column) a factor of its
+width:
 
 ``path``    ``f`` frame, ``d`` subpaths. With ``m`` 1 they are one area with one outline; otherwise
             the second and later ones are holes (even-odd).
 ``line``    ``p`` points: a polyline, also through several frames.
 ``mark``    ``at`` point, ``g`` glyph or list of glyphs, ``turn`` [rad].
 ``span``    ``a``, ``b`` points; ``t`` pattern ``[w, v, ...]`` of fractions w of the way from a to b
-            and sides v; ``w`` ``[share, least, most]``: half the width is this share of the length,
-            between two limits in points. With ``every`` the pattern is one stroke, repeated every
-            so many points; then w and v are in points along and across.
+            and sides v; ``w`` ``[share, min, max]``: half the width relative to the length, limited
+            in points. With ``every`` the pattern is one stroke, repeated every so many points; then
+            w and v are in points along and across.
 ``spiral``  ``at`` point, ``r`` radii ``[first, last]`` in points, angle ``start``, ``sweep`` [rad].
             ``head``: length of an arrow head at its end in points.
 ``taut``    ``p`` list of ``[frame, x, y, radius, sense, meets, leaves]``: a tendon that meets each
-            circle at one angle [rad, world] and leaves it at another (columns), clockwise for
-            sense 1. Of points with radius 0 there are five values. A circle whose angle is NaN in
-            a sample is skipped there. ``c`` 1 closes the line.
+            circle at one angle [rad, world] and leaves it at another (columns; NaN off the circle),
+            clockwise for sense 1. Points with radius 0 have five values. ``c`` 1 closes the line.
 ``sag``     ``a``, ``b`` points, ``depth`` [m]: a parabola that hangs down.
 ``arrows``  ``t`` name of a table with columns sample, key, x, y, vx, vy[, value]: arrows at world
             points [m], ``metres`` long for a vector of size 1; those above ``most`` are cut and
             marked. ``size`` ``[shaft, head]`` and ``least`` (shortest painted) in points. ``unit``,
-            ``decimals``, ``factor``: how values are written; the value is the size, or the seventh
-            column. ``names``: words before values by key. ``told``: vectors below half of this have
-            no number. ``rank`` as of texts. ``labels`` ``{key: [side, column]}``: where the number
-            stands and whether it is shown.
+            ``decimals``, ``factor``: format of values, which are the size or the seventh column.
+            ``names``: words before values by key. ``told``: vectors below half of this have no
+            number. ``rank`` as of texts. ``labels`` ``{key: [side, column]}``: side of the number
+            and whether it is shown.
 ``strips``  ``t`` name of a table with columns sample, key, x0, y0, ... x3, y3, value: areas
             of four corners [m]. Values and labels as of arrows, at the fourth point (or the third);
             those below ``least`` have none.
 ``trail``   ``at`` point: its path up to now. ``every`` [s]: time between marks, ``mark``: their
             radius in points.
 ``text``    ``at`` point, ``words``; with ``value`` (column), ``unit``, ``decimals`` and ``factor``
-            a number follows. The style's edge is its colour. ``side`` and ``show`` (column): as of
-            labels. ``rank``: those with a lower one are placed first. ``clear``: points that are
-            kept free around ``at``. ``edge`` 0 or 1: a number of the grid, at the bottom or left.
+            a number follows. The style's edge is its colour. ``side``, ``show`` (column): as of
+            labels. ``rank``: lower ones are placed first. ``clear``: free points around ``at``.
+            ``edge`` 0 or 1: a number of the grid, at the bottom or left.
 
 Sides of labels are numbers of :data:`SIDES`. ``legend`` has rows, most important first, with ``l``:
 
-``scale``   ``metres`` that 1 ``unit`` takes, ``unit``, ``words``, ``s`` style and ``size`` of the
-            arrow; without ``size`` it is a bar for lengths (``metres`` is 1).
+``scale``   ``metres`` of 1 ``unit``, ``words``, ``s`` style and ``size`` of the arrow; without
+            ``size`` it is a bar for lengths (``metres`` is 1).
 ``ramp``    ``ramp`` name, ``low`` -1 or 0, ``before`` and ``after`` words. It replaces the
-            row before it where that belongs to the layer ``instead``.
-``glyph``   ``g`` glyph, ``width`` in points, ``words``; ``centred`` where its middle is its origin.
+            row before it if that belongs to the layer ``instead``.
+``glyph``   ``g`` glyph, ``width`` in points, ``words``; ``centred`` if its origin is its middle.
 """
 
 from __future__ import annotations
@@ -78,13 +78,12 @@ from sandbox.model.joints import placed
 from sandbox.numeric import Array, Flags
 
 Item = dict[str, Any]
-Number = float | list[int]
-"""A number, or the index of a column in a list."""
+Number = float | list[int]  # a number, or the index of a column in a list
 Point = list[Any]
+Look = tuple[Any, ...]  # fill, edge, width, dash, hatched of a style
 SIDES = [(round(math.cos(k * math.pi / 4), 6), round(math.sin(k * math.pi / 4), 6), far)
          for far in (0, 22) for k in range(8)]
-"""Where a label may stand: direction (y up), and distance from its point in points. A label that
-stands off has a thin line to its point."""
+"""Sides of labels: direction (y up), and additional distance [points], with a line if not 0."""
 
 
 def short(value: float) -> float:
@@ -101,15 +100,11 @@ def flat(*points: Any) -> list[float]:
 class Listing:
     """A display list; see the module's description."""
 
-    time: Array
-    """Of the samples [n] s."""
-    pose: Array
-    """Frames [n, frames, 3] m, rad."""
-    world: int = 0
-    """The frame that stands still."""
+    time: Array  # of the samples [n] s
+    pose: Array  # frames [n, frames, 3] m, rad
+    world: int = 0  # the frame that stands still
     fixed_columns: bool = False
-    """Keep every column, also where its values are all equal or equal to another's. Lists of
-    different samples of one run then have the same items, as a live view needs."""
+    """Keep constant and equal columns: lists of other samples then have the same items."""
     inks: dict[str, list[str]] = field(default_factory=dict)
     ramps: dict[str, list[list[str]]] = field(default_factory=dict)
     styles: list[list[Any]] = field(default_factory=list)
@@ -119,8 +114,7 @@ class Listing:
     steady: list[int] = field(default_factory=list)
     tables: dict[str, Array] = field(default_factory=dict)
     legend: list[Item] = field(default_factory=list)
-    drift: Array | None = None
-    """How far the camera goes with a body [n, 2] m; None if it stands."""
+    drift: Array | None = None  # displacement of a camera that follows a body [n, 2] m
     _known: dict[Any, int] = field(default_factory=dict)
     _made: list[Array] = field(default_factory=list)
 
@@ -192,7 +186,7 @@ class Listing:
         return placed(pose, np.array(point[1:3], dtype=float))
 
     def head(self) -> dict[str, Any]:
-        """All but the arrays, as JSON has it; of the inks those that styles and painters use."""
+        """All but the arrays for JSON, with used inks only."""
         used = {"paper", "ink", "faint_ink", "hairline"}.union(*(s[:2] for s in self.styles))
         return {"world": self.world, "items": self.items, "styles": self.styles,
                 "glyphs": self.glyphs, "ramps": self.ramps, "steady": self.steady,
@@ -206,13 +200,10 @@ class Between:
     def __init__(self, out: Listing, a: Array, b: Array) -> None:
         way = b - a
         self.out, self.a = out, a
-        self.length = np.maximum(np.hypot(*way.T), 1e-12)
-        """[n] m"""
+        self.length = np.maximum(np.hypot(*way.T), 1e-12)  # [n] m
         self.way = way / self.length[:, None]
-        """Its direction [n, 2]."""
-        self.angle: Array = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
-        """[n] rad"""
+        self.angle: Array = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))  # [n] rad
 
     def at(self, distance: Array | float) -> Point:
-        """A point so far from the first place [m], in a frame whose x axis points to the other."""
+        """A point at a distance from the first place [m], in a frame with x to the other."""
         return self.out.spot(self.a + np.reshape(distance, (-1, 1)) * self.way, self.angle)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
 import pygame
 
-from sandbox.figure.style import COLOURS, Shown, shown_as
+from sandbox.figure.style import COLOURS, shown_as
 from sandbox.model.meters import curves, is_expression
 from sandbox.numeric import Array
 from sandbox.picture.palette import (
@@ -22,92 +23,80 @@ from sandbox.picture.palette import (
     from_css,
     lighter,
 )
-from sandbox.picture.run_data import MeteredRun, read_curve
+from sandbox.picture.run_data import read_curve
 from sandbox.picture.scales import pressure_unit, round_up
 from sandbox.picture.typesetter import Typesetter, ellipsis
-from sandbox.scene.settings import ShownMeter, View
+from sandbox.samples.samples import Samples
+from sandbox.scene.settings import View
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
-"""Least width of a meter, and least and largest height of its curve [points]."""
-GROWN = 0.6
-"""Share of what stays blank above meters that their curves take, up to the largest height."""
-SHARE = 0.62
-"""Most of a picture's height that meters below the motion take."""
-TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85
-"""Sizes of type, in those of the legend."""
-FINEST = 1.5
-"""So many finished pixels along time share the least and the largest of a curve."""
+"""Width of a meter, height of its curve (min., max.) [points]."""
+GROWN = 0.6  # share of a blank height above meters that their curves take
+SHARE = 0.62  # most of a picture's height that meters below the motion take
+TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85  # sizes of type, in those of the legend
+FINEST = 1.5  # so many finished pixels along time share the least and the largest of a curve
 HUES: tuple[Colour, ...] = tuple(map(from_css, COLOURS))
-PALE = 0.62
-"""How much lighter the curve is where the motion has not come to yet."""
+PALE = 0.62  # how much lighter the curve is where the motion has not come to yet
 
 
 class Dial(NamedTuple):
-    """What one meter shows."""
+    """Data of one meter."""
 
     title: str
-    names: list[str]
-    """Of the curves, as far as they differ; one empty name of one alone."""
-    values: Array
-    """[curves, n], as shown."""
-    shown: Shown
-    low: float
+    names: list[str]  # of the curves, as far as they differ; empty of a single one
+    values: Array  # as shown, [curves, n]
+    sign: str  # after values
+    low: float  # lower limit of the plot, as shown
     high: float
-    """Of the plot, as shown."""
     plotted: bool
 
     def texts(self, *samples: int) -> list[str]:
-        """Values with their units, to as many digits as the largest of the run has."""
+        """Values with units, to as many digits as the largest of the run has."""
         return [self._text(name, values) for name, values in zip(
             self.names, self.values[:, list(samples)].tolist(), strict=True)]
 
     def longest(self, count: int) -> list[str]:
-        """The longest text of each at so many samples."""
+        """The longest text of each curve for a number of samples."""
         sizes = np.nan_to_num(np.abs(self.values), posinf=0.0).max(axis=1)
         return [self._text(name, count * [-size]) for name, size in zip(
             self.names, sizes.tolist(), strict=True)]
 
     def _text(self, name: str, values: Sequence[float]) -> str:
-        words = ", ".join(_written(value, self.values) if math.isfinite(value) else "none"
+        largest = float(np.nanmax(np.abs(self.values), initial=0.0))
+        digits = min(max(0, 2 - math.floor(math.log10(largest))), 6) if largest else 0
+        form = f".{digits}f" if not largest or 1e-4 <= largest < 1e6 else ".2e"
+        words = ", ".join(f"{value:z{form}}" if math.isfinite(value) else "none"
                           for value in values)
-        words += self.shown.sign if any(map(math.isfinite, values)) else ""
+        words += self.sign if any(map(math.isfinite, values)) else ""
         return f"{name} {words}" if name else words
 
 
-def dials(run: MeteredRun, view: View) -> list[Dial]:
-    """The meters of a view, read."""
-    return [_dial(run, meter) for meter in view.meters]
-
-
-def _dial(run: MeteredRun, meter: ShownMeter) -> Dial:
-    names = curves(meter, run.catalogue)
-    rows = np.array([read_curve(run, name) for name in names]).reshape(len(names), len(run.time))
-    unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
-    shown = _as_drawn(unit, *(rows if meter.range is None else [np.array(meter.range)]))
-    values = shown.factor * rows
-    low, high = _range(values) if meter.range is None else (
-        shown.factor * meter.range[0], shown.factor * meter.range[1])
-    own, rest = _apart(names) if len(names) > 1 else ([""], names[0])
-    return Dial(meter.title or rest, own, values, shown, low, high,
-                meter.style == "plot" and len(run.time) > 1)
-
-
-def _as_drawn(unit: str, *rows: Array) -> Shown:
-    """As plots show it, but for pressures and powers, which are written as in the drawing."""
-    if unit == "Pa":
-        largest = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows)
-        size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
-        return Shown(1 / size, name, f" {name}")
-    shown = shown_as(unit, *rows)
-    return shown._replace(unit=_raised(shown.unit), sign=_raised(shown.sign))
-
-
-def _raised(unit: str) -> str:
-    return unit.replace("^2", "²").replace("^3", "³")
+def dials(run: Samples, view: View) -> list[Dial]:
+    """Data of the meters of a view."""
+    found = []
+    for meter in view.meters:
+        names = curves(meter, run.catalogue)
+        rows = np.array([read_curve(run, name) for name in names]).reshape(-1, len(run.time))
+        unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
+        scaled = rows if meter.range is None else np.array(meter.range)
+        if unit == "Pa":  # in the unit of the drawing; other quantities in those of plots
+            largest = float(np.nanmax(np.abs(scaled), initial=0.0))
+            size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
+            factor, sign = 1 / size, f" {name}"
+        else:
+            shown = shown_as(unit, *np.atleast_2d(scaled))
+            factor, sign = shown.factor, shown.sign.replace("^2", "²").replace("^3", "³")
+        values = factor * rows
+        low, high = _range(values) if meter.range is None else (
+            factor * meter.range[0], factor * meter.range[1])
+        own, rest = _apart(names) if len(names) > 1 else ([""], names[0])
+        found.append(Dial(meter.title or rest, own, values, sign, low, high,
+                          meter.style == "plot" and len(run.time) > 1))
+    return found
 
 
 def _range(values: Array) -> tuple[float, float]:
-    """Round limits of a plot about all values, with 0 where that is near."""
+    """Round limits of a plot about all values, with 0 if that is near."""
     found = values[np.isfinite(values)]
     low, high = (float(found.min()), float(found.max())) if len(found) else (0.0, 0.0)
     span = high - low
@@ -126,18 +115,8 @@ def _range(values: Array) -> tuple[float, float]:
     return step * low, step * max(high, low + 1)
 
 
-def _written(value: float, like: Array) -> str:
-    """A number with the decimals that give the largest of ``like`` three digits."""
-    largest = float(np.nanmax(np.abs(like), initial=0.0))
-    if largest and not 1e-4 <= largest < 1e6:
-        return f"{value:.2e}"
-    decimals = min(max(0, 2 - math.floor(math.log10(largest))), 6) if largest else 0
-    text = f"{value:.{decimals}f}"
-    return text.lstrip("-") if not text.strip("-0.") else text  # no negative nothing
-
-
 def _apart(names: Sequence[str]) -> tuple[list[str], str]:
-    """The words in which names differ, and a pattern of them all, for a title."""
+    """The words in which names differ, and a pattern of them all for a title."""
     words = [name.split(".") for name in names]
     least = min(map(len, words))
     first = next((k for k in range(least) if len({w[k] for w in words}) > 1), least - 1)
@@ -149,196 +128,179 @@ def _apart(names: Sequence[str]) -> tuple[list[str], str]:
 
 
 def _begin(names: Sequence[str]) -> str:
-    """The letters that all begin with."""
-    count = next((k for k, each in enumerate(zip(*names, strict=False)) if len(set(each)) > 1),
-                 min(map(len, names)))
-    return names[0][:count]
+    """The letters that all names begin with."""
+    same = takewhile(lambda each: len(set(each)) == 1, zip(*names, strict=False))
+    return "".join(each[0] for each in same)
+
+
+class _Meter:
+    """A meter in a picture [finished pixels]."""
+
+    cell = plot = pygame.Rect(0, 0, 0, 0)  # all of it; its curves
+
+    def __init__(self, dial: Dial, panel: MeterPanel, moments: int) -> None:
+        type_, gap = panel.type, panel.gap
+        self.dial = dial
+        self.valued = not dial.plotted or 1 in (moments, len(dial.names))  # else names only
+        self.size = type_.scaled(VALUE if len(dial.names) == 1 else SMALL)
+        words = dial.longest(moments) if self.valued else dial.names
+        self.wide = max(type_.width(text, self.size) for text in words) + gap
+        count = max(1, int((WIDE * panel.unit + gap) / self.wide))
+        self.across = min(count, len(dial.names))  # values side by side
+        self.head = (type_.scaled(TITLE, 1.2) + panel.margin
+                     + -(-len(dial.names) // self.across) * round(0.95 * self.size))
+
+    def down(self, values: Array) -> Array:
+        """Heights of values."""
+        share = (values - self.dial.low) / (self.dial.high - self.dial.low)
+        return np.asarray(self.plot.bottom - self.plot.height * np.clip(share, -0.02, 1.02))
 
 
 class MeterPanel:
-    """The meters' part of a picture: how large it is, what stays on it, what goes with time.
+    """The meters of a picture; the last ones are left out if there is no room."""
 
-    Meters for which there is no room are left out, the last ones first.
-    """
-
-    def __init__(self, run: MeteredRun, view: View, type_: Typesetter, unit: float,
+    def __init__(self, run: Samples, view: View, type_: Typesetter, unit: float,
                  size: tuple[int, int], moments: int = 1) -> None:
-        """``size`` of the finished picture, which shows so many ``moments``."""
-        self._time, self._type, self._unit, self._moments = run.time, type_, unit, moments
-        self._plot_points, self._gap = PLOT, round(0.9 * type_.size)
+        """``size`` is that of the picture [pixels], ``moments`` the number of instants shown."""
+        self._time, self.type, self.unit = run.time, type_, unit
+        self._plot_points, self.gap, self.margin = PLOT, round(0.9 * type_.size), round(5 * unit)
         self._start, self._end = min(view.start, float(run.time[-1])), float(run.time[-1])
-        self._margin = round(5 * unit)
-        found = dials(run, view)
-        most = max(1, int((size[0] - self._gap) / (WIDE * unit + self._gap)))
+        found = [_Meter(dial, self, moments) for dial in dials(run, view)]
+        most = max(1, int((size[0] - self.gap) / (WIDE * unit + self.gap)))
         each = -(-len(found) // max(1, -(-len(found) // most)))  # rows as even as can be
         self._rows = [found[k:k + each] for k in range(0, len(found), max(1, each))]
         self.limit(SHARE * size[1])
-        self._cells: list[pygame.Rect] = []
         self.rect = pygame.Rect(0, 0, 0, 0)
 
     def __bool__(self) -> bool:
-        return bool(self._dials)
+        return bool(self.meters)
 
-    def _value_size(self, dial: Dial) -> int:
-        """Of the type of values: larger where there is one alone."""
-        return self._type.scaled(VALUE if len(dial.names) == 1 else SMALL)
-
-    def _columns(self, dial: Dial) -> tuple[int, int]:
-        """How many values stand side by side, and how wide a column is."""
-        size = self._value_size(dial)
-        words = dial.longest(self._moments) if self._has_values(dial) else dial.names
-        wide = max(self._type.width(text, size) for text in words) + self._gap
-        count = max(1, int((WIDE * self._unit + self._gap) / wide))
-        return min(count, len(dial.names)), wide
-
-    def _has_values(self, dial: Dial) -> bool:
-        """Whether values are written: several curves at several moments have the names alone."""
-        return not dial.plotted or 1 in (self._moments, len(dial.names))
-
-    def _head(self, dial: Dial) -> int:
-        """Height of the title and of all values [finished pixels]."""
-        rows = -(-len(dial.names) // self._columns(dial)[0])
-        return (self._type.scaled(TITLE, 1.2) + rows * round(0.95 * self._value_size(dial))
-                + self._margin)
-
-    def _height(self, dial: Dial) -> int:
-        return self._head(dial) + (
-            round(self._plot_points * self._unit) + self._type.scaled(TICK, 1.2)
-            if dial.plotted else 0)
+    def _height(self, meter: _Meter) -> int:
+        return meter.head + (round(self._plot_points * self.unit) + self.type.scaled(TICK, 1.2)
+                             if meter.dial.plotted else 0)
 
     @property
     def below(self) -> int:
         """Its height below the motion."""
-        return sum(max(map(self._height, row)) + self._gap for row in self._rows)
+        return sum(max(map(self._height, row)) + self.gap for row in self._rows)
+
+    @property
+    def beside(self) -> int:
+        """Its width beside the motion."""
+        return round(WIDE * self.unit) + 2 * self.gap
+
+    @property
+    def tall(self) -> int:
+        """Its height beside the motion."""
+        return sum(self._height(meter) + self.gap for meter in self.meters)
 
     def limit(self, height: float) -> None:
         """Leave out the last rows that do not fit in a height [pixels] below the motion."""
         while self._rows and self.below > height:
             self._rows.pop()
-        self._dials = [dial for row in self._rows for dial in row]
-
-    def shrink(self) -> None:
-        """Give its curves the least height."""
-        self._plot_points = PLOT
+        self.meters = [meter for row in self._rows for meter in row]
 
     def grow(self, blank: float) -> None:
-        """Take a share of the height that stays blank above it [finished pixels]."""
-        if rows := sum(any(dial.plotted for dial in row) for row in self._rows):
-            free = GROWN * max(0.0, blank) / self._unit / rows
-            self._plot_points = min(TALLEST, PLOT + free)
-
-    @property
-    def beside(self) -> int:
-        """Its width beside the motion."""
-        return round(WIDE * self._unit) + 2 * self._gap
-
-    @property
-    def tall(self) -> int:
-        """Its height beside the motion."""
-        return sum(self._height(dial) + self._gap for dial in self._dials)
+        """Take a share of a blank height above it [finished pixels] from the minimum height."""
+        rows = sum(any(meter.dial.plotted for meter in row) for row in self._rows)
+        free = GROWN * max(0.0, blank) / self.unit / max(rows, 1)
+        self._plot_points = min(TALLEST, PLOT + free)
 
     def settle(self, rect: pygame.Rect, *, aside: bool) -> None:
-        """Take a place on the finished picture."""
-        self.rect, gap, y = rect, self._gap, rect.top
-        if aside and (plots := sum(dial.plotted for dial in self._dials)):
-            free = (rect.height - self.tall) / self._unit / plots
+        """Set its place on the finished picture."""
+        self.rect, gap, y = rect, self.gap, rect.top
+        if aside and (plots := sum(meter.dial.plotted for meter in self.meters)):
+            free = (rect.height - self.tall) / self.unit / plots
             self._plot_points = min(TALLEST, PLOT + max(0.0, free))
-        for row in [[dial] for dial in self._dials] if aside else self._rows:
+        for row in [[meter] for meter in self.meters] if aside else self._rows:
             wide = (rect.width - gap * (len(row) + 1)) // len(row)
             high = max(map(self._height, row))
-            self._cells += [pygame.Rect(rect.left + gap + k * (wide + gap), y, wide, high)
-                            for k in range(len(row))]
+            for k, meter in enumerate(row):
+                x = rect.left + gap + k * (wide + gap)
+                axis = self.margin + max(self.type.width(f"{limit:.6g}", self.type.scaled(TICK))
+                                         for limit in (meter.dial.low, meter.dial.high))
+                left = min(wide // 2, axis)
+                meter.cell = pygame.Rect(x, y, wide, high)
+                meter.plot = pygame.Rect(x + left, y + meter.head, wide - left - self.margin,
+                                         round(self._plot_points * self.unit))
             y += high + gap
 
     def draw_still(self, painter: Painter) -> None:
-        """Titles, frames and pale curves."""
-        for dial, cell in zip(self._dials, self._cells, strict=True):
-            size = self._type.scaled(TITLE)
+        """Paint titles, frames and pale curves."""
+        size = self.type.scaled(TITLE)
+        for meter in self.meters:
+            cell, dial = meter.cell, meter.dial
             painter.write((cell.left, cell.top),
-                          ellipsis(self._type, dial.title, cell.width, size), size, INK)
+                          ellipsis(self.type, dial.title, cell.width, size), size, INK)
             if dial.plotted:
-                plot = self._plot(dial, cell)
-                self._frame(painter, dial, plot)
+                self._frame(painter, meter)
                 for k in range(len(dial.values)):
-                    self._curve(painter, dial, k, plot, lighter(HUES[k], PALE), 1.2)
+                    self._curve(painter, meter, k, lighter(HUES[k], PALE), 1.2)
 
     def draw(self, painter: Painter, times: Sequence[float]) -> None:
-        """Values, curves up to a time [s] with its cursor, or all of them with several cursors."""
+        """Paint values, and curves up to a time [s] with its cursor, or with several cursors."""
         samples = [int(np.argmin(np.abs(self._time - t))) for t in times]
-        for dial, cell in zip(self._dials, self._cells, strict=True):
-            self._values(painter, dial, cell, samples)
+        for meter in self.meters:
+            dial, plot = meter.dial, meter.plot
+            self._values(painter, meter, samples)
             if not dial.plotted:
                 continue
-            k, line, plot = painter.enlarge, self._unit * painter.enlarge, self._plot(dial, cell)
+            k, line = painter.enlarge, self.unit * painter.enlarge
             across = (self._across(plot, np.asarray(times)) * k).tolist()
             for x in across:
                 painter.line([(x, plot.top * k), (x, plot.bottom * k)], FAINT_INK, line)
             for curve, hue in zip(range(len(dial.values)), HUES, strict=False):
-                self._curve(painter, dial, curve, plot, hue, 1.9,
+                self._curve(painter, meter, curve, hue, 1.9,
                             until=samples[0] + 1 if len(samples) == 1 else None)
-                heights = self._down(dial, plot, dial.values[curve, samples]).tolist()
+                heights = meter.down(dial.values[curve, samples]).tolist()
                 for x, y in zip(across, heights, strict=True):
                     if math.isfinite(y):
                         painter.disc((x, y * k), 3.6 * line, hue, BACKGROUND, 1.2 * line)
-
-    def _plot(self, dial: Dial, cell: pygame.Rect) -> pygame.Rect:
-        """Where the curves of a meter lie: right of the numbers at its axis."""
-        size, right = self._type.scaled(TICK), self._margin
-        left = min(cell.width // 2, right + max(self._type.width(f"{limit:.6g}", size)
-                                                for limit in (dial.low, dial.high)))
-        return pygame.Rect(cell.left + left, cell.top + self._head(dial),
-                           cell.width - left - right, round(self._plot_points * self._unit))
 
     def _across(self, plot: pygame.Rect, time: Array) -> Array:
         share = (time - self._start) / max(self._end - self._start, 1e-12)
         return np.asarray(plot.left + plot.width * np.clip(share, 0.0, 1.0))
 
-    @staticmethod
-    def _down(dial: Dial, plot: pygame.Rect, values: Array) -> Array:
-        share = (values - dial.low) / (dial.high - dial.low)
-        return np.asarray(plot.bottom - plot.height * np.clip(share, -0.02, 1.02))
-
-    def _frame(self, painter: Painter, dial: Dial, plot: pygame.Rect) -> None:
+    def _frame(self, painter: Painter, meter: _Meter) -> None:
         """Lines at the lowest value, the highest and 0, with numbers; the ends of time."""
-        k, size, line = painter.enlarge, self._type.scaled(TICK), self._unit * painter.enlarge
-        for value in (dial.low, dial.high):
-            y, text = float(self._down(dial, plot, np.array(value))), f"{value:.6g}"
-            painter.write((plot.left - self._margin - self._type.width(text, size),
-                           round(y - self._type.height(size) / 2)), text, size, FAINT_INK)
-        for value in {dial.low, dial.high} | ({0.0} if dial.low < 0 < dial.high else set()):
-            y = float(self._down(dial, plot, np.array(value))) * k
-            painter.line([(plot.left * k, y), (plot.right * k, y)], HAIRLINE, line)
+        k, size, line = painter.enlarge, self.type.scaled(TICK), self.unit * painter.enlarge
+        dial, plot = meter.dial, meter.plot
+        for value in (dial.low, dial.high, 0.0) if dial.low < 0 < dial.high else (
+                dial.low, dial.high):
+            y, text = float(meter.down(np.array(value))), f"{value:.6g}"
+            painter.line([(plot.left * k, y * k), (plot.right * k, y * k)], HAIRLINE, line)
+            if value in (dial.low, dial.high):
+                painter.write((plot.left - self.margin - self.type.width(text, size),
+                               round(y - self.type.height(size) / 2)), text, size, FAINT_INK)
         painter.line([(plot.left * k, plot.top * k), (plot.left * k, plot.bottom * k)], FAINT_INK,
                      line)
         for share, t in ((0.0, self._start), (1.0, self._end)):
             text = f"{t:.3g} s"
-            painter.write((round(plot.left + share * (plot.width - self._type.width(text, size))),
-                           plot.bottom + round(2 * self._unit)), text, size, FAINT_INK)
+            painter.write((round(plot.left + share * (plot.width - self.type.width(text, size))),
+                           plot.bottom + round(2 * self.unit)), text, size, FAINT_INK)
 
-    def _curve(self, painter: Painter, dial: Dial, curve: int, plot: pygame.Rect,
-               colour: Colour, points: float, until: int | None = None) -> None:
+    def _curve(self, painter: Painter, meter: _Meter, curve: int, colour: Colour, points: float,
+               until: int | None = None) -> None:
         of = slice(int(np.searchsorted(self._time, self._start)), until)
-        for x, y in _pieces(self._across(plot, self._time[of]),
-                            self._down(dial, plot, dial.values[curve, of])):
+        for x, y in _pieces(self._across(meter.plot, self._time[of]),
+                            meter.down(meter.dial.values[curve, of])):
             if len(x) > 1:
                 path = [(px, py) for px, py in (painter.enlarge * np.column_stack((x, y))).tolist()]
-                painter.line(path, colour, points * self._unit * painter.enlarge)
+                painter.line(path, colour, points * self.unit * painter.enlarge)
 
-    def _values(self, painter: Painter, dial: Dial, cell: pygame.Rect,
-                samples: Sequence[int]) -> None:
+    def _values(self, painter: Painter, meter: _Meter, samples: Sequence[int]) -> None:
         """Values of all curves in columns, each in its colour, or their names."""
-        size, (across, wide) = self._value_size(dial), self._columns(dial)
-        if len(samples) > 1:
-            size = min(size, self._type.scaled(SMALL))
-        top = cell.top + self._type.scaled(TITLE, 1.2)
-        for k, text in enumerate(dial.texts(*samples) if self._has_values(dial) else dial.names):
-            row, column = divmod(k, across)
-            painter.write((cell.left + column * wide, top + row * round(0.95 * size)),
-                          ellipsis(self._type, text, cell.width, size), size, HUES[k])
+        cell, dial = meter.cell, meter.dial
+        size = meter.size if len(samples) == 1 else min(meter.size, self.type.scaled(SMALL))
+        top = cell.top + self.type.scaled(TITLE, 1.2)
+        for k, text in enumerate(dial.texts(*samples) if meter.valued else dial.names):
+            row, column = divmod(k, meter.across)
+            painter.write((cell.left + column * meter.wide, top + row * round(0.95 * size)),
+                          ellipsis(self.type, text, cell.width, size), size, HUES[k])
 
 
 def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
-    """A curve without what has no value, of all that shares a column its least and its largest."""
+    """The parts of a curve with values; of many points in a column the minimum and maximum."""
     there = np.isfinite(y)
     edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).tolist()
     for start, end in zip(edges[::2], edges[1::2], strict=True):

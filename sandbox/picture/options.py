@@ -1,10 +1,11 @@
-"""What may be asked of a picture besides what its scene says: held to what a scene may say."""
+"""Options of pictures that override the scene's view."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ from pydantic import ValidationError
 from sandbox.errors import OutputError
 from sandbox.model.meters import problems_of
 from sandbox.picture.palette import EM
-from sandbox.picture.run_data import MeteredRun
+from sandbox.samples.samples import Samples
 from sandbox.scene.layers import BY_ROLE, EVERY, meant, parse_layers, words_for
 from sandbox.scene.settings import View
 from sandbox.values.messages import explain
@@ -31,17 +32,12 @@ OPTIONS = {
     "follow": "the name of a body",
     "bodies": 'names and patterns of bodies, names of groups, and roles such as "role:object"',
 }
-"""What each is, as a message says it."""
-PRINT_PER_INCH = 300
-"""Pixels; what is printed needs no more."""
-LETTERS = 7.0
-"""No letter is smaller [pt]."""
-UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4}
-"""Millimetres in each."""
-LEAST, MOST = 25.0, 650.0
-"""Of a width or a height [mm]."""
-FINE = 0.75
-"""Of lines and marks, in what would go with such letters: they are printed as fine as that."""
+"""Descriptions for messages."""
+PRINT_PER_INCH = 300  # pixels
+LETTERS = 7.0  # the smallest letters on paper [pt]
+PRINT_TYPE = math.ceil(LETTERS / 72 * PRINT_PER_INCH / EM)  # the same, as a typesetter counts it
+UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4}  # millimetres in each
+LEAST, MOST = 25.0, 650.0  # of a width or a height [mm]
 _NUMBER, _UNIT = r"\s*([0-9]+\.?[0-9]*|\.[0-9]+)\s*", f"({'|'.join(UNITS)})"
 _FORM = re.compile(f"{_NUMBER}(?:{_UNIT}?\\s*[x×]{_NUMBER})?{_UNIT}\\s*", re.IGNORECASE)
 
@@ -57,8 +53,10 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
     changes = {key: _plain(value) for key, value in given.items() if value is not None}
     if not changes:
         return view
-    if isinstance(changes.get("size"), str):
-        changes["size"] = _times(changes["size"], view.size)
+    if isinstance(size := changes.get("size"), str) and (
+            found := re.fullmatch(r"\s*([0-9.]+)\s*[xX×]\s*", size)):
+        with suppress(ValueError, OverflowError):  # View refuses it as it is
+            changes["size"] = tuple(round(float(found[1]) * v) for v in view.size)
     if "show" in changes:
         try:
             changes["show"] = {**view.show, **parse_layers(changes["show"])}
@@ -91,17 +89,8 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _times(word: str, size: tuple[int, int]) -> Any:
-    """The view's size so many times, of ``2x``; any other text as it is."""
-    found = re.fullmatch(r"\s*([0-9.]+)\s*[xX×]\s*", word)
-    try:
-        return word if found is None else tuple(round(float(found[1]) * v) for v in size)
-    except (ValueError, OverflowError):
-        return word
-
-
-def check_view(run: MeteredRun, view: View) -> None:
-    """That the bodies and quantities which a view names are there.
+def check_view(run: Samples, view: View) -> None:
+    """Check that the bodies and quantities of a view exist.
 
     Raises:
         OutputError: names and patterns that fit no body, one a line.
@@ -129,11 +118,11 @@ def check_view(run: MeteredRun, view: View) -> None:
         raise OutputError("\n".join(problems), code="bad-time")
 
 
-def check_run(run: MeteredRun) -> None:
-    """That there is something to draw.
+def check_run(run: Samples) -> None:
+    """Check that there is a recording with samples.
 
     Raises:
-        OutputError: what is no recording, or one without samples.
+        OutputError: there is none.
     """
     if not (hasattr(run, "mechanism") and hasattr(run, "arrays")):
         raise OutputError(f"{quoted(run)} is no recording; pass what sandbox.simulate or "
@@ -143,39 +132,21 @@ def check_run(run: MeteredRun) -> None:
 
 
 class PrintSize(NamedTuple):
-    """How large a still is printed."""
+    """Size of a printed still [mm]; the height is None if it is free."""
 
     width: float
-    """[mm]"""
     height: float | None = None
-    """[mm]; None for as high as what is shown."""
 
     @property
-    def pixels(self) -> int:
-        """Across."""
-        return round(self.width / UNITS["in"] * PRINT_PER_INCH)
-
-    @property
-    def pixels_down(self) -> int | None:
-        """If it is said how high it is."""
-        return None if self.height is None else round(self.height / UNITS["in"] * PRINT_PER_INCH)
-
-    @property
-    def least(self) -> int:
-        """The smallest type, as a typesetter counts it."""
-        return math.ceil(LETTERS / 72 * PRINT_PER_INCH / EM)
-
-    def unit(self, type_: int) -> float:
-        """Pixels per point of lines and marks, where such a size of type goes with one."""
-        return FINE * self.least / type_
-
-    def per_inch(self, across: int) -> float:
-        """Pixels per inch of a picture that is so many pixels wide."""
-        return across * UNITS["in"] / self.width
+    def pixels(self) -> tuple[int, int]:
+        """Width and height [pixels]; a free height is 0."""
+        wide, high = (round(side / UNITS["in"] * PRINT_PER_INCH)
+                      for side in (self.width, self.height or 0.0))
+        return wide, high
 
 
 def paper_of(size: Any) -> PrintSize | None:
-    """``85mm``, ``85mm x 70mm`` or ``3.35in`` as a size on paper; None for what is none.
+    """``85mm``, ``85mm x 70mm`` or ``3.35in`` as a size on paper; None for any other size.
 
     Raises:
         OutputError: too small, or too large.

@@ -14,12 +14,13 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from sandbox.picture.geometry import XY
+from sandbox.picture.geometry import XY, arrow
 from sandbox.picture.listing import Listing, flat, short
 
 Colour = tuple[int, int, int]
-EM = 0.6875
-"""Pixels of an em for one of pygame's own font's size."""
+Ink = Colour | None
+Rings = Sequence[Sequence[XY]]
+EM = 0.6875  # pixels of an em for one of pygame's own font's size
 BACKGROUND: Colour = (255, 255, 255)
 INK: Colour = (34, 40, 49)
 FAINT_INK: Colour = (108, 117, 128)
@@ -45,8 +46,7 @@ class Style(NamedTuple):
     edge: Colour
 
 
-WHEEL = Style((233, 230, 241), (128, 120, 156))
-"""Of wheels of guides."""
+WHEEL = Style((233, 230, 241), (128, 120, 156))  # of wheels of guides
 ROLES: dict[str, Style] = {
     "phalanx": Style((213, 225, 238), (88, 112, 140)),
     "palm": Style((186, 195, 206), (84, 94, 107)),
@@ -56,10 +56,11 @@ ROLES: dict[str, Style] = {
     "object": Style((244, 232, 206), (150, 124, 72)),
     "link": Style((228, 231, 235), (110, 118, 128)),
 }
-LEVELS = 32
-"""Steps of either ramp: few enough for one palette of a GIF."""
-NIGHT: Colour = (18, 23, 29)
-"""The ground of a page by night."""
+ZIGZAG = [0, 0, 0.16, 0, *(v for k in range(10) for v in (
+    round(0.16 + 0.68 * (k + 0.5) / 10, 4), 1 - 2 * (k % 2))), 0.84, 0, 1, 0]
+"""A coil as the pattern of a span, with straight ends."""
+LEVELS = 32  # steps of either ramp: few enough for one palette of a GIF
+NIGHT: Colour = (18, 23, 29)  # the ground of a page by night
 TOKENS: dict[str, tuple[Colour, Colour]] = {
     "paper": (BACKGROUND, NIGHT), "ink": (INK, (230, 234, 238)),
     "faint_ink": (FAINT_INK, (154, 166, 178)), "hairline": (HAIRLINE, (44, 53, 63)),
@@ -98,46 +99,44 @@ def from_css(colour: str) -> Colour:
 
 def _ramp(*stops: tuple[float, Colour]) -> tuple[Colour, ...]:
     """Colours between those at some places from 0 to 1."""
-    return tuple(next(mixed(low, high, (k / (LEVELS - 1) - a) / (b - a))
-                      for (a, low), (b, high) in pairwise(stops) if k / (LEVELS - 1) <= b)
-                 for k in range(LEVELS))
+    return tuple(next(mixed(low, high, (share - a) / (b - a))
+                      for (a, low), (b, high) in pairwise(stops) if share <= b)
+                 for share in (k / (LEVELS - 1) for k in range(LEVELS)))
 
 
 # grey at no tension, over sand and orange, to a deep red; lightness falls all along
 TENSION = _ramp((0.0, (160, 166, 173)), (0.3, (226, 164, 92)), (0.6, (228, 108, 34)),
                 (1.0, (158, 18, 20)))
-# what pushes: the same grey, over light blue to a dark one
+# pushing: the same grey, over light blue to a dark one
 PUSH = _ramp((0.0, (160, 166, 173)), (0.3, (116, 180, 214)), (0.6, (44, 128, 196)),
              (1.0, (16, 52, 128)))
 
 
 class Painter(Protocol):
-    """What paints shapes on a picture that may be enlarged, in its pixels, y down; and texts."""
+    """Paints shapes on a picture that may be enlarged, in its pixels, y down; and texts."""
 
-    enlarge: int
-    """Pixels of shapes per finished pixel."""
+    enlarge: int  # pixels of shapes per finished pixel
 
-    def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
-             edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
+    def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
+             union: bool = False, hatch: float = 0.0) -> None:
         """Paint rings, each as its line and that line moved by half the width outwards, inwards.
 
-        With ``union`` they are one area with one outline outside of it; otherwise the second and
-        later rings are holes. ``hatch`` is the pitch of slanted lines.
+        With ``union`` they are one area with one outline, otherwise the later ones are holes.
+        ``hatch`` is the pitch of slanted lines.
         """
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
         """Paint connected lines."""
 
-    def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
-               width: float) -> None:
+    def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
         """Paint a small polygon with an outline about its line."""
 
-    def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
-             width: float, *, hatch: float = 0.0) -> None:
+    def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
+             hatch: float = 0.0) -> None:
         """Paint a circle with an outline about its line."""
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
-        """Write a label with a rim, and a thin line to what it belongs to."""
+        """Write a label with a rim, and a thin line to its point."""
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
         """Write words right of and below a corner [finished pixels]."""
@@ -151,10 +150,8 @@ def hatch_lines(corners: Sequence[XY], pitch: float) -> list[tuple[XY, XY]]:
     return [((c - y0, y0), (c - y1, y1)) for c in starts]
 
 
-Part = tuple[tuple[Any, ...], Any]
-"""Arguments of a style, and a subpath."""
-TURN, HEAD = 9.5, 13.0
-"""Radii of the mark of a motor or servo, and of the wedge of a stop."""
+Part = tuple[tuple[Any, ...], Any]  # arguments of a style, and a subpath
+TURN, HEAD = 9.5, 13.0  # radii of the mark of a motor or servo, and of the wedge of a stop
 
 
 def _line(*coordinates: float) -> dict[str, list[float]]:
@@ -187,24 +184,8 @@ def _turn(sense: int) -> list[Part]:
     return [(("", "drive", 1.5), _line(*arc)), (("drive",), head)]
 
 
-def _tick(turn: float) -> dict[str, list[float]]:
-    return _line(*flat(*((r * math.cos(turn), r * math.sin(turn))
-                         for r in (TURN - 2.5, TURN + 3))))
-
-
 def _valve(fill: str) -> list[Part]:
     return [((fill, "drive", 1.2), [0, 0, side * 7, 4.2, side * 7, -4.2]) for side in (1, -1)]
-
-
-def _coil(width: float) -> dict[str, list[float]]:
-    inner = [v for k in range(10) for v in (short(width * (0.16 + 0.68 * (k + 0.5) / 10)),
-                                            4.0 * (1 - 2 * (k % 2)))]
-    return _line(0.0, 0.0, short(0.16 * width), 0.0, *inner, short(0.84 * width), 0.0, width, 0.0)
-
-
-def _arrow(width: float, shaft: float, head: float) -> list[float]:
-    half, wide, neck = shaft / 2, 0.45 * head, width - head
-    return [0, half, neck, half, neck, wide, width, 0, neck, -wide, neck, -half, 0, -half]
 
 
 RING: Part = (("", "drive", 1.5), _line(*_arc(TURN, 0.0, math.tau, 48)))
@@ -231,7 +212,9 @@ GLYPHS: dict[str, list[Part]] = {
     "motor": _turn(1),
     "motor_back": _turn(-1),
     "motor_rest": [RING],
-    "servo": [RING, *((("", "drive", 2.0), _tick(k * math.pi / 2)) for k in range(4))],
+    "servo": [RING, *((("", "drive", 2.0), _line(*(r * v for r in (TURN - 2.5, TURN + 3)
+                                                  for v in way)))
+                      for way in ((1, 0), (0, 1), (-1, 0), (0, -1)))],
     "belt": [(("drive", "paper", 0.6), [6, 4.5, -3.6, 8.7, -3.6, 0.3])],
     "belt_back": [(("drive", "paper", 0.6), [-6, 4.5, 3.6, 8.7, 3.6, 0.3])],
     "open": _valve("drive"),
@@ -242,12 +225,13 @@ GLYPHS: dict[str, list[Part]] = {
              (AXIS, _line(0, 0, 0, 20)), (("axes",), [0, 26, -3, 19, 3, 19]),
              (LETTER, _line(30, -3, 35, 3)), (LETTER, _line(30, 3, 35, -3)),
              (LETTER, _line(-3, 36, 0, 33)), (LETTER, _line(3, 36, -2, 29))],
-    "cut": [(("force",), _arrow(34, 2.4, 10)),
+    "cut": [(("force",), flat(*arrow((0, 0), (34, 0), 2.4, 10))),
             *((("", "paper", 1.8), _line(x - 2, -4.5, x + 2, 4.5)) for x in (13, 17))],
     "patch": [(("patch", "force", 1.2), [0, -6, 22, -6, 22, 0, 0, 6])],
     "slack": [(("", "slack", 1.8, 5), _line(0, 0, 26, 0))],
-    "stiffer": [(("", "drive", 2.4), _coil(36))],
-    "driven": [(("drive",), _arrow(30, 7.0, 17))],
+    "stiffer": [(("", "drive", 2.4), _line(*(
+        short(v * (4 if k % 2 else 36)) for k, v in enumerate(ZIGZAG))))],
+    "driven": [(("drive",), flat(*arrow((0, 0), (30, 0), 7.0, 17)))],
     "torque": [(("", "drive", 3.2), _line(*_arc(8, -0.9, 3.7))),
                (("drive",), [-8.8, -1.6, -3.6, 1.4, -11, 4.4])],
 }

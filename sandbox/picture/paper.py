@@ -1,11 +1,11 @@
-"""Paints with matplotlib's renderers: stills as PNG, SVG and PDF, without figures and artists."""
+"""Painting with matplotlib's renderers: stills as PNG, SVG and PDF, without figures or artists."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import matplotlib
 import numpy as np
@@ -18,20 +18,17 @@ from matplotlib.transforms import Affine2D, Bbox, TransformedPath
 from numpy.typing import NDArray
 
 from sandbox.atomic_files import atomic_file
-from sandbox.picture.frame import Picture
 from sandbox.picture.geometry import XY, turned_area
-from sandbox.picture.instant import Instant
-from sandbox.picture.palette import BACKGROUND, EM, Colour, hatch_lines, lighter
+from sandbox.picture.palette import BACKGROUND, EM, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter, letters
 
-SCREEN_PER_INCH = 96
-"""Pixels per inch of pictures for the screen, as in CSS."""
-POINTS = 72
-"""Points per inch."""
+if TYPE_CHECKING:
+    from sandbox.picture.frame import Picture
+    from sandbox.picture.stills import Strip
+
+SCREEN_PER_INCH, POINTS = 96, 72  # pixels per inch on the screen, as in CSS; points per inch
 FAMILIES = ("FreeSans", "Helvetica", "Arial", "Liberation Sans", "sans-serif")
-"""The font, and fonts of equal width: what an SVG names."""
-Paint = Callable[["Paper"], None]
-Rings = Sequence[Sequence[XY]]
+"""The font, and fonts of equal width, for an SVG."""
 
 
 class Paper:
@@ -49,12 +46,6 @@ class Paper:
         self._letters_kept: dict[tuple[str, int], Any] = {}
         self.move(0.0, 0.0)
 
-    @staticmethod
-    def _font(size: float) -> Any:
-        """The font of the pixels, in units of the renderer."""
-        name = Path(pygame.__file__).parent / pygame.font.get_default_font()
-        return FontProperties(family=list(FAMILIES), weight="bold", fname=str(name), size=size)
-
     def move(self, x: float, y: float) -> None:
         """Shift all that follows, for the parts of a strip."""
         self._shift = (x, y)
@@ -62,7 +53,7 @@ class Paper:
             self.factor)
 
     def clip(self, area: Sequence[float] | None) -> None:
-        """Cut what follows to left, top, width, height."""
+        """Clip to left, top, width, height."""
         self._clip = None
         if area is not None:
             x, y = area[0] + self._shift[0], area[1] + self._shift[1]
@@ -74,8 +65,8 @@ class Paper:
         width, height = self.size
         self._draw(_closed([[(0, 0), (width, 0), (width, height), (0, height)]]), ink)
 
-    def _draw(self, path: Any, fill: Colour | None, edge: Colour | None = None,
-              width: float = 0.0, inside: Any = None, cap: str = "butt") -> None:
+    def _draw(self, path: Any, fill: Ink, edge: Ink = None, width: float = 0.0,
+              inside: Any = None, cap: str = "butt") -> None:
         gc = self.renderer.new_gc()
         gc.set_linewidth(width * self.factor if edge is not None else 0.0)
         gc.set_foreground(_ink(edge) if edge is not None else (0, 0, 0, 0), isRGBA=True)
@@ -89,8 +80,8 @@ class Paper:
         self.renderer.draw_path(gc, path, self._flip, _ink(fill) if fill is not None else None)
         gc.restore()
 
-    def area(self, rings: Sequence[Rings], fill: Colour | None, edge: Colour | None, width: float,
-             *, union: bool = False, hatch: float = 0.0) -> None:
+    def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
+             union: bool = False, hatch: float = 0.0) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         lines = [ring for ring, _, _ in rings]
         if union:
@@ -115,13 +106,12 @@ class Paper:
         """See :class:`sandbox.picture.palette.Painter`."""
         self._draw(Outline(np.asarray(path)), None, ink, width)
 
-    def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
-               width: float) -> None:
+    def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         self._draw(_closed([corners]), fill, edge, width)
 
-    def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
-             width: float, *, hatch: float = 0.0) -> None:
+    def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
+             hatch: float = 0.0) -> None:
         """See :class:`sandbox.picture.palette.Painter`."""
         circle = Outline.circle(centre, radius)
         self._draw(circle, fill, edge if width else None, width)
@@ -152,7 +142,7 @@ class Paper:
         y = corner[1] + self.type.baseline(size) + self._shift[1]
         self.renderer.draw_text(
             gc, x * self.factor, (y if self.renderer.flipy() else self.size[1] - y) * self.factor,
-            words, self._font(EM * size * self.factor), 0.0)
+            words, _font(EM * size * self.factor), 0.0)
         gc.restore()
 
     def _letters(self, words: str, size: int, x: float, y: float) -> Any:
@@ -160,9 +150,15 @@ class Paper:
         key = (words, size)
         if key not in self._letters_kept:
             self._letters_kept[key] = TextPath((0, 0), words, size=EM * size,
-                                               prop=self._font(EM * size), usetex=False)
+                                               prop=_font(EM * size), usetex=False)
         return self._letters_kept[key].transformed(
             Affine2D().scale(1, -1).translate(x, y + self.type.baseline(size)))
+
+
+def _font(size: float) -> Any:
+    """The font of the pixels, in units of the renderer."""
+    name = Path(pygame.__file__).parent / pygame.font.get_default_font()
+    return FontProperties(family=list(FAMILIES), weight="bold", fname=str(name), size=size)
 
 
 def _holes(rings: Rings) -> list[Sequence[XY]]:
@@ -183,75 +179,51 @@ def _closed(rings: Rings) -> Any:
     return Outline(np.concatenate(each), codes)
 
 
-def paint_picture(picture: Picture, paper: Paper, t: float) -> None:
-    """Paint a picture at a time [s], all of it."""
-    instant = paint_stage(picture, paper, t, picture.stage)
-    paper.clip(None)
-    picture.surround(paper, instant)
-    picture.write_grid(paper, instant)
-    picture.write_labels(paper, instant)
-    picture.panel.draw(paper, [t])
-    picture.write_stamp(paper, t)
-
-
-def paint_stage(picture: Picture, paper: Paper, t: float, stage: Sequence[float]) -> Instant:
-    """Paint the mechanism at a time [s] without labels and what stands around it."""
-    instant = picture.instant(1)
-    instant.go_to(t)
-    paper.clip(stage)
-    instant.paint_still(paper)
-    instant.paint(paper)
-    return instant
-
-
-def pixels(size: tuple[int, int], type_: Typesetter, paint: Paint, *,
-           transparent: bool = False) -> NDArray[np.uint8]:
-    """Red, green, blue of a painting [h, w, 3]; with the opacity if it is transparent."""
-    renderer = cast(Any, backend_agg).RendererAgg(*size, POINTS)
-    _paint(Paper(renderer, size, type_, 1.0, paths=True), paint, transparent)
-    found = np.array(renderer.buffer_rgba())
-    if not transparent:
-        return found[..., :3]
-    found[found[..., 3] == 0, :3] = 255
-    return found
-
-
-def _paint(paper: Paper, paint: Paint, transparent: bool) -> None:
+def pixels(made: Picture | Strip, t: float, *, transparent: bool = False) -> NDArray[np.uint8]:
+    """Red, green, blue of a picture at a time [s], [h, w, 3]; and the opacity if transparent."""
+    renderer = cast(Any, backend_agg).RendererAgg(*made.size, POINTS)
+    paper = Paper(renderer, made.size, made.type, 1.0, paths=True)
     if not transparent:
         paper.fill(BACKGROUND)
-    paint(paper)
+    made.paint(paper, t)
+    found = np.array(renderer.buffer_rgba())
+    found[found[..., 3] == 0, :3] = 255
+    return found if transparent else found[..., :3]
 
 
-def save(path: Path, size: tuple[int, int], type_: Typesetter, paint: Paint, *,
-         transparent: bool = False, per_inch: float | None = None) -> None:
-    """Write a painting as PNG, SVG or PDF by the file's ending; equal ones give equal bytes.
+def save(path: Path, made: Picture | Strip, t: float, *, transparent: bool = False,
+         per_inch: float | None = None) -> None:
+    """Write a picture as PNG, SVG or PDF by the file's ending; equal ones give equal bytes.
 
     Raises:
         OutputError: it cannot be written.
     """
     ending, factor = path.suffix.lower(), POINTS / (per_inch or SCREEN_PER_INCH)
-    wide, high, text = size[0] * factor, size[1] * factor, io.StringIO()
+    (wide, high), text = (side * factor for side in made.size), io.StringIO()
+    pdf, svg = cast(Any, backend_pdf), cast(Any, backend_svg)
     with atomic_file(path) as aside, matplotlib.rc_context({
             "svg.fonttype": "none", "font.sans-serif": [], "svg.hashsalt": "sandbox",
             "pdf.fonttype": 42}):
         if ending == ".png":
             from PIL import Image
 
-            made = Image.fromarray(pixels(size, type_, paint, transparent=transparent))
-            made.save(aside, format="PNG", **({"dpi": (per_inch, per_inch)} if per_inch else {}))
-        elif ending == ".svg":
-            renderer = cast(Any, backend_svg).RendererSVG(wide, high, text, image_dpi=POINTS,
-                                                          metadata={"Date": None})
-            _paint(Paper(renderer, size, type_, factor, paths=False), paint, transparent)
-            renderer.finalize()
-            aside.write_text(text.getvalue(), encoding="utf-8")
+            Image.fromarray(pixels(made, t, transparent=transparent)).save(
+                aside, format="PNG", **({"dpi": (per_inch, per_inch)} if per_inch else {}))
+            return
+        if ending == ".svg":
+            renderer = svg.RendererSVG(wide, high, text, image_dpi=POINTS, metadata={"Date": None})
         else:
-            pdf = cast(Any, backend_pdf)
-            file = pdf.PdfFile(str(aside), metadata={"CreationDate": None, "Producer": None,
-                                                     "Creator": None})
+            file = pdf.PdfFile(str(aside), metadata=dict.fromkeys(
+                ("CreationDate", "Producer", "Creator")))
             file.newPage(wide / POINTS, high / POINTS)
             renderer = pdf.RendererPdf(file, POINTS, high / POINTS, wide / POINTS)
-            _paint(Paper(renderer, size, type_, factor, paths=False), paint, transparent)
-            renderer.finalize()
+        paper = Paper(renderer, made.size, made.type, factor, paths=False)
+        if not transparent:
+            paper.fill(BACKGROUND)
+        made.paint(paper, t)
+        renderer.finalize()
+        if ending == ".svg":
+            aside.write_text(text.getvalue(), encoding="utf-8")
+        else:
             file.finalize()
             file.close()

@@ -1,15 +1,13 @@
-"""How long arrows are and what colours tensions have; round numbers and units.
+"""Scales of arrows and tension colours; round numbers and units.
 
-A film shows each instant as long as any other, so sizes are weighed by time: an arrow's scale is
-that of the largest arrow of nearly every picture, not of the largest number of the run. A blow
-lasts a sample or a few; measured by it, all that lasts would have no length.
+Sizes are weighted by time: a scale fits the largest arrow of nearly every picture, not the maximum
+of the run. An impact lasts a sample or a few; on its scale, all other arrows would have no length.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -21,40 +19,27 @@ from sandbox.picture.run_data import RunData
 from sandbox.samples.cables import piece_tensions
 from sandbox.scene.settings import View
 
-OFTEN = 0.95
-"""Share of the time in which anything acts that no arrow is larger than the reference: what is
-larger is seen in one picture of twenty, and cut only beyond :data:`LONGEST` times it."""
-ENDING = 0.1
-"""Share of the run, its end, of which what acts for half of it counts too: an end is looked at
-longest, and a grasp may come as late."""
+OFTEN = 0.95  # share of the active time in which no arrow exceeds the reference
+ENDING = 0.1  # last share of the run whose median counts, too: the end is looked at longest
 REFERENCE, LONGEST = 0.085, 1.5
-"""Length of the reference force's arrow as a fraction of the picture's width; arrows are cut at so
-many times the reference and marked with two bars."""
-ROUNDING = 1e-6
-"""Acceleration [m/s^2] of all that moves: forces that are no larger than that takes are nothing."""
+"""Reference arrow [picture widths]; longer arrows are cut at this multiple."""
+ROUNDING = 1e-6  # forces of this acceleration of all bodies are rounding errors [m/s^2]
 MOST_DECIMALS = 9
-NOTHING = 1e-6
-"""What is below this fraction of the largest size of a run is what rounding leaves."""
-SAME = 1e-9
-"""Pins of a body that are no farther apart are one [m]."""
-UNLOADED = 1e-3
-"""Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
+NOTHING = 1e-6  # rounding errors are below this fraction of the largest size of a run
+SAME = 1e-9  # pins of a body that are no farther apart are one [m]
+UNLOADED = 1e-3  # links below this are unloaded [tops of the scale]
 USUAL, SPIKE = 0.75, 2.0
-"""The share of the samples that carry anything, above which they are rare; how many times as large
-as the others the scale's top may be for the sake of these."""
-SLACK_FRACTION, UNSEEN = 1e-6, 1e-5
-"""Tensions below the first fraction of the scale count as slack; the second has no colour yet."""
+"""Quantile of loaded samples, and maximum ratio of the top of the scale to it."""
+SLACK_FRACTION, UNSEEN = 1e-6, 1e-5  # slack, and without colour [tops of the scale]
 PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
 
 
-@dataclass(frozen=True)
-class ForceScale:
-    """How long an arrow is, of a force or of anything else that has a size."""
+class ForceScale(NamedTuple):
+    """Length of arrows, of forces or of other quantities."""
 
-    metres: float
-    """Length of an arrow of size 1 [m]; 0 where there is nothing to show."""
+    metres: float  # length of an arrow of size 1 [m]; 0 where there is nothing to show
     reference: float
-    """A size that is typical of the large ones of the run [N, or the unit of what is shown]."""
+    """A typical large size of the run [N, or the unit of the quantity]."""
 
     @property
     def longest(self) -> float:
@@ -66,20 +51,15 @@ NO_SCALE = ForceScale(0.0, 0.0)
 
 
 def scale_of(reference: float, length: float) -> ForceScale:
-    """The scale by which an arrow of the reference size has this length [m]."""
+    """The scale of arrows whose reference size has this length [m]."""
     return ForceScale(length / reference, reference) if reference > 0 else NO_SCALE
 
 
 def typical(largest: Array, time: Array) -> float:
-    """The size by which arrows are measured; 0 if there are none.
+    """The reference size of arrows; 0 if there are none.
 
-    The time-weighted quantile :data:`OFTEN` of the largest arrow of each sample, over the time in
-    which anything acts; or the median of the run's last :data:`ENDING`, if that is larger. Of
-    blows alone it is a large one of these.
-
-    Args:
-        largest: size of the largest arrow of each sample, 0 where there is none, [n].
-        time: of the samples [n] s.
+    It is the time-weighted quantile :data:`OFTEN` of the ``largest`` arrow of each sample [n] over
+    the time in which anything acts, or the median of the last :data:`ENDING` if that is larger.
     """
     size = np.nan_to_num(np.asarray(largest, dtype=float), posinf=0.0)
     top = float(size.max(initial=0.0))
@@ -92,7 +72,7 @@ def typical(largest: Array, time: Array) -> float:
 
 
 def quantile(values: Array, weights: Array, share: float) -> float:
-    """The least of ``values`` [k] that ``share`` of all ``weights`` [k] lies at or below."""
+    """The smallest of ``values`` [k] with ``share`` of all ``weights`` [k] at or below it."""
     order = np.argsort(values, kind="stable")
     below = np.cumsum(weights[order])
     # a share that a sum of weights reaches is reached in spite of rounding
@@ -107,14 +87,14 @@ def rounding(run: RunData) -> float:
 
 
 def largest_of(samples: Integers, sizes: Array, count: int) -> Array:
-    """The largest of the ``sizes`` [m] of each of ``count`` samples, 0 of those without any."""
+    """The largest of the ``sizes`` [m] of each of ``count`` samples; 0 without any."""
     found = np.zeros(count)
     np.maximum.at(found, samples, sizes)
     return found
 
 
 def force_scale(run: RunData, width: float, view: View | None = None) -> ForceScale:
-    """The scale of contact forces on a picture ``width`` [m] wide, or the one the view asks for."""
+    """The scale of contact forces on a picture ``width`` [m] wide, or that of the view."""
     given, arrays = (view or run.mechanism.view).force_scale, run.arrays
     sizes = np.hypot(*arrays["contact_force"].T)
     reference = typical(largest_of(arrays["contact_sample"], sizes, len(run.time)), run.time)
@@ -124,7 +104,7 @@ def force_scale(run: RunData, width: float, view: View | None = None) -> ForceSc
 
 
 def shared(scales: Iterable[ForceScale]) -> ForceScale:
-    """The scale of arrows that several pictures share: that of the largest sizes."""
+    """The scale for several pictures: that of the largest sizes."""
     return max(scales, key=lambda scale: scale.reference)
 
 
@@ -141,7 +121,7 @@ def pressure_unit(largest: float) -> tuple[float, str]:
 
 
 def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
-    """How values up to about ``reference`` are written: a factor, the unit and decimals.
+    """Factor, unit and decimals to write values up to about ``reference``.
 
     >>> prefixed(0.0016, "N m")
     (1000.0, 'mN m', 2)
@@ -162,12 +142,6 @@ def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
     return factor, prefix + unit, decimals(factor * size)
 
 
-def written(value: float, factor: float, places: int) -> str:
-    """A value times a factor with decimals, without a negative 0."""
-    text = f"{factor * value:.{places}f}"
-    return text if float(text) else text.removeprefix("-")
-
-
 def round_length(largest: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not above ``largest``, which is > 0."""
     power = 10.0 ** np.floor(np.log10(largest))
@@ -176,10 +150,7 @@ def round_length(largest: float) -> float:
 
 
 def round_up(value: float) -> float:
-    """The smallest of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten not below ``value``.
-
-    1 for nothing, and for numbers so small that no power of ten is.
-    """
+    """The smallest 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten from ``value`` on; 1 for 0."""
     if not value > 1e-300:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
@@ -191,10 +162,8 @@ class PinnedBar(NamedTuple):
     """A body with pins in two places."""
 
     body: int
-    ends: list[tuple[float, float]]
-    """In its frame [m], two."""
-    joints: list[list[int]]
-    """Those at either end."""
+    ends: list[tuple[float, float]]  # in its frame [m], two
+    joints: list[list[int]]  # those at either end
 
 
 def bars_of(run: RunData, bodies: Sequence[int]) -> list[PinnedBar]:
@@ -216,10 +185,10 @@ def bars_of(run: RunData, bodies: Sequence[int]) -> list[PinnedBar]:
 
 
 def bar_tensions(run: RunData, bars: Sequence[PinnedBar]) -> Array:
-    """The pull that each bar carries from pin to pin [N], negative where it pushes, [n, k].
+    """The tension of each bar [N], negative where it pushes, [n, k].
 
-    With the forces F of the pins on the bar and u from one to the other it is (F2 - F1) . u / 2:
-    the tension where nothing else loads the bar, else the mean of that at either end.
+    With the forces F of the pins on the bar and u from one to the other it is (F2 - F1) . u / 2,
+    the mean of both ends.
     """
     force, angle = run.arrays["joint_force"], run.arrays["body_pose"][..., 2]
     tension = np.zeros((len(angle), len(bars)))
@@ -238,14 +207,10 @@ def bar_tensions(run: RunData, bars: Sequence[PinnedBar]) -> Array:
 class Tensions(NamedTuple):
     """Tensions of a run, negative where a link pushes, and the scale that shows them."""
 
-    pieces: Array
-    """Of all straight pieces of tendons [N], [n, m]."""
-    links: Array
-    """Of all joints along a line [N], [n, nj]; 0 of others."""
-    bars: Array
-    """Of bodies between two pins that are shown as bars [N], [n, k]."""
-    largest: float
-    """Top of the scale [N]; 0 if nothing carries anything."""
+    pieces: Array  # of all straight pieces of tendons [N], [n, m]
+    links: Array  # of all joints along a line [N], [n, nj]; 0 of others
+    bars: Array  # of bodies between two pins that are shown as bars [N], [n, k]
+    largest: float  # top of the scale [N]; 0 if nothing carries anything
     pushing: frozenset[str]
     """The layers, ``tensions`` of links and ``bars``, in which something pushes visibly."""
 
@@ -256,7 +221,7 @@ class Tensions(NamedTuple):
 
     @property
     def loaded(self) -> Integers:
-        """The joints whose links carry something at some time."""
+        """The joints with a loaded link."""
         sizes = np.abs(self.links).max(axis=0, initial=0.0)
         return np.flatnonzero(sizes > UNLOADED * self.largest)
 
@@ -267,17 +232,14 @@ class Tensions(NamedTuple):
                              pushing=self.pushing.union(*(each.pushing for each in every)))
 
     def hidden(self) -> Tensions:
-        """The same where no colours are shown: tendons are grey, slack ones dashed.
-
-        Bars, which are nothing else, keep theirs.
-        """
+        """Without colours, except of bars: tendons are grey, slack ones dashed."""
         loaded = self.pieces > SLACK_FRACTION * self.largest
         return self._replace(pieces=np.where(loaded, UNSEEN * self.largest, 0.0),
                              links=np.zeros_like(self.links))
 
 
 def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
-    """Those of a run; the ``bars`` are measured by the same scale as tendons, rods and ropes."""
+    """Tensions of a run; ``bars`` share the scale of tendons, rods and ropes."""
     pieces = piece_tensions(run.model, run.arrays).T
     links = np.zeros(run.arrays["joint_reaction"].shape)
     lines = [k for k, joint in enumerate(run.mechanism.joints)
@@ -296,8 +258,7 @@ def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
 def largest_tension(tension: Array) -> float:
     """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
 
-    The sharpest 0.5 % of samples may lie above it, and more where they are so large that what
-    tendons carry else would have no colour.
+    The sharpest 0.5 % of samples may exceed it, more if the usual tensions would have no colour.
     """
     if not tension.size:
         return 0.0

@@ -13,23 +13,21 @@ import pygame
 
 from sandbox.atomic_files import output_path
 from sandbox.errors import OutputError
-from sandbox.picture.bounds import Rectangle, body_box, whole_box, width_shown
-from sandbox.picture.build import subject_of
 from sandbox.picture.frame import (
-    LEAST_TYPE,
+    MIN_TYPE,
     TYPE,
+    Entry,
     Picture,
     arrange,
     draw_legend,
-    entries,
     picture_unit,
     type_size,
 )
 from sandbox.picture.meters import MeterPanel
-from sandbox.picture.options import PrintSize, check_run, paper_of, view_of
+from sandbox.picture.options import PRINT_TYPE, UNITS, PrintSize, check_run, paper_of, view_of
 from sandbox.picture.palette import HAIRLINE, INK
-from sandbox.picture.run_data import MeteredRun
 from sandbox.picture.typesetter import Headline, Typesetter, ellipsis
+from sandbox.samples.samples import Samples
 from sandbox.scene.settings import View
 from sandbox.values.numbers import number_from
 from sandbox.wording import WrongValueError, near, quoted
@@ -39,42 +37,31 @@ if TYPE_CHECKING:
 
 ENDINGS = (".png", ".svg", ".pdf")
 WHAT = "a picture"
-ENDS = ("start", "end")
-"""Words for times."""
-ROOM = 3
-"""Height in widths that no still on paper needs: what it needs is found in it."""
-KEYS, MOST = 5, 24
-"""Pictures of a strip, unless it is said how many; at most."""
-ACROSS = 6
-"""Pictures in a row of a strip, unless its size is given."""
-SHAPES = (0.35, 1.6)
-"""Least and largest height of a picture of a strip as a fraction of its width."""
-LEAST = 0.42
-"""Of the width that the view asks for: a picture of a strip is not narrower."""
-INSIDE = 0.65
-"""Size of the words in the pictures of a strip, in that of its own."""
-SETTLED = 3
-"""Times that the size of type and the height of what stands around, which has it, are found from
-each other."""
+ENDS = ("start", "end")  # words for times
+ROOM = 3  # height / width of a layout in which a still on paper finds its height
+PICTURES, MAX_PICTURES = 5, 24  # of a strip: default and maximum
+ACROSS = 6  # pictures in a row of a strip without a size
+SHAPES = (0.35, 1.6)  # limits of height / width of a picture of a strip without a size
+LEAST = 0.42  # minimum width of a picture of a strip relative to the view's
+INSIDE = 0.65  # size of words inside the pictures of a strip relative to its own
+PRINT_UNIT = 0.75 * PRINT_TYPE / TYPE  # pixels per point on paper: lines are finer than letters
 NARROWEST, SMALLEST = 40.0, 40
-"""Of a picture of a strip: least width on paper [mm], least width and height [pixels]."""
+"""Pictures of a strip: minimum width on paper [mm], minimum width and height [pixels]."""
 Instants = float | str | Sequence[float | str]
 
 
 class Instant(NamedTuple):
-    """A moment that is asked for."""
+    """A requested moment."""
 
-    time: float
-    """In seconds."""
-    word: str
-    """What a file of it is called: ``0.8s``, ``end``."""
+    time: float  # [s]
+    word: str  # in the name of its file: ``0.8s``, ``end``
 
 
-def instants(run: MeteredRun, at: Instants) -> list[Instant]:
+def instants(run: Samples, at: Instants) -> list[Instant]:
     """The moments that ``at`` names: seconds, times with units, ``start``, ``end``; or a list.
 
     Raises:
-        OutputError: what is no time, or one that the run does not reach; one a line.
+        OutputError: values that are no times, or that the run does not reach; one a line.
     """
     given = list(at) if isinstance(at, (list, tuple, np.ndarray)) else [at]
     found, problems = [], []
@@ -89,248 +76,222 @@ def instants(run: MeteredRun, at: Instants) -> list[Instant]:
     return found
 
 
-def _instant(run: MeteredRun, given: Any) -> Instant:
+def _instant(run: Samples, given: Any) -> Instant:
     first, last = float(run.time[0]), float(run.time[-1])
     # a sample is taken within a step, so that none lies at the very start and end
     apart = (last - first) / max(len(run.time) - 1, 1) * (1 + 1e-9)
-    least = 0.0 if first <= apart else first
+    start, end = (0.0 if first <= apart else first), run.mechanism.run.duration
     if isinstance(given, str) and (word := given.strip()) in ENDS:
-        return Instant(least if word == ENDS[0] else last, word)
+        return Instant(start if word == ENDS[0] else last, word)
     try:
-        time = number_from(_number(given), "time", {})
+        try:
+            number = float(given) if isinstance(given, str) else given
+        except ValueError:
+            number = given
+        time = number_from(number, "time", {})
     except ValueError as error:
         hint = near(given, ENDS) if isinstance(given, str) else ""
         words = error.message if isinstance(error, WrongValueError) else str(error)
         raise WrongValueError("bad-time", words, hint=hint,
                               allowed='a time such as 0.8 or "0.8 s", "start", "end"') from None
-    most = max(last, run.mechanism.run.duration) if run.mechanism.run.duration - last <= 2 * apart \
-        else last
-    if not least <= time <= most:
-        raise WrongValueError("bad-time", f"the run lasts from {least:g} s to {most:g} s")
+    if not start <= time <= (max(last, end) if end - last <= 2 * apart else last):
+        raise WrongValueError("bad-time", f"the run lasts from {start:g} s to {last:g} s")
     return Instant(time, f"{time:.6g}s")
 
 
-def _number(given: Any) -> Any:
-    """A text without a unit as a number of seconds."""
-    try:
-        return float(given) if isinstance(given, str) else given
-    except ValueError:
-        return given
-
-
 def save_stills(
-    run: MeteredRun, path: Path, *, view: View, at: Instants | None = None,
+    run: Samples, path: Path, *, view: View, at: Instants | None = None,
     strip: bool | int = False, transparent: bool = False, bare: bool = False,
     scales: bool = False, sized: bool = False, paper: PrintSize | None = None,
 ) -> list[Path]:
     """Draw moments to ``path``; see :func:`sandbox.picture.film.render`.
 
-    The view's size is that of a strip as a whole where it is ``sized``; that of ``paper`` takes
-    its place.
+    If ``sized``, the view's size is that of a strip as a whole; ``paper`` overrides it.
     """
-    from sandbox.picture.paper import paint_picture, save
+    from sandbox.picture.paper import save
 
     moments = _moments(run, view, at, strip)
     times = [moment.time for moment in moments]
+    made: Picture | Strip
     if strip is not False:
-        made: Any = strip_of(run, times, view, bare=bare, scales=scales, paper=paper,
-                             size=view.size if sized else None)
-        paints, files = [made.paint], still_paths(path, [Instant(0.0, "strip")], several=False)
+        made = Strip(run, times, view, bare=bare, scales=scales, paper=paper,
+                     size=view.size if sized else None)
+        moments = [Instant(times[0], "strip")]
     else:
-        worn: dict[str, Any] = {"view": view, "bare": bare, "scales": scales, "moments": times}
+        picture = partial(Picture, run, view=view, bare=bare, scales=scales, moments=times)
         if paper:
-            worn |= {"unit": paper.unit(TYPE), "least": paper.least}
-            high = paper.pixels_down or round(
-                Picture(run, size=(paper.pixels, ROOM * paper.pixels), **worn).needs)
-            worn["size"] = (paper.pixels, high)
-        made = Picture(run, **worn)
-        paints = [partial(paint_picture, made, t=t) for t in times]
-        files = still_paths(path, moments, several=len(moments) > 1)
-    for paint, file in zip(paints, files, strict=True):
-        save(output_path(file, WHAT), made.size, made.type, paint, transparent=transparent,
-             per_inch=paper.per_inch(made.size[0]) if paper else None)
+            picture = partial(picture, unit=PRINT_UNIT, least=PRINT_TYPE)
+            wide, high = paper.pixels
+            high = high or round(picture(size=(wide, ROOM * wide)).needs)
+            picture = partial(picture, size=(wide, high))
+        made = picture()
+    files = []
+    for moment in moments:
+        file = path
+        if not path.suffix or path.is_dir():
+            file = path / f"still_{moment.word}.png"
+        elif len(moments) > 1:
+            file = path.with_name(f"{path.stem}_{moment.word}{path.suffix}")
+        save(output_path(file, WHAT), made, moment.time, transparent=transparent,
+             per_inch=made.size[0] * UNITS["in"] / paper.width if paper else None)
+        files.append(file)
     return files
 
 
-def _moments(run: MeteredRun, view: View, at: Instants | None, strip: bool | int) -> list[Instant]:
-    count = (KEYS if strip else 1) if isinstance(strip, bool) else strip
+def _moments(run: Samples, view: View, at: Instants | None, strip: bool | int) -> list[Instant]:
     if isinstance(strip, bool) and at is not None:
         return instants(run, at)
     if at is not None:
         raise OutputError(f"strip={strip} and at say both which pictures a strip has: "
                           "pass strip=True with at, or a number without", code="bad-picture")
-    if strip is not False and not 2 <= count <= MOST:
-        raise OutputError(f"strip={quoted(strip)}: a strip has 2 to {MOST} pictures",
-                          code="bad-picture")
     end = float(run.time[-1])
     if strip is False:
         return [Instant(end, ENDS[1])]
+    count = PICTURES if strip is True else strip
+    if not 2 <= count <= MAX_PICTURES:
+        raise OutputError(f"strip={quoted(strip)}: a strip has 2 to {MAX_PICTURES} pictures",
+                          code="bad-picture")
     return [Instant(t, f"{t:.6g}s") for t in np.linspace(min(view.start, end), end, count).tolist()]
 
 
-def still_paths(path: Path, moments: Sequence[Instant], *, several: bool) -> list[Path]:
-    """One file for each moment: ``path`` itself, or its name with the moment's where several.
-
-    In a directory they are ``still_0.8s.png`` and so on.
-    """
-    if not path.suffix or path.is_dir():
-        return [path / f"still_{moment.word}.png" for moment in moments]
-    if not several:
-        return [path]
-    return [path.with_name(f"{path.stem}_{moment.word}{path.suffix}") for moment in moments]
-
-
 def save_picture(
-    run: MeteredRun, path: str | Path, *, t: float | None = None,
-    size: tuple[int, int] | str | None = None, view: View | None = None,
+    run: Samples, path: str | Path, *, t: float | None = None,
+    size: tuple[int, int] | str | None = None,
 ) -> None:
     """Draw one moment of a run, by default its end."""
     check_run(run)
     paper = paper_of(size)
-    view = view_of(view or run.mechanism.view, {"size": None if paper else size})
+    view = view_of(run.mechanism.view, {"size": None if paper else size})
     save_stills(run, output_path(path, WHAT), view=view, at=t, paper=paper)
 
 
-def strip_of(run: MeteredRun, times: Sequence[float], view: View, *, bare: bool = False,
-             scales: bool = False, size: tuple[int, int] | None = None,
-             paper: PrintSize | None = None) -> Strip:
-    """Pictures at ``times`` [s], each above its time; ``bare`` leaves title and legend out.
+class Strip:
+    """Pictures at ``times`` [s] in rows, each above its time; title, meters and legend.
 
-    Meters stand below all pictures, with a cursor for each. The strip has the ``size`` [pixels], or
-    that of ``paper``, else what its pictures need, each about :data:`LEAST` of the view's width.
+    Meters stand below all pictures, with a cursor for each. The size is ``size`` [pixels], or that
+    of ``paper``, else each picture has about :data:`LEAST` of the view's width. ``bare`` leaves
+    title and legend out, ``scales`` keeps the scales of the legend.
 
     Raises:
         OutputError: the size has no room for so many pictures.
     """
-    around = partial(_Surround, run, view, titled=not (bare or scales), keyed=scales or not bare,
-                     least=paper.least if paper else 0, count=len(times))
-    made = partial(Strip, run, times, view, around, scales=scales)
-    bodies = body_box(run, view, times)
-    across = width_shown(bodies, 1.0, view.width)
-    out = subject_of(run, view, width=across, point=across / 800, moments=times).out
-    box = whole_box(out, run, bodies, view, times)
-    if paper and paper.pixels_down:
-        size = (paper.pixels, paper.pixels_down)
-    if size is None:
+
+    pad: int
+    line: int
+    legend: list[list[Entry]]
+
+    def __init__(self, run: Samples, times: Sequence[float], view: View, *, bare: bool = False,
+                 scales: bool = False, size: tuple[int, int] | None = None,
+                 paper: PrintSize | None = None) -> None:
+        self.run, self.times, self.view = run, times, view
+        self.titled, self.keyed, self.scales = not (bare or scales), scales or not bare, scales
+        self.least = PRINT_TYPE if paper else 0
+        if paper and paper.height:
+            size = paper.pixels
+        box = self._picture(view.size, picture_unit(view.size)).box
+        unit = PRINT_UNIT if paper else picture_unit(size or view.size)
+        if size:
+            for rows in (1, 2, 3, 4):
+                self._surround(unit, size)
+                across, pane = self._fitted(box.width, box.height, size, rows)
+                self._lay_out(across, pane, unit if paper else INSIDE * unit, size)
+                if len(self.legend) <= rows:
+                    break
+            return
         most = max(1, int(paper.width / NARROWEST)) if paper else ACROSS
-        count = math.ceil(len(times) / math.ceil(len(times) / most))
-        wide = paper.pixels // count if paper else round(view.size[0] * max(LEAST, 1 / count))
+        across = math.ceil(len(times) / math.ceil(len(times) / most))
+        wide = paper.pixels[0] // across if paper else round(view.size[0] * max(LEAST, 1 / across))
         shape = view.size[1] / view.size[0] if view.width and view.centre else float(
             np.clip(box.height / (view.width or max(box.width, 1e-9)), *SHAPES))
-        pane = (wide, round(wide * shape))
-        if paper:
-            unit = paper.unit(TYPE)
-            return made(count, pane, inside=unit, unit=unit)
-        own = unit = picture_unit(view.size)
-        for _ in range(SETTLED):
-            stands = around(unit, (count * wide, 10 * count * wide), 1)
-            high = stands.high + math.ceil(len(times) / count) * (
-                pane[1] + stands.line + stands.pad)
-            unit = max(own, picture_unit((count * wide, high)))
-        return made(count, pane, inside=max(own, INSIDE * unit), unit=unit)
-    unit = paper.unit(TYPE) if paper else picture_unit(size)
-    for rows in (1, 2, 3, 4):
-        count, pane = _fitted(box, len(times), size, around(unit, size, rows))
-        strip = made(count, pane, inside=unit if paper else INSIDE * unit, unit=unit, size=size)
-        if len(strip.legend) <= rows:
-            break
-    return strip
+        own, pane = unit, (wide, round(wide * shape))
+        for _ in range(1 if paper else 4):  # size of type and height depend on each other
+            self._surround(unit, (across * wide, 10 * across * wide))
+            high = self._high(1) + math.ceil(len(times) / across) * (
+                pane[1] + self.line + self.pad)
+            self.unit, unit = unit, max(own, picture_unit((across * wide, high)))
+        self._lay_out(across, pane, own if paper else max(own, INSIDE * self.unit), None)
 
+    def _picture(self, size: tuple[int, int], unit: float) -> Picture:
+        view = self.view.model_copy(update={"meters": ()})
+        return Picture(self.run, size=size, view=view, unit=unit, bare=True, moments=self.times,
+                       least=self.least)
 
-class _Surround:
-    """What stands around the pictures, and its heights [pixels]."""
-
-    def __init__(self, run: MeteredRun, view: View, unit: float, size: tuple[int, int], rows: int,
-                 *, titled: bool, keyed: bool, least: int, count: int) -> None:
-        self.least, self.keyed, self.type = least, keyed, Typesetter(type_size(unit), least)
+    def _surround(self, unit: float, size: tuple[int, int]) -> None:
+        """Set title and meters."""
+        self.unit, self.type = unit, Typesetter(type_size(unit), self.least)
         self.pad, self.line = round(0.8 * self.type.size), round(1.6 * self.type.size)
-        title = run.mechanism.title or run.mechanism.name
+        title = self.run.mechanism.title or self.run.mechanism.name
         self.title = Headline.of(title, self.type, size[0] - 2 * self.pad, self.type.scaled(1.2),
-                                 size[1]) if titled else None
+                                 size[1]) if self.titled else None
         self.head = self.title.high if self.title else 0
-        self.panel = MeterPanel(run, view, self.type, unit, size, count)
-        self.high = self.head + self.panel.below + (rows * self.line + self.pad if keyed else 0)
-        """All of it but the times below the pictures."""
+        self.panel = MeterPanel(self.run, self.view, self.type, unit, size, len(self.times))
 
+    def _high(self, rows: int) -> int:
+        """Height [pixels] without pictures and times, with these rows of the legend."""
+        return self.head + self.panel.below + (rows * self.line + self.pad if self.keyed else 0)
 
-def _fitted(box: Rectangle, count: int, size: tuple[int, int], around: _Surround,
-            ) -> tuple[int, tuple[int, int]]:
-    """How many pictures stand in a row so that they are largest, and the size of one."""
-    best, found = 0.0, None
-    for down in range(1, count + 1):
-        across = math.ceil(count / down)
-        wide = size[0] // across
-        high = (size[1] - around.high) // down - around.line - around.pad
-        scale = min(wide / max(box.width, 1e-9), high / max(box.height, 1e-9))
-        if min(wide, high) >= SMALLEST and scale > best:
-            best, found = scale, (across, (wide, high))
-    if found is None:
-        raise OutputError(f"size={size[0]}x{size[1]}: a strip of {count} pictures has no room "
-                          f"there; allowed: pictures of {SMALLEST} by {SMALLEST} pixels or more "
-                          "besides title, times, meters and legend", code="bad-picture")
-    return found
+    def _fitted(self, width: float, height: float, size: tuple[int, int],
+                rows: int) -> tuple[int, tuple[int, int]]:
+        """Pictures in a row, and the size of one, for which a width and height [m] are largest."""
+        best, found, count = 0.0, None, len(self.times)
+        for down in range(1, count + 1):
+            across = math.ceil(count / down)
+            wide = size[0] // across
+            high = (size[1] - self._high(rows)) // down - self.line - self.pad
+            scale = min(wide / max(width, 1e-9), high / max(height, 1e-9))
+            if min(wide, high) >= SMALLEST and scale > best:
+                best, found = scale, (across, (wide, high))
+        if found is None:
+            raise OutputError(f"size={size[0]}x{size[1]}: a strip of {count} pictures has no room "
+                              f"there; allowed: pictures of {SMALLEST} by {SMALLEST} pixels or "
+                              "more besides title, times, meters and legend", code="bad-picture")
+        return found
 
-
-class Strip:
-    """Title, pictures in rows, meters and legend, laid out."""
-
-    def __init__(self, run: MeteredRun, times: Sequence[float], view: View,
-                 around: partial[_Surround], across: int, pane: tuple[int, int], *, inside: float,
-                 unit: float, scales: bool, size: tuple[int, int] | None = None) -> None:
-        self._times, self._across, self._unit = times, across, unit
+    def _lay_out(self, across: int, pane: tuple[int, int], inside: float,
+                 size: tuple[int, int] | None) -> None:
         width = size[0] if size else across * pane[0]
-        self._around = stands = around(unit, size or (width, 10 * width), 0)
-        self.type, panel = stands.type, stands.panel
-        self.pane = Picture(run, size=pane, view=view.model_copy(update={"meters": ()}),
-                            unit=inside, bare=True, moments=times, least=stands.least)
-        self.legend = [] if not stands.keyed else arrange(
-            entries(self.pane.out.legend, self.pane.camera.scale, unit, scales=scales),
-            self.type, unit, width - 2 * stands.pad, 8)
-        self._cell = pane[1] + stands.line + stands.pad
-        bottom = stands.head + math.ceil(len(times) / across) * self._cell
-        panel.settle(pygame.Rect(0, bottom, width, panel.below), aside=False)
-        self._foot = bottom + panel.below
-        self.size = size or (width, self._foot + len(self.legend) * stands.line + (
-            stands.pad if stands.keyed else 0))
+        self.across, self.pane = across, self._picture(pane, inside)
+        self.legend = [] if not self.keyed else arrange(
+            self.pane.out.legend, self.pane.camera.scale, self.type, self.unit,
+            width - 2 * self.pad, 8, scales=self.scales)
+        self.cell = pane[1] + self.line + self.pad
+        bottom = self.head + math.ceil(len(self.times) / across) * self.cell
+        self.foot = bottom + self.panel.below
+        self.panel.settle(pygame.Rect(0, bottom, width, self.panel.below), aside=False)
+        self.size = size or (width, self.foot + len(self.legend) * self.line + (
+            self.pad if self.keyed else 0))
 
-    def paint(self, paper: Paper) -> None:
-        """Paint all of it."""
-        from sandbox.picture.paper import paint_stage
-
-        (wide, high), stands, unit = self.pane.size, self._around, self._unit
-        texts, size = self._time_texts(wide - stands.pad)
-        for i, (t, text) in enumerate(zip(self._times, texts, strict=True)):
-            x, y = i % self._across * wide, stands.head + i // self._across * self._cell
+    def paint(self, paper: Paper, t: float = 0.0) -> None:
+        """Paint all of it, whatever the time."""
+        (wide, high), unit = self.pane.size, self.unit
+        texts, size = self._time_texts(wide - self.pad)
+        for i, (time, text) in enumerate(zip(self.times, texts, strict=True)):
+            x, y = i % self.across * wide, self.head + i // self.across * self.cell
             paper.move(x, y)
-            instant = paint_stage(self.pane, paper, t, (0, 0, wide, high))
+            instant = self.pane.paint_stage(paper, time)
             self.pane.write_grid(paper, instant)
             self.pane.write_labels(paper, instant)
-            paper.clip(None)
             paper.move(0, 0)
             paper.write((round(x + (wide - self.type.width(text, size)) / 2),
-                         round(y + high + (stands.line - self.type.height(size)) / 2)),
+                         round(y + high + (self.line - self.type.height(size)) / 2)),
                         text, size, INK)
-        bottom = stands.panel.rect.top - stands.pad
-        for column in range(1, self._across):
-            paper.line([(column * wide, stands.head), (column * wide, bottom)], HAIRLINE, unit)
-        stands.panel.draw_still(paper)
-        stands.panel.draw(paper, self._times)
-        if stands.title:
-            stands.title.write(paper, self.type, stands.pad)
-            edge = self._foot - stands.pad / 2
-            paper.line([(stands.pad, edge), (self.size[0] - stands.pad, edge)], HAIRLINE, unit)
-        draw_legend(paper, instant, self.legend, self.type, unit, stands.pad, self._foot,
-                    stands.line)
+        bottom = self.panel.rect.top - self.pad
+        for column in range(1, self.across):
+            paper.line([(column * wide, self.head), (column * wide, bottom)], HAIRLINE, unit)
+        self.panel.draw_still(paper)
+        self.panel.draw(paper, self.times)
+        if self.title:
+            self.title.write(paper, self.type, self.pad)
+            edge = self.foot - self.pad / 2
+            paper.line([(self.pad, edge), (self.size[0] - self.pad, edge)], HAIRLINE, unit)
+        draw_legend(paper, instant, self.legend, self.type, unit, self.pad, self.foot, self.line)
 
     def _time_texts(self, room: int) -> tuple[list[str], int]:
-        """Times below the pictures and the size of their type, so that no two meet.
-
-        Where they are too wide, they have no ``t =``, then fewer decimals, then smaller type.
-        """
+        """Times below the pictures in a form and a size of type [pixels] that fit in ``room``."""
         forms = ["t = {:.3f} s", "{:.3f} s", "{:.2f} s", "{:.1f} s", "{:.0f} s"]
-        every = [[form.format(t) for t in self._times] for form in forms]
-        every = [texts for texts in every if len(set(texts)) == len(set(self._times))] or every[:2]
-        least = max(LEAST_TYPE, self.type.least)
+        every = [[form.format(t) for t in self.times] for form in forms]
+        every = [texts for texts in every if len(set(texts)) == len(set(self.times))] or every[:2]
+        least = max(MIN_TYPE, self.type.least)
         for size in range(self.type.size, least - 1, -1):
             for texts in every:
                 if max(self.type.width(text, size) for text in texts) <= room:

@@ -1,4 +1,4 @@
-"""What a display list is made from: the run, what to show of it, and to which scales."""
+"""Input of a display list: the run, its visible layers and its scales."""
 
 from __future__ import annotations
 
@@ -7,18 +7,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags
 from sandbox.picture.listing import Item, Listing, Number, Point, short
 from sandbox.picture.palette import TOKENS, Colour, css, glyph
-from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import NO_SCALE, ForceScale, Tensions, prefixed
+from sandbox.picture.run_data import RunData, nearest
+from sandbox.picture.scales import ForceScale, Tensions, prefixed
 from sandbox.scene.layers import LAYERS, PASSES, Show, meant, shown
 from sandbox.scene.settings import View
 from sandbox.values.appearance import depth
 
-BEHIND, ABOVE = -math.inf, math.inf
-"""Planes behind all bodies and in front of them."""
+BEHIND, ABOVE = -math.inf, math.inf  # planes behind all bodies and in front of them
 INKS = {token: [css(day), css(night)] for token, (day, night) in TOKENS.items()}
 ORDER = {name: k for k, name in enumerate(PASSES)}
 
@@ -51,27 +52,17 @@ class Subject:
     view: View
     layers: VisibleLayers
     out: Listing
-    carried: Tensions
-    """Tensions, and the scale of their colours."""
-    force: ForceScale
-    """Of contact forces."""
-    width: float
-    """Of what the picture shows [m]."""
-    point: float
-    """Metres per point."""
-    beside: Sequence[RunData] = ()
-    """Runs that are compared with this one: they share its scales."""
-    moments: Sequence[float] | None = None
-    """The times that are painted [s], if they are few."""
-    loads: ForceScale = NO_SCALE
-    vectors: list[tuple[str, str, str, ForceScale]] = field(default_factory=list)
-    """Arrows that the view asks for: token, unit, words and scale of each kind."""
-    contacts_on: str = ""
-    """Words of the legend: on whom contact forces are shown."""
-    trace_ink: str = ""
-    """Token of the first trace."""
-    signs: set[str] = field(default_factory=set)
-    """Rows of the legend that are needed, see :data:`sandbox.picture.build.ROWS`."""
+    carried: Tensions  # tensions, and the scale of their colours
+    force: ForceScale  # of contact forces
+    width: float  # of the picture [m]
+    point: float  # metres per point
+    beside: Sequence[RunData] = ()  # other runs with the same scales
+    moments: Sequence[float] | None = None  # the times that are painted [s], if they are few
+    arrows: dict[str, tuple[str, str, str, Sequence[float], ForceScale]] = field(
+        default_factory=dict)
+    """Arrows in the legend by layer: token, unit, words, size and scale."""
+    trace_ink: str = ""  # token of the first trace
+    signs: set[str] = field(default_factory=set)  # rows of the legend that are needed, see ROWS
     _keys: list[tuple[float, float, float]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -94,12 +85,15 @@ class Subject:
 
     def add(self, step: str, kind: str, name: str = "", *, plane: float = ABOVE, rank: float = 0,
             layer: str = "", shown: Number | None = None, **fields: Any) -> None:
-        """Add an item of a pass, see :data:`sandbox.scene.layers.PASSES`, if its layer is shown.
+        """Add an item of a pass (see :data:`sandbox.scene.layers.PASSES`) if its layer is shown.
 
-        It is shown where ``shown`` is not 0; fields that are None are left out. Items of one plane
-        lie in the order of the passes, those of one pass in that of ``rank``. In texts and arrows,
-        which lie above all, ``rank`` is the order in which labels take places.
+        It is visible where ``shown`` is not 0. Items are sorted by plane, pass and ``rank``; of
+        texts and arrows, which lie above all, ``rank`` is the order in which labels are placed.
         """
+        if "s" in fields:
+            style = self.out.style
+            fields["s"] = [style(*each) for each in fields["s"]] if isinstance(
+                fields["s"], list) else style(*fields["s"])
         for each in [fields["g"]] if isinstance(fields.get("g"), str) else fields.get("g", ()):
             glyph(self.out, each)
         layer = layer or PASSES[step]
@@ -114,23 +108,30 @@ class Subject:
         self.out.items.append({key: value for key, value in item.items() if value is not None})
 
     def number(self, step: str, name: str, at: Point, values: Array, largest: float, unit: str, *,
-               steady: bool = False, token: str = "drive", words: str = "",
-               there: Flags | None = None, **fields: Any) -> None:
-        """Add a number beside a point, to the digits that the ``largest`` value deserves."""
+               steady: bool = False, token: str = "drive", words: str = "", **fields: Any) -> None:
+        """Add a number beside a point, with decimals for the ``largest`` value."""
         factor, unit, decimals = prefixed(largest, unit)
-        item = {"value": self.out.column(values, steady=steady), "factor": factor, "unit": unit,
-                "decimals": decimals, "s": self.style("", token), **fields}
-        if there is not None:
-            item["shown"] = self.steady(there)
-        self.add(step, "text", name, at=at, words=words, **item)
+        self.add(step, "text", name, at=at, words=words, factor=factor, unit=unit,
+                 value=self.out.column(values, steady=steady), decimals=decimals,
+                 s=("", token), **fields)
 
-    def close(self) -> Listing:
-        """The list, sorted back to front."""
+    def painted(self) -> Any:
+        """The painted samples."""
+        return slice(None) if self.moments is None else nearest(self.run.time, self.moments)
+
+    def largest_arrow(self, table: str) -> float:
+        """The largest arrow of a table in the painted samples."""
+        rows = self.out.tables.get(table, np.zeros((0, 6)))
+        if self.moments is not None:
+            rows = rows[np.isin(rows[:, 0], self.painted())]
+        return float(np.hypot(rows[:, 4], rows[:, 5]).max(initial=0.0))
+
+    def close(self) -> None:
+        """Sort the list back to front."""
         order = sorted(range(len(self._keys)), key=self._keys.__getitem__)
         self.out.items = [self.out.items[k] for k in order]
         self._keys = []
         self.out.close()
-        return self.out
 
     def held(self, *bonds: int) -> list[int] | None:
         """A column that is 1 while all of these hold; None if nothing of them can be released."""
@@ -145,7 +146,3 @@ class Subject:
     def steady(self, values: Array | Flags) -> Number:
         """Values that painters do not interpolate, as a column, or as the number that they are."""
         return self.out.varying(values, steady=True)
-
-    def style(self, *args: Any, **kwargs: Any) -> int:
-        """The number of a style."""
-        return self.out.style(*args, **kwargs)

@@ -12,17 +12,11 @@ import pygame
 from sandbox.picture.palette import BACKGROUND, INK, Colour, Painter
 from sandbox.wording import printable
 
-FINER = 4
-"""Letters are drawn this many times larger, then scaled down."""
-MOST_LETTERS = 1000
-"""Of a text; no picture is as wide."""
-KEPT = 2000
-"""Texts that are kept: most of them come again in the next frame."""
-MOST, SHARE = 3, 0.25
-"""Lines of a title; what does not find room in them is left out. Of a picture's height that a title
-of several lines takes at most."""
-HEAD, LINE = 2.2, 1.25
-"""Height of a header of one line, in the ordinary type, and from line to line, in the title's."""
+FINER = 4  # letters are drawn this many times larger, then scaled down
+MOST_LETTERS = 1000  # of a text; no picture is as wide
+KEPT = 2000  # texts that are kept: most of them come again in the next frame
+MOST, SHARE = 3, 0.25  # maximum lines of a title, and share of the height of a picture for several
+HEAD, LINE = 2.2, 1.25  # height of a header, and from line to line of a title [sizes of type]
 
 
 class Typesetter:
@@ -105,7 +99,7 @@ def ellipsis(type_: Typesetter, text: str, room: int, size: int) -> str:
 
 @lru_cache(4000)
 def letters(text: str) -> str:
-    """What is written of a text: what does not print spelled out, and :data:`MOST_LETTERS`."""
+    """The printable form of a text, of at most :data:`MOST_LETTERS`."""
     return printable(text[:MOST_LETTERS])[:MOST_LETTERS]
 
 
@@ -113,10 +107,8 @@ class Headline(NamedTuple):
     """A title, set."""
 
     lines: tuple[str, ...]
-    size: int
-    """Of its type."""
-    high: int
-    """The header [finished pixels]."""
+    size: int  # of its type
+    high: int  # the header [finished pixels]
 
     @classmethod
     def of(cls, title: str, type_: Typesetter, room: int, size: int, high: float) -> Headline:

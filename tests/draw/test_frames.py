@@ -14,7 +14,7 @@ from sandbox.picture.film import GifWriter, render
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
 from sandbox.picture.palette import FORCE
-from sandbox.picture.paper import paint_picture, pixels
+from sandbox.picture.paper import pixels
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import frames_of, recording, zoo_mechanism
@@ -32,8 +32,7 @@ def test_golden_pictures(name, t, painter, request):
     run = request.getfixturevalue(f"{name}_run") if t != 0.1 else sandbox.simulate(
         sandbox.load_scene(name, overrides={"run.duration": 0.1}))
     made = Picture(run, size=SMALL)
-    picture = Frames(made).draw(t) if painter == "film" else pixels(
-        made.size, made.type, lambda paper: paint_picture(made, paper, t))
+    picture = Frames(made).draw(t) if painter == "film" else pixels(made, t)
     path = GOLDEN / f"{name}_{painter}.png"
     if os.environ.get("SANDBOX_UPDATE_GOLDEN") == "1":
         GOLDEN.mkdir(exist_ok=True)

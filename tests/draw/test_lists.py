@@ -80,7 +80,7 @@ def test_numbers_do_not_jump_and_are_few_in_small_pictures(
     picture = Picture(hand_run, size=size)
     instant, before, shown = picture.instant(1), dict[Any, Any](), 0
     for sample in range(0, len(hand_run.time), 4):
-        instant.go_to_sample(sample)
+        instant.go_to(float(hand_run.time[sample]))
         for label in instant.labels():
             if label.side < 0:
                 continue

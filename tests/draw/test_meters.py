@@ -51,8 +51,8 @@ def test_meters_stand_where_they_leave_the_motion_larger(spread, aside):
     assert picture.aside is aside
     assert (picture.panel.rect.left > 400) is aside
     assert not picture.panel.rect.colliderect(picture.stage)
-    for cell in picture.panel._cells:
-        assert picture.panel.rect.contains(cell)
+    for meter in picture.panel.meters:
+        assert picture.panel.rect.contains(meter.cell)
 
 
 def test_curves_are_named_by_what_differs():

@@ -12,16 +12,11 @@ from sandbox.picture.film import render
 from sandbox.picture.frame import Picture
 from sandbox.picture.meters import HUES, dials
 from sandbox.picture.options import LETTERS, PrintSize, paper_of, view_of
-from sandbox.picture.paper import paint_picture, pixels
-from sandbox.picture.stills import instants, strip_of
+from sandbox.picture.paper import pixels
+from sandbox.picture.stills import Strip, instants
 
 SMALL = (320, 240)
 SVG = "{http://www.w3.org/2000/svg}"
-
-
-def still(picture, t, transparent=False):
-    return pixels(picture.size, picture.type, lambda paper: paint_picture(picture, paper, t),
-                  transparent=transparent)
 
 
 def test_an_svg_keeps_its_words_and_has_the_size_of_the_picture(zoo_run, tmp_path):
@@ -65,7 +60,7 @@ def test_several_moments_are_several_files(finger_run, tmp_path):
     folder = render(finger_run, tmp_path / "new", at=["start", 1], size=SMALL)
     assert [file.name for file in folder] == ["still_start.png", "still_1s.png"]
     end = float(finger_run.time[-1])
-    last = still(Picture(finger_run, size=SMALL, moments=[0.25, end]), end)
+    last = pixels(Picture(finger_run, size=SMALL, moments=[0.25, end]), end)
     with Image.open(files[1]) as picture:
         assert np.array_equal(np.asarray(picture), last)
 
@@ -102,7 +97,7 @@ def test_a_gif_may_be_see_through(finger_run, tmp_path):
             film.seek(k)
             shown = np.asarray(film.convert("RGBA")).astype(int)
             t = min(k / part.mechanism.view.fps, float(part.time[-1]))
-            drawn = still(Picture(part, size=SMALL, bare=True), t, transparent=True).astype(int)
+            drawn = pixels(Picture(part, size=SMALL, bare=True), t, transparent=True).astype(int)
             assert np.array_equal(shown[..., 3] > 0, drawn[..., 3] >= 128)
             apart = np.abs(shown - drawn)[..., :3][shown[..., 3] > 0]
             assert apart.mean() < 4
@@ -153,7 +148,7 @@ def test_bare_pictures_have_no_words_around(finger_run):
 @pytest.mark.parametrize("size", [(1600, 500), (700, 900)])
 def test_a_strip_has_the_size_that_is_asked_for_and_times_that_do_not_meet(finger_run, size, count):
     times = np.linspace(0, 1.234, count).tolist()
-    strip = strip_of(finger_run, times, finger_run.mechanism.view, size=size)
+    strip = Strip(finger_run, times, finger_run.mechanism.view, size=size)
     assert strip.size == size
     words = Words()
     strip.paint(words)
@@ -171,7 +166,7 @@ def test_a_strips_meters_have_a_cursor_for_each_picture(finger_run):
     meter = f"{finger_run.mechanism.tendons[0].name}.tension"
     view = view_of(finger_run.mechanism.view, {"meters": [meter]})
     times, words = [0.1, 0.5, 1.0], Words()
-    strip_of(finger_run, times, view).paint(words)
+    Strip(finger_run, times, view).paint(words)
     samples = [int(np.argmin(np.abs(finger_run.time - t))) for t in times]
     dial, = dials(finger_run, view)
     values = ", ".join(dial.texts(s)[0].removesuffix(" N") for s in samples)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -13,44 +14,25 @@ from sandbox.model.joints import placed, slot_points
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 from sandbox.picture.geometry import XY, bare_outlines, shape_outline, united
-from sandbox.picture.listing import flat, short
-from sandbox.picture.palette import (
-    BACKGROUND,
-    INK,
-    NIGHT,
-    ROLES,
-    WHEEL,
-    Style,
-    mixed,
-)
+from sandbox.picture.listing import Look, flat, short
+from sandbox.picture.palette import BACKGROUND, INK, NIGHT, ROLES, WHEEL, Style, mixed
 from sandbox.picture.subject import BEHIND, Subject
 from sandbox.picture.wheels import wheel_pictures
 from sandbox.scene.bodies import Body, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
 from sandbox.values.appearance import ALL, depth, rgb
 
-EDGE, HAIR = 1.3, 0.5
-"""Widths of an outline and of a pitch circle [points]."""
-BAR, STALK = 8.0, 2.2
-"""Widths of a body without shapes, a bar between its anchors, and of a line from a body to an
-anchor beside it [points]."""
-DARK = 90
-"""Brightness, 0 to 255, below which a fill has an outline that is lighter."""
-DEEP = 0.45
-"""Share of the edge's colour in the fill of bodies in the lowest plane of their role."""
-ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")
-"""Roles from back to front."""
-WHEELS = ("gear", "rack", "roll")
-"""Joints that hold wheels rather than points."""
-ERROR = 0.2
-"""How far outlines of round shapes may be from their true lines [points]."""
+EDGE, HAIR = 1.3, 0.5  # widths of an outline and of a pitch circle [points]
+BAR, STALK = 8.0, 2.2  # widths of bodies without shapes, of lines to anchors beside bodies [points]
+DARK = 90  # brightness, 0 to 255, below which a fill has an outline that is lighter
+DEEP = 0.45  # share of the edge's colour in the fill of bodies in the lowest plane of their role
+ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")  # from back to front
+WHEELS = ("gear", "rack", "roll")  # joints that hold wheels rather than points
+ERROR = 0.2  # how far outlines of round shapes may be from their true lines [points]
 
 
 def styles(model: Model) -> list[Style]:
-    """The style of each body: that of its role, darker the lower its plane.
-
-    A body with a colour of its own, or of its material, is filled with that.
-    """
+    """The style of each body: own colour or material, else role, darker in lower planes."""
     bodies, found = model.mechanism.bodies, []
     moving = [bool(body.shapes) and not fixed and body.plane != ALL
               for body, fixed in zip(bodies, model.bodies.fixed.tolist(), strict=True)]
@@ -84,7 +66,7 @@ def tokens(s: Subject, style: Style) -> tuple[str, str]:
 
 
 def add_bodies(s: Subject) -> None:
-    """All bodies that are shown, with their wheels; fixed ones have hatching."""
+    """All visible bodies with their wheels; fixed ones are hatched."""
     model, looks = s.run.model, styles(s.run.model)
     wheels, joined, drives = wheel_pictures(model), joined_points(model), model.drives
     rails = model.joints.bodies[model.joints.grooved, 0].tolist()
@@ -92,81 +74,62 @@ def add_bodies(s: Subject) -> None:
         body, fixed = model.mechanism.bodies[i], bool(model.bodies.fixed[i])
         driven = {int(drives.shape[k]): k for k in drives.giving("radius").tolist()
                   if drives.target[k] == i}
-        deep = depth(body.plane)
-        made = _Body(s, i, looks[i], {
-            "plane": BEHIND if fixed and not driven and deep <= s.lowest else deep,
-            "rank": 1000.0 * ORDER.index(body.role) + i / len(looks)})
-        made.add_shapes(body, driven)
+        behind = fixed and not driven and depth(body.plane) <= s.lowest
+        add = partial(s.add, "bodies", name=body.name,
+                      plane=BEHIND if behind else depth(body.plane),
+                      rank=1000.0 * ORDER.index(body.role) + i / len(looks))
+        fill, edge = tokens(s, looks[i])
+        look = (fill, edge, EDGE, 0, int(fixed))
+        _add_shapes(s, i, add, look, driven)
         if not body.shapes and not fixed and i not in rails:  # bars between its anchors
             for start, end in pairwise(sorted(joined.get(i, []))):
                 if math.dist(start, end) > 1e-9:
-                    made.path([{"c": [*flat(start, end), short(BAR / 2 * s.point)]}])
+                    add("path", f=i, d=[{"c": [*flat(start, end), short(BAR / 2 * s.point)]}],
+                        s=look)
+        if i in wheels and body.role == "link" and not fixed:
+            fill, edge = tokens(s, ROLES["pulley"])
         for wheel in wheels.get(i, []):
-            style = ROLES["pulley"] if body.role == "link" and not fixed else looks[i]
-            fill, edge = tokens(s, style)
-            rings = [wheel.outline] if wheel.rim is None else [wheel.rim, wheel.outline]
-            made.path([flat(*(ring + wheel.centre)) for ring in rings],
-                      s.style(fill, edge, EDGE, hatched=int(fixed)))
+            add("path", f=i, d=[flat(*ring) for ring in wheel.rings],
+                s=(fill, edge, EDGE, 0, int(fixed)))
             for path, width in ((wheel.pitch_line, HAIR), (wheel.spoke, EDGE)):
                 if path is not None:
                     closed = path if len(path) == 2 else np.concatenate([path, path[:1]])
-                    made.line((closed + wheel.centre).tolist(), s.style("", edge, width))
+                    add("line", p=[s.on(i, at) for at in closed], s=("", edge, width))
 
 
-class _Body:
-    """Adds the items of one body."""
-
-    def __init__(self, s: Subject, body: int, style: Style, place: dict[str, Any]) -> None:
-        self.s, self.body, self.place = s, body, place
-        self.fixed = bool(s.run.model.bodies.fixed[body])
-        self.name = s.run.mechanism.bodies[body].name
-        self.fill, self.edge = tokens(s, style)
-        self.look = s.style(self.fill, self.edge, EDGE, hatched=int(self.fixed))
-
-    def path(self, d: Sequence[Any], look: int | None = None, **fields: Any) -> None:
-        self.s.add("bodies", "path", self.name, f=self.body, d=list(d),
-                   s=self.look if look is None else look, **self.place, **fields)
-
-    def line(self, points: Iterable[Iterable[float]], look: int) -> None:
-        self.s.add("bodies", "line", self.name, s=look, **self.place,
-                   p=[self.s.on(self.body, at) for at in points])
-
-    def add_shapes(self, body: Body, driven: dict[int, int]) -> None:
-        """Its shapes; ``driven`` are the drives that set radii, by shape."""
-        error, paper = ERROR * self.s.point, self.s.style("paper")
-        for shape in body.displaces:
-            self.path([flat(*shape_outline(solid, 0.0, error)) for solid, _ in solids(shape)],
-                      paper, m=1)
-        if not body.fill:
-            shapes = [shape for k, shape in enumerate(body.shapes) if k not in driven]
-            for path in bare_outlines(shapes, error, turns=not self.fixed):
-                self.line(path, self.s.style("", self.edge, EDGE))
-        joined = united(body.shapes, driven) if body.fill else []
-        if joined:
-            self.path([d for k in joined for d in outline(body.shapes[k])], m=1)
-        for k in back_to_front(body.shapes):
-            shape = body.shapes[k]
-            if k in joined or not (body.fill or k in driven):
-                continue
-            if isinstance(shape, Circle):
-                self.add_circle(shape, driven.get(k))
-            else:
-                self.path(outline(shape), m=1 if isinstance(shape, Polyline) else None)
-
-    def add_circle(self, shape: Circle, drive: int | None) -> None:
-        (x, y), r = shape.at, shape.radius
-        end = self.s.on(self.body, (x + r, y))
-        if drive is None:
-            self.path(outline(shape))
-        else:
-            radius = self.s.run.arrays["drive_value"][:, drive]
-            pose = self.s.run.arrays["body_pose"][:, self.body]
-            self.path([{"c": [*flat(shape.at, shape.at), self.s.out.varying(radius)]}])
+def _add_shapes(s: Subject, i: int, add: Callable[..., None], look: Look,
+                driven: dict[int, int]) -> None:
+    """The shapes of a body; ``driven`` are the drives that set radii, by shape."""
+    body, error, fixed = s.run.mechanism.bodies[i], ERROR * s.point, bool(look[-1])
+    path, line = partial(add, "path", f=i), partial(add, "line", s=("", look[1], EDGE))
+    for shape in body.displaces:
+        path(d=[flat(*shape_outline(solid, 0.0, error)) for solid, _ in solids(shape)],
+             s=("paper",), m=1)
+    if not body.fill:
+        shapes = [shape for k, shape in enumerate(body.shapes) if k not in driven]
+        for points in bare_outlines(shapes, error, turns=not fixed):
+            line(p=[s.on(i, at) for at in points])
+    joined = united(body.shapes, driven) if body.fill else []
+    if joined:
+        path(d=[d for k in joined for d in outline(body.shapes[k])], s=look, m=1)
+    for k in back_to_front(body.shapes):
+        shape = body.shapes[k]
+        if k in joined or not (body.fill or k in driven):
+            continue
+        if not isinstance(shape, Circle):
+            path(d=outline(shape), s=look, m=1 if isinstance(shape, Polyline) else None)
+            continue
+        (x, y), pose = shape.at, s.run.arrays["body_pose"][:, i]
+        end = s.on(i, (x + shape.radius, y))
+        if k in driven:
+            radius = s.run.arrays["drive_value"][:, driven[k]]
+            path(d=[{"c": [x, y, x, y, s.out.varying(radius)]}], s=look)
             tip = np.column_stack([x + radius, np.full(len(pose), y)])
-            end = self.s.out.spot(placed(pose, tip), pose[:, 2])
-        if not self.fixed:
-            self.s.add("bodies", "line", self.name, s=self.s.style("", self.edge, EDGE),
-                       p=[self.s.on(self.body, shape.at), end], **self.place)
+            end = s.out.spot(placed(pose, tip), pose[:, 2])
+        else:
+            path(d=outline(shape), s=look)
+        if not fixed:
+            line(p=[s.on(i, shape.at), end])
 
 
 def outline(shape: Shape) -> list[Any]:
@@ -192,40 +155,40 @@ def back_to_front(shapes: Sequence[Shape]) -> list[int]:
     return order
 
 
-def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
-    """Where joints, springs, cylinders and tendon guides act on each body, in its own frame [m].
-
-    ``held`` leaves out what holds nothing in place: grooves, and ends that an actuator pulls.
-    """
-    joints, springs, tendons, lines = model.joints, model.springs, model.tendons, model.lines
-    found: dict[int, list[XY]] = {}
-
-    def attach(body: int, points: Array) -> None:
-        found.setdefault(body, []).extend((x, y) for x, y in points.tolist())
-
+def _anchors(model: Model, *, grooves: bool, wheels: bool = True) -> Iterator[tuple[int, Array]]:
+    """Bodies with points [n, 2] m where joints, straight springs and cylinders act on them."""
+    joints, springs, lines = model.joints, model.springs, model.lines
     grooved = set(joints.grooved.tolist())
     for k, (a, b) in enumerate(joints.bodies.tolist()):
-        if k not in grooved:
-            attach(a, joints.anchor[k, :1])
-        elif not held:
-            attach(a, slot_points(model, k))
-        attach(b, joints.anchor[k, 1:])
+        if wheels or joints.kind[k].keeps not in WHEELS:
+            if k not in grooved:
+                yield a, joints.anchor[k, :1]
+            elif grooves:
+                yield a, slot_points(model, k)
+            yield b, joints.anchor[k, 1:]
     for table, some in ((springs, springs.straight), (lines, lines.joint == NONE)):
-        for bodies, points in zip(table.bodies[some].tolist(), table.anchor[some], strict=True):
-            attach(bodies[0], points[:1])
-            attach(bodies[1], points[1:])
+        yield from zip(table.bodies[some].ravel().tolist(), table.anchor[some].reshape(-1, 1, 2),
+                       strict=True)
+
+
+def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
+    """Where joints, springs, cylinders and tendon guides act on each body, in its frame [m].
+
+    ``held`` leaves out grooves and tendon ends that an actuator pulls.
+    """
+    tendons, found = model.tendons, dict[int, list[XY]]()
+    every = list(_anchors(model, grooves=not held))
     for tendon, drive in enumerate(tendons.drive):
         guides = tendons.guides(tendon)
-        for i in range(guides.start, guides.stop - (drive != NONE and held)):
-            attach(int(tendons.guide_body[i]), tendons.guide_at[i:i + 1])
+        every += [(int(tendons.guide_body[i]), tendons.guide_at[i:i + 1])
+                  for i in range(guides.start, guides.stop - (drive != NONE and held))]
+    for body, points in every:
+        found.setdefault(body, []).extend((x, y) for x, y in points.tolist())
     return found
 
 
 def beside(model: Model, body: int, at: XY) -> XY | None:
-    """The place on a body's shapes that is nearest to a point beside them, in its frame [m].
-
-    None if the point lies in one of the shapes, or there are none.
-    """
+    """The point of a body's shapes nearest to a point outside, in its frame [m]; None if inside."""
     found: list[tuple[float, XY]] = []
     for shape in model.mechanism.bodies[body].shapes:
         for solid, _ in solids(shape):
@@ -245,29 +208,14 @@ def beside(model: Model, body: int, at: XY) -> XY | None:
 
 
 def stalks(model: Model) -> dict[int, list[tuple[XY, XY]]]:
-    """Of each body the anchors beside its shapes [m], each with the nearest place of the body."""
-    joints, springs, lines = model.joints, model.springs, model.lines
-    grooved, ends = set(joints.grooved.tolist()), set[tuple[int, XY]]()
-    for k, kind in enumerate(joints.kind):
-        if kind.keeps not in WHEELS:
-            ends |= {(int(joints.bodies[k, end]), (float(x), float(y)))
-                     for end, (x, y) in enumerate(joints.anchor[k]) if end or k not in grooved}
-    for table, some in ((springs, springs.straight), (lines, lines.joint == NONE)):
-        points = table.anchor[some].reshape(-1, 2).tolist()
-        ends |= {(body, (x, y)) for body, (x, y) in zip(
-            table.bodies[some].ravel().tolist(), points, strict=True)}
+    """The anchors beside the shapes of each body [m], with the nearest points of these."""
+    ends = {(body, (x, y)) for body, points in _anchors(model, grooves=False, wheels=False)
+            for x, y in points.tolist()}
     found: dict[int, list[tuple[XY, XY]]] = {}
     for body, at in sorted(ends):
-        nearest = beside(model, body, at)
-        if nearest is not None:
+        if nearest := beside(model, body, at):
             found.setdefault(body, []).append((at, nearest))
     return found
-
-
-def far_feet(model: Model, least: float) -> dict[int, list[XY]]:
-    """Of fixed bodies the anchors that lie more than ``least`` [m] beside their shapes."""
-    return {body: [at for at, nearest in pairs if math.dist(at, nearest) > least]
-            for body, pairs in stalks(model).items() if model.bodies.fixed[body]}
 
 
 def add_stalks(s: Subject) -> None:
@@ -277,7 +225,7 @@ def add_stalks(s: Subject) -> None:
         if not model.bodies.fixed[body] and body in shown:
             _, edge = tokens(s, ROLES[model.mechanism.bodies[body].role])
             for pair in pairs:
-                s.add("stalks", "line", plane=s.plane(body), s=s.style("", edge, STALK),
+                s.add("stalks", "line", plane=s.plane(body), s=("", edge, STALK),
                       p=[s.on(body, at) for at in pair])
 
 
@@ -301,8 +249,8 @@ def add_wheels(s: Subject) -> None:
         steps |= {c: ROLES[spec.role] for c in circles if c < max(missing, default=0.0)}
         for radius in sorted(steps, reverse=True):
             fill, edge = tokens(s, steps[radius])
-            s.add("wheels", "path", plane=s.plane(body), f=body, s=s.style(fill, edge, 1.2),
+            s.add("wheels", "path", plane=s.plane(body), f=body, s=(fill, edge, 1.2),
                   d=[{"c": [*flat(at, at), short(radius)]}])
             if len(steps) > 1:
-                s.add("wheels", "line", plane=s.plane(body), s=s.style("", edge, 1.2),
+                s.add("wheels", "line", plane=s.plane(body), s=("", edge, 1.2),
                       p=[s.on(body, at), s.on(body, (at[0] + radius, at[1]))])

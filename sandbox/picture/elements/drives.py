@@ -7,7 +7,6 @@ tendon, pumps and valves beside their lines of fluid.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,75 +15,44 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.picture.geometry import shape_points
 from sandbox.picture.listing import Point
-from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import LONGEST, prefixed, typical
 from sandbox.picture.subject import Subject
 from sandbox.scene.bodies import Circle
 
-LENGTH = 0.07
-"""Length of a drive's arrow at its typical large value as a fraction of the picture's width."""
-SLIM, BLOCK = [3.4, 11], [7.0, 17]
-"""Shaft's and head's width of arrows that are to scale, and of others [points]."""
-COMPARABLE = 0.2
-"""A force that is typically larger than this share of the contact forces has their scale."""
-TELLING, NAMED = 6, 4
-"""Numbers of motors, brakes, servos and actuators are written of at most so many; arrows of more
-drives than the second have their values only."""
-SHORTEST = 0.5
-"""Length of the arrow of a drive near 0, as a fraction of its typical length."""
-TURN, WIDER = 15.0, 6.0
-"""Radius of a torque's arrow, and by how much one about the same hinge is wider [points]."""
-SWEEP = (0.9, 3.4)
-"""Angle of a torque's arrow near 0, and what a typical torque adds [rad]."""
-NEGLIGIBLE = 5e-3
-"""Drives below this share of their typical value are not painted."""
-LARGE = 90.0
-"""Radius of wheels on which, not beside which, numbers stand [points]."""
-APART = 34.0
-"""Distance of the marks of a running surface along its outline, more or less [points]."""
+LENGTH = 0.07  # of the arrow of a typical large value [picture widths]
+SLIM, BLOCK = [3.4, 11], [7.0, 17]  # shaft and head of arrows to scale, and others [points]
+COMPARABLE = 0.2  # minimum size of forces on the scale of contact forces
+TELLING, NAMED = 6, 4  # maximum numbers of drives with written efforts, and of arrows with names
+SHORTEST = 0.5  # length of the arrow of a drive near 0, as a fraction of its typical length
+TURN, WIDER = 15.0, 6.0  # radius of a torque's arrow, and increment on a shared hinge [points]
+SWEEP = (0.9, 3.4)  # angle of a torque's arrow near 0, and increment of a typical torque [rad]
+NEGLIGIBLE = 5e-3  # drives below this share of their typical value are not painted
+LARGE = 90.0  # radius of wheels on which, not beside which, numbers stand [points]
+APART = 34.0  # distance of the marks of a running surface along its outline, more or less [points]
+ARROWS = ("force", "tension", "push")  # quantities of drives with a straight arrow
 
 
-class Arrow(NamedTuple):
-    """An arrow's tail and direction [n, 2] for positive values."""
-
-    tail: Array
-    direction: Array
-    to_scale: bool = True
-    """Whether it may have the scale of contact forces."""
-
-
-def _force(s: Subject, drive: int) -> Arrow:
-    """At the point that it acts on."""
-    drives = s.run.model.drives
-    body, at = int(drives.target[drive]), drives.at[drive]
-    tail, way = s.out.place([body, *at]), np.tile(drives.direction[drive], (len(s.run.time), 1))
-    if drives.turning[drive]:
-        way = s.out.place([body, *(at + drives.direction[drive])]) - tail
-    return Arrow(tail, way)
-
-
-def _pull(s: Subject, drive: int) -> Arrow:
-    """On from the tendon's last guide."""
-    tendons = s.run.model.tendons
-    last = tendons.guides(int(s.run.model.drives.target[drive])).stop - 1
-    at, before = (s.out.place([int(tendons.guide_body[i]), *tendons.guide_at[i]])
-                  for i in (last, last - 1))
-    way, radius = at - before, float(tendons.guide_radius[last - 1])
+def _arrow(s: Subject, drive: int, gives: str) -> tuple[Array, Array]:
+    """Tail and direction [n, 2] of a drive's arrow for positive values."""
+    drives, tendons = s.run.model.drives, s.run.model.tendons
+    target = int(drives.target[drive])
+    if gives == "push":  # on body b, away from a
+        a, b = (s.out.place(_hinge(s.run.model, drive, end)) for end in (0, 1))
+        return b, b - a
+    if gives == "force":
+        at, along = drives.at[drive], drives.direction[drive]
+        tail = s.out.place([target, *at])
+        return tail, (s.out.place([target, *(at + along)]) - tail if drives.turning[drive]
+                      else np.tile(along, (len(tail), 1)))
+    last = tendons.guides(target).stop - 1  # on from the last guide of a tendon
+    tail, before = (s.out.place([int(tendons.guide_body[i]), *tendons.guide_at[i]])
+                    for i in (last, last - 1))
+    way, radius = tail - before, float(tendons.guide_radius[last - 1])
     size = np.hypot(*way.T)
     if radius and (size > abs(radius)).all():  # it leaves the wheel along a tangent
         turned = (way[:, 0] + 1j * way[:, 1]) / (np.sqrt(size**2 - radius**2) + 1j * radius)
         way = np.column_stack((turned.real, turned.imag))
-    return Arrow(at, way, to_scale=False)
-
-
-def _push(s: Subject, drive: int) -> Arrow:
-    """On its body ``b``, away from ``a``."""
-    a, b = (s.out.place(_hinge(s.run.model, drive, end)) for end in (0, 1))
-    return Arrow(b, b - a)
-
-
-ARROWS = {"force": _force, "tension": _pull, "push": _push}
-"""By what a drive gives; a torque has a bent arrow."""
+    return tail, way
 
 
 def _hinge(model: Model, drive: int, end: int = 1) -> Point:
@@ -93,49 +61,33 @@ def _hinge(model: Model, drive: int, end: int = 1) -> Point:
     return [int(joints.bodies[joint, end]), *joints.anchor[joint, end].tolist()]
 
 
-def signs_of(model: Model) -> set[str]:
-    """Rows of the legend for drives and for dry friction."""
-    friction = model.joints.frictional.size or model.tendons.grips.size
-    found = {"rubs", "slides"} if friction else set()
-    for kind in model.drives.kind:
-        if kind.limited and not kind.target.line:
-            found |= set(_states(kind)[0]) - {"motor_back", "motor_rest"}
-        elif kind.gives == "surface":
-            found.add("belt")
-        elif kind.gives == "stiffness" and kind.target.among != "tendons":
-            found.add("stiffer")
-    return found
-
-
-def _states(kind: Any) -> tuple[list[str], Any]:
-    """Marks of a drive about a hinge, and which of them shows for a value and the hinge's sense."""
-    if kind.sole == "brake":
-        return ["unbraked", "braked"], lambda value, sense: value > 0
-    if kind.places:
-        return ["servo"], None
-    return ["motor_back", "motor_rest", "motor"], lambda value, sense: np.sign(sense * value) + 1
-
-
-def usual(run: RunData, name: str) -> float:
-    """The typical large value of a drive in a run; 0 of a drive that it does not have."""
-    k = run.model.names.drive.get(name)
-    return 0.0 if k is None else typical(np.abs(run.arrays["drive_value"][:, k]), run.time)
-
-
 def add_drives(s: Subject) -> None:
     """Arrows with values, and marks about hinges."""
     model, about = s.run.model, list[Point]()
+    friction = model.joints.frictional.size or model.tendons.grips.size
+    signs = {"rubs", "slides"} if friction else set[str]()
     named = sum(kind.gives in ARROWS and not kind.limited for kind in model.drives.kind) <= NAMED
     for k, kind in enumerate(model.drives.kind):
         name, value = model.drives.name[k], s.run.arrays["drive_value"][:, k]
         if kind.limited and not kind.target.line:
-            at, (marks, state) = _hinge(model, k), _states(kind)
-            sense = int(model.joints.sense[model.drives.target[k]])
+            at, sense = _hinge(model, k), int(model.joints.sense[model.drives.target[k]])
+            marks, state = ["motor_back", "motor_rest", "motor"], np.sign(sense * value) + 1
+            if kind.sole == "brake":
+                marks, state = ["unbraked", "braked"], value > 0
+            elif kind.places:
+                marks, state = ["servo"], None
+            signs |= set(marks) - {"motor_back", "motor_rest"}
             s.add("marks", "mark", name, plane=s.plane(at[0]), at=at, g=marks,
-                  state=None if state is None else s.steady(state(value, sense)))
+                  state=None if state is None else s.steady(state))
+        elif kind.gives == "surface":
+            signs.add("belt")
+        elif kind.gives == "stiffness" and kind.target.among != "tendons":
+            signs.add("stiffer")
         if kind.limited or kind.gives not in (*ARROWS, "torque"):
             continue
-        size = max(usual(run, name) for run in (s.run, *s.beside))
+        values = [(run, run.model.names.drive.get(name)) for run in (s.run, *s.beside)]
+        size = max(typical(np.abs(run.arrays["drive_value"][:, at]), run.time)
+                   for run, at in values if at is not None)
         bonds = {"joints": model.bonds.joint, "tendons": model.bonds.tendon}.get(kind.target.among)
         there = np.abs(value) > NEGLIGIBLE * size
         if bonds is not None and (bond := int(bonds[model.drives.target[k]])) >= 0:
@@ -146,45 +98,46 @@ def add_drives(s: Subject) -> None:
             _bent(s, k, size, there, about.count(_hinge(model, k)))
             about.append(_hinge(model, k))
         else:
-            _straight(s, k, ARROWS[kind.gives](s, k), size, there, named=named)
-    if "drives" in s.layers:
-        s.signs |= signs_of(model)
+            _straight(s, k, size, there, named=named)
+    s.signs |= signs if "drives" in s.layers else set()
     _add_efforts(s)
 
 
-def _straight(s: Subject, k: int, arrow: Arrow, size: float, there: Array, *,
-              named: bool) -> None:
-    """A straight arrow: slim to the scale of contact forces, or a block with its own length."""
+def _straight(s: Subject, k: int, size: float, there: Array, *, named: bool) -> None:
+    """A straight arrow: slim on the scale of contact forces, or a block with its own length."""
     value, name = s.run.arrays["drive_value"][:, k], s.run.model.drives.name[k]
-    scaled = arrow.to_scale and s.force.metres > 0 and size >= COMPARABLE * s.force.reference
-    unit_way = arrow.direction / np.maximum(np.hypot(*arrow.direction.T), 1e-12)[:, None]
+    kind, rows = s.run.model.drives.kind[k], np.flatnonzero(there)
+    tail, way = _arrow(s, k, kind.gives)
+    way = way / np.maximum(np.hypot(*way.T), 1e-12)[:, None]
     metres, most, long = s.force.metres, s.force.longest, value
+    scaled = kind.gives != "tension" and metres > 0 and size >= COMPARABLE * s.force.reference
     if not scaled:
         length = LENGTH * s.width
         metres, most = 1.0, length * (SHORTEST + (1 - SHORTEST) * LONGEST)
         long = np.sign(value) * length * (
             SHORTEST + (1 - SHORTEST) * (np.abs(value) / (size or 1.0)))
-    vector, rows = long[:, None] * unit_way, np.flatnonzero(there)
     s.out.tables[f"drive {name}"] = np.column_stack([
-        rows, np.full(len(rows), k), arrow.tail[rows], vector[rows], np.abs(value[rows])])
-    factor, written, decimals = prefixed(size, s.run.model.drives.kind[k].unit)
+        rows, np.full(len(rows), k), tail[rows], (long[:, None] * way)[rows], np.abs(value[rows])])
+    factor, unit, decimals = prefixed(size, kind.unit)
     s.add("drives", "arrows", name, t=f"drive {name}", metres=metres, most=most,
-          size=SLIM if scaled else BLOCK, least=0, s=s.style("drive", "paper", 2.0),
-          factor=factor, unit=written, decimals=decimals, names={k: name} if named else None)
-    if "drives" in s.layers:
-        s.signs.add("scaled" if scaled else "driven")
+          size=SLIM if scaled else BLOCK, least=0, s=("drive", "paper", 2.0),
+          factor=factor, unit=unit, decimals=decimals, names={k: name} if named else None)
+    if scaled and "drives" in s.layers:
+        s.arrows["drives"] = "drive", "N", "driving force", SLIM, s.force
+    elif "drives" in s.layers:
+        s.signs.add("driven")
 
 
 def _bent(s: Subject, k: int, size: float, there: Array, others: int) -> None:
     """A bent arrow about a hinge, longer for a larger torque."""
     model, value, at = s.run.model, s.run.arrays["drive_value"][:, k], _hinge(s.run.model, k)
-    radius = TURN + WIDER * others
+    radius, name = TURN + WIDER * others, model.drives.name[k]
     share = np.minimum(np.abs(value) / (size or 1.0), LONGEST)
     sweep = int(model.joints.sense[model.drives.target[k]]) * np.sign(value) * (
         SWEEP[0] + SWEEP[1] * share)
-    name, shown = model.drives.name[k], None if there.all() else s.steady(there)
+    shown = None if there.all() else s.steady(there)
     s.add("drives", "spiral", name, at=at, r=[radius, radius], head=12, shown=shown,
-          s=s.style("", "drive", 3.2), sweep=s.steady(sweep),
+          s=("", "drive", 3.2), sweep=s.steady(sweep),
           start=s.steady(math.pi / 2 - sweep / 2))
     s.number("drives", name, at, value, size, model.drives.kind[k].unit, words=name,
              clear=max(radius, rim(s, at)), shown=shown)
@@ -224,7 +177,7 @@ def rim(s: Subject, at: Point) -> float:
 def add_belts(s: Subject) -> None:
     """Marks that go along the outlines of surfaces that run."""
     drives, arrays = s.run.model.drives, s.run.arrays
-    travel = arrays.get("drive_travel")  # of a run that goes on
+    travel = arrays.get("drive_travel")  # of a live run
     if travel is None:
         steps = np.diff(s.run.time, prepend=0.0)
         travel = np.cumsum(steps[:, None] * arrays["drive_value"], axis=0)

@@ -25,37 +25,28 @@ from sandbox.picture.scales import (
 from sandbox.picture.subject import Subject
 from sandbox.samples.contacts import contacts_on, on_the_other, said_of
 
-FINE, SLIM = [2.4, 10], [3.4, 11]
-"""Shaft's and head's width of arrows of contact forces and vectors, and of loads [points]."""
-SHORTEST, SHORT = 2.5, 5.0
-"""Contact arrows, and others, that are shorter are left out [points]."""
-LABELLED = 0.12
-"""Values of arrows and patches above this share of the reference are written."""
-TELLING = 6
-"""Numbers of loads are written of at most so many."""
-APART = 4.0
-"""Loads have the scale of contact forces if one is at most so many times as large as the other."""
+FINE, SLIM = [2.4, 10], [3.4, 11]  # shaft and head of arrows of forces, and of loads [points]
+SHORTEST, SHORT = 2.5, 5.0  # contact arrows, and others, that are shorter are left out [points]
+LABELLED = 0.12  # values of arrows and patches above this share of the reference are written
+TELLING = 6  # numbers of loads are written of at most so many
+APART = 4.0  # maximum ratio of loads and contact forces on one scale
 LOAD_LENGTH, VECTOR_LENGTH, LENGTH = 0.11, 0.1, 0.07
-"""Length of an arrow of the reference size, of loads and of vectors, and height of a line load, as
-a fraction of the picture's width."""
-FAINT = 0.02
-"""Loads below this share of the reference are left out."""
-STANDING = 1e-6
-"""Points that go no farther than this share of the picture's width in a run stand still."""
-LEVEL = 2e-3
-"""Corners of a body this near to a contact's line, in sizes of the body, lie on it."""
-MOST_SAMPLES = 200
-"""Samples looked at for the scale of line loads."""
+"""Of loads, vectors, line loads [picture widths]."""
+FAINT = 0.02  # loads below this share of the reference are left out
+STANDING = 1e-6  # points that move less are at rest [picture widths]
+LEVEL = 2e-3  # corners of a body this near to a contact's line, in sizes of the body, lie on it
+MOST_SAMPLES = 200  # samples looked at for the scale of line loads
 
 
-def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, **fields: Any,
-                ) -> None:
-    """An item for the table of a layer."""
-    factor, unit, decimals = prefixed(scale.reference, unit)
+def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, words: str,
+                size: Sequence[float] = FINE, **fields: Any) -> None:
+    """Add an item for the table of a layer, and its row of the legend."""
+    factor, written, decimals = prefixed(scale.reference, unit)
     s.add(layer, "arrows", layer, **{
-        "t": layer, "metres": scale.metres, "most": scale.longest, "size": FINE, "least": SHORT,
-        "s": s.style(token, "paper", 2.0), "factor": factor, "unit": unit, "decimals": decimals,
+        "t": layer, "metres": scale.metres, "most": scale.longest, "size": size, "least": SHORT,
+        "s": (token, "paper", 2.0), "factor": factor, "unit": written, "decimals": decimals,
         "told": LABELLED * scale.reference, "rank": 2, **fields})
+    s.arrows[layer] = token, unit, words, size, scale
 
 
 def add_contacts(s: Subject) -> None:
@@ -66,47 +57,47 @@ def add_contacts(s: Subject) -> None:
     on, force = contacts_on(s.run.model, arrays)
     one, two = arrays["contact_body"], arrays["contact_other"]
     kept, other = np.isin(one, bodies) | np.isin(two, bodies), one + two - on
-    s.contacts_on = said_of(s.run.model, on[kept], other[kept])
     s.out.tables["contacts"] = np.column_stack([
         arrays["contact_sample"], on * len(s.run.mechanism.bodies) + other,
         arrays["contact_point"], force])[kept]
     if s.force.metres:
-        _add_arrows(s, "contacts", s.force, "force", "N", least=SHORTEST, rank=1)
+        words = said_of(s.run.model, on[kept], other[kept])
+        plain = "else" in words or not words.startswith("on the object")
+        _add_arrows(s, "contacts", s.force, "force", "N",
+                    "contact force" if plain else f"contact force {words}", least=SHORTEST, rank=1)
+        # of a live run the largest force is not known
+        if not s.out.fixed_columns and (
+                s.largest_arrow("contacts") * s.force.metres < SHORTEST * s.point):
+            del s.arrows["contacts"]
 
 
 def add_loads(s: Subject) -> None:
     """The force of each load on each body, from where it acts; of a few with names and values."""
     loads, arrays = s.run.model.loads, s.run.arrays
     some = np.flatnonzero(np.isin(loads.body, s.layers.of("loads"))).tolist()
-    scale = shared(load_scale(run, LOAD_LENGTH * s.width, s.force) for run in (s.run, *s.beside))
-    size = np.nan_to_num(np.hypot(arrays["load_force"][..., 0], arrays["load_force"][..., 1]))
+    scales, length = [], LOAD_LENGTH * s.width
+    for run in (*s.beside, s.run):  # ``size`` is that of ``s.run`` from here on
+        size = np.nan_to_num(np.hypot(*np.moveaxis(run.arrays["load_force"], -1, 0)))
+        usual = typical(size.max(axis=1, initial=0.0), run.time)
+        alike = s.force.metres > 0 and usual / APART <= s.force.reference <= usual * APART
+        scales.append(NO_SCALE if usual <= rounding(run) else s.force if alike
+                      else scale_of(usual, length))
+    scale = shared(scales)
     if scale.metres == 0 or not size[:, some].max(initial=0.0) > 0:
         return
-    s.loads, rows = scale, []
+    rows = []
     for i in some:
         at, force = s.out.place([int(loads.body[i]), *loads.at[i]]), arrays["load_force"][:, i]
-        if loads.law[i] is None:  # buoyancy acts at the middle of what is under the level
+        if loads.law[i] is None:  # buoyancy acts at the middle of the submerged part
             lift = np.where(force[:, 1] == 0, np.inf, force[:, 1])
             at = at + np.column_stack([arrays["load_torque"][:, i] / lift, np.zeros(len(at))])
         there = np.flatnonzero(size[:, i] > FAINT * scale.reference)
         rows.append(np.column_stack([there, np.full(len(there), i), at[there], force[there]]))
     s.out.tables["loads"] = sort_rows(rows)
     few = len(some) <= TELLING
-    _add_arrows(s, "loads", scale, "drive", "N", size=SLIM, told=0.0 if few else np.inf,
+    _add_arrows(s, "loads", scale, "drive", "N", "load", SLIM, told=0.0 if few else np.inf,
                 names={i: s.run.mechanism.loads[loads.load[i]].name for i in some}
                 if few else None)
-
-
-def load_scale(run: RunData, length: float, scale: ForceScale) -> ForceScale:
-    """The scale of loads: that of contact forces where these are about as large, else their own.
-
-    ``length`` is that of a typical arrow where loads have their own scale [m].
-    """
-    force = run.arrays["load_force"]
-    size = np.nan_to_num(np.hypot(force[..., 0], force[..., 1]))
-    usual = typical(size.max(axis=1, initial=0.0), run.time)
-    alike = scale.metres > 0 and usual / APART <= scale.reference <= usual * APART
-    return NO_SCALE if usual <= rounding(run) else scale if alike else scale_of(usual, length)
 
 
 def sort_rows(tables: Sequence[Array]) -> Array:
@@ -116,10 +107,7 @@ def sort_rows(tables: Sequence[Array]) -> Array:
 
 
 def point_motion(run: RunData, places: Sequence[Place]) -> tuple[Array, Array]:
-    """Velocity [m/s] and acceleration [m/s^2] of points of bodies, [n, k, 2] each.
-
-    Of rigid bodies: v + omega x r and a + alpha x r - omega^2 r, with r from the centre of mass.
-    """
+    """Velocity v + omega x r, acceleration a + alpha x r - omega^2 r of points, [n, k, 2]."""
     bodies = np.array([body for body, _ in places], dtype=np.intp)
     local = np.array([at for _, at in places]).reshape(-1, 2) - run.arrays["body_centre"][bodies]
     r = rotated(local, run.arrays["body_pose"][:, bodies, 2])
@@ -130,10 +118,7 @@ def point_motion(run: RunData, places: Sequence[Place]) -> tuple[Array, Array]:
 
 
 def reactions(run: RunData, bodies: Sequence[int]) -> tuple[list[Place], Array, str]:
-    """Forces of the pins, slots and welds that join one of ``bodies`` to another.
-
-    They are shown on the object, else on the body that moves more: where, [n, k, 2] N, and words.
-    """
+    """Forces of the pins, slots and welds of ``bodies``: places, forces [n, k, 2] N, and words."""
     joints = run.model.joints
     found: Integers = np.array([
         k for k, kind in enumerate(joints.kind) if kind.keeps in ("point", "groove")
@@ -150,41 +135,37 @@ def reactions(run: RunData, bodies: Sequence[int]) -> tuple[list[Place], Array, 
 
 
 def add_vectors(s: Subject) -> None:
-    """Velocities, accelerations and forces of joints, if the view shows them."""
+    """Velocities, accelerations and forces of joints."""
     duration = max(float(s.run.time[-1] - s.run.time[0]), 1e-9)
-    for order, (layer, unit) in enumerate((("velocity", "m/s"), ("acceleration", "m/s²"))):
-        if layer in s.layers:
+    for order, (layer, unit) in enumerate((
+            ("velocity", "m/s"), ("acceleration", "m/s²"), ("reactions", "N"))):
+        if layer not in s.layers:
+            continue
+        if layer == "reactions":
+            places, values, words = reactions(s.run, s.layers.of(layer))
+            least, token = 0.0, "reaction"
+        else:
             places = marked(s.run, s.view, s.layers.patterns(layer))
-            _add_vectors(s, layer, layer, places, point_motion(s.run, places)[order], unit, layer,
-                         STANDING * s.width / duration**(order + 1))
-    if "reactions" in s.layers:
-        places, values, words = reactions(s.run, s.layers.of("reactions"))
-        _add_vectors(s, "reactions", "reaction", places, values, "N", words, 0.0)
-
-
-def _add_vectors(s: Subject, layer: str, token: str, places: Sequence[Place], values: Array,
-                 unit: str, words: str, least: float) -> None:
-    """Arrows of one kind from ``places``, [n, k, 2]; what is below ``least`` rounding leaves."""
-    values = np.nan_to_num(values)
-    size = np.hypot(values[..., 0], values[..., 1]).max(axis=1, initial=0.0)
-    reference = typical(size, s.run.time)
-    if reference <= least:
-        return
-    scale, samples = scale_of(reference, VECTOR_LENGTH * s.width), np.arange(len(values))
-    s.out.tables[layer] = sort_rows([
-        np.column_stack([samples, np.full(len(samples), k), s.out.place([body, *at]), values[:, k]])
-        for k, (body, at) in enumerate(places)])
-    _add_arrows(s, layer, scale, token, unit)
-    s.vectors.append((token, unit, words, scale))
+            values, words = point_motion(s.run, places)[order], layer
+            least, token = STANDING * s.width / duration**(order + 1), layer
+        values = np.nan_to_num(values)
+        size = np.hypot(values[..., 0], values[..., 1]).max(axis=1, initial=0.0)
+        if (reference := typical(size, s.run.time)) <= least:
+            continue
+        samples = np.arange(len(values))
+        s.out.tables[layer] = sort_rows([np.column_stack([
+            samples, np.full(len(samples), k), s.out.place([body, *at]), values[:, k]])
+            for k, (body, at) in enumerate(places)])
+        _add_arrows(s, layer, scale_of(reference, VECTOR_LENGTH * s.width), token, unit, words)
 
 
 def spread(first: Any, second: Any, length: Any) -> tuple[Any, Any, Any, Any]:
-    """Forces at the two ends of a contact as a force per length that changes evenly along it.
+    """Forces at the two ends of a contact as a linear force per length.
 
-    It has the same sum and the same moment. With q from q0 to q1 over a length L these are
-    (q0 + q1) L / 2 and, about the first end, (q0 + 2 q1) L^2 / 6; so q0 = (4 F0 - 2 F1) / L, and q1
-    the same the other way round. Where one of them would pull, the contact gapes there: what is
-    left is a triangle, three times as long as the resultant is away from the other end.
+    It has the same sum and moment. With q from q0 to q1 over a length L these are (q0 + q1) L / 2
+    and, about the first end, (q0 + 2 q1) L^2 / 6; so q0 = (4 F0 - 2 F1) / L, and q1 likewise. Where
+    one of them would pull, a triangle is left, three times as long as the resultant is away from
+    the other end.
 
     Args:
         first: normal forces at the first end, 0 or more [N].
@@ -192,8 +173,8 @@ def spread(first: Any, second: Any, length: Any) -> tuple[Any, Any, Any, Any]:
         length: between them [m].
 
     Returns:
-        Where the pressure begins and ends, as shares of the length, and the force per length there
-        [N/m]. Nothing, from a place to the same, where all of it is in one point.
+        Begin and end of the pressure as shares of the length, and the force per length there [N/m];
+        a begin equal to the end where all of it is in one point.
     """
     total = first + second
     share = second / np.where(total > 0, total, np.inf)
@@ -209,19 +190,16 @@ class LineLoads(NamedTuple):
     """Where two bodies touch along a line: k of them, by sample."""
 
     sample: Integers
-    ends: Array
-    """[k, 2, 2] m"""
-    load: Array
-    """Force per length at either end [k, 2] N/m."""
-    way: Array
-    """Out of the body that it acts on, [k, 2]."""
+    ends: Array  # [k, 2, 2] m
+    load: Array  # force per length at either end [k, 2] N/m
+    way: Array  # out of the body that it acts on, [k, 2]
 
 
 def line_loads(run: RunData, bodies: Sequence[int]) -> LineLoads:
-    """What touches one of ``bodies`` along a line, and how the force is spread there.
+    """Line contacts of ``bodies``, and how the force is distributed along them.
 
-    A recording has the resultant of each pair at its centre of pressure; how far the contact goes
-    to either side is what the outlines of the two have in common there.
+    A recording has the resultant of each pair at its centre of pressure; the contact line is the
+    common part of both outlines there.
     """
     arrays = run.arrays
     on, force = contacts_on(run.model, arrays)
@@ -279,6 +257,6 @@ def add_pressure(s: Subject) -> None:
         found.sample, np.arange(len(first)) - first, found.ends.reshape(-1, 4),
         tops[:, ::-1].reshape(-1, 4), most])
     factor, unit, decimals = prefixed(scale.reference, "N/m")
-    s.add("pressure", "strips", "pressure", t="pressure", s=s.style("patch", "force", 1.2),
+    s.add("pressure", "strips", "pressure", t="pressure", s=("patch", "force", 1.2),
           factor=factor, unit=unit, decimals=decimals, least=LABELLED * scale.reference)
     s.signs.add("patch")

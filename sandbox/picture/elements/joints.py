@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -12,40 +13,27 @@ from sandbox.elements.arrays import largest_size
 from sandbox.model.joints import slot_points
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
-from sandbox.picture.elements.bodies import beside, far_feet, joined_points
+from sandbox.picture.elements.bodies import beside, joined_points, stalks
 from sandbox.picture.geometry import XY
 from sandbox.picture.listing import Point, flat, short
-from sandbox.picture.run_data import RunData
+from sandbox.picture.palette import ZIGZAG
 from sandbox.picture.scales import UNLOADED, bars_of
 from sandbox.picture.subject import Subject
 
-GAUGE = 13.0
-"""Distance of the two lines of a groove in the ground [points]."""
-FAR_FOOT, PILED = 16.0, 11.0
-"""Anchors farther than this beside a fixed body's shapes get a ground symbol [points]; ground
-symbols nearer than the second to another one are left out."""
-TELLING, SHORT, BESIDE = 12, 36.0, 6.0
-"""Numbers beside rods, ropes and bars: of at most so many, of none shorter than this, and so far
-beside it [points]."""
-TUBE, TUBE_WIDTH = 0.85, 13.0
-"""Length of an actuator's cylinder as a share of the actuator's least length; width [points]."""
-STROKE, LONGEST_TUBE = 0.88, 0.96
-"""Shares of an actuator's least length: the longest stroke of one rod, the longest cylinder."""
-TAUT = 0.998
-"""A rope shorter than this fraction of its length is slack."""
-COIL, COIL_WIDTH = 1.1, [0.09, 3.2, 8.0]
-"""Springs: width of the line [points]; half the width of a coil, as a span has it."""
-THICK = (0.5, 6.0)
-"""Fractions of its own stiffness between which the line of a driven spring changes."""
-BAND = 5.4
-"""Width of a loaded bar's band [points]."""
-ZIGZAG = [0, 0, 0.16, 0, *(v for k in range(10) for v in (
-    round(0.16 + 0.68 * (k + 0.5) / 10, 4), 1 - 2 * (k % 2))), 0.84, 0, 1, 0]
-"""A coil as the pattern of a span, with straight ends."""
+GAUGE = 13.0  # distance of the two lines of a groove in the ground [points]
+FAR_FOOT, PILED = 16.0, 11.0  # distances of ground symbols from shapes, each other [points]
+TELLING, SHORT, BESIDE = 12, 36.0, 6.0  # numbers at links: count, minimum length, distance [points]
+TUBE, LONGEST_TUBE, STROKE = 0.85, 0.96, 0.88
+"""Usual and longest cylinder, longest stroke of one rod [minimum lengths of the actuator]."""
+TUBE_WIDTH = 13.0  # of an actuator's cylinder [points]
+TAUT = 0.998  # a rope shorter than this fraction of its length is slack
+COIL, COIL_WIDTH = 1.1, [0.09, 3.2, 8.0]  # springs: width of the line [points]; ``w`` of a span
+THICK = (0.5, 6.0)  # limits of the shown stiffness of a driven spring [its own stiffness]
+BAND = 5.4  # width of a loaded bar's band [points]
 
 
 def add_joints(s: Subject) -> None:
-    """Marks and grooves of all joints: a pin or what rubs at b, a weld at a, ends of links."""
+    """Marks and grooves of joints: a pin or friction at b, a weld at a, ends of links."""
     model, joints = s.run.model, s.run.model.joints
     for k, kind in enumerate(joints.kind):
         (a, b), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
@@ -72,7 +60,7 @@ def _groove(s: Subject, k: int, where: dict[str, Any]) -> None:
         beside(model, a, (float(x), float(y))) for x, y in (groove[0], groove[-1], middle))
     if curved or not (rail and model.bodies.fixed[a]):
         s.add("rails" if rail else "grooves", "path", name, f=a, m=1 if curved else None,
-              s=s.style("paper", "pin_ring", 1.1), **where,
+              s=("paper", "pin_ring", 1.1), **where,
               d=[{"c": [*flat(one, two), short(2.0 * s.point)]} for one, two in pairwise(groove)])
         return
     ends = [s.on(a, at) for at in groove]
@@ -80,9 +68,9 @@ def _groove(s: Subject, k: int, where: dict[str, Any]) -> None:
     if place[1] < place[0]:
         ends, place = ends[::-1], place[::-1]
     half, between = GAUGE / 2, {"a": ends[0], "b": ends[1], **where}
-    s.add("rails", "span", name, s=s.style("", "ink", 1.0), w=[0, half, half], **between,
+    s.add("rails", "span", name, s=("", "ink", 1.0), w=[0, half, half], **between,
           t=[0, 1, 1, 1, 1, -1, 0, -1, 0, 1])
-    s.add("rails", "span", every=8, s=s.style("", "faint_ink", 0.9), **between,
+    s.add("rails", "span", every=8, s=("", "faint_ink", 0.9), **between,
           t=[0, -half, -5, -half - 5])
     turns = bool(model.joints.turns[k])
     angle = math.atan2(place[1][1] - place[0][1], place[1][0] - place[0][0])
@@ -93,7 +81,8 @@ def _groove(s: Subject, k: int, where: dict[str, Any]) -> None:
 def add_grounds(s: Subject) -> None:
     """A ground symbol at each anchor of a fixed body that has no shape there."""
     model = s.run.model
-    found = far_feet(model, FAR_FOOT * s.point)
+    found = {body: [at for at, nearest in pairs if math.dist(at, nearest) > FAR_FOOT * s.point]
+             for body, pairs in stalks(model).items() if model.bodies.fixed[body]}
     found |= {i: points for i, points in joined_points(model, held=True).items()
               if model.bodies.fixed[i] and not model.mechanism.bodies[i].shapes}
     taken: list[XY] = []
@@ -130,58 +119,51 @@ def add_stops(s: Subject) -> None:
 
 
 def add_latches(s: Subject) -> None:
-    """A diamond at what may be released: full while it holds."""
+    """A diamond at each bond: full while it holds."""
     model, bonds = s.run.model, s.run.model.bonds
     joints, springs, tendons = model.joints, model.springs, model.tendons
-    places: list[Any] = [(bonds.joint[k], joints.bodies[k, 0], joints.anchor[k, 0])
-                         for k in np.flatnonzero(bonds.joint != NONE).tolist()]
-    for k in np.flatnonzero(bonds.spring != NONE).tolist():
-        table: Any = springs if springs.straight[k] else joints
-        of = k if springs.straight[k] else springs.joint[k]
-        places.append((bonds.spring[k], table.bodies[of, 0], table.anchor[of, 0]))
-    for k in np.flatnonzero(bonds.tendon != NONE).tolist():
-        first = tendons.guides(k).start
-        places.append((bonds.tendon[k], tendons.guide_body[first], tendons.guide_at[first]))
-    for bond, body, at in places:
-        s.add("latches", "mark", plane=s.plane(body), at=s.on(body, at), g=["gone", "holds"],
-              state=s.steady(s.run.arrays["held"][:, bond] != 0))
-
-
-def reach_of(run: RunData, joint: int) -> XY:
-    """Least and largest distance of a joint's points [m]; of an actuator those of the run."""
-    low, high = run.model.joints.reach[joint].tolist()
-    if not run.model.joints.kind[joint].line:
-        return low, high
-    length = run.arrays["joint_length"][:, joint]
-    shortest, longest = float(length.min(initial=math.inf)), float(length.max(initial=0.0))
-    return (low or shortest), (high if math.isfinite(high) else longest)
+    at_joints = list(zip(joints.bodies[:, 0], joints.anchor[:, 0], strict=True))
+    at_springs = [(springs.bodies[k, 0], springs.anchor[k, 0]) if straight
+                  else at_joints[springs.joint[k]] for k, straight in enumerate(springs.straight)]
+    firsts = [tendons.guides(k).start for k in range(len(tendons.name))]
+    at_tendons = [(tendons.guide_body[k], tendons.guide_at[k]) for k in firsts]
+    for of, places in ((bonds.joint, at_joints), (bonds.spring, at_springs),
+                       (bonds.tendon, at_tendons)):
+        for bond, (body, at) in zip(of.tolist(), places, strict=True):
+            if bond != NONE:
+                s.add("latches", "mark", plane=s.plane(body), at=s.on(body, at),
+                      g=["gone", "holds"], state=s.steady(s.run.arrays["held"][:, bond] != 0))
 
 
 def add_links(s: Subject) -> None:
-    """Rods, ropes and actuators, coloured by what they carry, with numbers if they are few."""
+    """Rods, ropes and actuators, coloured by their load, with numbers if they are few."""
     model, carried = s.run.model, s.carried
     driven = {int(model.drives.target[i]) for i in model.drives.giving("push")}
     loaded = carried.loaded.tolist()
     for k, kind in enumerate(model.joints.kind):
         if not kind.along_line:
             continue
-        link = _Link(s, k)
+        link, (low, high) = _Link(s, k), model.joints.reach[k].tolist()
         level = _level(carried.links[:, k], carried.largest)
         if kind.keeps == "distance":
             link.tube(link.ends[0], link.ends[1], level)
         elif kind.line:
-            link.actuator(reach_of(s.run, k), "drive" if k in driven else "pin_ring")
+            length = s.run.arrays["joint_length"][:, k]
+            link.actuator(low or float(length.min(initial=math.inf)),
+                          high if math.isfinite(high) else float(length.max(initial=0.0)),
+                          "drive" if k in driven else "pin_ring")
         else:
-            link.rope(reach_of(s.run, k), level)
+            link.rope(low, high, level)
         if k in loaded and len(loaded) <= TELLING and (
                 float(link.length.max()) > SHORT * s.point):
-            s.number("told", link.name, link.way.at(link.length / 2), carried.links[:, k],
-                     carried.largest, "N", steady=True, token="ink", rank=4, clear=BESIDE,
-                     there=(level != 0) & (link.length > SHORT * s.point) & link.holds)
+            values, seen = carried.links[:, k], (level != 0) & (link.length > SHORT * s.point)
+            s.number("told", link.name, link.way.at(link.length / 2), values, carried.largest, "N",
+                     steady=True, token="ink", rank=4, clear=BESIDE,
+                     shown=s.steady(seen & link.holds))
 
 
 def _level(tension: Array, largest: float) -> Array:
-    """What a link carries as a share of the scale's top, 0 where that is nothing."""
+    """Tension relative to the top of the scale, 0 if it is negligible."""
     level = tension / (largest or 1.0)
     return np.where(np.abs(level) <= UNLOADED, 0.0, level)
 
@@ -191,55 +173,52 @@ class _Link:
 
     def __init__(self, s: Subject, k: int) -> None:
         joints = s.run.model.joints
-        self.s, self.name, self.plane = s, joints.name[k], s.plane(*joints.bodies[k].tolist())
+        self.s, self.name = s, joints.name[k]
         self.ends = [s.on(*end) for end in zip(joints.bodies[k], joints.anchor[k], strict=True)]
-        self.shown = s.held(int(s.run.model.bonds.joint[k]))
-        self.holds: Any = True if self.shown is None else s.out.columns[self.shown[0]] != 0
+        shown = s.held(int(s.run.model.bonds.joint[k]))
+        self.holds: Any = True if shown is None else s.out.columns[shown[0]] != 0
+        self.add = partial(s.add, "links", name=self.name, shown=shown,
+                           plane=s.plane(*joints.bodies[k].tolist()))
         self.way = s.out.between(*self.ends)
         self.length = self.way.length
 
-    def add(self, kind: str, **fields: Any) -> None:
-        self.s.add("links", kind, self.name, plane=self.plane, **{"shown": self.shown, **fields})
-
     def line(self, points: list[Point], token: str, width: float) -> None:
-        self.add("line", p=points, s=self.s.style("", token, width))
+        self.add("line", p=points, s=("", token, width))
 
     def loaded(self, points: list[Point], token: str, width: float, level: Array,
                **fields: Any) -> None:
-        """A line in the colour of what it carries, or of a token where that is nothing."""
-        both = [self.s.style("", each, width) for each in (token, "@load")]
-        self.add("line", p=points, s=both, state=self.s.steady(level != 0),
-                 by=self.s.steady(level), **fields)
+        """A line in the colour of its load, or of a token without load."""
+        self.add("line", p=points, s=[("", each, width) for each in (token, "@load")],
+                 state=self.s.steady(level != 0), by=self.s.steady(level), **fields)
 
     def tube(self, start: Point, end: Point, level: Array) -> None:
         self.line([start, end], "pin_ring", 4.4)
         self.loaded([start, end], "paper", 2.6, level)
 
-    def rope(self, reach: XY, level: Array) -> None:
-        """A taut rope with strands, a slack one dashed; with a least length a telescope."""
-        s, (shortest, longest), (a, b) = self.s, reach, self.ends
+    def rope(self, shortest: float, longest: float, level: Array) -> None:
+        """A taut rope with strands, a slack one dashed; with a minimum length a telescope."""
+        s, (a, b) = self.s, self.ends
         if shortest > 0:
             middle = self.way.at(self.length / 2)
             self.tube(a, middle, level)
             self.line([middle, b], "pin_ring", 1.6)
             return
-        taut, slack = self.length > TAUT * longest, self.length <= TAUT * longest
-        taut = taut & self.holds
-        if taut.any():
-            shown = s.steady(taut)
+        taut = self.length > TAUT * longest
+        if (taut & self.holds).any():
+            shown = s.steady(taut & self.holds)
             self.loaded(self.ends, "rope", 4.6, level, shown=shown)
             self.add("span", a=a, b=b, every=6.5, t=[-2.9, -2.9, 2.9, 2.9],
-                     s=s.style("", "paper", 1.3), shown=shown)
-        if slack.any():
+                     s=("", "paper", 1.3), shown=shown)
+        if not taut.all():
             depth = np.sqrt(np.maximum(longest - self.length, 0.0) * self.length * 3 / 8)
-            self.add("sag", a=a, b=b, s=s.style("", "rope", 1.3, 5),
+            self.add("sag", a=a, b=b, s=("", "rope", 1.3, 5),
                      depth=s.out.varying(np.minimum(depth, longest / 2)),
-                     shown=s.steady(slack & self.holds))
+                     shown=s.steady(~taut & self.holds))
 
-    def actuator(self, reach: XY, token: str) -> None:
+    def actuator(self, shortest: float, longest: float, token: str) -> None:
         """A cylinder with its piston in a colour, and a rod of constant length."""
         point = self.s.point
-        tube, piston = cylinder(self.length, *reach, 12 * point)
+        tube, piston = cylinder(self.length, shortest, longest, 12 * point)
         inset, half = 1.4 * point, 3.0 * point
         middle = np.clip(piston, inset + half, np.maximum(tube - inset - half, inset + half))
         foot, cap, head, block = (self.way.at(far)[0] for far in (0.0, tube, piston, middle))
@@ -251,10 +230,10 @@ class _Link:
 
 
 def cylinder(length: Array, low: float, high: float, least: float) -> tuple[Array, Array]:
-    """The length of a cylinder and the place of its piston [n], for an actuator's length [n].
+    """Length of a cylinder and position of its piston [n] for lengths of an actuator [n].
 
-    The cylinder is ``least`` long or more, if there is room; ``low`` and ``high`` are the least and
-    largest length of the actuator. All in one unit.
+    The cylinder is at least ``least`` long if there is room; ``low`` and ``high`` are the limits of
+    ``length``.
     """
     stroke = high - low
     if stroke <= STROKE * low and TUBE * low >= least:
@@ -297,7 +276,7 @@ def add_springs(s: Subject) -> None:
             start, end = map(s.out.place, ends)
             size = np.maximum(np.hypot(*(end - start).T), 1e-12)
             apart = side * (size - rest) <= 0
-            if side < 0 and (size > rest).any():  # it does not follow what leaves it
+            if side < 0 and (size > rest).any():  # it does not follow a body that leaves it
                 share = np.minimum(1.0, rest / size)[:, None]
                 ends[1] = s.out.spot(start + (end - start) * share)
         look = _spring_look(s, k, apart)
@@ -308,27 +287,27 @@ def add_springs(s: Subject) -> None:
 
 
 def _spring_look(s: Subject, k: int, apart: Array | None) -> dict[str, Any]:
-    """Style of a spring: driven ones by their stiffness, grey where a one-sided one is apart."""
+    """Style of a spring: driven ones by stiffness, grey where a one-sided one has a gap."""
     springs = s.run.model.springs
     drive, own = int(springs.drive[k]), float(springs.stiffness[k])
-    look: dict[str, Any] = {"s": s.style("", "spring", COIL)}
+    look: dict[str, Any] = {"s": ("", "spring", COIL)}
     if drive != NONE and own:
         level, wide = made_stiffer(s, drive, own)
-        look = {"s": s.style("", "@stiffness", COIL), "by": s.out.varying(level),
+        look = {"s": ("", "@stiffness", COIL), "by": s.out.varying(level),
                 "wide": s.out.varying(wide)}
     if apart is not None and apart.any():
-        look |= {"s": [look["s"], s.style("", "slack", COIL)], "state": s.steady(apart)}
+        look |= {"s": [look["s"], ("", "slack", COIL)], "state": s.steady(apart)}
     return look
 
 
 def add_bars(s: Subject) -> None:
-    """Bands from pin to pin of bodies, in the colour of what they carry; numbers of a few."""
+    """Bands from pin to pin of bodies, in the colour of their load; with a few numbers."""
     bars, carried = bars_of(s.run, s.layers.of("bars")), s.carried
     for k, bar in enumerate(bars):
         ends, tension = [s.on(bar.body, at) for at in bar.ends], carried.bars[:, k]
         name, plane = s.run.mechanism.bodies[bar.body].name, s.plane(bar.body)
-        s.add("bars", "line", plane=plane, p=ends, s=s.style("", "pin_ring", BAND))
-        s.add("bars", "line", name, plane=plane, p=ends, s=s.style("", "@load", BAND - 1.8),
+        s.add("bars", "line", plane=plane, p=ends, s=("", "pin_ring", BAND))
+        s.add("bars", "line", name, plane=plane, p=ends, s=("", "@load", BAND - 1.8),
               by=s.steady(_level(tension, carried.largest)))
         if len(bars) <= TELLING and carried.largest > 0 and (
                 math.dist(*bar.ends) > SHORT * s.point):

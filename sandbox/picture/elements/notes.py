@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sandbox.model.model import Model
 from sandbox.picture.bounds import Camera, Stage
 from sandbox.picture.elements.bodies import colour_of
 from sandbox.picture.geometry import XY, shape_points
@@ -21,20 +20,13 @@ from sandbox.scene.settings import View
 from sandbox.values.appearance import rgb
 
 Place = tuple[int, XY]
-TRACE, MARK = 1.8, 3.0
-"""Width of a trace, radius of its marks of time [points]."""
-PITCH = 70.0
-"""Least distance of lines of the grid [points]."""
-MOST_LINES, FAR = 200, 1e9
-"""Lines of the grid along an axis, at most; none are so many steps from the origin."""
-WIDE = 1e4
-"""Half the width of a liquid, in widths of the picture."""
-DARKER = 0.3
-"""How much darker a trace is than its body."""
-MOST_NAMED = 6
-"""Of no more than so many traces the bodies' names stand at their ends."""
-PIECES = 12
-"""Between marks of time, at most."""
+TRACE, MARK = 1.8, 3.0  # width of a trace, radius of its marks of time [points]
+PITCH = 70.0  # least distance of lines of the grid [points]
+MOST_LINES, FAR = 200, 1e9  # lines of the grid along an axis, and steps from the origin
+WIDE = 1e4  # half the width of a liquid, in widths of the picture
+DARKER = 0.3  # how much darker a trace is than its body
+MOST_NAMED = 6  # of no more than so many traces the bodies' names stand at their ends
+PIECES = 12  # between marks of time, at most
 
 
 def add_traces(s: Subject) -> None:
@@ -45,13 +37,17 @@ def add_traces(s: Subject) -> None:
     bodies = [body for body, _ in places]
     named = 1 < len(set(bodies)) == len(bodies) <= MOST_NAMED
     every = round_interval(float(s.run.time[-1] - s.run.time[0]))
-    for (body, at), colour in zip(places, trace_colours(s.run.model, bodies), strict=True):
+    own = [colour_of(s.run.model, s.run.mechanism.bodies[body]) for body in bodies]
+    colours: list[Colour] = [mixed(rgb(each), INK, DARKER) for each in own if each]
+    if len(own) == 1 or len(set(colours)) < len(own):  # bodies without different colours
+        colours = [TRACES[k % len(TRACES)] for k in range(len(own))]
+    for (body, at), colour in zip(places, colours, strict=True):
         token, name = s.ink(colour, lighter(colour, 0.5)), s.run.mechanism.bodies[body].name
         s.trace_ink = s.trace_ink or token
         s.add("traces", "trail", name, at=s.on(body, at), every=every, mark=MARK,
-              s=s.style(token, token, TRACE))
+              s=(token, token, TRACE))
         if named and body not in s.layers.of("body_names"):
-            s.add("traces", "text", name, at=s.on(body, at), words=name, s=s.style("", token),
+            s.add("traces", "text", name, at=s.on(body, at), words=name, s=("", token),
                   rank=3)
 
 
@@ -61,11 +57,11 @@ def add_names(s: Subject) -> None:
     for group in mechanism.groups:
         if group.kind == "finger" and group.bodies and group.bodies[0] in index:
             s.add("body_names", "text", group.name, layer="names", words=group.name, clear=12.0,
-                  at=[index[group.bodies[0]], 0, 0], s=s.style("", "faint_ink"), rank=5)
+                  at=[index[group.bodies[0]], 0, 0], s=("", "faint_ink"), rank=5)
     for body in s.layers.of("body_names"):
         name = mechanism.bodies[body].name
         s.add("body_names", "text", name, at=s.on(body, s.run.arrays["body_centre"][body]),
-              words=name, s=s.style("", "faint_ink"), rank=3)
+              words=name, s=("", "faint_ink"), rank=3)
 
 
 def add_axes(s: Subject) -> None:
@@ -79,15 +75,12 @@ def add_liquids(s: Subject) -> None:
     """The area below the level of each liquid."""
     levels, far = s.run.model.loads.level, WIDE * s.width
     for level in sorted(set(levels[np.isfinite(levels)].tolist()), reverse=True):
-        s.add("loads", "path", plane=BEHIND, f=s.out.world, s=s.style("liquid", "liquid_edge", 1.4),
+        s.add("loads", "path", plane=BEHIND, f=s.out.world, s=("liquid", "liquid_edge", 1.4),
               d=[flat((-far, level), (far, level), (far, level - far), (-far, level - far))])
 
 
 def grid(out: Listing, camera: Camera, stage: Stage, point: float) -> list[Item]:
-    """Lines of equal x and equal y as items, with numbers at the left and below.
-
-    ``point`` is pixels per point.
-    """
+    """Lines of equal x and y with numbers at the edges, as items; ``point`` is pixels per point."""
     step = round_length(min(2.5 * PITCH * point / camera.scale, 1e300))
     unit, factor = ("m", 1.0) if step >= 0.1 else ("mm", 1e3)
     corners = np.array([[stage.left, stage.top + stage.height],
@@ -111,10 +104,7 @@ def grid(out: Listing, camera: Camera, stage: Stage, point: float) -> list[Item]
 
 
 def fingertip(run: RunData, body: int) -> XY:
-    """The point of a finger's last phalanx that is farthest from its first hinge, [m].
-
-    Of one without shapes or hinge it is the body's origin.
-    """
+    """The point of a finger's last phalanx farthest from its first hinge [m], else its origin."""
     joints = run.model.joints
     hinges = [joints.anchor[k, 1] for k in joints.hinges.tolist() if joints.bodies[k, 1] == body]
     shapes = run.mechanism.bodies[body].shapes
@@ -126,61 +116,37 @@ def fingertip(run: RunData, body: int) -> XY:
     return x, y
 
 
-def _given(run: RunData, view: View, chosen: Sequence[int]) -> list[Place]:
-    """The points of ``view.traces`` on some bodies."""
-    index = run.model.names.body
-    return [(index[trace.body], trace.at) for trace in view.traces if index[trace.body] in chosen]
+def traced(run: RunData, view: View, patterns: Sequence[str], *, tips: bool = True) -> list[Place]:
+    """Traced points of the bodies that fit the patterns.
 
-
-def _centres(run: RunData, bodies: Sequence[int], given: Sequence[Place]) -> list[Place]:
-    """Centres of mass of those bodies that move and have no point yet."""
-    x, y = run.arrays["body_centre"].T.tolist()
-    known = {body for body, _ in given}
-    return [(body, (x[body], y[body])) for body in bodies
-            if body not in known and not run.model.bodies.fixed[body]]
-
-
-def traced(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
-    """The points whose paths are drawn of the bodies that the patterns fit.
-
-    Those of ``view.traces``. Of bodies without one the fingertip or the centre of mass, where they
-    are named, or where nothing at all is traced; of all bodies, the tips if there are fingers.
+    These are the points of ``view.traces``, then ``tips`` of fingers, and centres of mass of moving
+    bodies without a point. For all bodies, each kind is used only if the ones before are empty.
     """
-    chosen, index = meant(patterns, run.mechanism.bodies), run.model.names.body
-    found = _given(run, view, chosen)
-    if tuple(patterns) == EVERY and found:
-        return found
-    tips = [index[group.bodies[-1]] for group in run.mechanism.groups
-            if group.kind == "finger" and group.bodies and group.bodies[-1] in index]
-    given = {body for body, _ in found}
-    found += [(body, fingertip(run, body)) for body in tips if body in chosen and body not in given]
-    if tuple(patterns) == EVERY and found:
-        return found
-    return found + _centres(run, chosen, found)
+    index, every = run.model.names.body, tips and tuple(patterns) == EVERY
+    chosen, fixed = meant(patterns, run.mechanism.bodies), run.model.bodies.fixed
+    found = [(index[trace.body], trace.at) for trace in view.traces if index[trace.body] in chosen]
+    if tips and not (every and found):
+        lasts = [index[group.bodies[-1]] for group in run.mechanism.groups
+                 if group.kind == "finger" and group.bodies and group.bodies[-1] in index]
+        known = {body for body, _ in found}
+        found += [(body, fingertip(run, body)) for body in lasts
+                  if body in chosen and body not in known]
+    if not (every and found):
+        x, y = run.arrays["body_centre"].T.tolist()
+        known = {body for body, _ in found}
+        found += [(body, (x[body], y[body])) for body in chosen
+                  if body not in known and not fixed[body]]
+    return found
 
 
 def marked(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
-    """The points whose velocity is shown: of each body that moves those traced, else its centre."""
-    chosen = [body for body in meant(patterns, run.mechanism.bodies)
-              if not run.model.bodies.fixed[body]]
-    given = _given(run, view, chosen)
-    return given + _centres(run, chosen, given)
-
-
-def trace_colours(model: Model, bodies: Sequence[int]) -> list[Colour]:
-    """What tells the paths of points of some bodies apart.
-
-    The bodies' own colours, darker, where the scene gives each another one; else :data:`TRACES`.
-    """
-    own = [colour_of(model, model.mechanism.bodies[body]) for body in bodies]
-    given = [mixed(rgb(each), INK, DARKER) for each in own if each]
-    if len(own) > 1 and len(set(given)) == len(own):
-        return given
-    return [TRACES[k % len(TRACES)] for k in range(len(own))]
+    """Points of moving bodies whose velocity is shown: the traced ones, else centres of mass."""
+    return [place for place in traced(run, view, patterns, tips=False)
+            if not run.model.bodies.fixed[place[0]]]
 
 
 def round_interval(duration: float) -> float:
-    """The time between marks [s]: 1, 2 or 5 times a power of ten, at most :data:`PIECES` in all.
+    """The time between marks [s]: 1, 2 or 5 times a power of ten, at most :data:`PIECES` marks.
 
     >>> round_interval(0.5), round_interval(3.0)
     (0.05, 0.5)

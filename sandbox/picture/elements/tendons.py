@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -19,42 +20,21 @@ from sandbox.picture.scales import SLACK_FRACTION, round_up
 from sandbox.picture.subject import Subject
 from sandbox.samples.cables import off_wheels
 
-CABLE = 2.4
-"""Width of a tendon [points]."""
-WOUND = 1.5
-"""Length of a tendon that is shown on the wheel on which it ends [rad]."""
-CREEP, LEAST_SLIP = 1e-3, 1e-6
-"""A tendon that slides less from sample to sample than this share of its largest slide, or than
-this length [m], does not slip."""
-NEAR_TURN = 0.02
-"""Arcs that are so close to a whole turn are arcs of the other sign [rad]."""
-TUBE, TUBE_SHARE = (4.5, 9.0), 0.13
-"""Least and largest half width of a cylinder [points], and half its width as a share of its tube's
-length."""
-HOSE, VANE = 1.6, 10.0
-"""Width of a hose and radius of a chamber on a hinge [points]."""
+CABLE = 2.4  # width of a tendon [points]
+WOUND = 1.5  # length of a tendon that is shown on the wheel on which it ends [rad]
+CREEP, LEAST_SLIP = 1e-3, 1e-6  # minimum slip: per sample [largest one], of that [m]
+NEAR_TURN = 0.02  # arcs that are so close to a whole turn are arcs of the other sign [rad]
+TUBE, TUBE_SHARE = (4.5, 9.0), 0.13  # half width of a cylinder: limits [points], [lengths]
+HOSE, VANE = 1.6, 10.0  # width of a hose and radius of a chamber on a hinge [points]
 PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
-"""From a line's first chamber to its pump, to the tank of a valve, and to a line without chambers
-at the other end of a valve [points, y up]."""
-SPARE = 0.04
-"""Room before and behind a piston, as a share of the cylinder's largest length."""
-LEAST_TUBE, MOST_TUBE = 0.55, 0.95
-"""Least and largest length of a tube, as shares of the cylinder's least length."""
-
-
-def slipping(slip: Array) -> Flags:
-    """In which samples a tendon slides over each guide with friction, [n, nf].
-
-    ``slip`` is the length that has slid over it since t = 0 [m], [n, nf].
-    """
-    slid = np.abs(np.diff(slip, axis=0, prepend=slip[:1]))
-    least = CREEP * np.maximum(slid.max(axis=0, initial=0.0), LEAST_SLIP)
-    return np.asarray(slid > least, dtype=bool)
+"""Offsets of pump, tank, line [points]."""
+SPARE = 0.04  # room before and behind a piston [largest lengths of the cylinder]
+LEAST_TUBE, MOST_TUBE = 0.55, 0.95  # limits of a tube [smallest lengths of the cylinder]
 
 
 def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int], on: Flags, *,
          closed: bool) -> tuple[Array, Array]:
-    """The angles at which a tendon meets and leaves each guide [n, g] rad; NaN where it is off it.
+    """The angles at which a tendon meets and leaves each guide [n, g] rad; NaN off the guide.
 
     Args:
         places: centres of the guides, each [n, 2] m.
@@ -92,7 +72,9 @@ def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int],
 
 def add_cables(s: Subject) -> None:
     """Every tendon with its eyes, and collars where guides have friction."""
-    off, slips = off_wheels(s.run.arrays), slipping(s.run.arrays["guide_slip"])
+    off, slip = off_wheels(s.run.arrays), s.run.arrays["guide_slip"]
+    slid = np.abs(np.diff(slip, axis=0, prepend=slip[:1]))
+    slips = slid > CREEP * np.maximum(slid.max(axis=0, initial=0.0), LEAST_SLIP)
     for k, spec in enumerate(s.run.mechanism.tendons):
         cable = _Cable(s, k, off[:, s.run.model.tendons.loose(k)])
         gripped = s.run.model.tendons.gripped(k).tolist()
@@ -107,8 +89,7 @@ def add_cables(s: Subject) -> None:
                 cable.collar(guide, slips[:, grip])
         for g in range(last):
             if not cable.radii[g]:
-                s.add("cables", "mark", plane=cable.plane, rank=2, at=cable.points[g], g="eye",
-                      **cable.shown)
+                cable.add("mark", rank=2, at=cable.points[g], g="eye", shown=cable.shown)
 
 
 class _Cable:
@@ -122,15 +103,14 @@ class _Cable:
         self.radii = [short(guide.radius) for guide in path]
         self.senses = [1 if guide.side == "right" else -1 for guide in path]
         self.points = [s.on(*at) for at in zip(bodies, tendons.guide_at[where], strict=True)]
-        self.plane = s.plane(*bodies)
+        self.add = partial(s.add, "cables", plane=s.plane(*bodies))
         self.hold = held_one(int(s.run.model.bonds.tendon[k]), s.run.arrays["held"])
-        self.shown: dict[str, Any] = {} if self.hold.all() else {"shown": s.steady(self.hold)}
+        self.shown = None if self.hold.all() else s.steady(self.hold)
         self.on = np.ones((len(s.run.time), len(path)), dtype=bool)
         self.on[:, list(spec.lifting)] = ~off
-        self.wide: dict[str, Any] = {}
-        if (drive := int(tendons.stiffener[k])) != NONE:
-            _, wide = made_stiffer(s, drive, float(tendons.stiffness[k]))
-            self.wide = {"wide": s.out.varying(wide)}
+        drive = int(tendons.stiffener[k])
+        self.wide = None if drive == NONE else s.out.varying(
+            made_stiffer(s, drive, float(tendons.stiffness[k]))[1])
         self.places: list[Array] = []
         self.meets = self.leaves = np.zeros(self.on.shape)
         if tendons.gripped(k).size or any(self.radii) or not self.on.all():
@@ -155,26 +135,26 @@ class _Cable:
         share = s.carried.pieces[:, stretch] / (s.carried.largest or 1.0)
         slack, shown = share <= SLACK_FRACTION, self.shown
         if there is not None and not there.all():
-            shown = {"shown": s.steady(there & self.hold)}
-        s.add("cables", "taut", self.name, plane=self.plane, rank=float(np.mean(share)) - 1,
-              p=guides, c=closed, s=[s.style("", "@load", CABLE), s.style("", "slack", 1.8, 5)],
-              state=s.steady(slack), by=s.steady(np.where(slack, 0.0, share)), **self.wide, **shown)
+            shown = s.steady(there & self.hold)
+        self.add("taut", self.name, rank=float(np.mean(share)) - 1, p=guides, c=closed,
+                 s=[("", "@load", CABLE), ("", "slack", 1.8, 5)], state=s.steady(slack),
+                 by=s.steady(np.where(slack, 0.0, share)), wide=self.wide, shown=shown)
 
     def pieces(self, stretches: Integers) -> None:
         """Each straight piece with half of the arcs at its ends, in the colour of its tension."""
-        count, rows, middle = len(self.points), np.arange(len(self.on)), self.middle
-        for g in range(count - 1):
-            begins, ends = g == 0 and not self.closed, g + 2 == count and not self.closed
+        rows, middle = np.arange(len(self.on)), self.middle.copy()
+        if not self.closed:
+            middle[:, 0] = (self.meets if self.radii[0] else self.leaves)[:, 0]
+            middle[:, -1] = self.leaves[:, -1]
+        for g in range(len(self.points) - 1):
             following = g + 1 + np.argmax(self.on[:, g + 1:], axis=1)
-            start = self.guide(g, self.meets[:, g] if begins and self.radii[g] else
-                               self.leaves[:, g] if begins else middle[:, g], self.leaves[:, g])
+            start = self.guide(g, middle[:, g], self.leaves[:, g])
             if (following == g + 1).all():
-                end = self.guide(g + 1, self.meets[:, g + 1],
-                                 (self.leaves if ends else middle)[:, g + 1])
+                end = self.guide(g + 1, self.meets[:, g + 1], middle[:, g + 1])
             else:  # it skips guides that the tendon has left
                 centre = np.stack(self.places, axis=1)[rows, following]
                 end = self.guide(int(following[0]), self.meets[rows, following],
-                                 middle[rows, following], self.s.out.spot(centre))
+                                 self.middle[rows, following], self.s.out.spot(centre))
             self.line([start, end], stretches[g], there=self.on[:, g])
 
     def collar(self, guide: int, slips: Flags) -> None:
@@ -184,8 +164,8 @@ class _Cable:
             angle = self.middle[:, guide]
             at = s.out.spot(self.places[guide] + radius * np.column_stack(
                 (np.cos(angle), np.sin(angle))))
-        s.add("cables", "mark", plane=self.plane, rank=1, at=at, state=s.steady(~slips),
-              g=["slides", "rubs"], shown=None if there.all() else s.steady(there))
+        self.add("mark", rank=1, at=at, state=s.steady(~slips), g=["slides", "rubs"],
+                 shown=None if there.all() else s.steady(there))
 
 
 def largest_pressure(run: RunData) -> float:
@@ -217,18 +197,15 @@ class _Fluids:
     def __init__(self, s: Subject) -> None:
         self.s, self.largest = s, max(map(largest_pressure, (s.run, *s.beside)))
         self.lines, self.pressure = s.run.model.lines, s.run.arrays["line_pressure"]
-        self.plane = s.plane(*self.lines.bodies.ravel().tolist())
+        self.put = partial(s.add, "fluids", plane=s.plane(*self.lines.bodies.ravel().tolist()))
         self.ports: list[list[Point]] = [[] for _ in self.lines.name]
 
     def level(self, line: int) -> Number:
         """A line's pressure on the scale of colours."""
         return self.s.steady(np.abs(self.pressure[:, line]) / (self.largest or 1.0))
 
-    def put(self, kind: str, name: str = "", rank: float = 0, **fields: Any) -> None:
-        self.s.add("fluids", kind, name, plane=self.plane, rank=rank, **fields)
-
     def line(self, points: list[Point], token: str, width: float, **fields: Any) -> None:
-        self.put("line", p=points, s=self.s.style("", token, width), **fields)
+        self.put("line", p=points, s=("", token, width), **fields)
 
     def chamber(self, n: int) -> None:
         """A vane about a hinge, or a cylinder with its piston, as long as the run allows."""
@@ -236,7 +213,7 @@ class _Fluids:
         line, joint, bodies = int(lines.of[n]), int(lines.joint[n]), lines.bodies[n].tolist()
         if joint != NONE:
             at = s.on(bodies[1], s.run.model.joints.anchor[joint, 1])
-            self.put("path", rank=1, f=at[0], s=s.style("@load", "pin_ring", 1.2),
+            self.put("path", rank=1, f=at[0], s=("@load", "pin_ring", 1.2),
                      d=[{"c": [*at[1:], *at[1:], short(VANE * s.point)]}], by=self.level(line))
             self.ports[line].append(at)
             return
@@ -252,12 +229,12 @@ class _Fluids:
         foot, head = (way.at(far)[0] for far in (0.0, tube - spare - slope * (most - way.length)))
         half = min(max(TUBE_SHARE * tube, TUBE[0] * s.point), TUBE[1] * s.point)
         level, box = self.level(line), [flat((0, -half), (tube, -half), (tube, half), (0, half))]
-        self.put("path", name, 1, f=foot, d=box, s=s.style("paper"))
+        self.put("path", name, rank=1, f=foot, d=box, s=("paper",))
         fluid = [[head, 0, 0], [foot, tube, 0]] if pulls else [[foot, 0, 0], [head, 0, 0]]
         self.line(fluid, "@load", half / s.point * 2, by=level, rank=1)
         self.line([[head, 0, 0], ends[1]], "spring", 3.2, rank=1)
         self.line([[head, 0, -half], [head, 0, half]], "pin_ring", 2.4, rank=1)
-        self.put("path", name, 1, f=foot, d=box, s=s.style("", "spring", 1.2))
+        self.put("path", name, rank=1, f=foot, d=box, s=("", "spring", 1.2))
         for end in ends:
             self.put("mark", rank=2, at=end, g="end")
         if not self.ports[line] and self.largest > 0:
@@ -291,7 +268,7 @@ class _Fluids:
             self.line([one, two], "spring", 1.2, rank=2)
             way = Between(s.out, *(s.out.place(end) + s.point * np.array(
                 end[3:] or (0.0, 0.0)) for end in (one, two)))
-            self.put("mark", valves.name[valve], 2, at=way.at(way.length / 2),
+            self.put("mark", valves.name[valve], rank=2, at=way.at(way.length / 2),
                      turn=s.out.varying(way.angle), g=["shut", "open"],
                      state=s.steady(flow[:, valve] != 0.0))
             if "tendons" in s.layers:
@@ -303,13 +280,12 @@ class _Fluids:
         for k in drives.giving("flow", "pressure").tolist():
             line, name, value = (int(drives.target[k]), drives.name[k],
                                  s.run.arrays["drive_value"][:, k])
-            port = self.port(line)
-            if port is None:
+            if (port := self.port(line)) is None:
                 continue
             beside[line] = beside.get(line, -1) + 1
             at = _moved(port, (PUMP[0] * (1 + 1.6 * beside[line]), PUMP[1]))
             self.line([port, at], "spring", 1.2, rank=2)
-            self.put("mark", name, 2, at=at, g="pump")
+            self.put("mark", name, rank=2, at=at, g="pump")
             s.number("fluids", name, at, value, float(np.abs(value).max(initial=0.0)),
                      drives.kind[k].unit, words=name, clear=8.0)
 
