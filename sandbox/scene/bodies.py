@@ -62,9 +62,9 @@ class Box(Spec):
 
 SHAPES = ("shapes", "displaces")
 """Of a body the fields that hold outlines."""
-MOST_CORNERS = 2000
+MAX_CORNERS = 2000
 """Of a polygon, those of its holes among them; of a polyline."""
-Outline = Annotated[of.Items[of.Point], Field(min_length=3, max_length=MOST_CORNERS)]
+Outline = Annotated[of.Items[of.Point], Field(min_length=3, max_length=MAX_CORNERS)]
 
 
 Nodes = tuple[tuple[tuple[of.Coordinate, of.Coordinate, float, float], ...], ...]
@@ -103,7 +103,7 @@ class Polygon(Spec):
     points: Outline
     """Its corners in the body's frame [m], one after the other, clockwise or counter-clockwise; the
     outline may not touch or cross itself."""
-    holes: Annotated[of.Items[Outline], Field(max_length=MOST_CORNERS)] = ()
+    holes: Annotated[of.Items[Outline], Field(max_length=MAX_CORNERS)] = ()
     """Outlines of its holes, separate and inside the outline; corners as in ``points``."""
     nodes: Annotated[Nodes, Placed("nodes")] = ()
     """The true curves of the outline and of each hole, if it was worked out from a curve, a cam or
@@ -140,9 +140,9 @@ class Polygon(Spec):
     @model_validator(mode="after")
     def _cut(self) -> Self:
         corners = len(self.points) + sum(map(len, self.holes))
-        if corners > MOST_CORNERS:
+        if corners > MAX_CORNERS:
             raise WrongValueError("bad-outline", f"this outline and its holes have {corners} "
-                                  "corners", allowed=f"at most {MOST_CORNERS}")
+                                  "corners", allowed=f"at most {MAX_CORNERS}")
         _checked_nodes(self.nodes, (self.points, *self.holes))
         if self.whole:
             return self
@@ -167,7 +167,7 @@ class Polyline(Spec):
     """
 
     type: Literal["polyline"] = TYPE
-    points: Annotated[of.Items[of.Point], Field(min_length=2, max_length=MOST_CORNERS)]
+    points: Annotated[of.Items[of.Point], Field(min_length=2, max_length=MAX_CORNERS)]
     """Its corners and ends; closed if the last point equals the first."""
     radius: of.Distance = 0.0
     """Distance of its surface from the line through its points."""
@@ -256,13 +256,13 @@ def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
         return [flattened(nodes, within, closed=closed) for nodes in curves]
 
     rings = flat(tolerance)
-    if (corners := sum(map(len, rings))) <= MOST_CORNERS:
+    if (corners := sum(map(len, rings))) <= MAX_CORNERS:
         return rings
     wider = tolerance
-    while sum(map(len, flat(wider))) > MOST_CORNERS and wider < 1e3 * tolerance:
+    while sum(map(len, flat(wider))) > MAX_CORNERS and wider < 1e3 * tolerance:
         wider *= 2
     raise WrongValueError("bad-outline", f"the tolerance of {tolerance:.3g} m needs {corners} "
-                          f"corners, more than {MOST_CORNERS}", allowed="a tolerance of "
+                          f"corners, more than {MAX_CORNERS}", allowed="a tolerance of "
                           f"{wider:.3g} m")
 
 

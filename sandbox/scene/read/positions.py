@@ -1,6 +1,6 @@
 """A JSON scanner that records positions and describes syntax errors (RFC 8259).
 
-Faults of content (a key twice, NaN) are collected; the first fault of form ends the scan, since
+Faults of content (a repeated key, NaN) are collected. The first syntax error ends the scan, since
 nothing after it can be trusted.
 """
 
@@ -11,9 +11,8 @@ import math
 import re
 import sys
 from bisect import bisect_right
-from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from sandbox.errors import Problem
 from sandbox.values.paths import JsonPath, shown_path
@@ -21,23 +20,19 @@ from sandbox.values.paths import JsonPath, shown_path
 _SPACE = re.compile(r"[ \t\n\r]*")
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(\.[0-9]+)?([eE][+-]?[0-9]+)?(?=[] \t\n\r,}/:\"]|$)")
 _WORD = re.compile(r"[-+]?[A-Za-z_][A-Za-z0-9_]*")
-_STRING = re.compile(r'"(?:[^"\\\x00-\x1f]|\\.)*+"')  # possessive: no way back is remembered
-_HALF = re.compile("[\ud800-\udfff]")
+_STRING = re.compile(r'"(?:[^"\\\x00-\x1f]|\\.)*+"')  # possessive: no backtracking
+_SURROGATE = re.compile("[\ud800-\udfff]")
 _WORDS = {"true": True, "false": False, "null": None}
-_NOT_FINITE = {"nan", "inf", "infinity"}
 
 
 def half_character(text: str) -> str:
-    """The fault of a text that no file can be written with, or ``""``.
-
-    JSON spells a character beyond U+FFFF as two halves; one alone is a character of nothing.
-    """
-    found = _HALF.search(text)
+    """The fault of a text with a lone surrogate, which no file can hold; empty without one."""
+    found = _SURROGATE.search(text)
     return f"the text has half a character (\\u{ord(found.group()):04x}) in it" if found else ""
 
 
 class Lines:
-    """Lines of a text, found at their first use."""
+    """Lines of a text."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -52,63 +47,54 @@ class Lines:
         return line, offset - self._starts[line - 1] + 1
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
-    """Offsets of a value, and of its key (-1 where it has none)."""
+class Place(NamedTuple):
+    """Offsets of a value, and of its key (-1 without one)."""
 
     value: int
     key: int = -1
 
 
-@dataclass
-class Scan:
-    """Results of a scan: the data, the place of every value, and all faults."""
-
-    data: Any = None
-    places: dict[JsonPath, Place] = field(default_factory=dict)
-    faults: list[Problem] = field(default_factory=list)
-
-
-class _FormError(Exception):
+class _SyntaxError(Exception):
     """The text cannot be read any further."""
 
 
 def scan(text: str, nesting: int, most: int = sys.maxsize) -> Scan:
     """Scan a JSON text of at most ``most`` values whose brackets nest at most ``nesting`` deep."""
-    scanner = _Scanner(text, nesting, most)
+    found = Scan(text, nesting, most)
     try:
-        scanner.space()
-        scanner.found.data = scanner.value(0)
-        if scanner.space():
-            scanner.fail("there is more text after the end of the scene")
-    except _FormError:
+        found.space()
+        found.data = found.value(0)
+        if found.space():
+            found.fail("there is more text after the end of the scene")
+    except _SyntaxError:
         pass  # it is among the faults
     except RecursionError:
-        scanner.note("nested too deep to be read", scanner.at, "limit-exceeded")
-    return scanner.found
+        found.note("nested too deep to be read", found.at, "limit-exceeded")
+    return found
 
 
-class _Scanner:
-    """The state of a scan: the offset, and the path there."""
+class Scan:
+    """A scan of a text: the data, the place of every value, and all faults so far."""
 
     def __init__(self, text: str, nesting: int, most: int) -> None:
         self.text, self.nesting, self.most = text, nesting, most
+        self.data: Any = None
+        self.places: dict[JsonPath, Place] = {}
+        self.faults: list[Problem] = []
         self.lines = Lines(text)
         self.at = 0
         self.path: JsonPath = ()
-        self.found = Scan()
 
     def note(self, message: str, offset: int, code: str = "invalid-json") -> None:
         """Collect a fault at an offset."""
-        self.found.faults.append(
-            Problem(code, message, shown_path(self.path), *self.lines.at(offset)))
+        self.faults.append(Problem(code, message, shown_path(self.path), *self.lines.at(offset)))
 
     def fail(
         self, message: str, offset: int | None = None, code: str = "invalid-json",
     ) -> NoReturn:
-        """End the scan with a fault, at the present offset if no other is given."""
+        """End the scan with a fault, by default at the current offset."""
         self.note(message, self.at if offset is None else offset, code)
-        raise _FormError
+        raise _SyntaxError
 
     def space(self) -> str:
         """Skip white space; the character that follows, or ``""`` at the end."""
@@ -120,8 +106,8 @@ class _Scanner:
 
     def value(self, depth: int, key: int = -1) -> Any:
         """Read the value at the offset, with its key at another one."""
-        self.found.places[self.path] = Place(self.at, key)
-        if len(self.found.places) > self.most:
+        self.places[self.path] = Place(self.at, key)
+        if len(self.places) > self.most:
             self.fail(f"more values than the limit 'values' of {self.most}", code="limit-exceeded")
         char = self.text[self.at:self.at + 1]
         if char == '"':
@@ -131,63 +117,58 @@ class _Scanner:
         if depth >= self.nesting:
             self.fail(f"nested deeper than the limit 'nesting' of {self.nesting}",
                       code="limit-exceeded")
-        return self.container(depth)
+        return self.container(depth, char == "{")
 
-    def container(self, depth: int) -> Any:
+    def container(self, depth: int, is_object: bool) -> Any:
         """Read an object or a list."""
-        start, path, made = self.at, self.path, self.text[self.at]
-        closing, kind = ("}", "object") if made == "{" else ("]", "list")
+        start, path = self.at, self.path
+        closing, kind = ("}", "object") if is_object else ("]", "list")
         entries: dict[str, Any] = {}
         items: list[Any] = []
+
+        def following() -> str:
+            if not (char := self.space()):
+                line, column = self.lines.at(start)
+                self.fail(f"the file ends inside the {kind} that begins at line {line}, column "
+                          f"{column}")
+            return char
+
         self.at += 1
-        while (char := self.following(kind, start)) != closing:
+        while (char := following()) != closing:
             if entries or items:
                 if char != ",":
                     self.fail(f"expected a comma or '{closing}' here; is a comma missing?")
                 comma, self.at = self.at, self.at + 1
-                if self.following(kind, start) == closing:
+                if following() == closing:
                     self.fail(f"a comma before '{closing}' is one too many", comma)
-            if kind == "list":
+            if not is_object:
                 self.path = (*path, len(items))
                 items.append(self.value(depth + 1))
             else:
-                self.entry(entries, depth, start)
+                key_at = self.at
+                if self.text[key_at] != '"':
+                    self.fail('expected a key in double quotes, such as "name"')
+                key = self.string()
+                if following() != ":":
+                    self.fail(f"expected ':' after the key {json.dumps(key[:60])}")
+                self.at += 1
+                following()
+                self.path = (*path, key)
+                if key in entries:
+                    line, column = self.lines.at(self.places[self.path].key)
+                    self.note(f"the key {json.dumps(key[:60])} is repeated, first at line {line}, "
+                              f"column {column}", key_at)
+                entries[key] = self.value(depth + 1, key_at)
             self.path = path
         self.at += 1
-        return entries if kind == "object" else items
-
-    def following(self, kind: str, start: int) -> str:
-        """The next character of a container, which does not end here."""
-        if not (char := self.space()):
-            line, column = self.lines.at(start)
-            self.fail(f"the file ends inside the {kind} that begins at line {line}, column "
-                      f"{column}")
-        return char
-
-    def entry(self, entries: dict[str, Any], depth: int, start: int) -> None:
-        """Read ``"key": value`` of an object."""
-        key_at = self.at
-        if self.text[key_at] != '"':
-            self.fail('expected a key in double quotes, such as "name"')
-        key = self.string()
-        if self.following("object", start) != ":":
-            self.fail(f"expected ':' after the key {json.dumps(key[:60])}")
-        self.at += 1
-        self.following("object", start)
-        self.path = (*self.path, key)
-        if key in entries:
-            line, column = self.lines.at(self.found.places[self.path].key)
-            self.note(f"the key {json.dumps(key[:60])} is repeated, first at line {line}, column "
-                      f"{column}", key_at)
-        entries[key] = self.value(depth + 1, key_at)
+        return entries if is_object else items
 
     def string(self) -> str:
         """Read a text."""
         match = _STRING.match(self.text, self.at)
         try:
             if match:
-                text = match.group()
-                value: str = json.loads(text) if "\\" in text else text[1:-1]
+                value: str = json.loads(match.group())
                 if half := half_character(value):
                     self.note(half, self.at)
                 self.at = match.end()
@@ -205,7 +186,7 @@ class _Scanner:
             text, self.at = word.group(), word.end()
             if text in _WORDS:
                 return _WORDS[text]
-            if text.lstrip("+-").lower() not in _NOT_FINITE:
+            if text.lstrip("+-").lower() not in ("nan", "inf", "infinity"):
                 hint = f"; write {text.lower()}" if text.lower() in _WORDS else ""
                 self.fail(f"{text[:40]} is not a value: put text in double quotes{hint}", start)
             self.note(f"{text} is not a number that a scene can use", start)
@@ -215,8 +196,7 @@ class _Scanner:
             self.fail(_not_a_value(self.text[start:start + 1]))
         self.at = number.end()
         try:
-            whole = number.group(1) is None and number.group(2) is None
-            value: float = int(number.group()) if whole else float(number.group())
+            value: float = float(number[0]) if number[1] or number[2] else int(number[0])
             if math.isfinite(value):
                 return value
         except (OverflowError, ValueError):
