@@ -19,7 +19,7 @@ from sandbox.audit.audit import ADVICE, ASKS
 from sandbox.codes import CODES
 from sandbox.elements.arrays import ARRAYS
 from sandbox.elements.element import tag_of
-from sandbox.elements.quantities import LIVE, TIED
+from sandbox.elements.quantities import LIVE, BOND_QUANTITIES
 from sandbox.scene import settings
 from sandbox.scene.document import Scene
 from sandbox.scene.layers import LAYERS
@@ -90,7 +90,7 @@ def readable() -> Iterator[str]:
         yield f"| {'pair of bodies' if element == 'pair' else element} | {', '.join(words)} |"
     for name, holder in GUIDED.values():
         yield f"| {holder} | `{name}` |"
-    yield f"| joint, spring, tendon that can be released | {', '.join(f'`{n}`' for n in TIED)} |"
+    yield f"| joint, spring, tendon that can be released | {', '.join(f'`{n}`' for n in BOND_QUANTITIES)} |"
 
 
 def arrays() -> Iterator[str]:

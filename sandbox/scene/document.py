@@ -38,16 +38,15 @@ from sandbox.wording import quoted
 
 
 class Assembly(PartSpec):
-    """Elements and parts in one piece: placed, turned, mirrored and scaled as one.
+    """Elements and parts that are scaled, then mirrored, turned and moved as one.
 
     They are written as in a scene, about an origin of their own. In the scene their names begin
-    with the assembly's: its ``jaw`` is ``left.jaw``. A name that the assembly does not have is the
-    scene's. It is scaled first, then mirrored, then turned, then moved.
+    with the assembly's: its ``jaw`` is ``left.jaw``. Names that it does not have are the scene's.
     """
 
     type: Literal["assembly"] = TYPE
     name: Name
-    """Of the assembly; the names of its elements begin with it and a dot."""
+    """Its name; the names of its elements begin with it and a dot."""
     at: Point = (0.0, 0.0)
     """Its origin, in the world or in the assembly that it is part of."""
     angle: Angle = 0.0
@@ -56,8 +55,8 @@ class Assembly(PartSpec):
     """Sides to mirror, about its origin. Hinges then count the opposite sense as positive, so their
     angles, stops and drives do not change."""
     scale: Annotated[Number, POSITIVE] = 1.0
-    """Of all lengths in the plane, and of speeds; inertias by its square. Masses, stiffnesses,
-    forces, areas of pistons and volumes stay as they are written, and so does ``thickness``."""
+    """Factor of lengths in the plane and of speeds, and its square of inertias. Masses, forces,
+    stiffnesses, ``thickness``, areas of pistons and volumes do not change."""
     materials: dict[Name, Material] = Field(default_factory=dict)
     """Its own contact surfaces, by name."""
     bodies: Items[Body] = ()
@@ -73,13 +72,11 @@ class Assembly(PartSpec):
     valves: Items[Valve] = ()
     """Its valves."""
     loads: Items[Load] = ()
-    """Its loads. Their expressions, components and levels are of the world, however the assembly is
-    turned."""
+    """Its loads; their expressions, components and levels are always those of the world."""
     drives: Items[Drive] = ()
     """Its drives."""
     controllers: Items[Controller] = ()
-    """Its controllers. They read quantities as they are: in a mirror those of hinges stay the
-    same, a body's ``x`` and ``angle`` do not."""
+    """Its controllers. A mirror changes a body's ``x`` and ``angle``, not those of hinges."""
     events: Items[Event] = ()
     """Its events."""
     contacts: Items[ContactRule] = ()
@@ -124,31 +121,25 @@ Part = Annotated[Finger | RockerTree | PulleyTree | Section | Assembly,
 
 
 class Scene(Mechanism):
-    """The whole file: a mechanism, and the parameters, templates and parts it is written with.
-
-    An element names its template with ``"like"``; templates are merged into the
-    elements, and ``like`` removed, before a scene is validated.
-    """
+    """The whole file: a mechanism, with parameters, templates and parts."""
 
     schema_: Annotated[str | None, Field(alias="$schema")] = None
-    """Where an editor finds the JSON Schema of scenes."""
+    """Location of the JSON Schema of scenes, for editors."""
     parameters: dict[Name, Quantity] = Field(default_factory=dict)
-    """Named numbers, for expressions such as ``"=pull / 4"``: SI once read, whatever unit they were
-    written in."""
+    """Named numbers, for expressions such as ``"=pull / 4"``, which see them in SI."""
     templates: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     """Templates by name: ``{"digit": {"type": "finger", ...}}``. An entry with ``"like": "digit"``
     takes all keys of that template and overrides them with its own, object by object; lists are
     replaced whole. A template may itself have a ``like``."""
     parts: Items[Part] = ()
-    """Assemblies of several elements, such as fingers and trees; ``sandbox check --expand`` shows
-    their elements."""
+    """Fingers, trees, assemblies; ``sandbox check --expand`` shows their elements."""
 
 
 Assembly.model_rebuild()
 KEYS = tuple(field.alias or name for name, field in Scene.model_fields.items())
 """The keys of a scene's file."""
 ASSEMBLED = tuple(key for key in KEYS if key in Assembly.model_fields and key != "name")
-"""Those that an assembly takes from a scene that it includes."""
+"""Keys of an included scene that its assembly takes."""
 
 
 class Composite(PartSpec):

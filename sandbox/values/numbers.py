@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import numbers
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
@@ -204,11 +204,6 @@ class Dimension:
         number = number_from(value, None, parameters_of(info))
         plain: float = check(number)
         return number if isinstance(number, Measured) else plain
-
-
-def dimension_read(metadata: Iterable[Any]) -> str:
-    """The dimension of a number from the annotations of its type; empty if there is none."""
-    return next((each.name or "" for each in metadata if isinstance(each, Dimension)), "")
 
 
 def _out_of_bounds(wanted: str, value: float) -> WrongValueError:

@@ -8,7 +8,7 @@ its field: a force's ``value`` refuses ``"3 mm"``.
 from __future__ import annotations
 
 import numbers
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
@@ -185,11 +185,6 @@ class OverTime:
         if wrong:
             raise ValidationError.from_exception_data("signal", wrong)
         return value
-
-
-def dimension_over_time(metadata: Iterable[Any]) -> str | None:
-    """The dimension of a value over time by its type's annotations; None if it is no such value."""
-    return next((each.dimension or "" for each in metadata if isinstance(each, OverTime)), None)
 
 
 _WANTED = "expected a number, a ramp {…}, a table {…} or an expression"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, get_args
 
 from pydantic import (
     ConfigDict,
@@ -16,6 +17,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from sandbox.errors import SceneError
 
+Mark = TypeVar("Mark")
 TYPE: Any = Field()
 """The default of a field ``type``: a file must have it, the constructor fills it in."""
 
@@ -56,6 +58,11 @@ class Spec(Model):
     )
     # fields that hold expressions of names of their own: no element is meant by them
     LOCAL: ClassVar[tuple[str, ...]] = ()
+
+
+def mark_of(metadata: Iterable[Any], kind: type[Mark]) -> Mark | None:
+    """The mark of a kind among the annotations of a field's type."""
+    return next((each for each in metadata if isinstance(each, kind)), None)
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,13 @@
 """Outlines from drawings: SVG files by svgelements, DXF files by ezdxf.
 
-A drawing's lines, arcs and splines become nodes (:mod:`sandbox.scene.outlines.curves`); what is
-open is joined end to end. The largest outline is the shape's and those in it are its holes. Files
-come from the scene's own folder, and nothing that a file names is looked up.
+Lines, arcs and splines become nodes (:mod:`sandbox.scene.outlines.curves`); open ones are joined
+end to end. The largest outline is the shape's and those in it are its holes. Files come from the
+scene's own folder, and references in them are not followed.
 """
 
 from __future__ import annotations
 
+import contextlib
 import io
 import math
 import re
@@ -31,20 +32,20 @@ from sandbox.values.numbers import Angle, Length, Point
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError, listed, near, quoted
 
-MOST_BYTES = 1_000_000
+MAX_BYTES = 1_000_000
 """Of a drawing: some seconds of reading."""
-MOST_NODES = 20_000
+MAX_NODES = 20_000
 """Of all curves of a drawing."""
 FINE = 1e-7
-"""How far spans may be from a curve, as a share of its size."""
+"""Maximum distance of spans from a curve, as a share of its size."""
 POINT = 1e-9
 """A piece that is smaller than this share of the largest is rounding."""
 NEXT = 1e-4
 """Parameter next to the end of a curve."""
 ARCS = 16
-"""Cubic curves that a whole turn is made of: within 1e-8 of the radius."""
+"""Cubic curves of a whole turn: within 1e-8 of the radius."""
 CURVES = frozenset({"LINE", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ARC", "ELLIPSE", "SPLINE"})
-"""Of a DXF file; all else, such as dimensions and texts, is no outline."""
+"""Entities of a DXF file that are read; others, such as dimensions and texts, are no outline."""
 PIXEL = 0.0254 / 96
 """Of an SVG file without a unit of its own [m]."""
 
@@ -59,15 +60,12 @@ class Drawing(Spec):
     file: Annotated[str, Field(min_length=1, max_length=200)]
     """Name of a `.svg` or `.dxf` file in the scene's own folder or below it."""
     unit: Length | None = None
-    """Length of one unit of the drawing (of an SVG file's view box); by default as in the file.
-
-    An SVG file without units uses pixels of 1/96 inch.
-    """
+    """Length of one unit of the drawing (of an SVG file's view box); by default as in the file, or
+    1/96 inch for an SVG file without units."""
     layer: Annotated[str, Field(max_length=200)] | None = None
     """Reads only this layer of a DXF file, or the element with this id in an SVG file."""
     tolerance: Length = 5e-5
-    """Maximum gap between connected ends, and maximum deviation of chords in pictures and in the
-    area."""
+    """Maximum gap between connected ends, and deviation of chords in pictures and in the area."""
     at: Point = (0.0, 0.0)
     """Position of the drawing's origin in the body's frame; the drawing's y is up."""
     angle: Angle = 0.0
@@ -85,7 +83,7 @@ def own_file(folder: Path | None, name: str) -> bytes:
     """The content of a file in a scene's own folder, or below it.
 
     Raises:
-        DrawingError: another place, no file there, or a larger one.
+        DrawingError: outside of the folder, no file, or too large.
     """
     if folder is None:
         raise DrawingError("a scene that is no file has no folder to read a drawing from",
@@ -98,29 +96,26 @@ def own_file(folder: Path | None, name: str) -> bytes:
     try:
         linked = not path.resolve(strict=True).is_relative_to(folder.resolve(strict=True))
         found = b""
-        if path.is_file() and not linked:  # what is no file may never end
+        if path.is_file() and not linked:  # a pipe may never end
             with path.open("rb") as file:
-                found = file.read(MOST_BYTES + 1)
+                found = file.read(MAX_BYTES + 1)
     except (OSError, RuntimeError, ValueError):
-        raise _nowhere(folder, name) from None
+        there: list[str] = []
+        with contextlib.suppress(OSError):
+            there = sorted(each.name for each in folder.iterdir()
+                           if each.suffix.lower() in READERS)
+        raise DrawingError(
+            f"there is no file {quoted(name)} that can be read in the scene's folder",
+            listed(there) or "none: it has no .svg and no .dxf file", near(name, there)) from None
     if linked:
         raise DrawingError(f"{quoted(name)} leads out of the scene's own folder by a link",
                            "a file that lies in it")
     if not found:
         raise DrawingError(f"{quoted(name)} is empty, or no file", "an SVG or DXF file")
-    if len(found) > MOST_BYTES:
+    if len(found) > MAX_BYTES:
         raise DrawingError(f"{quoted(name)} is too large for the drawing of an outline",
-                           f"at most {MOST_BYTES} bytes, with nothing in it but the outline")
+                           f"at most {MAX_BYTES} bytes, with nothing in it but the outline")
     return found
-
-
-def _nowhere(folder: Path, name: str) -> DrawingError:
-    try:
-        there = sorted(each.name for each in folder.iterdir() if each.suffix.lower() in READERS)
-    except OSError:
-        there = []
-    return DrawingError(f"there is no file {quoted(name)} that can be read in the scene's folder",
-                        listed(there) or "none: it has no .svg and no .dxf file", near(name, there))
 
 
 def curves_of(
@@ -132,7 +127,7 @@ def curves_of(
     from each other. See :class:`Drawing` for the rest.
 
     Raises:
-        DrawingError: no outline, more than one, or what cannot be read.
+        DrawingError: no outline, more than one, or unreadable.
     """
     ending = PurePosixPath(name).suffix.lower()
     if ending not in READERS:
@@ -150,8 +145,8 @@ def curves_of(
         raise DrawingError(f"{quoted(name)}: it has no unit",
                            "'unit', such as \"unit\": \"1 mm\"")
     scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves]
-    return _sorted_out([_closed(nodes, tolerance, name)
-                        for nodes in _chained(scaled, tolerance)], name)
+    return _outline_first([_closed(nodes, tolerance, name)
+                           for nodes in _chained(scaled, tolerance)], name)
 
 
 def _closed(nodes: Array, tolerance: float, name: str) -> Array:
@@ -168,7 +163,7 @@ def _closed(nodes: Array, tolerance: float, name: str) -> Array:
     return nodes[:-1] if is_smooth(nodes[-1], nodes[0]) else nodes
 
 
-def _sorted_out(curves: list[Array], name: str) -> list[Array]:
+def _outline_first(curves: list[Array], name: str) -> list[Array]:
     """The largest outline, then the holes in it."""
     if not curves:
         raise DrawingError(f"{quoted(name)} has no outline",
@@ -186,11 +181,10 @@ def _sorted_out(curves: list[Array], name: str) -> list[Array]:
 
 
 def _chained(curves: list[Array], tolerance: float) -> Iterator[Array]:
-    """Curves, those that are open joined end to end."""
+    """Curves, with open ones joined end to end."""
     left = []
     for nodes in curves:
-        closed = len(nodes) > 2 and math.dist(nodes[0, :2], nodes[-1, :2]) <= tolerance
-        if closed:
+        if len(nodes) > 2 and math.dist(nodes[0, :2], nodes[-1, :2]) <= tolerance:
             yield nodes
         else:
             left.append(nodes)
@@ -205,15 +199,6 @@ def _chained(curves: list[Array], tolerance: float) -> Iterator[Array]:
             following = left.pop(int(k))
             chain = joined([chain, reversed_nodes(following) if end else following])
         yield chain
-
-
-def _beziers(pieces: list[Array]) -> Array:
-    """Nodes of Bézier curves one after the other, of their control points [n, 2]; n of 2 to 4."""
-    sizes = [float(np.ptp(points, axis=0).max()) for points in pieces]
-    least = POINT * max(sizes, default=0.0)
-    found = [nodes_along(_bezier(points), np.array([0.0, 1.0]), FINE * size)
-             for points, size in zip(pieces, sizes, strict=True) if size > least]
-    return joined(found) if found else np.zeros((0, 4))
 
 
 def _bezier(points: Array) -> Callable[[Array], Array]:
@@ -240,13 +225,16 @@ def _bezier(points: Array) -> Callable[[Array], Array]:
 
 
 def _nodes_of(drawn: Iterable[list[Array]]) -> list[Array]:
-    """Nodes of curves of pieces that follow each other, [k, 4] each, without curves of no size."""
+    """Nodes [k, 4] of curves, each of consecutive Bézier curves by their 2 to 4 control points."""
     curves: list[Array] = []
     for pieces in drawn:
-        curves.append(_beziers(pieces))
-        if sum(map(len, curves)) > MOST_NODES:
-            raise DrawingError(f"its curves have more than {MOST_NODES} nodes", "fewer curves")
-    return [nodes for nodes in curves if len(nodes)]
+        sizes = [float(np.ptp(points, axis=0).max()) for points in pieces]
+        found = [nodes_along(_bezier(points), np.array([0.0, 1.0]), FINE * size)
+                 for points, size in zip(pieces, sizes, strict=True) if size > POINT * max(sizes)]
+        curves += [joined(found)] if found else []
+        if sum(map(len, curves)) > MAX_NODES:
+            raise DrawingError(f"its curves have more than {MAX_NODES} nodes", "fewer curves")
+    return curves
 
 
 def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
@@ -256,7 +244,7 @@ def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
         word = found[0].decode().strip("<! />").strip()
         raise DrawingError(f"it holds {word!r}, which is not followed",
                            "copies and clones made paths of their own")
-    # a drawing's own unit is what its view box counts in, else pixels
+    # a drawing's own unit is that of its view box, else pixels
     drawn = svgelements.SVG.parse(io.BytesIO(text), reify=True, ppi=96.0)
     view = svgelements.Matrix(drawn.viewbox_transform or "")
     box = abs(float(view.a)) or 1.0, float(view.e), float(view.f)
@@ -330,8 +318,4 @@ def _dxf_path(entity: Any) -> list[Array]:
 
 READERS: dict[str, Callable[[bytes, str | None], tuple[list[Array], float | None]]] = {
     ".svg": _svg, ".dxf": _dxf}
-"""What reads a drawing, by the ending of its name.
-
-They give the nodes of its curves [k, 4], x to the right and y up, in the drawing's units, and the
-length of one unit [m], None if the drawing does not define it.
-"""
+"""By extension: the nodes of a drawing's curves [k, 4] in its units, y up; one unit [m] or None."""

@@ -38,14 +38,22 @@ def expand_parts(
 ) -> tuple[Elements, list[Problem]]:
     """All elements of a scene or an assembly, not placed yet, and its problems.
 
-    ``pulled`` are the parts and tendons that trees outside pull, by their names in it; ``outside``
-    finds a body around an assembly, in the frame of its surroundings.
+    ``pulled`` are its parts and tendons that trees outside pull; ``outside`` returns a body
+    outside an assembly, in the frame of its surroundings.
     """
     elements = Elements(materials=tuple(scene.materials.items()),
                         **{kind: getattr(scene, kind) for kind in OWN})
     tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
     pulled |= {leaf.name for part in scene.parts for leaf in part.leaves}
-    problems = _pulled_twice(scene)
+    problems: list[Problem] = []
+    pullers: dict[tuple[str, tuple[float, float]], str] = {}
+    for i, part in enumerate(scene.parts):
+        for j, leaf in enumerate(part.leaves):
+            key, path = (leaf.name.removesuffix(".tendon"), leaf.at), f"$.parts[{i}].pulls[{j}]"
+            if key in pullers:  # a tendon has one end
+                problems.append(Problem("set-twice", f"{leaf.name!r} is pulled already, by "
+                                        f"{pullers[key]}", path=path))
+            pullers.setdefault(key, path)
     failed: set[str] = set()
     near = near or NearMisses()
     for i, part in sorted(enumerate(scene.parts), key=lambda item: bool(item[1].leaves)):
@@ -70,27 +78,13 @@ def expand_parts(
         groups=elements.groups + scene.groups), problems
 
 
-def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
-    """Tendons that two trees pull, or one tree twice: a tendon has one end."""
-    problems: list[Problem] = []
-    seen: dict[tuple[str, tuple[float, float]], str] = {}
-    for i, part in enumerate(scene.parts):
-        for j, leaf in enumerate(part.leaves):
-            key = (leaf.name.removesuffix(".tendon"), leaf.at)
-            if key in seen:
-                problems.append(Problem("set-twice", f"{leaf.name!r} is pulled already, by "
-                                        f"{seen[key]}", path=f"$.parts[{i}].pulls[{j}]"))
-            seen.setdefault(key, f"$.parts[{i}].pulls[{j}]")
-    return problems
-
-
 def placed(
     name: str, inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
 ) -> Elements:
-    """The elements of the assembly ``name`` as the scene has them; ``inner`` as it has them.
+    """The elements ``inner`` of the assembly ``name``, placed and under their names outside.
 
     Raises:
-        PartError: elements on bodies that are not there; all of them.
+        PartError: all elements on unknown bodies.
     """
     own = {body.name: body for body in inner.bodies}
     place = Mover(placement, own, outside)
@@ -128,7 +122,7 @@ class _Naming:
             + [each.name for kind in KINDS if kind != "contacts" for each in getattr(inner, kind)])
 
     def of(self, name: str) -> str:
-        """A name as the scene has it: it, or its first part up to a dot, may be the assembly's."""
+        """A name in the scene: it, or its first part up to a dot, may be the assembly's."""
         own = any(begin in self.names for begin in accumulate(name.split("."), "{}.{}".format))
         return f"{self.prefix}.{name}" if own else name
 

@@ -10,7 +10,7 @@ from sandbox.elements.fluids import Line, Valve
 from sandbox.elements.loads import Load
 from sandbox.elements.registry import Controller, Drive, Joint
 from sandbox.elements.springs import Spring
-from sandbox.elements.tendons import Guide, Tendon
+from sandbox.elements.tendons import Tendon
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Body, Material
 from sandbox.scene.settings import ContactRule, Event, Group, Meter
@@ -48,12 +48,6 @@ class Elements:
         """The body of that name."""
         return next((body for body in self.bodies if body.name == name), None)
 
-    def with_tendon_led_to(self, name: str, *guides: Guide) -> Elements:
-        """The same elements with more guides at the end of tendon ``name``."""
-        return dataclasses.replace(self, tendons=tuple(
-            tendon.model_copy(update={"guides": (*tendon.guides, *guides)})
-            if tendon.name == name else tendon for tendon in self.tendons))
-
 
 @dataclass
 class PartError(Exception):
@@ -71,21 +65,21 @@ class Known:
     tendon_of: Mapping[str, str]
     """The tendon of each finger and tree, by the part's name."""
     failed: frozenset[str] = frozenset()
-    """Parts that could not be built; only they are reported, not the parts that depend on them."""
+    """Parts that could not be built; parts that depend on them are not reported."""
     pulled: frozenset[str] = frozenset()
     """Parts and tendons that trees pull, by their names here."""
     outside: Callable[[str], Body | None] = lambda name: None
-    """Finds a body around an assembly, in the frame of its surroundings."""
+    """Returns a body outside an assembly, in the frame of its surroundings."""
     near: NearMisses = field(default_factory=NearMisses)
 
 
 class Leaf(Spec):
-    """What a tree pulls: a finger, a tendon (at its last guide), or a point of a body."""
+    """A leaf of a tree: a finger, a tendon (at its last guide), or a point of a body."""
 
     name: Name
     """Name of a finger, a tendon, a tree or a body."""
     at: Point = (0.0, 0.0)
-    """Of a body: where the string is tied, in its frame [m]."""
+    """Of a body: the point that is pulled, in its frame [m]."""
 
 
 class PartSpec(Spec):
