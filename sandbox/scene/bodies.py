@@ -60,10 +60,8 @@ class Box(Spec):
     """Its turn against the body's frame [rad], counter-clockwise."""
 
 
-SHAPES = ("shapes", "displaces")
-"""Fields of a body that hold outlines."""
-MAX_CORNERS = 2000
-"""Of a polygon with its holes, or of a polyline."""
+SHAPES = ("shapes", "displaces")  # fields of a body that hold outlines
+MAX_CORNERS = 2000  # of a polygon with its holes, or of a polyline
 Outline = Annotated[of.Items[of.Point], Field(min_length=3, max_length=MAX_CORNERS)]
 Nodes = tuple[tuple[tuple[of.Coordinate, of.Coordinate, float, float], ...], ...]
 AT_CORNER = 1e-6
@@ -191,8 +189,7 @@ class Capsule(Spec):
 
 
 SOUND = "an outline with an area that does not touch or cross itself"
-Solid = Circle | Box | Polygon | Capsule
-"""Shapes with an area; only a polygon may not be convex."""
+Solid = Circle | Box | Polygon | Capsule  # shapes with an area; only a polygon may not be convex
 Shape = Solid | Polyline
 WrittenShape = Annotated[Shape | SmoothCurve | DiscCam | Drawing, Field(discriminator="type")]
 """Shapes as an author writes them."""

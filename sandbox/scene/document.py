@@ -158,11 +158,7 @@ class Composite(PartSpec):
         raise NotImplementedError
 
     def expand(self, known: Known) -> Elements:
-        """All elements so far, and those of :meth:`elements`.
-
-        Raises:
-            PartError: :meth:`elements` failed, or returned something invalid.
-        """
+        """All elements so far, and those of :meth:`elements`."""
         try:
             whole = Assembly(**{"name": self.name, **self.elements()})
         except SceneError as error:
@@ -241,9 +237,6 @@ def load_elements(path: Path, source: bytes | None = None) -> Callable[[], None]
     Args:
         path: the file.
         source: its contents, where the file itself may not exist.
-
-    Raises:
-        SandboxError: the file cannot be read or run, or registers nothing.
     """
     before, files = dict(_registered), dict(_files)
     module = ModuleType(f"elements of {path}")

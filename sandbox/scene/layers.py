@@ -26,14 +26,10 @@ if TYPE_CHECKING:
 class Layer:
     """One kind of thing that a picture may show."""
 
-    words: str
-    """The label of its switch."""
-    about: str
-    """What it shows."""
-    default: bool = True
-    """Whether it is shown by default."""
-    per_body: bool = False
-    """Whether it may be shown of some bodies only."""
+    words: str  # the label of its switch
+    about: str  # what it shows
+    default: bool = True  # whether it is shown by default
+    per_body: bool = False  # whether it may be shown of some bodies only
 
 
 LAYERS: Mapping[str, Layer] = {
@@ -78,12 +74,9 @@ PASSES: Mapping[str, str] = {
     "reactions": "reactions", "drives": "drives", "body_names": "body_names",
 }
 """The drawing passes of a run, back to front, each with its layer, for films and pages."""
-EVERY = ("*",)
-"""Patterns that mean all bodies."""
-BY_ROLE = "role:"
-"""Begins a pattern of roles, as in ``role:object``; no name has a colon."""
-WHOLE = "all"
-"""As a layer: all of them."""
+EVERY = ("*",)  # patterns that mean all bodies
+BY_ROLE = "role:"  # begins a pattern of roles, as in role:object; no name has a colon
+WHOLE = "all"  # as a layer: all of them
 Show = Mapping[str, tuple[str, ...]]
 """Selected layers, each with patterns of bodies; empty for a layer that is hidden."""
 
@@ -95,9 +88,6 @@ def parse_layers(value: Any) -> dict[str, tuple[str, ...]]:
         value: layers, as a list or as a text with commas between them, where ``-contacts`` takes
             one away and ``all`` means every one; or an object that says of each layer whether it
             is shown, or a list of names and patterns of bodies. Of two words the later one counts.
-
-    Raises:
-        WrongValueError: another form, or unknown layers.
     """
     found: dict[str, tuple[str, ...]] = {}
     if isinstance(value, Mapping):

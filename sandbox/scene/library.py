@@ -67,11 +67,7 @@ def wholes(folder: str) -> list[str]:
 
 
 def find_scene(name_or_path: str | Path) -> Path:
-    """The file of a scene: a file that exists, or else the name of a shipped scene.
-
-    Raises:
-        SceneError: neither; with a near miss among the shipped names.
-    """
+    """The file of a scene: a file that exists, or else the name of a shipped scene."""
     path, text = Path(name_or_path), str(name_or_path)
     try:
         if path.exists() and not path.is_dir():

@@ -18,36 +18,27 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Event
 from sandbox.values.paths import parse_path
 
-HAND = "hand"
-"""The drives that push are called so, with a number, and ``x`` and ``y``."""
-PLAYED = "played"
-"""The events that set what was set are called so, with a number."""
+HAND = "hand"  # the drives that push are called so, with a number, and x and y
+PLAYED = "played"  # the events that set what was set are called so, with a number
 
 
 @dataclass(frozen=True)
 class Setting:
     """A drive, a controller's target or switch that was given a value."""
 
-    step: int
-    """Steps that were made before."""
-    name: str
-    """As in the ``set`` of an event."""
-    value: float
-    """In SI."""
+    step: int  # steps that were made before
+    name: str  # as in the set of an event
+    value: float  # in SI
 
 
 @dataclass(frozen=True)
 class Nudge:
     """A force at a point of a body from a step on, until the next one; the only one then."""
 
-    step: int
-    """Steps that were made before."""
-    body: str
-    """Its name."""
-    at: tuple[float, float]
-    """The point in the body's frame [m]."""
-    force: tuple[float, float]
-    """In the world [N]."""
+    step: int  # steps that were made before
+    body: str  # its name
+    at: tuple[float, float]  # the point in the body's frame [m]
+    force: tuple[float, float]  # in the world [N]
 
 
 Input = Setting | Nudge

@@ -30,8 +30,7 @@ from sandbox.values import appearance, numbers, signals, tables
 from sandbox.values.spec import Spec, mark_of
 from sandbox.values.units import units_of
 
-VALUES = "Values over time"
-"""Topic of the models of numbers and values over time."""
+VALUES = "Values over time"  # topic of the models of numbers and values over time
 ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
     "The scene": [Scene, settings.Run, settings.PymunkRun, settings.View, settings.Trace,
                   settings.ShownMeter],
@@ -203,10 +202,8 @@ GUIDED = {"tension": ("tension_0", "tendon with guide friction"),
 class QuantityRow(NamedTuple):
     """A quantity that a run records; ``about`` is Markdown."""
 
-    element: str
-    """Kind of element, such as ``joint``."""
-    owner: str
-    """The elements that have it."""
+    element: str  # kind of element, such as joint
+    owner: str  # the elements that have it
     name: str
     unit: str
     about: str

@@ -22,12 +22,11 @@ from sandbox.elements.element import BODY, BodyName
 from sandbox.scene.bodies import STATIC_OF_NOTHING
 from sandbox.scene.layers import ShownLayers
 from sandbox.values import numbers as of
-from sandbox.values.numbers import Items, Name, Pair, Quantity, number_from
+from sandbox.values.numbers import Instant, Items, Name, Pair, Quantity, number_from
 from sandbox.values.spec import Spec, TextFor
 from sandbox.wording import WrongValueError
 
-RETIRED = ("iterations", "slop")
-"""Settings of :class:`Run` in older scenes and recordings; they are ignored."""
+RETIRED = ("iterations", "slop")  # settings of Run in older scenes and recordings; they are ignored
 
 
 class PymunkRun(Spec):
@@ -136,10 +135,8 @@ Window = Annotated[
     ]}),
 ]
 STATISTICS = ("mean", "min", "max", "std", "final")
-ROUNDING = 1e-9
-"""Two instants closer than this [s] are one."""
-WITHIN = "0.1 %"
-"""Default tolerance of an expectation."""
+ROUNDING = 1e-9  # two instants closer than this [s] are one
+WITHIN = "0.1 %"  # default tolerance of an expectation
 
 
 class Looked(Spec):
@@ -157,9 +154,9 @@ class Looked(Spec):
     """Quantity or pattern; its last sample of the window is used."""
     over: Window = (0.0, None)
     """Window of time: ``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
-    instant_of: Annotated[str | None, Field(alias="quantity")] = None
+    of: Annotated[str | None, Field(alias="quantity")] = None
     """Quantity or pattern; its value at the instant ``at`` is used."""
-    at: of.Instant | None = None
+    at: Instant | None = None
     """Instant [s] of the value of ``quantity``, interpolated linearly between samples."""
 
     @property
@@ -175,7 +172,7 @@ class Looked(Spec):
     @property
     def quantity(self) -> str:
         """The quantity, or pattern of quantities."""
-        return str(getattr(self, self.key) if self.instant_of is None else self.instant_of)
+        return str(getattr(self, self.key) if self.of is None else self.of)
 
     def past_end(self, duration: float) -> str:
         """Why no run of a duration [s] has this value; empty otherwise."""
@@ -190,10 +187,10 @@ class Looked(Spec):
 
     @model_validator(mode="after")
     def _one_statistic(self) -> Self:
-        if sum(getattr(self, name) is not None for name in (*STATISTICS, "instant_of")) != 1:
+        if sum(getattr(self, name) is not None for name in (*STATISTICS, "of")) != 1:
             raise WrongValueError("conflicting-keys", "give exactly one of "
                                   f"{', '.join(STATISTICS)}, or 'quantity' with 'at'")
-        if (self.instant_of is None) != (self.at is None):
+        if (self.of is None) != (self.at is None):
             raise WrongValueError("conflicting-keys", "'quantity' and 'at' go together")
         if self.at is not None and self.over != (0.0, None):
             raise WrongValueError("conflicting-keys", "'at' is one instant and 'over' a window: "

@@ -15,10 +15,8 @@ from sandbox.values.numbers import Items, number_from, parameters_of
 from sandbox.wording import WrongValueError, kind_of, near, number_text, quoted
 
 ALL: Literal["all"] = "all"
-MOST = 1000
-"""Of a plane's number, to either side of 0."""
-MANY = 64
-"""Planes in which one body may lie."""
+MOST = 1000  # of a plane's number, to either side of 0
+MANY = 64  # planes in which one body may lie
 WORDS = f'a whole number, a list of them, or "{ALL}"'
 
 _PLANE: dict[str, Any] = {"anyOf": [
@@ -86,8 +84,7 @@ def _checked(text: str) -> str:
 COLOUR_SCHEMA = WithJsonSchema({"anyOf": [
     {"enum": [*COLOURS]},
     {"type": "string", "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})$"}]})
-FillColour = Annotated[str, AfterValidator(_checked), COLOUR_SCHEMA]
-"""A colour as a scene has it."""
+FillColour = Annotated[str, AfterValidator(_checked), COLOUR_SCHEMA]  # a colour as a scene has it
 
 
 def rgb(text: str) -> RGB:

@@ -19,8 +19,7 @@ from sandbox.wording import MOST_NAMED, NearMisses, WrongValueError, kind_of, li
 COMPOSING = ("like", "repeat", "include", "parameters")
 """Words that an entry of a list may hold before the models see it: offered where they are meant."""
 _QUOTED = re.compile(r"'([^']*)'")
-OWN = "; for one of your own give its file with --elements"
-"""Added to the types of parts."""
+OWN = "; for one of your own give its file with --elements"  # added to the types of parts
 
 
 def explain(
@@ -189,8 +188,7 @@ ELEMENTS, PARTS = "docs/elements.md", "docs/parts.md"
 """Pages with the fields of all elements and parts."""
 STUDIES = "docs/sweeps.md#a-study-as-a-file"
 SEARCHES = "docs/searches.md#a-search-as-a-file"
-OWN_PAGE = "docs/howto/own_joint.md"
-"""The page about elements of your own."""
+OWN_PAGE = "docs/howto/own_joint.md"  # the page about elements of your own
 
 
 def fields_page(model: type[BaseModel]) -> str:

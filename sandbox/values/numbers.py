@@ -49,10 +49,6 @@ def number_from(value: Any, dimension: str | None, parameters: Mapping[str, floa
     """The SI value of a literal, a quantity or an expression.
 
     A quantity of any dimension (None) is :class:`Measured`, and keeps its unit.
-
-    Raises:
-        WrongValueError: none of the three, a wrong unit, not finite, or beyond the range of
-            its dimension (:mod:`sandbox.values.units`).
     """
     return in_range(_number(value, dimension, parameters), dimension)
 
@@ -116,9 +112,6 @@ def checked_expression(text: str, info: ValidationInfo) -> Expression:
     """The expression of a text, if all tables that it calls are the scene's.
 
     Without a validation context, tables are not checked.
-
-    Raises:
-        WrongValueError: not an expression, or a function that is not known.
     """
     expression = parse_expression(text)
     if info.context is not None:
@@ -127,12 +120,7 @@ def checked_expression(text: str, info: ValidationInfo) -> Expression:
 
 
 def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> str:
-    """A law, ``"=..."``, with all names replaced except those of its element, ``own``.
-
-    Raises:
-        WrongValueError: not an expression, one that reads something else, or one in which a
-            parameter has the name of the element's own; ``whose`` is the owner in the message.
-    """
+    """A law, ``"=..."``, with all names replaced except those of its element, ``own``."""
     parameters = parameters_of(info)
     expression = checked_expression(text, info)
     for name in sorted(expression.names.intersection(own)):
@@ -254,8 +242,7 @@ Pressure = Annotated[Float, Dimension("pressure")]
 Modulus = Annotated[Float, Dimension("pressure", "> 0")]
 FlowResistance = Annotated[Float, Dimension("flow resistance", "≥ 0")]
 
-Flag = StrictBool
-"""True or false and nothing else: ``"no"`` is a text, not a refusal."""
+Flag = StrictBool  # true or false and nothing else: "no" is a text, not a refusal
 Point = Pair[Coordinate]
 NAME = r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
 Name = Annotated[str, Field(pattern=NAME, max_length=100)]

@@ -10,8 +10,7 @@ from typing import Any
 from sandbox.wording import WrongValueError
 
 JsonPath = tuple[str | int, ...]
-SHOWN = 100
-"""Characters of a key that are shown to a person: as many as a name may have."""
+SHOWN = 100  # characters of a key that are shown to a person: as many as a name may have
 _PLAIN_KEY = re.compile(r"[A-Za-z_$][A-Za-z0-9_$]*")
 _STEP = re.compile(
     r'(?:^|\.)(?P<key>[A-Za-z_$][\w$-]*)|\[(?P<index>[0-9]{1,9})\]'
@@ -38,11 +37,7 @@ def shown_path(path: Sequence[str | int]) -> str:
 
 
 def parse_path(text: str) -> JsonPath:
-    """The steps of a path; a leading ``$`` may be left out, and ``[finger1]`` is a name.
-
-    Raises:
-        WrongValueError: not a path.
-    """
+    """The steps of a path; a leading ``$`` may be left out, and ``[finger1]`` is a name."""
     body = text.strip()
     if body == "$" or body.startswith(("$.", "$[")):
         body = body[1:].removeprefix(".")

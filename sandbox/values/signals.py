@@ -208,11 +208,7 @@ StiffnessSignal = Annotated[_Union, OverTime()]
 
 
 def values(signal: AnySignal, t: Array, tables: Tables = NONE) -> Array:
-    """The signal at times ``t`` [s], shape [n]; SI. Formulas may call ``tables``, the scene's.
-
-    Raises:
-        WrongValueError: an expression that is not finite at one of the times.
-    """
+    """The signal at times ``t`` [s], shape [n]; SI. Formulas may call ``tables``, the scene's."""
     if isinstance(signal, Constant):
         return np.full(len(t), signal.constant)
     if isinstance(signal, Ramp):

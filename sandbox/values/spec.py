@@ -18,8 +18,7 @@ from pydantic_core import CoreSchema, core_schema
 from sandbox.errors import SceneError
 
 Mark = TypeVar("Mark")
-TYPE: Any = Field()
-"""The default of a field ``type``: a file must have it, the constructor fills it in."""
+TYPE: Any = Field()  # the default of a field type: a file must have it, the constructor fills it in
 
 if TYPE_CHECKING:
     from pydantic import BaseModel as Model

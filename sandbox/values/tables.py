@@ -32,10 +32,8 @@ from sandbox.values.spec import Spec
 from sandbox.values.units import Measured, dimension_of
 from sandbox.wording import WrongValueError, quoted
 
-MOST_POINTS = 1000
-"""Of one table."""
-CLOSEST = 1e-9
-"""The least distance of two points, as a share of the whole table."""
+MOST_POINTS = 1000  # of one table
+CLOSEST = 1e-9  # the least distance of two points, as a share of the whole table
 CLOSES = 1e-9
 """How far apart first and last value of a table that repeats may be, as a share of its range."""
 STEEPEST = 1e15
@@ -43,11 +41,7 @@ STEEPEST = 1e15
 
 
 def check_distinct(points: Sequence[tuple[float, float]], *, closed: bool) -> None:
-    """Check that neighbouring points of a curve differ.
-
-    Raises:
-        WrongValueError: two that do not.
-    """
+    """Check that neighbouring points of a curve differ."""
     for i, one in enumerate(points):
         j = (i + 1) % len(points)
         if one == points[j] and (closed or j):
@@ -235,10 +229,8 @@ class Function:
         return float(y + t * (b + t * (c + t * d)))
 
 
-Tables = Mapping[str, Function]
-"""Tables by their calls, as expressions find them."""
-NONE: Tables = MappingProxyType({})
-"""Of a scene without tables."""
+Tables = Mapping[str, Function]  # tables by their calls, as expressions find them
+NONE: Tables = MappingProxyType({})  # of a scene without tables
 
 
 @lru_cache(maxsize=256)

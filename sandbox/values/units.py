@@ -83,8 +83,7 @@ class Measured(float):
     right. Results of arithmetic are plain floats.
     """
 
-    unit: str
-    """As :data:`UNITS` spells it."""
+    unit: str  # as UNITS spells it
 
     def __new__(cls, value: float, unit: str) -> Self:
         """A number ``value`` [SI] that was written in ``unit``."""
@@ -131,10 +130,6 @@ def parse_quantity(text: str, dimension: str | None) -> float:
 
     ``dimension`` is the expected one (such as ``"length"``), or None for
     any: then the value is :class:`Measured`. A bare number is taken as SI.
-
-    Raises:
-        WrongValueError: not a quantity, not finite, an unknown unit (with a near
-            miss), or a unit of another dimension.
     """
     plain = text.replace("−", "-").strip()
     match = _QUANTITY.fullmatch(plain) if len(plain) <= MAX_LENGTH else None
@@ -164,11 +159,7 @@ def scaled(value: float, factor: float) -> float:
 
 
 def factor_of(unit: str, dimension: str | None) -> float:
-    """The factor from ``unit`` to SI.
-
-    Raises:
-        WrongValueError: an unknown unit (with a near miss), or one of another dimension.
-    """
+    """The factor from ``unit`` to SI."""
     if unit in UNITS and dimension in (None, UNITS[unit][1]):
         return UNITS[unit][0]
     names = units_of(dimension) if dimension else list(UNITS)
@@ -221,10 +212,8 @@ def _example(dimension: str | None) -> str:
 class Range:
     """Of one dimension, in SI: the least that a size may be, and the most of anything."""
 
-    least: float
-    """Of what has to be greater than 0; other numbers may be smaller, and 0."""
-    most: float
-    """Of the magnitude."""
+    least: float  # of what has to be greater than 0; other numbers may be smaller, and 0
+    most: float  # of the magnitude
 
 
 RANGES: dict[str, Range] = {
@@ -254,8 +243,7 @@ RANGES: dict[str, Range] = {
     "flow resistance": Range(1e-12, 1e24),
     "ratio": Range(1e-12, 1e12),
 }
-ANY = Range(0.0, 1e18)
-"""Of a number whose dimension is not known: a parameter, a gain."""
+ANY = Range(0.0, 1e18)  # of a number whose dimension is not known: a parameter, a gain
 
 
 def range_of(dimension: str | None) -> Range:
@@ -267,9 +255,6 @@ def in_range(value: float, dimension: str | None) -> float:
     """``value`` [SI], if its magnitude is finite and not beyond its dimension's range.
 
     A :class:`Measured` number whose field takes any unit has the range of its own unit.
-
-    Raises:
-        WrongValueError: it is; with the allowed range.
     """
     dimension = dimension or (dimension_of(value.unit) if isinstance(value, Measured) else None)
     most = range_of(dimension).most

@@ -26,8 +26,7 @@ from sandbox.values.signals import AnySignal, Constant, Ramp, Table
 from sandbox.values.units import UNITS, Measured, factor_of, size_fault
 from sandbox.wording import NearMisses, WrongValueError, listed, quoted
 
-MAX_EVALUATIONS = 500_000
-"""Of conditions of the time, for all events, before a run."""
+MAX_EVALUATIONS = 500_000  # of conditions of the time, for all events, before a run
 READINGS = {name.rpartition(".")[2]: UNITS[quantity.unit][1]
             for rows in QUANTITIES.values() for name, quantity in rows.items()
             if quantity.live and quantity.unit in UNITS}

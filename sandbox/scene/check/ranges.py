@@ -23,8 +23,7 @@ from sandbox.values.signals import AnySignal, Formula, Table, values
 from sandbox.values.units import RANGES, in_range, size_fault
 from sandbox.wording import WrongValueError
 
-INSTANTS = 257
-"""At which a signal is evaluated."""
+INSTANTS = 257  # at which a signal is evaluated
 
 
 def nothing_to_run(mechanism: Mechanism) -> Iterator[Problem]:

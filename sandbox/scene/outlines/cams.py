@@ -33,16 +33,12 @@ from sandbox.values.spec import TYPE, Spec
 from sandbox.values.tables import PeriodicSpline
 from sandbox.wording import WrongValueError
 
-CHECKED = 3600
-"""Angles at which undercut is checked, besides 8 between neighbours in the table."""
-SPARE = 1e-3
-"""Relative margin of the reported radius above the smallest possible one."""
-FINE = 1e-9
-"""Maximum distance of the outline's spans from the envelope [m]."""
+CHECKED = 3600  # angles at which undercut is checked, besides 8 between neighbours in the table
+SPARE = 1e-3  # relative margin of the reported radius above the smallest possible one
+FINE = 1e-9  # maximum distance of the outline's spans from the envelope [m]
 SWINGS = 0.02
 """Share of the range of a lift by which a smooth peak between two entries may exceed them."""
-LARGEST = 1e6
-"""The largest radius that is reported [m]."""
+LARGEST = 1e6  # the largest radius that is reported [m]
 
 
 @dataclass(frozen=True)
@@ -110,11 +106,7 @@ class CamCurve:
 
 
 def cam_nodes(curve: CamCurve) -> Array:
-    """Nodes of the outline, counter-clockwise, with one at every angle of the lift's table, [n, 4].
-
-    Raises:
-        WrongValueError: undercut; with the allowed radii.
-    """
+    """Nodes of the outline [n, 4], counter-clockwise, one at every angle of the lift's table."""
     lowest = float(curve.lift(curve.checked)[0].min())
     if curve.base + lowest <= 0:
         raise WrongValueError(

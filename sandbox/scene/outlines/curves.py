@@ -28,17 +28,13 @@ from sandbox.wording import WrongValueError
 
 Node = tuple[float, float, float, float]
 """x, y [m], direction [rad], curvature [1/m], positive where the curve turns to the left."""
-Curve = Callable[[Array], Array]
-"""Nodes [n, 4] at parameters [n]."""
-SMOOTH = 1e-6
-"""A change of direction that is no corner [rad]."""
-CURVATURE = 1e-4
-"""Error of a span's curvature as a share of the largest."""
+Curve = Callable[[Array], Array]  # nodes [n, 4] at parameters [n]
+SMOOTH = 1e-6  # a change of direction that is no corner [rad]
+CURVATURE = 1e-4  # error of a span's curvature as a share of the largest
 MAX_NODES = 2000
 ABSCISSAE, WEIGHTS = np.polynomial.legendre.leggauss(5)
 ITERATIONS = 30
-SAMPLES = 16
-"""Points of each span from which the search for the nearest place starts."""
+SAMPLES = 16  # points of each span from which the search for the nearest place starts
 
 
 class Spans(NamedTuple):
@@ -46,8 +42,7 @@ class Spans(NamedTuple):
 
     terms: Array
     """Polynomials: six terms of x, six of y, each from the constant one up [m], [n, 12]."""
-    corner: Flags
-    """Whether there is a corner between each and the span before it, [n]."""
+    corner: Flags  # whether there is a corner between each and the span before it, [n]
 
 
 def spans_of(nodes: Array, *, closed: bool) -> Spans:
@@ -332,11 +327,7 @@ class SmoothCurve(Spec):
         return self
 
     def curve(self) -> Array:
-        """Its nodes, [n, 4].
-
-        Raises:
-            WrongValueError: it turns back on itself, because its points lie in one line.
-        """
+        """Its nodes, [n, 4]."""
         with np.errstate(invalid="ignore", divide="ignore"):
             nodes = through(np.array(self.points), closed=self.closed,
                             corners=tuple(sorted(set(self.corners))))

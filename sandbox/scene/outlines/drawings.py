@@ -32,22 +32,15 @@ from sandbox.values.numbers import Angle, Length, Point
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError, listed, near, quoted
 
-MAX_BYTES = 1_000_000
-"""Of a drawing: some seconds of reading."""
-MAX_NODES = 20_000
-"""Of all curves of a drawing."""
-FINE = 1e-7
-"""Maximum distance of spans from a curve, as a share of its size."""
-POINT = 1e-9
-"""A piece that is smaller than this share of the largest is rounding."""
-NEXT = 1e-4
-"""Parameter next to the end of a curve."""
-ARCS = 16
-"""Cubic curves of a whole turn: within 1e-8 of the radius."""
+MAX_BYTES = 1_000_000  # of a drawing: some seconds of reading
+MAX_NODES = 20_000  # of all curves of a drawing
+FINE = 1e-7  # maximum distance of spans from a curve, as a share of its size
+POINT = 1e-9  # a piece that is smaller than this share of the largest is rounding
+NEXT = 1e-4  # parameter next to the end of a curve
+ARCS = 16  # cubic curves of a whole turn: within 1e-8 of the radius
 CURVES = frozenset({"LINE", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ARC", "ELLIPSE", "SPLINE"})
 """Entities of a DXF file that are read; others, such as dimensions and texts, are no outline."""
-PIXEL = 0.0254 / 96
-"""Of an SVG file without a unit of its own [m]."""
+PIXEL = 0.0254 / 96  # of an SVG file without a unit of its own [m]
 
 
 class Drawing(Spec):
@@ -80,11 +73,7 @@ class DrawingError(WrongValueError):
 
 
 def own_file(folder: Path | None, name: str) -> bytes:
-    """The content of a file in a scene's own folder, or below it.
-
-    Raises:
-        DrawingError: outside of the folder, no file, or too large.
-    """
+    """The content of a file in a scene's own folder, or below it."""
     if folder is None:
         raise DrawingError("a scene that is no file has no folder to read a drawing from",
                            "a polygon with the corners themselves")
@@ -125,9 +114,6 @@ def curves_of(
 
     The extension of ``name`` is the format of ``text``; ends that meet may be ``tolerance`` [m]
     from each other. See :class:`Drawing` for the rest.
-
-    Raises:
-        DrawingError: no outline, more than one, or unreadable.
     """
     ending = PurePosixPath(name).suffix.lower()
     if ending not in READERS:

@@ -23,16 +23,11 @@ import numpy as np
 from sandbox.numeric import Array
 
 Corner = tuple[float, float]
-Ring = tuple[Corner, ...]
-"""Corners in order, the last joined to the first."""
-LINE = 1e-14
-"""Width of corners in one line as a share of its length: rounding."""
-STRAIGHT = 1e-12
-"""Sine of a bend that is only rounding."""
-PIECE_CORNERS = 64
-"""Maximum number of corners of one piece."""
-COVERED = 1e-9
-"""Share of the area by which the triangles may miss it: rounding."""
+Ring = tuple[Corner, ...]  # corners in order, the last joined to the first
+LINE = 1e-14  # width of corners in one line as a share of its length: rounding
+STRAIGHT = 1e-12  # sine of a bend that is only rounding
+PIECE_CORNERS = 64  # maximum number of corners of one piece
+COVERED = 1e-9  # share of the area by which the triangles may miss it: rounding
 
 
 def _cross(u: Array, v: Array) -> Array:
@@ -159,8 +154,7 @@ class Piece:
     """A convex piece of an outline: its corners, counter-clockwise, and its surface."""
 
     ring: Ring
-    faces: Array
-    """Arcs of unit normals, a quarter turn at most each: x and y of both ends, [k, 4]."""
+    faces: Array  # arcs of unit normals, a quarter turn at most each: x and y of both ends, [k, 4]
 
 
 class CutError(ValueError):
@@ -169,11 +163,7 @@ class CutError(ValueError):
 
 @lru_cache(maxsize=256)
 def pieces_of(outer: Ring, holes: tuple[Ring, ...] = ()) -> tuple[Piece, ...]:
-    """The convex pieces of a sound outline with sound holes.
-
-    Raises:
-        CutError: two sides are too close for pieces between them.
-    """
+    """The convex pieces of a sound outline with sound holes."""
     rings = [wound(without_straight(outer)),
              *(wound(without_straight(hole), -1) for hole in holes)]
     corners = [corner for ring in rings for corner in ring]

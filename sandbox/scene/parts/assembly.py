@@ -26,8 +26,7 @@ PLACED = ("bodies", "joints", "springs", "tendons", "lines", "loads", "drives")
 KINDS = tuple(kind.name for kind in dataclasses.fields(Elements) if kind.name != "materials")
 OWN = tuple(kind for kind in KINDS if kind not in ("drives", "contacts", "groups"))
 """Lists whose elements come before those of parts; a scene's contact rules come after."""
-TEXTS = ("because", "unit", "title", "about")
-"""Fields that hold words for people."""
+TEXTS = ("because", "unit", "title", "about")  # fields that hold words for people
 _DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*(?!\w|\s*\()")
 SpecType = TypeVar("SpecType", bound=Spec)
 
@@ -81,11 +80,7 @@ def expand_parts(
 def placed(
     name: str, inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
 ) -> Elements:
-    """The elements ``inner`` of the assembly ``name``, placed and under their names outside.
-
-    Raises:
-        PartError: all elements on unknown bodies.
-    """
+    """The elements ``inner`` of the assembly ``name``, placed and under their names outside."""
     own = {body.name: body for body in inner.bodies}
     place = Mover(placement, own, outside)
     resized = Mover(Placement(scale=placement.scale), own, outside)

@@ -60,14 +60,11 @@ class PartError(Exception):
 class Known:
     """Elements and names that a part may refer to while it is expanded."""
 
-    elements: Elements
-    """All elements so far."""
-    tendon_of: Mapping[str, str]
-    """The tendon of each finger and tree, by the part's name."""
+    elements: Elements  # all elements so far
+    tendon_of: Mapping[str, str]  # the tendon of each finger and tree, by the part's name
     failed: frozenset[str] = frozenset()
     """Parts that could not be built; parts that depend on them are not reported."""
-    pulled: frozenset[str] = frozenset()
-    """Parts and tendons that trees pull, by their names here."""
+    pulled: frozenset[str] = frozenset()  # parts and tendons that trees pull, by their names here
     outside: Callable[[str], Body | None] = lambda name: None
     """Returns a body outside an assembly, in the frame of its surroundings."""
     near: NearMisses = field(default_factory=NearMisses)
@@ -104,9 +101,5 @@ class PartSpec(Spec):
         return {}
 
     def expand(self, known: Known) -> Elements:
-        """All elements so far, and those of the part.
-
-        Raises:
-            PartError: it refers to something unknown.
-        """
+        """All elements so far, and those of the part."""
         raise NotImplementedError

@@ -42,10 +42,8 @@ OTHER = {"left": "right", "right": "left",
          "clockwise": "counterclockwise", "counterclockwise": "clockwise"}
 HOLDERS = {"on_a": "a", "on_b": "b", "start": "a", "end": "a", "at": "body"}
 """For fields of points, the field that names the body in whose frame they are."""
-POWERS = {"length": 1, "speed": 1, "inertia": 2}
-"""Of the scale, by dimension."""
-TINY = 1e-15
-"""A sine or cosine below this is 0: rounding of a quarter turn."""
+POWERS = {"length": 1, "speed": 1, "inertia": 2}  # of the scale, by dimension
+TINY = 1e-15  # a sine or cosine below this is 0: rounding of a quarter turn
 
 SpecType = TypeVar("SpecType", bound=Spec)
 ElementType = TypeVar("ElementType", bound=Element)
@@ -107,11 +105,7 @@ class Mover:
         self.placement, self.own, self.outside = placement, own, outside
 
     def body(self, body: Body, path: str) -> Body:
-        """A body of the assembly at a path of it.
-
-        Raises:
-            PartError: its own path over time cannot be turned.
-        """
+        """A body of the assembly at a path of it."""
         moved = self.spec(body)
         try:
             return moved.model_copy(update={"path": self._path(body)}) if body.path else moved
@@ -119,11 +113,7 @@ class Mover:
             raise PartError([Problem.of(error, f"{path}.path")]) from None
 
     def element(self, element: ElementType, path: str) -> ElementType:
-        """Another element of the assembly at a path of it.
-
-        Raises:
-            PartError: there is no such body before the assembly.
-        """
+        """Another element of the assembly at a path of it."""
         return self.spec(element, path).model_copy(update=dict(element.placed(self)))
 
     def spec(self, spec: SpecType, path: str = "") -> SpecType:
@@ -243,11 +233,7 @@ def scaled(signal: AnySignal, factor: float, offset: float = 0.0) -> AnySignal:
 
 
 def added(one: AnySignal, other: AnySignal) -> AnySignal:
-    """The sum of two signals.
-
-    Raises:
-        WrongValueError: of a table and an expression, and of tables of different kinds.
-    """
+    """The sum of two signals."""
     if isinstance(one, Constant):
         return scaled(other, 1.0, one.constant)
     if isinstance(other, Constant):

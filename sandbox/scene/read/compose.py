@@ -26,15 +26,11 @@ from sandbox.values.paths import JsonPath, parse_path
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
 
 WORDS = ("like", "repeat", "include")
-ENTRY_WORDS = ("like", "repeat")
-"""Keys that no composed entry has."""
-ASSEMBLY_WORDS = (*WORDS, "parameters")
-"""Keys that no composed assembly has."""
+ENTRY_WORDS = ("like", "repeat")  # keys that no composed entry has
+ASSEMBLY_WORDS = (*WORDS, "parameters")  # keys that no composed assembly has
 COMPOSED_LISTS = (*LISTS, "parts", "materials")
-CONTAINER_SIZE = 40
-"""Characters that an object or a list counts for in the size of the result."""
-DEEPEST_LIKE = 32
-"""Maximum length of a chain of templates that are like one another."""
+CONTAINER_SIZE = 40  # characters that an object or a list counts for in the size of the result
+DEEPEST_LIKE = 32  # maximum length of a chain of templates that are like one another
 
 
 class TooLargeError(Exception):
@@ -53,12 +49,9 @@ class Context:
     trail: JsonPath
     scope: Scope
     templates: Any
-    home: Origin
-    """Of the templates."""
-    files: tuple[Path, ...] = ()
-    """Files that include one another, down to the file of this piece."""
-    inside: tuple[str, ...] = ()
-    """Templates that contain this piece."""
+    home: Origin  # of the templates
+    files: tuple[Path, ...] = ()  # files that include one another, down to the file of this piece
+    inside: tuple[str, ...] = ()  # templates that contain this piece
 
     def to(self, step: str | int, place: Origin) -> Context:
         """The context of a child at a place."""
@@ -105,9 +98,6 @@ def merged(entry: Any, at: Context, places: Composed, near: NearMisses) -> Any:
 
     Objects are merged key by key; lists and numbers are replaced as a whole. A template may itself
     be like another one. ``places`` notes where each key was written.
-
-    Raises:
-        RefusedError: the first name of no template.
     """
     if not isinstance(entry, dict) or "like" not in entry:
         return entry
@@ -163,15 +153,12 @@ class _Composer:
     made: Composed
     library: Library
     limits: Limits
-    top: Origin
-    """The entry of the scene's own lists that is composed."""
-    tables: dict[str, Any]
-    """Tables of the scene, and of included files under names of their own."""
+    top: Origin  # the entry of the scene's own lists that is composed
+    tables: dict[str, Any]  # tables of the scene, and of included files under names of their own
     shared: dict[str, str] = field(default_factory=dict)
     """Names of included tables by their content."""
     near: NearMisses = field(default_factory=NearMisses)
-    size: int = 0
-    """Characters of the result, approximately."""
+    size: int = 0  # characters of the result, approximately
 
     def scene(self, data: Mapping[str, Any], at: Context) -> None:
         """All lists of a scene; other keys are left as they are."""

@@ -14,8 +14,7 @@ from sandbox.scene.bodies import MAX_CORNERS, SHAPES
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import is_pattern
 
-BODIES = ("bodies", "parts")
-"""Lists whose entries count as bodies."""
+BODIES = ("bodies", "parts")  # lists whose entries count as bodies
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,11 +53,7 @@ class Limits:
     """Runs of a sweep."""
 
     def raised(self, **changes: int) -> Limits:
-        """The same limits with some of them changed.
-
-        Raises:
-            ValueError: an unknown limit.
-        """
+        """The same limits with some of them changed."""
         known = {field.name: getattr(self, field.name) for field in fields(self)}
         if unknown := sorted(set(changes) - set(known)):
             raise ValueError(f"unknown limit {unknown[0]!r} (known: {', '.join(known)})")

@@ -45,10 +45,8 @@ from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path
 from sandbox.values.spec import Spec
 from sandbox.wording import kind_of, quoted
 
-FORMAT = 1
-"""The version of the scene format that is read."""
-MAX_EXPLAINED = 5_000
-"""Number of invalid values that are explained one by one."""
+FORMAT = 1  # the version of the scene format that is read
+MAX_EXPLAINED = 5_000  # number of invalid values that are explained one by one
 LISTS = (*MECHANISM_LISTS, "parts")
 
 
@@ -110,11 +108,7 @@ def read_scene(
     overrides: Mapping[str, Any] | None = None,
     limits: Limits | None = None,
 ) -> Loaded:
-    """Load a scene as :func:`load_scene` does, with its mechanism and its places in the file.
-
-    Raises:
-        SceneError: every problem of the scene, each with its place.
-    """
+    """Load a scene as :func:`load_scene` does, with its mechanism and its places in the file."""
     if limits is not None and not isinstance(limits, Limits):
         raise SceneError([Problem("bad-argument", f"{quoted(limits)} are no limits", "limits",
                                   allowed="sandbox.scene.read.limits.Limits(steps=10_000_000)")])
@@ -387,9 +381,6 @@ def sound(scene: Scene | Mechanism) -> Mechanism:
 
     Its values are validated again, since ``model_copy`` and ``model_construct`` validate nothing;
     its names, units and ranges are checked as those of a file.
-
-    Raises:
-        SceneError: every problem, by its place in the scene or the mechanism; or no scene at all.
     """
     if not isinstance(scene, Mechanism):
         raise SceneError([Problem(

@@ -33,10 +33,8 @@ class Origin:
 
     source: SceneSource
     path: JsonPath = ()
-    included: str = ""
-    """For messages: where this file is included; empty for the scene's own file."""
-    copy: str = ""
-    """The copy of a ``repeat``, as ``i = 3``; empty outside of one."""
+    included: str = ""  # for messages: where this file is included; empty for the scene's own file
+    copy: str = ""  # the copy of a repeat, as i = 3; empty outside of one
 
     def to(self, *steps: str | int) -> Origin:
         """The place further down."""
@@ -68,11 +66,7 @@ class Origin:
 
     @contextmanager
     def refusing(self, *, key: bool = False) -> Iterator[None]:
-        """Give a wrong value this place.
-
-        Raises:
-            RefusedError: in place of a ``WrongValueError``.
-        """
+        """Give a wrong value this place."""
         try:
             yield
         except WrongValueError as error:
@@ -93,14 +87,11 @@ class Composed:
 
     data: dict[str, Any]
     root: Origin
-    problems: list[Problem] = field(default_factory=list)
-    """Each with its place."""
+    problems: list[Problem] = field(default_factory=list)  # each with its place
     broken: set[JsonPath] = field(default_factory=set)
     """Entries of the data that could not be composed."""
-    failed: bool = False
-    """Whether the data is not worth validating."""
-    files: tuple[Path, ...] = ()
-    """Included files."""
+    failed: bool = False  # whether the data is not worth validating
+    files: tuple[Path, ...] = ()  # included files
     moved: dict[int, tuple[Any, dict[str | int, Origin]]] = field(default_factory=dict)
     """Containers by their id, with the children that were written elsewhere than them."""
     reported: dict[tuple[str, JsonPath], Origin] = field(default_factory=dict)

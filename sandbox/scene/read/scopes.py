@@ -24,8 +24,7 @@ from sandbox.wording import WrongValueError, kind_of, listed, near, number_text,
 
 _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-DEEPEST = 100
-"""Maximum length of a chain of parameters that depend on one another."""
+DEEPEST = 100  # maximum length of a chain of parameters that depend on one another
 PLACEHOLDER = 1.0
 """Replaces a parameter without a value, so that the rest of the scene can be checked."""
 STAND_IN = {"points": [[0, 1], [1, 1]]}
@@ -38,16 +37,13 @@ class Scope:
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     """The file's own, SI: they stay in expressions, but can be read here."""
-    numbers: Mapping[str, float] = field(default_factory=dict)
-    """Replace their names in expressions."""
+    numbers: Mapping[str, float] = field(default_factory=dict)  # replace their names in expressions
     words: Mapping[str, str] = field(default_factory=dict)
     """Entries of a repeat's list that are not numbers; for braces only."""
-    tables: Mapping[str, Any] = field(default_factory=dict)
-    """The file's, by their calls."""
+    tables: Mapping[str, Any] = field(default_factory=dict)  # the file's, by their calls
     renamed: Mapping[str, str] | None = None
     """Of an included file: the names that its tables have in the scene."""
-    braces: bool = False
-    """Whether ``{i}`` has a meaning, as inside a ``repeat``."""
+    braces: bool = False  # whether {i} has a meaning, as inside a repeat
 
     @property
     def known(self) -> dict[str, float]:
@@ -64,11 +60,7 @@ class Scope:
             numbers={**{k: v for k, v in self.numbers.items() if k not in words}, **numbers})
 
     def text(self, text: str) -> str:
-        """A text with the scope's values in it.
-
-        Raises:
-            WrongValueError: braces that hold no known name.
-        """
+        """A text with the scope's values in it."""
         if self.braces and ("{" in text or "}" in text):
             text = _BRACES.sub(self._filled, text)
         if not text.lstrip().startswith("=") or not (
@@ -106,11 +98,7 @@ class Scope:
 
 
 def check_name(name: Any, what: str, parameters: Mapping[str, float]) -> None:
-    """Check a name that expressions are to read.
-
-    Raises:
-        WrongValueError: not a name, or one that has another meaning already.
-    """
+    """Check a name that expressions are to read."""
     if isinstance(name, str) and name in ex.RESERVED:
         means = "the time" if name == "t" else "a constant, a function or a word of expressions"
         raise WrongValueError("invalid-name", f"{quoted(name)} cannot be the name of {what}: it "
@@ -125,11 +113,7 @@ def check_name(name: Any, what: str, parameters: Mapping[str, float]) -> None:
 
 
 def check_key(key: str, known: tuple[str, ...]) -> None:
-    """Check that a key is one of those known.
-
-    Raises:
-        WrongValueError: it is not.
-    """
+    """Check that a key is one of those known."""
     if key not in known:
         raise WrongValueError("unknown-key", f"unknown key {quoted(key)}",
                               allowed=", ".join(known), hint=near(key, known))
@@ -142,8 +126,7 @@ class Parameters:
     values: dict[str, float] = field(default_factory=ex.NamedValues)
     failed: set[str] = field(default_factory=set)
     problems: list[Problem] = field(default_factory=list)
-    unreadable: bool = False
-    """Whether the scene's ``parameters`` are not even an object."""
+    unreadable: bool = False  # whether the scene's parameters are not even an object
 
     def reads_failed(self, text: object) -> bool:
         """Whether a text is an expression of a parameter that failed.
@@ -260,13 +243,10 @@ Vec = tuple[float, float]
 class Copies:
     """A ``repeat`` that was read."""
 
-    rows: list[Names]
-    """The names and values of each copy."""
+    rows: list[Names]  # the names and values of each copy
     scope: Scope
-    line: Vec | None = None
-    """From one copy to the next [m]."""
-    circle: Vec | None = None
-    """Centre of a full turn [m]."""
+    line: Vec | None = None  # from one copy to the next [m]
+    circle: Vec | None = None  # centre of a full turn [m]
 
     def label(self, number: int) -> str:
         """The label of a copy in messages."""
@@ -274,11 +254,7 @@ class Copies:
         return f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
 
     def moved(self, entry: dict[str, Any], number: int, among: str) -> dict[str, Any]:
-        """A copy of an entry, moved along the line or round the circle.
-
-        Raises:
-            WrongValueError: it has no position, or follows a path of its own.
-        """
+        """A copy of an entry, moved along the line or round the circle."""
         if self.line is None and self.circle is None:
             return entry
         if among not in WITH_POSITION:
@@ -329,9 +305,6 @@ def read_repeat(value: Any, scope: Scope, limits: Limits, place: Origin) -> Copi
     """Read the value of a ``repeat``, which is at a place.
 
     A whole number is that of the copies, counted by ``i`` from 0.
-
-    Raises:
-        RefusedError: it is invalid.
     """
     given = value if isinstance(value, dict) else {"count": value}
     for key in given:

@@ -24,8 +24,7 @@ from sandbox.scene.read.positions import Lines, Scan, scan
 from sandbox.values.paths import JsonPath
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
 
-LONGEST_NAME = 400
-"""Characters of a path that messages show."""
+LONGEST_NAME = 400  # characters of a path that messages show
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _FOR_SCANNER = re.compile(r"\\u[dD][89A-Fa-f]|[0-9][eE]\+?[0-9]{3}|[0-9]{300}")
 """Surrogates and huge numbers, which :mod:`json` accepts."""
@@ -37,12 +36,10 @@ class SceneSource:
     """A scene's data and the text that it came from (empty for data without a file)."""
 
     data: Any
-    name: str = ""
-    """The file's path in messages."""
+    name: str = ""  # the file's path in messages
     text: str = ""
     limits: Limits = field(default=Limits(), repr=False)
-    path: Path | None = None
-    """The file, if there is one; included files are relative to it."""
+    path: Path | None = None  # the file, if there is one; included files are relative to it
 
     @cached_property
     def _scan(self) -> Scan:
@@ -62,12 +59,7 @@ class SceneSource:
 
 
 def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSource:
-    """Read and parse a scene's file.
-
-    Raises:
-        SceneError: no such file, a directory, unreadable, too large, not
-            UTF-8, not JSON, nested too deep, duplicate keys, NaN or infinity.
-    """
+    """Read and parse a scene's file."""
     limits, name, path = limits or Limits(), str(path), Path(path)
     name = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
     try:
@@ -86,11 +78,7 @@ def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSourc
 
 
 def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> SceneSource:
-    """Parse a scene's text.
-
-    Raises:
-        SceneError: empty, not JSON, nested too deep, duplicate keys, NaN or infinity.
-    """
+    """Parse a scene's text."""
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         if len(result := dict(pairs)) != len(pairs):
             raise ValueError("duplicate key")
@@ -156,18 +144,13 @@ class Library:
     main: SceneSource
     limits: Limits
     read: dict[Path, SceneSource] = field(default_factory=dict)
-    size: int = 0
-    """Of all files together [bytes]."""
+    size: int = 0  # of all files together [bytes]
 
     def __post_init__(self) -> None:
         self.size = len(self.main.text.encode("utf-8", "surrogatepass"))
 
     def find(self, name: Any) -> Path:
-        """The file that an ``include`` names.
-
-        Raises:
-            WrongValueError: not the name of a scene in the folder of the scene's file.
-        """
+        """The file that an ``include`` names."""
         if not isinstance(name, str):
             raise WrongValueError("bad-include",
                                   f"'include' is the name of a scene, not {kind_of(name)}")
@@ -203,12 +186,7 @@ class Library:
         return real
 
     def open(self, path: Path) -> SceneSource:
-        """A scene's file.
-
-        Raises:
-            WrongValueError: too large together with all that was read before.
-            SceneError: it cannot be read; each problem names the file.
-        """
+        """A scene's file."""
         if path in self.read:
             return self.read[path]
         name = str(Path(self.main.name).parent / path.name) if self.main.name else path.name
