@@ -1,14 +1,8 @@
-"""Values over time: constant, ramp, table or expression of ``t``.
-
-A number is a constant. ``values(signal, t)`` is the one place that
-evaluates them; time is an array in seconds. The unit of a signal is that of
-its field: a force's ``value`` refuses ``"3 mm"``.
-"""
+"""Values over time: constant, ramp, table or expression of ``t``; :func:`values` evaluates them."""
 
 from __future__ import annotations
 
 import numbers
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
@@ -17,15 +11,13 @@ import numpy as np
 from pydantic import (
     Discriminator,
     Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
     Tag,
     ValidationError,
     ValidationInfo,
     field_validator,
     model_validator,
 )
-from pydantic_core import CoreSchema, InitErrorDetails, core_schema
+from pydantic_core import InitErrorDetails
 
 from sandbox.numeric import Array
 from sandbox.values.expressions import parse_expression, unknown_name
@@ -39,7 +31,7 @@ from sandbox.values.numbers import (
     parameters_of,
     refusal,
 )
-from sandbox.values.spec import Spec
+from sandbox.values.spec import ReadMark, Spec
 from sandbox.values.tables import NONE, Tables
 from sandbox.values.units import units_of
 from sandbox.wording import WrongValueError
@@ -111,7 +103,7 @@ def _kind(value: Any) -> str | None:
     return None
 
 
-def _lift(value: Any) -> Any:
+def _as_object(value: Any) -> Any:
     """Read a number or its string as a constant, ``{"ramp": {...}}`` as its body."""
     if isinstance(value, str) and value.lstrip().startswith("="):
         try:
@@ -126,32 +118,15 @@ def _lift(value: Any) -> Any:
     return value
 
 
-def _quantities(value: dict[str, Any]) -> Iterator[tuple[tuple[str | int, ...], Any, Any, Any]]:
-    """Every value of a lifted signal: its place, its container, its key there, and itself."""
-    for key in ("constant", "from", "to"):
-        if key in value:
-            yield (key,), value, key, value[key]
-    table = value.get("table")
-    for i, row in enumerate(table if isinstance(table, list) else ()):
-        if isinstance(row, list) and len(row) == 2:
-            yield ("table", i, 1), row, 1, row[1]
-
-
 @dataclass(frozen=True)
-class OverTime:
-    """Marks a value over time, lifted, of a dimension; one of none takes any unit."""
+class OverTime(ReadMark):
+    """Marks a value over time of a dimension; one of none takes any unit."""
 
     dimension: str | None = None
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler,
-    ) -> CoreSchema:
-        return core_schema.with_info_before_validator_function(self._read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler,
-    ) -> dict[str, Any]:
-        objects = handler(schema)["oneOf"]
+    def json_schema(self, schema: dict[str, Any]) -> dict[str, Any]:
+        """A number, a text, or one of the objects."""
+        objects = schema["oneOf"]
         ramp = {"type": "object", "required": ["ramp"], "additionalProperties": False,
                 "properties": {"ramp": objects[0]}}
         return {
@@ -166,16 +141,22 @@ class OverTime:
         shown = self.dimension not in (None, "ratio")
         return f" [{units_of(str(self.dimension))[0]}]" if shown else ""
 
-    def _read(self, value: Any, info: ValidationInfo) -> Any:
-        """The signal with its quantities in SI; units of another dimension are refused."""
-        written, value = value, _lift(value)
+    def read(self, value: Any, info: ValidationInfo) -> Any:
+        """The signal as an object, its quantities in SI; other dimensions are refused."""
+        written, value = value, _as_object(value)
         inside = ("ramp",) if isinstance(written, dict) and value is not written else ()
         if not isinstance(value, dict) or self.dimension is None:
             return value
         value = {key: [list(row) if isinstance(row, (list, tuple)) else row for row in entry]
                  if isinstance(entry, (list, tuple)) else entry for key, entry in value.items()}
+        table = value["table"] if isinstance(value.get("table"), list) else ()
+        quantities: list[tuple[tuple[str | int, ...], Any, Any]] = [
+            ((key,), value, key) for key in ("constant", "from", "to") if key in value]
+        quantities += [(("table", i, 1), row, 1) for i, row in enumerate(table)
+                       if isinstance(row, list) and len(row) == 2]
         wrong: list[InitErrorDetails] = []
-        for place, holder, key, quantity in list(_quantities(value)):
+        for place, holder, key in quantities:
+            quantity = holder[key]
             if not isinstance(quantity, str) or quantity.lstrip().startswith("="):
                 continue
             try:

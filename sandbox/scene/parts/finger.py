@@ -14,15 +14,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import (
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
-from pydantic_core import CoreSchema, core_schema
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from sandbox.elements.element import Turn
 from sandbox.elements.points import Pin
@@ -36,7 +28,7 @@ from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
 from sandbox.values import numbers as of
 from sandbox.values.appearance import Planes
-from sandbox.values.spec import TYPE, Spec
+from sandbox.values.spec import TYPE, ReadMark, Spec
 from sandbox.wording import WrongValueError
 
 ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]
@@ -47,26 +39,21 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class OneForAll:
+class OneForAll(ReadMark):
     """Marks a list of which one entry may be given for all; one number is the limit [0, number]."""
 
     entry: Literal["number", "point", "limit"] = "number"
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler,
-    ) -> CoreSchema:
-        return core_schema.no_info_before_validator_function(self._listed, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler,
-    ) -> dict[str, Any]:
+    def json_schema(self, schema: dict[str, Any]) -> dict[str, Any]:
+        """An entry or a list of entries."""
         number: list[dict[str, Any]] = [{"type": "number"}, {"type": "string"}]
         pair = {"type": "array", "items": {"anyOf": number}, "minItems": 2, "maxItems": 2}
         item = pair if self.entry == "point" else {
             "anyOf": [*number, pair] if self.entry == "limit" else number}
         return {"anyOf": [item, {"type": "array", "items": item, "minItems": 1}]}
 
-    def _listed(self, value: Any) -> Any:
+    def read(self, value: Any, info: ValidationInfo) -> Any:
+        """A list of entries."""
         is_list = isinstance(value, (list, tuple))
         if self.entry == "point":
             return value if is_list and value and isinstance(value[0], (list, tuple)) else [value]
