@@ -46,7 +46,7 @@ _PRODUCT = re.compile(r"^([0-9.]+)\s*([A-Za-z_])")
 
 
 def number_from(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
-    """The SI value of a literal, a quantity or an expression; without a dimension, with its unit."""
+    """The SI value of a literal, a quantity or an expression; any dimension if None."""
     return in_range(_number(value, dimension, parameters), dimension)
 
 
