@@ -17,32 +17,23 @@ from typing import Annotated, Any, Literal, TypeVar, Union
 from pydantic import Field
 
 from sandbox.elements.element import tag_of
-from sandbox.elements.fluids import Line, Valve
-from sandbox.elements.loads import Load
-from sandbox.elements.registry import Controller, Drive, Joint, members
-from sandbox.elements.springs import Spring
-from sandbox.elements.tendons import Tendon
+from sandbox.elements.registry import members
 from sandbox.errors import Problem, SandboxError, SceneError
-from sandbox.scene.bodies import Body, Material
-from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.bodies import Body
+from sandbox.scene.mechanism import ElementLists, Mechanism
 from sandbox.scene.parts.assembly import expand_parts, placed
 from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
 from sandbox.scene.parts.finger import Finger
 from sandbox.scene.parts.placement import Mirror, Placement
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
-from sandbox.scene.settings import ContactRule, Event, Group, Meter
 from sandbox.values.numbers import POSITIVE, Angle, Items, Name, Number, Point, Quantity
 from sandbox.values.spec import TYPE
 from sandbox.wording import quoted
 
 
-class Assembly(PartSpec):
-    """Elements and parts that are scaled, then mirrored, turned and moved as one.
-
-    They are written as in a scene, about an origin of their own. In the scene their names begin
-    with the assembly's: its ``jaw`` is ``left.jaw``. Names that it does not have are the scene's.
-    """
+class PlacedPart(PartSpec):
+    """The name and the placement of an assembly."""
 
     type: Literal["assembly"] = TYPE
     name: Name
@@ -57,34 +48,17 @@ class Assembly(PartSpec):
     scale: Annotated[Number, POSITIVE] = 1.0
     """Factor of lengths in the plane and of speeds, and its square of inertias. Masses, forces,
     stiffnesses, ``thickness``, areas of pistons and volumes do not change."""
-    materials: dict[Name, Material] = Field(default_factory=dict)
-    """Its own contact surfaces, by name."""
-    bodies: Items[Body] = ()
-    """Its bodies."""
-    joints: Items[Joint] = ()
-    """Its joints; one of the two bodies may be the scene's."""
-    springs: Items[Spring] = ()
-    """Its springs."""
-    tendons: Items[Tendon] = ()
-    """Its tendons."""
-    lines: Items[Line] = ()
-    """Its lines of fluid."""
-    valves: Items[Valve] = ()
-    """Its valves."""
-    loads: Items[Load] = ()
-    """Its loads; their expressions, components and levels are always those of the world."""
-    drives: Items[Drive] = ()
-    """Its drives."""
-    controllers: Items[Controller] = ()
-    """Its controllers. A mirror changes a body's ``x`` and ``angle``, not those of hinges."""
-    events: Items[Event] = ()
-    """Its events."""
-    contacts: Items[ContactRule] = ()
-    """Contact rules among its bodies and with the scene's; the scene's own rules come later."""
-    groups: Items[Group] = ()
-    """Its groups. All its bodies together are a group of the assembly's name."""
-    meters: Items[Meter] = ()
-    """Its meters."""
+
+
+class Assembly(ElementLists, PlacedPart):
+    """Elements and parts that are scaled, then mirrored, turned and moved as one.
+
+    They are written as in a scene, about an origin of their own. In the scene their names begin
+    with the assembly's: its ``jaw`` is ``left.jaw``. Names that it does not have are the scene's.
+    Its loads are those of the world, not turned. A mirror changes a body's ``x`` and ``angle``, not
+    those of hinges. Its contact rules come before the scene's. All its bodies are a group.
+    """
+
     parts: Items[Part] = ()
     """Its parts, assemblies among them."""
 

@@ -18,8 +18,8 @@ from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, TableName, Tables, tables_of
 
 
-class Mechanism(Spec):
-    """All elements by kind, in order. It is itself a valid scene without parts."""
+class SceneHead(Spec):
+    """The name, run and surroundings of a scene."""
 
     format: int = Field(default=1, ge=1, le=1)
     """Version of the format of scenes, always 1."""
@@ -35,6 +35,11 @@ class Mechanism(Spec):
     """Acceleration of gravity [x, y] in the world [m/s^2]; ``[0, -9.81]`` in a vertical plane."""
     tables: dict[TableName, NamedTable] = Field(default_factory=dict)
     """Functions of one number, given by points, for expressions: ``"=profile(hinge.angle)"``."""
+
+
+class ElementLists(Spec):
+    """The elements of a scene or an assembly by kind, in order."""
+
     materials: dict[Name, Material] = Field(default_factory=dict)
     """Contact surfaces by name, for the ``material`` of bodies."""
     bodies: Items[Body] = ()
@@ -64,6 +69,11 @@ class Mechanism(Spec):
     """Named groups of bodies."""
     meters: Items[Meter] = ()
     """Quantities computed from others by expressions."""
+
+
+class Mechanism(ElementLists, SceneHead):
+    """All elements by kind, in order. It is itself a valid scene without parts."""
+
     expect: Items[Expect] = ()
     """Expectations on recorded quantities; a run that misses one fails."""
     view: View = View()

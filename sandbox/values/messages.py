@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from functools import reduce
+from operator import getitem
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -17,7 +19,7 @@ from sandbox.values.paths import JsonPath, holds, path_text
 from sandbox.wording import MOST_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
 
 COMPOSING = ("like", "repeat", "include", "parameters")
-"""Words that an entry of a list may hold before the models see it: offered where they are meant."""
+"""Keys of an entry that composition removes: suggested for similar unknown keys."""
 _QUOTED = re.compile(r"'([^']*)'")
 OWN = "; for one of your own give its file with --elements"  # added to the types of parts
 
@@ -25,15 +27,12 @@ OWN = "; for one of your own give its file with --elements"  # added to the type
 def explain(
     error: ValidationError, data: Any, model: type[BaseModel], most: int | None = None,
 ) -> list[Problem]:
-    """Every complaint of a validation of ``data`` by ``model``, with its path in the data.
-
-    Only the first ``most`` of them, if given.
-    """
+    """The first ``most`` problems of a validation of ``data`` by ``model``, with their paths."""
     near, found = NearMisses(), []
     for each in error.errors(include_url=False)[:most]:
         least, value = each.get("ctx", {}).get("min_length", 0), each["input"]
         if each["type"] == "too_short" and isinstance(value, list) and len(value) >= least:
-            continue  # only because of wrong entries, which have their own messages
+            continue  # a consequence of invalid entries, which have their own messages
         path = locate(data, each["loc"], each["input"], each["type"])
         found.append((each, path, _problem(each, path, model, near)))
     misspelt = {(path[:-1], problem.hint.strip("'")) for _, path, problem in found
@@ -68,24 +67,24 @@ def _problem(
 def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> JsonPath:
     """The path in ``data`` of pydantic's ``loc``.
 
-    A ``loc`` also names the chosen members of unions, and the entries of lists
-    that a model made of a single value; neither exists in the data, except by chance:
-    ``{"to": 3, "over": "1 N", "ramp": 3}`` has a key that is called as the member is.
+    A ``loc`` also has members of unions and entries of lists that a model made of a single value.
+    A key of the data may have the same name: ``{"to": 3, "over": "1 N", "ramp": 3}``.
     """
     if kind == "missing":
         loc = loc[:-1]
     path = written(data, loc)
-    if _at(data, path) is wrong or kind == "missing":
+    if kind == "missing" or reduce(getitem, path, data) is wrong:
         return path
     for i, step in enumerate(loc):
         other = written(data, loc[:i] + loc[i + 1:])
-        if (isinstance(step, int) or len(other) == len(path)) and _at(data, other) is wrong:
+        if (isinstance(step, int) or len(other) == len(path)) and \
+                reduce(getitem, other, data) is wrong:
             return other
     return path
 
 
 def written(data: Any, loc: Iterable[int | str]) -> JsonPath:
-    """The path in ``data`` of a path of the models: steps that the data does not have left out."""
+    """The path in ``data`` of a path of the models, without steps that the data does not have."""
     path: JsonPath = ()
     tagged = False
     for step in loc:
@@ -95,12 +94,6 @@ def written(data: Any, loc: Iterable[int | str]) -> JsonPath:
             continue
         path, data, tagged = (*path, step), data[step], False
     return path
-
-
-def _at(data: Any, path: JsonPath) -> Any:
-    for step in path:
-        data = data[step]
-    return data
 
 
 def _unknown_key(
@@ -131,12 +124,6 @@ def _unknown_type(
                    hint=near(given, choices) if isinstance(given, str) else "")
 
 
-def _missing(error: ErrorDetails, context: Mapping[str, Any]) -> str:
-    last = error["loc"][-1]
-    what = f"entry {last} of the list" if isinstance(last, int) else quoted(last)
-    return f"{what} is missing"
-
-
 def _length(error: ErrorDetails, context: Mapping[str, Any]) -> str:
     most, least = context.get("max_length"), context.get("min_length")
     actual = context.get("actual_length")
@@ -164,7 +151,8 @@ _CODES = {
 _LIST, _OBJECT = _expected("a list […]"), _expected("an object {…}")
 _TRUTH, _WHOLE = _expected("true or false"), _expected("a whole number")
 _WORDS: dict[str, Callable[[ErrorDetails, Mapping[str, Any]], str]] = {
-    "missing": _missing,
+    "missing": lambda error, context: "{} is missing".format(
+        quoted(last) if isinstance(last := error["loc"][-1], str) else f"entry {last} of the list"),
     "tuple_type": _LIST, "list_type": _LIST,
     "model_type": _OBJECT, "model_attributes_type": _OBJECT, "dict_type": _OBJECT,
     "string_type": _expected("text"),
@@ -203,10 +191,7 @@ def fields_page(model: type[BaseModel]) -> str:
 
 
 def fields_at(model: type[BaseModel], data: Any, path: JsonPath) -> str:
-    """The section with the fields of the data at a path, or of the part that contains it.
-
-    Empty in a list of the data for what is of no model: its ``type`` is missing, or unknown.
-    """
+    """The section with the fields of the data at a path; empty for a missing or unknown type."""
     found, loc = "", tuple[str | int, ...]()
     for step in (*path, ""):
         here = type_at(model, loc)

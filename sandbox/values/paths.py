@@ -48,21 +48,18 @@ def parse_path(text: str) -> JsonPath:
         if match is None:
             raise WrongValueError("bad-override", f"{text[:80]!r} is not a path such as "
                                   "bodies[0].mass or run.step")
-        steps.append(_step(match))
+        if match["index"] is not None:
+            steps.append(int(match["index"]))
+        elif match["quoted"] is not None:
+            steps.append(str(json.loads(match["quoted"])))
+        else:
+            steps.append(match["key"] or match["name"].strip())
         at = match.end()
     return tuple(steps)
 
 
 def holds(value: Any, step: str | int) -> bool:
-    """Whether a key or an index leads on from a value."""
+    """Whether a value has a key or an index."""
     if isinstance(value, list):
         return isinstance(step, int) and 0 <= step < len(value)
     return isinstance(value, dict) and step in value
-
-
-def _step(match: re.Match[str]) -> str | int:
-    if match["index"] is not None:
-        return int(match["index"])
-    if match["quoted"] is not None:
-        return str(json.loads(match["quoted"]))
-    return match["key"] or match["name"].strip()
