@@ -47,9 +47,8 @@ from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits, check_size
-from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.scopes import resolved_tables
-from sandbox.scene.read.source import parse_source
+from sandbox.scene.read.source import half_character, parse_source
 from sandbox.values.messages import explain
 from sandbox.wording import quoted
 

@@ -145,9 +145,8 @@ class Composite(PartSpec):
         inner, problems = expand_parts(whole, known.pulled, known.outside, known.near)
         if problems:
             raise self._wrong([str(each) for each in problems])
-        names = (each.name for kind in dataclasses.fields(inner)
-                 if kind.name not in ("contacts", "materials")
-                 for each in getattr(inner, kind.name))
+        names = (each.name for kind, elements in inner.items()
+                 if kind not in ("contacts", "materials") for each in elements)
         if foreign := [name for name in names if not name.startswith(f"{self.name}.")]:
             raise self._wrong([f"the name {quoted(foreign[0])} must begin with "
                                f"{quoted(f'{self.name}.')}"])

@@ -61,10 +61,7 @@ def corners(shape: Box | Polygon) -> list[Vec]:
 
 @lru_cache(maxsize=512)
 def solids(shape: Shape) -> tuple[tuple[Solid, Array | None], ...]:
-    """The convex shapes that make up a shape, each with the arcs of normals that are its surface.
-
-    Arcs are those of :class:`sandbox.scene.outlines.rings.Piece`; None where all of it is surface.
-    """
+    """The convex shapes of a shape, each with the arcs of normals of its surface; None for all."""
     if isinstance(shape, Polyline):
         return tuple(
             (Capsule.model_construct(type="capsule", start=p, end=q, radius=shape.radius), faces)

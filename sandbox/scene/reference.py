@@ -257,10 +257,7 @@ def scene_schema() -> Schema:
 
 
 def described(top: type[Spec]) -> Schema:
-    """The JSON Schema of a model and of all that it holds, with the words of its docstrings.
-
-    pydantic could add these while it builds each model, at more than the cost of loading a scene.
-    """
+    """The JSON Schema of a model and of all that it holds, with its docstrings as descriptions."""
     schema: Schema = top.model_json_schema(by_alias=True, mode="validation")
     waiting: list[type[BaseModel]] = [Spec]
     while waiting:

@@ -125,11 +125,7 @@ class Expression:
     tables: frozenset[str] = frozenset()
 
     def evaluate(self, values: Mapping[str, Any], *, finite: bool = True) -> Any:
-        """The value, float or array, for the given names.
-
-        A table is among them under its :func:`call`. With ``finite`` False a result may hold NaN
-        and infinity, as quantities do that are not defined at every sample.
-        """
+        """The value, float or array, for named values and tables (by :func:`call`)."""
         def read(name: str) -> Callable[[], Any]:
             if name not in values and name not in CONSTANTS:
                 raise unknown_name(name, values)
@@ -216,11 +212,7 @@ def names_in(text: str) -> frozenset[str]:
 
 
 def closure(text: str, read: Callable[[str], Read], tables: Mapping[str, Any]) -> Read:
-    """A function of floats that computes an expression; nan where it has no finite value.
-
-    ``read`` returns a function for each name that it reads; ``tables`` are those of
-    :attr:`sandbox.scene.mechanism.Mechanism.functions`.
-    """
+    """A function of floats that computes an expression; nan where it has no finite value."""
     def named(name: str) -> Read:
         constant = CONSTANTS.get(name, 0.0)
         return (lambda: constant) if name in CONSTANTS else read(name)
@@ -401,10 +393,7 @@ class NamedValues(dict[str, Any]):
 def unknown_name(
     name: str, known: Mapping[str, Any], *, but: str = "", also: str = "",
 ) -> WrongValueError:
-    """The refusal of a name that an expression reads but that has no value.
-
-    ``but`` is the name of its reader, which is not suggested; ``also`` one that has a value later.
-    """
+    """The refusal of an unknown name; ``but`` is its reader, ``also`` a name with a value later."""
     known = known if isinstance(known, NamedValues) else NamedValues(known)
     others = itertools.chain((each for each in known if each != but), [also] if also else [])
     allowed = ", ".join(filter(None, (known.listed if len(known) > (but in known) else "",

@@ -173,10 +173,7 @@ def factor_of(unit: str, dimension: str | None) -> float:
 
 
 def _other_prefix(unit: str, other: str) -> bool:
-    """Whether two units differ in a prefix, and so by a power of ten: not to be suggested.
-
-    Signs between and letter case are ignored, except the case of the prefix.
-    """
+    """Whether two units differ in a prefix, and so by a power of ten: not to be suggested."""
     def cuts(word: str) -> list[tuple[str, str]]:
         """Possible prefixes, with the rest in lower case."""
         whole = [("", word.lower())]

@@ -41,10 +41,7 @@ WHOLE = 1e-6
 def check_control(
     mechanism: Mechanism, assumed: Callable[[str], bool],
 ) -> Iterator[Problem]:
-    """Unknown drives, drives of two controllers, rates that no step divides, impossible events.
-
-    ``assumed`` tells which names count as known although they were not read.
-    """
+    """Drives, rates and events that are unknown or impossible; ``assumed`` names count as known."""
     near = NearMisses()
     drives = dict.fromkeys(drive.name for drive in mechanism.drives)
     owners: dict[str, str] = {}
@@ -145,10 +142,7 @@ def _never(when: str, steps: range, mechanism: Mechanism) -> bool:
 
 
 def check_units(mechanism: Mechanism) -> Iterator[Problem]:
-    """Quantities of control with a unit of another dimension than the one set or read.
-
-    The path of a value over time always names its kind, as ``$.drives[0].value.ramp.to``.
-    """
+    """Quantities of control with a unit of another dimension than the one set or read."""
     for path, value, dimension in _measured(mechanism):
         if dimension is not None and isinstance(value, Measured):
             try:

@@ -110,10 +110,7 @@ def _signal(
     signal: AnySignal, mechanism: Mechanism, path: str, dimension: str | None, *,
     positive: bool = False, first: float | None = None,
 ) -> Iterator[Problem]:
-    """A value over time that is not finite, not positive, or beyond its range.
-
-    A signal of no dimension has no range. ``first`` is an additional instant.
-    """
+    """A value over time, also at ``first``, that is not finite, positive or in its range."""
     if dimension is None and not isinstance(signal, Formula):
         return
 

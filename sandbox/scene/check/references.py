@@ -45,10 +45,7 @@ def check_references(
 def check_unread(
     unread: Mapping[str, Mapping[int, Any]], mechanism: Mechanism, assumed: Collection[str],
 ) -> Iterator[Problem]:
-    """Unknown and duplicate names in the data of elements that could not be read.
-
-    ``unread`` has, for each kind, the data by its index in the list; ``mechanism`` lacks them.
-    """
+    """Unknown and duplicate names in the data of unreadable elements, by kind and index."""
     names = _References(mechanism, assumed)
     taken = {name: kind for kind in reversed([*NAMED]) for name in names.known[kind]}
     for kind, entries in unread.items():

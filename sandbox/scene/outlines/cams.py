@@ -80,11 +80,7 @@ class CamCurve:
         return np.column_stack([point, np.arctan2(out[:, 0], -out[:, 1]), bend])
 
     def radius(self, turn: Array) -> Array:
-        """The margin against undercut [m], negative where the cam is undercut.
-
-        Of a flat follower the radius of curvature; of a roller that of the pitch curve less its
-        own, without bound where the curve is hollow.
-        """
+        """The margin against undercut [m], negative where it occurs; large where hollow."""
         s, s1, s2 = self.lift(turn)
         if not self.roller:
             return np.asarray(self.base + s + s2)
@@ -93,10 +89,7 @@ class CamCurve:
         return np.where(bend > 0, 1 / np.maximum(bend, 1e-300) - self.roller, LARGEST)
 
     def swing(self) -> tuple[float, float, float] | None:
-        """The lift [m] furthest beyond all entries, its excess [m], and the turn [rad] there.
-
-        None if the excess is at most :data:`SWINGS` of the entries' range.
-        """
+        """Lift [m], excess [m] and turn [rad] of a peak beyond all entries, if there is one."""
         lift, entries = self.lift(self.checked)[0], self.lift.pieces[:, 0]
         beyond = np.maximum(lift - entries.max(), entries.min() - lift)
         k = int(beyond.argmax())

@@ -96,11 +96,7 @@ def curvature(first: Array, second: Array) -> Array:
 
 
 def nodes_along(curve: Curve, at: Array, tolerance: float) -> Array:
-    """Nodes of a curve at parameters [n] and between them, ends included.
-
-    Intervals are halved until spans are within ``tolerance`` [m] of the curve and their curvature
-    is exact to :data:`CURVATURE`, or there are too many.
-    """
+    """Nodes of a curve at parameters [n] and between, with spans within ``tolerance`` [m]."""
     while True:
         nodes, middle = curve(at), curve((at[:-1] + at[1:]) / 2)
         spans = spans_of(nodes, closed=False)
@@ -182,10 +178,7 @@ def joined(curves: list[Array]) -> Array:
 
 
 def flattened(nodes: Array, tolerance: float, *, closed: bool) -> Ring:
-    """Points of a curve between which no chord is further off than ``tolerance`` [m].
-
-    Of n chords of a span they are at most max |p'' across the chord| / 8 n².
-    """
+    """Points of a curve whose chords are within ``tolerance`` [m]."""
     terms = spans_of(nodes, closed=closed).terms
     chord = np.stack([terms[:, 1:6].sum(axis=1), terms[:, 7:].sum(axis=1)], axis=1)
     chord /= np.hypot(*chord.T)[:, None]
@@ -195,7 +188,7 @@ def flattened(nodes: Array, tolerance: float, *, closed: bool) -> Ring:
         most = np.maximum(most, np.abs(chord[:, 0] * y - chord[:, 1] * x))
     found: list[tuple[float, float]] = []
     for span, bend in zip(terms, most, strict=True):
-        count = max(1, math.ceil(math.sqrt(bend / (8 * tolerance))))
+        count = max(1, math.ceil(math.sqrt(bend / (8 * tolerance))))  # chords are bend / 8 n² off
         points = on_spans(np.tile(span, (count, 1)), np.arange(count) / count)[0]
         found += [(x, y) for x, y in points.tolist()]
     if not closed:

@@ -110,11 +110,7 @@ def own_file(folder: Path | None, name: str) -> bytes:
 def curves_of(
     name: str, text: bytes, *, unit: float | None, layer: str | None, tolerance: float,
 ) -> list[Array]:
-    """Nodes of the outline of a drawing, then of its holes, [k, 4] each.
-
-    The extension of ``name`` is the format of ``text``; ends that meet may be ``tolerance`` [m]
-    from each other. See :class:`Drawing` for the rest.
-    """
+    """Nodes [k, 4] of a drawing's outline, then of its holes; see :class:`Drawing`."""
     ending = PurePosixPath(name).suffix.lower()
     if ending not in READERS:
         raise DrawingError(f"{quoted(name)} is neither an SVG nor a DXF file", ".svg, .dxf")
@@ -245,10 +241,7 @@ def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
 
 
 def _svg_path(path: Any, box: tuple[float, float, float]) -> list[Array]:
-    """Control points of a path without gaps, in units of the view box, y up.
-
-    The box has the pixels of a unit, and its origin [px].
-    """
+    """Control points of a path, in units of the view box (scale, origin [px]), y up."""
     import svgelements
 
     found: list[Array] = []

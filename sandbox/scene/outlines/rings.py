@@ -81,10 +81,7 @@ def without_straight(ring: Ring) -> Ring:
 
 
 def first_meeting(rings: Sequence[Ring]) -> tuple[int, int, str] | None:
-    """The first two sides of closed outlines that cross or touch: their first corners, the place.
-
-    A sweep from left to right compares each side with those that begin before it ends.
-    """
+    """The first two sides that cross or touch, by their first corners, and the place."""
     starts = np.concatenate([np.array(ring) for ring in rings])
     ends = np.concatenate([np.roll(np.array(ring), -1, axis=0) for ring in rings])
     names, after = [i for ring in rings for i in range(len(ring))], np.array(_after(rings))

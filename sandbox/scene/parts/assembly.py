@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_args, ge
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.bodies import Body
+from sandbox.scene.mechanism import ElementLists
 from sandbox.scene.parts.expansion import Elements, Known, PartError
 from sandbox.scene.parts.placement import Mover, Placement
 from sandbox.scene.settings import Group
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from sandbox.scene.document import Assembly, Scene
 
 PLACED = ("bodies", "joints", "springs", "tendons", "lines", "loads", "drives")
-KINDS = tuple(kind.name for kind in dataclasses.fields(Elements) if kind.name != "materials")
+KINDS = tuple(kind for kind in ElementLists.model_fields if kind != "materials")
 OWN = tuple(kind for kind in KINDS if kind not in ("drives", "contacts", "groups"))
 """Lists whose elements come before those of parts; a scene's contact rules come after."""
 TEXTS = ("because", "unit", "title", "about")  # fields that hold words for people
@@ -35,11 +36,7 @@ def expand_parts(
     scene: Scene | Assembly, pulled: frozenset[str] = frozenset(),
     outside: Callable[[str], Body | None] = lambda name: None, near: NearMisses | None = None,
 ) -> tuple[Elements, list[Problem]]:
-    """All elements of a scene or an assembly, not placed yet, and its problems.
-
-    ``pulled`` are its parts and tendons that trees outside pull; ``outside`` returns a body
-    outside an assembly, in the frame of its surroundings.
-    """
+    """The elements of a scene or assembly, not placed; outer trees pull ``pulled``."""
     elements = Elements(materials=tuple(scene.materials.items()),
                         **{kind: getattr(scene, kind) for kind in OWN})
     tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
@@ -72,23 +69,23 @@ def expand_parts(
     drives = [drive.model_copy(update={"tendon": tendon_of[drive.target[1]]})
               if drive.target[0].among == "tendons" and drive.target[1] in tendon_of else drive
               for drive in scene.drives]
-    return dataclasses.replace(
-        elements, drives=(*drives, *elements.drives), contacts=elements.contacts + scene.contacts,
-        groups=elements.groups + scene.groups), problems
+    return Elements(**elements | {
+        "drives": (*drives, *elements["drives"]), "contacts": elements["contacts"] + scene.contacts,
+        "groups": elements["groups"] + scene.groups}), problems
 
 
 def placed(
     name: str, inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
 ) -> Elements:
     """The elements ``inner`` of the assembly ``name``, placed and under their names outside."""
-    own = {body.name: body for body in inner.bodies}
+    own = {body.name: body for body in inner["bodies"]}
     place = Mover(placement, own, outside)
     resized = Mover(Placement(scale=placement.scale), own, outside)
     naming = _Naming(name, inner)
     problems: list[Problem] = []
     found: dict[str, Any] = {}
     for kind in KINDS:
-        elements: list[Any] = list(getattr(inner, kind))
+        elements = list(inner[kind])
         for i, element in enumerate(elements):
             try:
                 if kind in PLACED:
@@ -103,7 +100,7 @@ def placed(
     if problems:
         raise PartError(problems)
     whole = Group(name=name, bodies=tuple(body.name for body in found["bodies"]))
-    materials = tuple((f"{name}.{key}", material) for key, material in inner.materials)
+    materials = tuple((f"{name}.{key}", material) for key, material in inner["materials"])
     return Elements(**found, materials=materials) + Elements(groups=(whole,))
 
 
@@ -113,8 +110,8 @@ class _Naming:
     def __init__(self, prefix: str, inner: Elements) -> None:
         self.prefix = prefix
         self.names = frozenset(
-            [name for name, _ in inner.materials]
-            + [each.name for kind in KINDS if kind != "contacts" for each in getattr(inner, kind)])
+            [name for name, _ in inner["materials"]]
+            + [each.name for kind in KINDS if kind != "contacts" for each in inner[kind]])
 
     def of(self, name: str) -> str:
         """A name in the scene: it, or its first part up to a dot, may be the assembly's."""

@@ -2,51 +2,30 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
-from sandbox.elements.fluids import Line, Valve
-from sandbox.elements.loads import Load
-from sandbox.elements.registry import Controller, Drive, Joint
-from sandbox.elements.springs import Spring
-from sandbox.elements.tendons import Tendon
 from sandbox.errors import Problem
-from sandbox.scene.bodies import Body, Material
-from sandbox.scene.settings import ContactRule, Event, Group, Meter
+from sandbox.scene.bodies import Body
+from sandbox.scene.mechanism import ElementLists
 from sandbox.values.numbers import Name, Point
 from sandbox.values.spec import Spec
 from sandbox.wording import NearMisses
 
 
-@dataclass(frozen=True)
-class Elements:
-    """Plain elements of a mechanism; two sets are added kind by kind."""
+class Elements(dict[str, tuple[Any, ...]]):
+    """Plain elements of a mechanism by kind, in order; materials are pairs of name and material."""
 
-    bodies: tuple[Body, ...] = ()
-    joints: tuple[Joint, ...] = ()
-    springs: tuple[Spring, ...] = ()
-    tendons: tuple[Tendon, ...] = ()
-    lines: tuple[Line, ...] = ()
-    valves: tuple[Valve, ...] = ()
-    loads: tuple[Load, ...] = ()
-    contacts: tuple[ContactRule, ...] = ()
-    groups: tuple[Group, ...] = ()
-    drives: tuple[Drive, ...] = ()
-    controllers: tuple[Controller, ...] = ()
-    events: tuple[Event, ...] = ()
-    meters: tuple[Meter, ...] = ()
-    materials: tuple[tuple[str, Material], ...] = ()
+    def __init__(self, **lists: tuple[Any, ...]) -> None:
+        super().__init__({kind: lists.get(kind, ()) for kind in ElementLists.model_fields})
 
     def __add__(self, other: Elements) -> Elements:
-        return Elements(**{
-            kind.name: getattr(self, kind.name) + getattr(other, kind.name)
-            for kind in dataclasses.fields(Elements)
-        })
+        return Elements(**{kind: self[kind] + other[kind] for kind in self})
 
     def body(self, name: str) -> Body | None:
         """The body of that name."""
-        return next((body for body in self.bodies if body.name == name), None)
+        return next((body for body in self["bodies"] if body.name == name), None)
 
 
 @dataclass

@@ -186,7 +186,7 @@ class Finger(PartSpec):
         if self.on is not None and (palm := known.elements.body(self.on)) is None:
             raise PartError([Problem(
                 "name-not-found", f"no body before this finger is named {self.on!r}", path=".on",
-                hint=known.near(self.on, (body.name for body in known.elements.bodies)))])
+                hint=known.near(self.on, (body.name for body in known.elements["bodies"])))])
         pulled = not known.pulled.isdisjoint({self.name, known.tendon_of[self.name]})
         return known.elements + _Builder(self, palm).build(pulled=pulled)
 

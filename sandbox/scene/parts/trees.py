@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import accumulate, groupby, pairwise
 from typing import Annotated, Literal, Self
 
@@ -79,7 +79,7 @@ class _TreeSpec(PartSpec):
     def expand(self, known: Known) -> Elements:
         """All elements so far, with the leaves' tendons continued, and those of the tree."""
         assert isinstance(self, RockerTree | PulleyTree)
-        return _Builder(self, known).build(known.elements)
+        return _Builder(self, known).build(Elements(**known.elements))
 
 
 class RockerTree(_TreeSpec):
@@ -109,8 +109,8 @@ class _End:
 
 
 def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
-    tendons = {tendon.name: tendon for tendon in reversed(known.elements.tendons)}
-    bodies = {body.name: body for body in reversed(known.elements.bodies)}
+    tendons = {tendon.name: tendon for tendon in reversed(known.elements["tendons"])}
+    bodies = {body.name: body for body in reversed(known.elements["bodies"])}
     names, near = [*known.tendon_of, *tendons, *bodies], NearMisses()
     found, problems = [], []
     for i, leaf in enumerate(tree.pulls):
@@ -171,9 +171,9 @@ class _Builder:
             name=f"{tree.name}.tendon", stiffness=tree.stiffness, damping=tree.damping,
             guides=(Guide(body=self._name(self.root)),
                     Guide(body=self.frame.name, at=(behind, 0.0))))
-        elements = replace(elements, tendons=tuple(
+        elements["tendons"] = tuple(
             tendon.model_copy(update={"guides": (*tendon.guides, *continued[tendon.name])})
-            if tendon.name in continued else tendon for tendon in elements.tendons))
+            if tendon.name in continued else tendon for tendon in elements["tendons"])
         return elements + Elements(
             bodies=(self.frame, *map(self._body, nodes)),
             joints=(*map(self._slot, nodes), *(each for each in strings if isinstance(each, Rope))),
@@ -286,11 +286,7 @@ def plan_tree(
     places: Sequence[tuple[float, float]], shares: Sequence[float], *,
     gap: float, level: float, wheels: bool,
 ) -> Node:
-    """The root over leaves at ``places`` (along, across) [m] with ``shares`` of the pull.
-
-    The first level lies ``gap`` behind the rearmost leaf and each next one
-    ``level`` behind the one before; wheels keep these distances between their rims.
-    """
+    """The root over leaves at ``places`` (along, across) [m] with ``shares`` of the pull."""
     def halved(nodes: list[Node]) -> Node:
         if len(nodes) == 1:
             return nodes[0]

@@ -382,10 +382,7 @@ class _Composer:
         return out
 
     def renamed(self, tables: Mapping[str, Any], assembly: str, at: Context) -> dict[str, str]:
-        """Add the tables of a file to the scene's; their new names by their own.
-
-        Equal tables of several copies become one.
-        """
+        """Add the tables of a file to the scene's, equal ones once; their new names."""
         words = re.findall("[A-Za-z0-9]+", assembly)[:8]
         prefix = "_".join(words if words and not words[0][0].isdigit() else ["included", *words])
         found: dict[str, str] = {}

@@ -29,7 +29,6 @@ from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_size, over
 from sandbox.scene.read.origins import Composed, Origin, Relocation
 from sandbox.scene.read.overrides import apply_overrides
-from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.scopes import (
     IDENTIFIER,
     STAND_IN,
@@ -38,7 +37,7 @@ from sandbox.scene.read.scopes import (
     resolve_parameters,
     resolved_tables,
 )
-from sandbox.scene.read.source import SceneSource, first_problems, read_source
+from sandbox.scene.read.source import SceneSource, first_problems, half_character, read_source
 from sandbox.values.expressions import RESERVED, NamedValues
 from sandbox.values.messages import explain, written
 from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path
@@ -135,10 +134,7 @@ def read_scene(
 
 
 def _from_file(source: str | os.PathLike[str], limits: Limits) -> SceneSource:
-    """The text of a file, or else of a shipped scene.
-
-    A directory with a scene's name holds its runs and is no scene.
-    """
+    """The text of a file, or else of a shipped scene; a directory of that name holds its runs."""
     text = os.fspath(source) if isinstance(source, os.PathLike) else source
     if not isinstance(text, str):
         raise SceneError([Problem(

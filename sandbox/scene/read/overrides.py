@@ -11,9 +11,8 @@ from typing import Any
 from sandbox.errors import Problem
 from sandbox.scene.read.compose import Context, merged
 from sandbox.scene.read.origins import Composed, Origin, RefusedError
-from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.scopes import Scope
-from sandbox.scene.read.source import SceneSource
+from sandbox.scene.read.source import SceneSource, half_character
 from sandbox.values.paths import JsonPath, holds, parse_path
 from sandbox.values.units import dimension_of, unit_in, units_of
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
@@ -25,11 +24,7 @@ CLOSED = ("parameters", "templates")
 def apply_overrides(
     data: dict[str, Any], overrides: Mapping[str, Any], *, nesting: int = 32
 ) -> tuple[dict[str, Any], set[JsonPath], list[Problem]]:
-    """A copy of ``data`` with the overrides, the paths they set, and their problems.
-
-    A list's item is chosen by its index or its name: ``bodies[disc].mass``. A
-    value given as text is JSON if it parses, else the text itself.
-    """
+    """A copy of ``data`` with the overrides, the paths they set, and their problems."""
     if not overrides:
         return data, set(), []
     result, paths, problems = copy.deepcopy(data), set(), []

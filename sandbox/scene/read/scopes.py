@@ -129,10 +129,7 @@ class Parameters:
     unreadable: bool = False  # whether the scene's parameters are not even an object
 
     def reads_failed(self, text: object) -> bool:
-        """Whether a text is an expression of a parameter that failed.
-
-        A reserved word is not among the names of an expression, so its text is searched, too.
-        """
+        """Whether a text is an expression of a failed parameter, which may be a reserved word."""
         if not isinstance(text, str) or not (self.failed or self.unreadable):
             return False
         try:
@@ -302,10 +299,7 @@ class Copies:
 
 
 def read_repeat(value: Any, scope: Scope, limits: Limits, place: Origin) -> Copies:
-    """Read the value of a ``repeat``, which is at a place.
-
-    A whole number is that of the copies, counted by ``i`` from 0.
-    """
+    """Read the value of a ``repeat``; a number is that of the copies, counted by ``i``."""
     given = value if isinstance(value, dict) else {"count": value}
     for key in given:
         with place.to(key).refusing(key=True):
