@@ -31,7 +31,7 @@ else:
             """Build an element in Python.
 
             Raises:
-                SceneError: every value that is missing, unknown or wrong.
+                SceneError: every value that is missing, unknown or invalid.
             """
             if "type" in cls.model_fields:
                 tag, = get_args(cls.model_fields["type"].annotation)

@@ -7,6 +7,7 @@ or on the quantity that they read. Their numbers keep their unit
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 from collections.abc import Callable, Iterator
@@ -119,26 +120,19 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
             yield Problem("event-never-happens", f"the condition {quoted(event.when)} reads "
                           "nothing, so it never changes", f"{path}.when", allowed="a condition of "
                           'quantities or of the time t, such as "=finger.mcp.angle > 0.5"')
-        elif names == {"t"} and _never(event.when, steps, mechanism):
-            yield Problem("event-never-happens", "this event can never happen: "
-                          f"{quoted(event.when)} is true at no time of the run, which ends at "
-                          f"{duration:g} s", f"{path}.when",
-                          allowed="a condition that becomes true")
+        elif names == {"t"} and 0 < len(steps) * len(mechanism.events) <= MAX_EVALUATIONS:
+            true: Any = True  # undefined at some time, it may be true at another
+            with contextlib.suppress(ValueError):
+                true = np.atleast_1d(parse_expression(event.when).evaluate(
+                    {**mechanism.functions, "t": step * np.asarray(steps)})) > 0
+            if not np.any(true):
+                yield Problem("event-never-happens", "this event can never happen: "
+                              f"{quoted(event.when)} is true at no time of the run, which ends at "
+                              f"{duration:g} s", f"{path}.when",
+                              allowed="a condition that becomes true")
     if event.lasts is not None and not (event.set or event.release or event.take_up):
         yield Problem("conflicting-keys", "'lasts' needs 'set', 'release' or 'take_up'",
                       f"{path}.lasts")
-
-
-def _never(when: str, steps: range, mechanism: Mechanism) -> bool:
-    """Whether a condition of the time is false at all steps; False if there are too many."""
-    if not 0 < len(steps) * len(mechanism.events) <= MAX_EVALUATIONS:
-        return False
-    try:
-        found = parse_expression(when).evaluate(
-            {**mechanism.functions, "t": mechanism.run.step * np.asarray(steps)})
-    except ValueError:  # undefined somewhere, and perhaps true elsewhere
-        return False
-    return not np.any(np.asarray(found) > 0)
 
 
 def check_units(mechanism: Mechanism) -> Iterator[Problem]:

@@ -237,32 +237,29 @@ def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
               [each for each in chosen.select() if isinstance(each, svgelements.Shape)])
     paths = (svgelements.Path(part) for shape in shapes
              for part in svgelements.Path(shape).as_subpaths())
-    return _nodes_of(_svg_path(path, box) for path in paths), PIXEL * box[0]
 
+    def control_points(path: Any) -> list[Array]:
+        """Of a path, in units of the view box, y up."""
+        found: list[Array] = []
+        for segment in path:
+            if isinstance(segment, svgelements.Move) or None in (segment.start, segment.end):
+                continue
+            pieces = [segment]
+            if isinstance(segment, svgelements.Arc):
+                count = max(1, math.ceil(abs(segment.sweep) / math.tau * ARCS))
+                pieces = list(segment.as_cubic_curves(count))
+            for piece in pieces:
+                inner = (getattr(piece, name, None) for name in ("control", "control1", "control2"))
+                points = [piece.start, *(each for each in inner if each is not None), piece.end]
+                found.append((np.array([(p.x, p.y) for p in points]) - box[1:])
+                             * (1 / box[0], -1 / box[0]) + 0.0)
+        return found
 
-def _svg_path(path: Any, box: tuple[float, float, float]) -> list[Array]:
-    """Control points of a path, in units of the view box (scale, origin [px]), y up."""
-    import svgelements
-
-    found: list[Array] = []
-    for segment in path:
-        if isinstance(segment, svgelements.Move) or segment.start is None or segment.end is None:
-            continue
-        pieces = [segment]
-        if isinstance(segment, svgelements.Arc):
-            count = max(1, math.ceil(abs(segment.sweep) / math.tau * ARCS))
-            pieces = list(segment.as_cubic_curves(count))
-        for piece in pieces:
-            points = [piece.start, *(each for name in ("control", "control1", "control2")
-                                     if (each := getattr(piece, name, None)) is not None),
-                      piece.end]
-            found.append((np.array([(p.x, p.y) for p in points]) - box[1:])
-                         * (1 / box[0], -1 / box[0]) + 0.0)
-    return found
+    return _nodes_of(map(control_points, paths)), PIXEL * box[0]
 
 
 def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
-    from ezdxf import recover, units
+    from ezdxf import path, recover, units
     from ezdxf.enums import InsertUnits
 
     document, _ = recover.read(io.BytesIO(text))
@@ -278,21 +275,18 @@ def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
         if entity.dxftype() == "INSERT":
             raise DrawingError(f"it holds the block {quoted(entity.dxf.name)}, which is not "
                                "followed", "blocks exploded into lines and curves")
-    return _nodes_of(_dxf_path(entity) for entity in chosen if entity.dxftype() in CURVES), own
 
+    def control_points(entity: Any) -> list[Array]:
+        drawn = path.make_path(entity, segments=ARCS)
+        pieces, at = [], drawn.start
+        for command in drawn.commands():
+            control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
+                       if hasattr(command, name)]
+            pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
+            at = command.end
+        return pieces
 
-def _dxf_path(entity: Any) -> list[Array]:
-    """Control points of a curve."""
-    from ezdxf import path
-
-    drawn = path.make_path(entity, segments=ARCS)
-    pieces, at = [], drawn.start
-    for command in drawn.commands():
-        control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
-                   if hasattr(command, name)]
-        pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
-        at = command.end
-    return pieces
+    return _nodes_of(control_points(each) for each in chosen if each.dxftype() in CURVES), own
 
 
 READERS: dict[str, Callable[[bytes, str | None], tuple[list[Array], float | None]]] = {

@@ -27,7 +27,7 @@ PLACED = ("bodies", "joints", "springs", "tendons", "lines", "loads", "drives")
 KINDS = tuple(kind for kind in ElementLists.model_fields if kind != "materials")
 OWN = tuple(kind for kind in KINDS if kind not in ("drives", "contacts", "groups"))
 """Lists whose elements come before those of parts; a scene's contact rules come after."""
-TEXTS = ("because", "unit", "title", "about")  # fields that hold words for people
+TEXTS = ("because", "unit", "title", "about")  # fields of plain text
 _DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*(?!\w|\s*\()")
 SpecType = TypeVar("SpecType", bound=Spec)
 
@@ -157,7 +157,7 @@ class _Naming:
 
 @cache
 def _is_choice(model: type[Spec], field: str) -> bool:
-    """Whether a field is one of a few words and names nothing."""
+    """Whether a field is a choice of words, not a name."""
     annotation = model.model_fields[field].annotation
     if get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]

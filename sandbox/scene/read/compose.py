@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.elements.element import LISTS
-from sandbox.errors import Problem, SceneError
+from sandbox.errors import SceneError
 from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read import scopes
 from sandbox.scene.read.limits import Limits
@@ -34,11 +34,7 @@ DEEPEST_LIKE = 32  # maximum length of a chain of templates that are like one an
 
 
 class TooLargeError(Exception):
-    """The result exceeds a limit: its problem, or None for its size."""
-
-    def __init__(self, problem: Problem | None = None) -> None:
-        super().__init__()
-        self.problem = problem
+    """The result exceeds a limit: its problem, or nothing for its size."""
 
 
 @dataclass(frozen=True)
@@ -169,10 +165,10 @@ class _Composer:
                     self.put(out, data[key], at.to(key, at.place.to(key)))
         except TooLargeError as error:
             self.made.failed = True
-            self.made.problems.append(error.problem or self.top.problem(
+            self.made.problems += error.args or [self.top.problem(
                 "limit-exceeded", "spelled out, the scene is larger than the limit 'file_bytes' "
                 f"of {self.limits.file_bytes} bytes",
-                allowed="a larger one when the limit is raised"))
+                allowed="a larger one when the limit is raised")]
         if self.shared:
             self.made.put(out, "tables", at.place.to("tables"))
             out["tables"] = self.tables

@@ -202,7 +202,8 @@ class _Loading:
             data, overrides, nesting=self.limits.nesting)
         self.problems = dict.fromkeys(problems)
         self.composed = Composed(data, Origin(self.source))
-        if self._too_large(data):
+        if too_large := check_size(data, self.limits):
+            self.report(too_large)
             return None
         self.parameters = resolve_parameters(
             data.get("parameters"), plain_tables(data.get("tables")))
@@ -210,7 +211,8 @@ class _Loading:
         self.composed = compose(self.source, data, self.parameters, self.limits)
         self.add(self.composed.problems)
         data = self.composed.data
-        if self.composed.failed or self._too_large(data):
+        self.report(too_large := [] if self.composed.failed else check_size(data, self.limits))
+        if self.composed.failed or too_large:
             return None
         self.ignored = set(self.composed.broken)
         values: dict[str, Any] = self.parameters.values
@@ -225,10 +227,6 @@ class _Loading:
             self.ignored.add(("format",))
         return self._validated(data, {
             "parameters": values, "folder": self.source.path and self.source.path.parent})
-
-    def _too_large(self, data: dict[str, Any]) -> bool:
-        self.report(found := check_size(data, self.limits))
-        return bool(found)
 
     def _validated(self, data: dict[str, Any], context: dict[str, Any]) -> Loaded | None:
         paths: set[JsonPath] = set()

@@ -73,12 +73,12 @@ class Origin:
             raise RefusedError(self, [self.located(Problem.of(error, "$", key=key))]) from None
 
 
+@dataclass
 class RefusedError(Exception):
     """A piece that cannot be composed: its place, and problems with places of their own."""
 
-    def __init__(self, place: Origin, problems: list[Problem]) -> None:
-        super().__init__()
-        self.place, self.problems = place, problems
+    place: Origin
+    problems: list[Problem]
 
 
 @dataclass

@@ -313,9 +313,23 @@ def read_repeat(value: Any, scope: Scope, limits: Limits, place: Origin) -> Copi
     with place.to("circle").refusing():
         if "line" in given and "circle" in given:
             raise WrongValueError("bad-repeat", "'line' and 'circle' exclude each other")
-    line, circle = (_vector(given[key], what, scope, place.to(key)) if key in given else None
-                    for key, what in (("line", "the step from one copy to the next"),
-                                      ("circle", "the centre")))
+
+    def vector(key: str, what: str) -> Vec | None:
+        if key not in given:
+            return None
+        value, here = given[key], place.to(key)
+        with here.refusing():
+            if not (isinstance(value, list) and len(value) == 2):
+                raise WrongValueError("wrong-type", f"{what} is expected here, got "
+                                      f"{kind_of(value)}", allowed="two lengths [x, y]")
+        found = []
+        for i, each in enumerate(value):
+            with here.to(i).refusing():
+                found.append(number_from(each, "length", scope.known))
+        return found[0], found[1]
+
+    line, circle = vector("line", "the step from one copy to the next"), vector(
+        "circle", "the centre")
     if "list" in given:
         rows = list(_listed(given["list"], index, scope, limits, place.to("list")))
     else:
@@ -384,15 +398,3 @@ def _listed(
                 check_name(name, "an index", scope.parameters)
             row[name] = read(given, here.to(name))
         yield row
-
-
-def _vector(value: Any, what: str, scope: Scope, place: Origin) -> Vec:
-    with place.refusing():
-        if not (isinstance(value, list) and len(value) == 2):
-            raise WrongValueError("wrong-type", f"{what} is expected here, got {kind_of(value)}",
-                                  allowed="two lengths [x, y]")
-    found = []
-    for i, each in enumerate(value):
-        with place.to(i).refusing():
-            found.append(number_from(each, "length", scope.known))
-    return found[0], found[1]
