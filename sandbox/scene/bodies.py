@@ -228,7 +228,6 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
 
 
 def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
-    """Corners of curves, with chords within a tolerance [m]."""
     def flat(within: float) -> list[Ring]:
         return [flattened(nodes, within, closed=closed) for nodes in curves]
 

@@ -119,7 +119,9 @@ def _json(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, tuple):
         return f"[{', '.join(map(_json, value))}]"
-    return f"{value:.6g}" if isinstance(value, (int, float)) else f'"{value}"'
+    if isinstance(value, (int, float)):
+        return f"{value:.6g}"
+    return f'"{value}"' if isinstance(value, str) else str(value)
 
 
 def default(field: FieldInfo) -> str:

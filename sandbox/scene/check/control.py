@@ -193,14 +193,12 @@ def _of_reading(text: str, meters: set[str]) -> str | None:
 
 
 def _numbers(path: str, value: Any, dimension: str | None) -> list[Place]:
-    """A number, or every number of a range."""
     if not isinstance(value, tuple):
         return [(path, value, dimension)]
     return [(f"{path}[{i}]", number, dimension) for i, number in enumerate(value)]
 
 
 def _signal(path: str, signal: AnySignal, dimension: str | None) -> Iterator[Place]:
-    """Every quantity of a value over time."""
     match signal:
         case Constant():
             yield f"{path}.constant", signal.constant, dimension

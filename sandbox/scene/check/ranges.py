@@ -91,7 +91,6 @@ def _corners(body: Body, path: str) -> Iterator[Problem]:
 
 
 def _weight(body: Body, path: str) -> Iterator[Problem]:
-    """Mass and inertia, given or derived from the shapes."""
     try:
         weight = mass_properties(body)
     except ArithmeticError:

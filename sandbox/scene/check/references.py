@@ -194,7 +194,6 @@ class _References:
     def _released(
         self, name: str, event: Event, field: str, path: str, number: int,
     ) -> Iterator[Problem]:
-        """An element that an event cannot release or engage."""
         known, place = self.holding, f"{path}.{field}[{number}]"
         kind = next((kind for kind in NAMED if kind not in RELEASABLE and name in self.known[kind]),
                     None)
@@ -208,7 +207,6 @@ class _References:
             yield no_mesh(name, place if field == "take_up" else f"{path}.lasts")
 
     def view(self) -> Iterator[Problem]:
-        """Unknown bodies in the view."""
         view = self.mechanism.view
         for path, reference, name in references(View, view, "$.view"):
             yield from self._target(None, reference, name, path)
@@ -220,7 +218,6 @@ class _References:
                 yield from self._seen(pattern, f"$.view.show.{layer}")
 
     def _seen(self, pattern: str, path: str) -> Iterator[Problem]:
-        """A pattern of bodies in a picture that fits none, by name or by role."""
         if not pattern.startswith(BY_ROLE):
             yield from self._fitting(pattern, path)
         elif not self.assumed and not meant([pattern], self.mechanism.bodies):

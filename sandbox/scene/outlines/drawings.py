@@ -146,7 +146,6 @@ def _closed(nodes: Array, tolerance: float, name: str) -> Array:
 
 
 def _outline_first(curves: list[Array], name: str) -> list[Array]:
-    """The largest outline, then the holes in it."""
     if not curves:
         raise DrawingError(f"{quoted(name)} has no outline",
                            "closed paths, circles, rectangles or polylines, or lines that join")
@@ -163,7 +162,6 @@ def _outline_first(curves: list[Array], name: str) -> list[Array]:
 
 
 def _chained(curves: list[Array], tolerance: float) -> Iterator[Array]:
-    """Curves, with open ones joined end to end."""
     left = []
     for nodes in curves:
         if len(nodes) > 2 and math.dist(nodes[0, :2], nodes[-1, :2]) <= tolerance:

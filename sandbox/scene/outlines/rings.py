@@ -193,7 +193,6 @@ def _after(rings: Sequence[Ring]) -> list[int]:
 
 
 def _triangles(rings: Sequence[Ring], corners: Sequence[Corner]) -> list[tuple[int, ...]]:
-    """Triangles of corners' numbers, counter-clockwise."""
     ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
     points = np.array(corners)
     # earcut compares products with 0: scale to a size of about 1 to avoid underflow

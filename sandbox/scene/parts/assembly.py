@@ -132,7 +132,6 @@ class _Naming:
         return self.of(text)
 
     def spec(self, spec: SpecType) -> SpecType:
-        """An element under its name in the scene."""
         changed = {}
         for name in type(spec).model_fields:
             if name in TEXTS or name in spec.LOCAL or _is_choice(type(spec), name):
@@ -157,7 +156,6 @@ class _Naming:
 
 @cache
 def _is_choice(model: type[Spec], field: str) -> bool:
-    """Whether a field is a choice of words, not a name."""
     annotation = model.model_fields[field].annotation
     if get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]

@@ -233,7 +233,6 @@ class _Builder:
         return point[0], self.side * point[1]
 
     def _on_palm(self, point: Vec) -> Vec:
-        """A point of the palm's frame in the frame of its body."""
         return to_world(self.on_body, self._mirrored(point))
 
     def _own_palm(self) -> Body:

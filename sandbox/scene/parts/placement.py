@@ -167,7 +167,6 @@ class Mover:
         return OTHER[value] if place.mirror else value
 
     def _value(self, value: Any, annotation: Any, metadata: tuple[Any, ...], path: str) -> Any:
-        """A value by the type of its field."""
         if value is None:
             return None
         if (signal := mark_of(metadata, OverTime)) is not None:
@@ -199,7 +198,6 @@ class Mover:
         return to_body(turn, self.placement.vector(to_world(turn, direction)))
 
     def _path(self, body: Body) -> Any:
-        """The pose of a scheduled body over time."""
         path, place = body.path, self.placement
         assert path is not None
         (a, b), (c, d) = ((place.scale * x, place.scale * y) for x, y in place.linear())

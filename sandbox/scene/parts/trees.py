@@ -67,17 +67,14 @@ class _TreeSpec(PartSpec):
 
     @property
     def leaves(self) -> tuple[Leaf, ...]:
-        """What it pulls."""
         leaves: tuple[Leaf, ...] = self.pulls
         return leaves
 
     @property
     def tendon_names(self) -> dict[str, str]:
-        """The tendon of its actuator."""
         return {self.name: f"{self.name}.tendon"}
 
     def expand(self, known: Known) -> Elements:
-        """All elements so far, with the leaves' tendons continued, and those of the tree."""
         assert isinstance(self, RockerTree | PulleyTree)
         return _Builder(self, known).build(Elements(**known.elements))
 
@@ -155,7 +152,6 @@ class _Builder:
             angle=tree.direction, motion="fixed", role="ground")
 
     def build(self, elements: Elements) -> Elements:
-        """The elements so far, with the leaves' tendons continued, and the tree's own."""
         tree, nodes = self.tree, self.root.rows
         continued: dict[str, tuple[Guide, ...]] = {}
         strings: list[Tendon | Rope] = []

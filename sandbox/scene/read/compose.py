@@ -174,7 +174,6 @@ class _Composer:
             out["tables"] = self.tables
 
     def put(self, container: Any, value: Any, at: Context) -> None:
-        """Compose a value into a container."""
         self.made.put(container, at.trail[-1], at.place)
         container[at.trail[-1]] = self.value(value, at)
 
@@ -240,7 +239,6 @@ class _Composer:
         return out
 
     def copies(self, out: list[Any], item: dict[str, Any], at: Context) -> None:
-        """Append all copies of an entry to a list."""
         if "repeat" not in item:
             self.append(out, self.entry(item, at), at.place)
             return
@@ -270,7 +268,6 @@ class _Composer:
             self.append(out, entry, here.place)
 
     def entry(self, item: dict[str, Any], at: Context) -> Any:
-        """One copy of an entry."""
         if "each" in item and "repeat" in item:
             return self.value(item["each"],
                               replace(at, place=self.made.at(item, "each", at.place)))
@@ -328,16 +325,15 @@ class _Composer:
     ) -> Any:
         """The number of a parameter's text if names around the assembly suffice; else the text."""
         outside = {k: v for k, v in scope.known.items() if k == name or k not in given}
-        numbers = {k: v for k, v in scope.numbers.items() if k in outside}
+        values = {k: v for k, v in scope.values.items() if k in outside or isinstance(v, str)}
         with place.refusing():
-            filled = replace(scope, numbers=numbers).text(text)
+            filled = replace(scope, values=values).text(text)
         try:
             return float(number_from(filled, None, {**outside, **scope.tables}))
         except ValueError:
             return filled  # reads other parameters of the assembly, or is wrong
 
     def included(self, item: dict[str, Any], at: Context) -> dict[str, Any]:
-        """An assembly with the content of a file."""
         place, name = self.made.at(item, "include", at.place), item["include"]
         with place.refusing():
             if item.get("type", "assembly") != "assembly":

@@ -353,7 +353,6 @@ class _Readable:
                 self.assumed |= out if key == "materials" else set()
 
     def located(self, problem: Problem) -> Problem:
-        """The same problem with its path in the whole data."""
         path = parse_path(problem.path)
         if len(path) > 1 and path[0] in self.kept and isinstance(path[1], int):
             path = (path[0], self.kept[str(path[0])][path[1]], *path[2:])

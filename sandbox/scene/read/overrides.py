@@ -69,7 +69,6 @@ def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
 
 
 def _check_dimension(data: dict[str, Any], path: JsonPath, value: Any) -> None:
-    """Check that a parameter keeps the dimension of its value in the scene's file."""
     own = data.get("parameters")
     before, after = (unit_in(each) for each in (
         own.get(path[1]) if isinstance(own, dict) and len(path) == 2 else None, value))

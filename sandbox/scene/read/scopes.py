@@ -7,6 +7,7 @@ import re
 from collections import ChainMap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -37,13 +38,17 @@ class Scope:
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     """The file's own, SI: they stay in expressions, but can be read here."""
-    numbers: Mapping[str, float] = field(default_factory=dict)  # replace their names in expressions
-    words: Mapping[str, str] = field(default_factory=dict)
-    """Entries of a repeat's list that are not numbers; for braces only."""
+    values: Mapping[str, float | str] = field(default_factory=dict)
+    """Numbers replace their names in expressions; words, of a repeat's list, only in braces."""
     tables: Mapping[str, Any] = field(default_factory=dict)  # the file's, by their calls
     renamed: Mapping[str, str] | None = None
     """Of an included file: the names that its tables have in the scene."""
     braces: bool = False  # whether {i} has a meaning, as inside a repeat
+
+    @cached_property
+    def numbers(self) -> dict[str, float]:
+        """The values that are numbers."""
+        return {name: value for name, value in self.values.items() if not isinstance(value, str)}
 
     @property
     def known(self) -> dict[str, float]:
@@ -52,19 +57,13 @@ class Scope:
 
     def naming(self, values: Mapping[str, float | str], *, braces: bool) -> Scope:
         """The scope inside, with more names, which hide those of the same name around it."""
-        words = {name: value for name, value in values.items() if isinstance(value, str)}
-        numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
-        return replace(
-            self, braces=self.braces or braces,
-            words={**{k: v for k, v in self.words.items() if k not in numbers}, **words},
-            numbers={**{k: v for k, v in self.numbers.items() if k not in words}, **numbers})
+        return replace(self, braces=self.braces or braces, values={**self.values, **values})
 
     def text(self, text: str) -> str:
         """A text with the scope's values in it."""
         if self.braces and ("{" in text or "}" in text):
             text = _BRACES.sub(self._filled, text)
-        if not text.lstrip().startswith("=") or not (
-                self.numbers or self.words or self.renamed is not None):
+        if not text.lstrip().startswith("=") or not (self.values or self.renamed is not None):
             return text
         try:
             expression = ex.parse_expression(text)
@@ -79,7 +78,7 @@ class Scope:
         return f"={expression.bind(self.numbers, self.renamed).text}"
 
     def _check_numbers(self, expression: ex.Expression) -> None:
-        for name in sorted(expression.names & set(self.words)):
+        for name in sorted(expression.names & (set(self.values) - set(self.numbers))):
             raise WrongValueError("bad-expression", f"{quoted(name)} is text; an expression needs "
                                   "numbers", allowed=f"{{{name}}} inside of a name")
 
@@ -87,12 +86,12 @@ class Scope:
         inner = match.group(1)
         if inner is None:
             return match.group()[0]  # two braces are one
-        if inner.strip() in self.words:
-            return self.words[inner.strip()]
+        if isinstance(word := self.values.get(inner.strip()), str):
+            return word
         known, expression = self.known, ex.parse_expression(inner)
         self._check_numbers(expression)
         for name in sorted(expression.names.difference(known)):
-            raise ex.unknown_name(name, {**known, **self.words})
+            raise ex.unknown_name(name, {**known, **self.values})
         value = float(expression.evaluate({**self.tables, **known}))
         return str(int(value)) if value == int(value) and abs(value) < 1e15 else f"{value:g}"
 
@@ -367,7 +366,6 @@ def _check_few(count: float, limits: Limits) -> None:
 def _listed(
     value: Any, index: str, scope: Scope, limits: Limits, place: Origin,
 ) -> Iterator[Names]:
-    """The names and values of each entry of a list."""
     def read(given: Any, here: Origin) -> float | str:
         with here.refusing():
             try:
