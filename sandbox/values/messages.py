@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import reduce
 from operator import getitem
 from types import NoneType, UnionType
@@ -58,7 +58,14 @@ def _problem(
                        allowed=listed(choices) if choices else str(context["expected"]),
                        hint=near(given, choices) if isinstance(given, str) else "")
     message = message_of(error)
-    message = _WORDS[kind](error, context) if kind in _WORDS else message[:1].lower() + message[1:]
+    message = message[:1].lower() + message[1:]
+    if kind in _WORDS:
+        value, last = error["input"], error["loc"][-1] if error["loc"] else ""
+        count = context.get("actual_length")
+        message = _WORDS[kind].format(
+            **context, given=kind_of(value), quoted=quoted(value),
+            count=len(value) if count is None and isinstance(value, list) else count,
+            last=f"entry {last} of the list" if isinstance(last, int) else quoted(last))
     code = kind if kind in CODES else _CODES.get(kind, "wrong-type")
     return Problem(code, message, place, allowed=str(context.get("allowed", "")),
                    hint=str(context.get("hint", "")), key=on_key)
@@ -124,23 +131,6 @@ def _unknown_type(
                    hint=near(given, choices) if isinstance(given, str) else "")
 
 
-def _length(error: ErrorDetails, context: Mapping[str, Any]) -> str:
-    most, least = context.get("max_length"), context.get("min_length")
-    actual = context.get("actual_length")
-    actual = len(error["input"]) if actual is None and isinstance(error["input"], list) else actual
-    wanted = f"at most {most}" if most is not None else f"at least {least}"
-    return f"expected {wanted} entries, got {actual}"
-
-
-def _expected(what: str) -> Callable[[ErrorDetails, Mapping[str, Any]], str]:
-    return lambda error, context: f"expected {what}, got {kind_of(error['input'])}"
-
-
-def _bound(words: str, key: str) -> Callable[[ErrorDetails, Mapping[str, Any]], str]:
-    return lambda error, context: (
-        f"must be {words} {context[key]:g}, got {kind_of(error['input'])}")
-
-
 _CODES = {
     "missing": "missing-key", "string_pattern_mismatch": "invalid-name",
     "string_too_long": "limit-exceeded", "string_unicode": "invalid-json",
@@ -148,28 +138,27 @@ _CODES = {
                     "out-of-range"),
 }
 """Codes of pydantic's own types of errors; all others are of a wrong type."""
-_LIST, _OBJECT = _expected("a list […]"), _expected("an object {…}")
-_TRUTH, _WHOLE = _expected("true or false"), _expected("a whole number")
-_WORDS: dict[str, Callable[[ErrorDetails, Mapping[str, Any]], str]] = {
-    "missing": lambda error, context: "{} is missing".format(
-        quoted(last) if isinstance(last := error["loc"][-1], str) else f"entry {last} of the list"),
-    "tuple_type": _LIST, "list_type": _LIST,
-    "model_type": _OBJECT, "model_attributes_type": _OBJECT, "dict_type": _OBJECT,
-    "string_type": _expected("text"),
-    "bool_type": _TRUTH, "bool_parsing": _TRUTH,
-    "int_type": _WHOLE, "int_parsing": _WHOLE, "int_from_float": _WHOLE,
-    "int_parsing_size": _WHOLE, "finite_number": _WHOLE,
-    "too_long": _length, "too_short": _length,
-    "string_too_long": lambda error, context: f"at most {context['max_length']} characters",
-    "string_pattern_mismatch": lambda error, context: (
-        f"{quoted(error['input'])} is not a name: letters, digits and _, parts joined by dots, "
-        "none beginning with a digit"),
-    "string_unicode": lambda error, context: "the text has characters that are not Unicode",
-    "greater_than": _bound("greater than", "gt"),
-    "greater_than_equal": _bound("at least", "ge"),
-    "less_than": _bound("less than", "lt"),
-    "less_than_equal": _bound("at most", "le"),
+_WORDS = {
+    "missing": "{last} is missing",
+    **dict.fromkeys(("tuple_type", "list_type"), "expected a list […], got {given}"),
+    **dict.fromkeys(("model_type", "model_attributes_type", "dict_type"),
+                    "expected an object {{…}}, got {given}"),
+    "string_type": "expected text, got {given}",
+    **dict.fromkeys(("bool_type", "bool_parsing"), "expected true or false, got {given}"),
+    **dict.fromkeys(("int_type", "int_parsing", "int_from_float", "int_parsing_size",
+                     "finite_number"), "expected a whole number, got {given}"),
+    "too_long": "expected at most {max_length} entries, got {count}",
+    "too_short": "expected at least {min_length} entries, got {count}",
+    "string_too_long": "at most {max_length} characters",
+    "string_pattern_mismatch": "{quoted} is not a name: letters, digits and _, parts joined by "
+                               "dots, none beginning with a digit",
+    "string_unicode": "the text has characters that are not Unicode",
+    "greater_than": "must be greater than {gt:g}, got {given}",
+    "greater_than_equal": "must be at least {ge:g}, got {given}",
+    "less_than": "must be less than {lt:g}, got {given}",
+    "less_than_equal": "must be at most {le:g}, got {given}",
 }
+"""Messages of pydantic's types of errors; the others have their own."""
 
 
 ELEMENTS, PARTS = "docs/elements.md", "docs/parts.md"
