@@ -20,17 +20,8 @@ from pydantic import (
 from pydantic_core import InitErrorDetails
 
 from sandbox.numeric import Array
+from sandbox.values import numbers as of
 from sandbox.values.expressions import parse_expression, unknown_name
-from sandbox.values.numbers import (
-    Instant,
-    Items,
-    Quantity,
-    Written,
-    checked_expression,
-    number_from,
-    parameters_of,
-    refusal,
-)
 from sandbox.values.spec import ReadMark, Spec
 from sandbox.values.tables import NONE, Tables
 from sandbox.values.units import units_of
@@ -40,20 +31,20 @@ from sandbox.wording import WrongValueError
 class Ramp(Spec):
     """Linear from ``from`` to ``to``, then held."""
 
-    start_value: Annotated[Quantity, Field(alias="from")] = 0.0
+    start_value: Annotated[of.Quantity, Field(alias="from")] = 0.0
     """Value until the ramp starts, in the unit of the driven quantity."""
-    to: Quantity
+    to: of.Quantity
     """Value from the end of the ramp on, in the unit of the driven quantity."""
-    start: Instant = 0.0
+    start: of.Instant = 0.0
     """Start of the ramp [s]."""
-    over: Instant
+    over: of.Instant
     """Duration [s]; 0 is a step."""
 
 
 class Table(Spec):
     """Points ``[t, value]`` in order of time, held before the first and after the last."""
 
-    table: Items[tuple[Instant, Quantity]] = Field(min_length=1)
+    table: of.Items[tuple[of.Instant, of.Quantity]] = Field(min_length=1)
     """Points ``[t, value]``: increasing times [s], values in the unit of the driven quantity."""
     between: Literal["linear", "step"] = "linear"
     """Interpolation: ``linear``, or ``step``, which keeps the value of the point before."""
@@ -75,8 +66,8 @@ class Formula(Spec):
     @field_validator("expression")
     @classmethod
     def _bind(cls, text: str, info: ValidationInfo) -> str:
-        parameters = parameters_of(info)
-        bound = checked_expression(text, info).bind(parameters)
+        parameters = of.parameters_of(info)
+        bound = of.checked_expression(text, info).bind(parameters)
         if unknown := sorted(bound.names - {"t"}):
             raise unknown_name(unknown[0], parameters, also="t")
         return f"={bound.text}"
@@ -85,7 +76,7 @@ class Formula(Spec):
 class Constant(Spec):
     """The same value at all times."""
 
-    constant: Quantity
+    constant: of.Quantity
     """The value, in the unit of the driven quantity."""
 
 
@@ -160,16 +151,17 @@ class OverTime(ReadMark):
             if not isinstance(quantity, str) or quantity.lstrip().startswith("="):
                 continue
             try:
-                holder[key] = number_from(quantity, self.dimension, parameters_of(info))
+                holder[key] = of.number_from(quantity, self.dimension, of.parameters_of(info))
             except ValueError as error:
-                wrong.append({"type": refusal(error), "loc": (*inside, *place), "input": quantity})
+                wrong.append({"type": of.refusal(error), "loc": (*inside, *place),
+                              "input": quantity})
         if wrong:
             raise ValidationError.from_exception_data("signal", wrong)
         return value
 
 
 _WANTED = "expected a number, a ramp {…}, a table {…} or an expression"
-_Union = Written[Annotated[
+_Union = of.Written[Annotated[
     Annotated[Ramp, Tag("ramp")] | Annotated[Table, Tag("table")]
     | Annotated[Formula, Tag("formula")] | Annotated[Constant, Tag("constant")],
     Discriminator(_kind, custom_error_type="signal", custom_error_message=_WANTED),
