@@ -68,8 +68,8 @@ AT_CORNER = 1e-6
 """Maximum distance of a node from a corner of its outline, as a share of the outline's size."""
 
 
-def _checked_nodes(nodes: Nodes, rings: Sequence[Ring]) -> Nodes:
-    """Nodes that lie at corners of their outlines."""
+def _check_nodes(nodes: Nodes, rings: Sequence[Ring]) -> None:
+    """Check that nodes lie at corners of their outlines."""
     if nodes and len(nodes) != len(rings):
         raise WrongValueError("bad-outline", f"there are {len(nodes)} curves of 'nodes'",
                               allowed=f"{len(rings)}, one for each outline, or none")
@@ -80,7 +80,6 @@ def _checked_nodes(nodes: Nodes, rings: Sequence[Ring]) -> Nodes:
         if len(np.unique(places, axis=0)) < 2 or apart.max() > AT_CORNER * size:
             raise WrongValueError("bad-outline", f"the nodes of curve {number} are not on its "
                                   "outline", allowed="two or more nodes, each at a corner")
-    return nodes
 
 
 class Polygon(Spec):
@@ -131,7 +130,7 @@ class Polygon(Spec):
         if corners > MAX_CORNERS:
             raise WrongValueError("bad-outline", f"this outline and its holes have {corners} "
                                   "corners", allowed=f"at most {MAX_CORNERS}")
-        _checked_nodes(self.nodes, (self.points, *self.holes))
+        _check_nodes(self.nodes, (self.points, *self.holes))
         if self.whole:
             return self
         try:
@@ -171,8 +170,8 @@ class Polyline(Spec):
         return points
 
     @model_validator(mode="after")
-    def _check_nodes(self) -> Self:
-        _checked_nodes(self.nodes, (self.points,))
+    def _curved(self) -> Self:
+        _check_nodes(self.nodes, (self.points,))
         return self
 
 

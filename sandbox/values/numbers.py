@@ -25,7 +25,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
-from sandbox.values.spec import ReadMark
+from sandbox.values.marks import ReadMark
 from sandbox.values.units import Measured, in_range, parse_quantity, range_of, units_of, with_unit
 from sandbox.wording import WrongValueError, kind_of, quoted
 

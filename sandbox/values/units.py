@@ -96,7 +96,7 @@ class Measured(float):
 
 def units_of(dimension: str) -> list[str]:
     """The unit names that measure ``dimension``, the SI unit first."""
-    return list(_DIMENSIONS[dimension][2])
+    return list(_DIMENSIONS[dimension][2]) if dimension in _DIMENSIONS else []
 
 
 def dimension_of(unit: str) -> str:

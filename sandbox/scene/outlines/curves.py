@@ -112,11 +112,11 @@ def nodes_along(curve: Curve, at: Array, tolerance: float) -> Array:
         at = np.sort(np.concatenate([at, ((at[:-1] + at[1:]) / 2)[coarse]]))
 
 
-def through(points: Array, *, closed: bool, corners: tuple[int, ...] = ()) -> Array:
-    """Nodes of the smooth curve through points [n, 2], with corners at some of them.
+def through(points: Array, *, closed: bool, corners: tuple[int, ...]) -> Array:
+    """Nodes of the cubic spline through points [n, 2] over the chords' lengths, with corners.
 
-    Between corners that is the cubic spline over the chords' lengths: periodic without any, else
-    its third derivative does not jump at the points next to an end.
+    Without corners a closed one is periodic; else the third derivative does not jump next to an
+    end.
     """
     if closed and not corners:
         length = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
@@ -129,8 +129,7 @@ def through(points: Array, *, closed: bool, corners: tuple[int, ...] = ()) -> Ar
         points = np.concatenate([points, points[:1]])
         corners = tuple(k - corners[0] for k in corners[1:])
     ends = [0, *(k for k in sorted(corners) if 0 < k < len(points) - 1), len(points) - 1]
-    return np.concatenate([_between(points[i:j + 1])
-                           for i, j in pairwise(ends)])
+    return np.concatenate([_between(points[i:j + 1]) for i, j in pairwise(ends)])
 
 
 def _between(points: Array) -> Array:

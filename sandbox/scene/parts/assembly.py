@@ -99,9 +99,9 @@ def placed(
         found[kind] = tuple(elements)
     if problems:
         raise PartError(problems)
-    whole = Group(name=name, bodies=tuple(body.name for body in found["bodies"]))
-    materials = tuple((f"{name}.{key}", material) for key, material in inner["materials"])
-    return Elements(**found, materials=materials) + Elements(groups=(whole,))
+    found["groups"] += (Group(name=name, bodies=tuple(body.name for body in found["bodies"])),)
+    found["materials"] = tuple((f"{name}.{key}", each) for key, each in inner["materials"])
+    return Elements(**found)
 
 
 class _Naming:

@@ -140,7 +140,7 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
         ("elements", sum(len(getattr(mechanism, kind)) for kind in LISTS), "$",
          "the mechanism has {count} elements"),
         ("matches", matches, "$", "patterns of contact rules, loads and expectations have to be "
-                                  "held against {count} names"),
+                                  "compared with {count} names"),
         ("pixels", view.size[0] * view.size[1], "$.view.size", "a picture has {count} pixels"))
     time = (
         ("steps", run.duration / run.step, "$.run.duration",
