@@ -25,13 +25,13 @@ OWN = "; for one of your own give its file with --elements"  # added to the type
 
 
 def explain(
-    error: ValidationError, data: Any, model: type[BaseModel], most: int | None = None,
+    error: ValidationError, data: Any, model: type[BaseModel], count: int | None = None,
 ) -> list[Problem]:
-    """The first ``most`` problems of a validation of ``data`` by ``model``, with their paths."""
+    """The first ``count`` problems of a validation of ``data`` by ``model``, with their paths."""
     near, found = NearMisses(), []
-    for each in error.errors(include_url=False)[:most]:
-        least, value = each.get("ctx", {}).get("min_length", 0), each["input"]
-        if each["type"] == "too_short" and isinstance(value, list) and len(value) >= least:
+    for each in error.errors(include_url=False)[:count]:
+        minimum, value = each.get("ctx", {}).get("min_length", 0), each["input"]
+        if each["type"] == "too_short" and isinstance(value, list) and len(value) >= minimum:
             continue  # a consequence of invalid entries, which have their own messages
         path = locate(data, each["loc"], each["input"], each["type"])
         found.append((each, path, _problem(each, path, model, near)))
@@ -50,8 +50,8 @@ def _problem(
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return _unknown_type(error, place, model, near)
     context: Mapping[str, Any] = error.get("ctx", {})
-    if isinstance(wrong := context.get("error"), WrongValueError):
-        return Problem.of(wrong, place, key=on_key)
+    if isinstance(refused := context.get("error"), WrongValueError):
+        return Problem.of(refused, place, key=on_key)
     if kind == "literal_error":
         given, choices = error["input"], _QUOTED.findall(str(context["expected"]))
         return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
@@ -71,7 +71,7 @@ def _problem(
                    hint=str(context.get("hint", "")), key=on_key)
 
 
-def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> JsonPath:
+def locate(data: Any, loc: tuple[int | str, ...], value: Any, kind: str) -> JsonPath:
     """The path in ``data`` of pydantic's ``loc``.
 
     A ``loc`` also has members of unions and entries of lists that a model made of a single value.
@@ -80,12 +80,12 @@ def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> Json
     if kind == "missing":
         loc = loc[:-1]
     path = written(data, loc)
-    if kind == "missing" or reduce(getitem, path, data) is wrong:
+    if kind == "missing" or reduce(getitem, path, data) is value:
         return path
     for i, step in enumerate(loc):
         other = written(data, loc[:i] + loc[i + 1:])
         if (isinstance(step, int) or len(other) == len(path)) and \
-                reduce(getitem, other, data) is wrong:
+                reduce(getitem, other, data) is value:
             return other
     return path
 

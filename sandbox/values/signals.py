@@ -146,7 +146,7 @@ class OverTime(ReadMark):
             ((key,), value, key) for key in ("constant", "from", "to") if key in value]
         quantities += [(("table", i, 1), row, 1) for i, row in enumerate(table)
                        if isinstance(row, list) and len(row) == 2]
-        wrong: list[InitErrorDetails] = []
+        errors: list[InitErrorDetails] = []
         for place, holder, key in quantities:
             quantity = holder[key]
             if not isinstance(quantity, str) or quantity.lstrip().startswith("="):
@@ -154,10 +154,10 @@ class OverTime(ReadMark):
             try:
                 holder[key] = of.number_from(quantity, self.dimension, of.parameters_of(info))
             except ValueError as error:
-                wrong.append({"type": of.refusal(error), "loc": (*inside, *place),
+                errors.append({"type": of.refusal(error), "loc": (*inside, *place),
                               "input": quantity})
-        if wrong:
-            raise ValidationError.from_exception_data("signal", wrong)
+        if errors:
+            raise ValidationError.from_exception_data("signal", errors)
         return value
 
 

@@ -181,12 +181,12 @@ def flattened(nodes: Array, tolerance: float, *, closed: bool) -> Ring:
     terms = spans_of(nodes, closed=closed).terms
     chord = np.stack([terms[:, 1:6].sum(axis=1), terms[:, 7:].sum(axis=1)], axis=1)
     chord /= np.hypot(*chord.T)[:, None]
-    most = np.zeros(len(terms))
+    bends = np.zeros(len(terms))
     for w in np.linspace(0.0, 1.0, 9):
         x, y = on_spans(terms, np.full(len(terms), w))[2].T
-        most = np.maximum(most, np.abs(chord[:, 0] * y - chord[:, 1] * x))
+        bends = np.maximum(bends, np.abs(chord[:, 0] * y - chord[:, 1] * x))
     found: list[tuple[float, float]] = []
-    for span, bend in zip(terms, most, strict=True):
+    for span, bend in zip(terms, bends, strict=True):
         count = max(1, math.ceil(math.sqrt(bend / (8 * tolerance))))  # chords are bend / 8 n² off
         points = on_spans(np.tile(span, (count, 1)), np.arange(count) / count)[0]
         found += [(x, y) for x, y in points.tolist()]

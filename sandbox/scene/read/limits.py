@@ -66,10 +66,10 @@ def over(limits: Limits, name: str, amount: float, path: str, what: str) -> Iter
         """With its thousands apart, or a power of ten when it is astronomical."""
         return f"{int(number):,}".replace(",", " ") if number < 1e15 else f"{number:.1e}"
 
-    most = getattr(limits, name)
-    if amount > most:
+    limit = getattr(limits, name)
+    if amount > limit:
         yield Problem("limit-exceeded", what.format(count=text(amount)), path, allowed=(
-            f"at most {text(most)} (the limit '{name}', raised by --limit {name}=N)"))
+            f"at most {text(limit)} (the limit '{name}', raised by --limit {name}=N)"))
 
 
 def check_size(data: Any, limits: Limits) -> list[Problem]:

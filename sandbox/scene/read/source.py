@@ -107,10 +107,10 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
     return SceneSource(found.data, name, text, limits)
 
 
-def first_problems(problems: Sequence[Problem], most: int) -> list[Problem]:
-    """The first ``most`` problems, and how many more there are."""
-    more = [Problem("limit-exceeded", f"and {len(problems) - most} more problems")]
-    return [*problems[:most], *(more if len(problems) > most else ())]
+def first_problems(problems: Sequence[Problem], limit: int) -> list[Problem]:
+    """The first ``limit`` problems, and how many more there are."""
+    more = [Problem("limit-exceeded", f"and {len(problems) - limit} more problems")]
+    return [*problems[:limit], *(more if len(problems) > limit else ())]
 
 
 def _read(path: Path, limits: Limits) -> bytes:
@@ -247,9 +247,9 @@ class _SyntaxError(Exception):
     """The text cannot be read any further."""
 
 
-def scan(text: str, nesting: int, most: int = sys.maxsize) -> Scan:
-    """Scan a JSON text of at most ``most`` values whose brackets nest at most ``nesting`` deep."""
-    found = Scan(text, nesting, most)
+def scan(text: str, nesting: int, values: int = sys.maxsize) -> Scan:
+    """Scan a JSON text with limits of the number and the nesting of its values."""
+    found = Scan(text, nesting, values)
     try:
         found.space()
         found.data = found.value(0)
@@ -265,8 +265,8 @@ def scan(text: str, nesting: int, most: int = sys.maxsize) -> Scan:
 class Scan:
     """A scan of a text: the data, the place of every value, and all faults so far."""
 
-    def __init__(self, text: str, nesting: int, most: int) -> None:
-        self.text, self.nesting, self.most = text, nesting, most
+    def __init__(self, text: str, nesting: int, values: int) -> None:
+        self.text, self.nesting, self.values = text, nesting, values
         self.data: Any = None
         self.places: dict[JsonPath, Place] = {}
         self.faults: list[Problem] = []
@@ -296,8 +296,9 @@ class Scan:
     def value(self, depth: int, key: int = -1) -> Any:
         """Read the value at the offset, with its key at another one."""
         self.places[self.path] = Place(self.at, key)
-        if len(self.places) > self.most:
-            self.fail(f"more values than the limit 'values' of {self.most}", code="limit-exceeded")
+        if len(self.places) > self.values:
+            self.fail(f"more values than the limit 'values' of {self.values}",
+                      code="limit-exceeded")
         char = self.text[self.at:self.at + 1]
         if char == '"':
             return self.string()
