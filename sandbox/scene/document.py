@@ -56,7 +56,7 @@ class Assembly(ElementLists, PlacedPart):
     They are written as in a scene, about an origin of their own. In the scene their names begin
     with the assembly's: its ``jaw`` is ``left.jaw``. Names that it does not have are the scene's.
     Its loads are those of the world, not turned. A mirror changes a body's ``x`` and ``angle``, not
-    those of hinges. Its contact rules come before the scene's. All its bodies are a group.
+    those of hinges. Its contact rules come before the scene's; its bodies are a group of its name.
     """
 
     parts: Items[Part] = ()
