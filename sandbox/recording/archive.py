@@ -43,7 +43,7 @@ from sandbox.scene.check.control import check_units
 from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_values
+from sandbox.scene.read.limits import Limits, check_limits, check_size
 from sandbox.scene.read.scopes import resolved_tables
 from sandbox.scene.read.source import parse_source
 from sandbox.values.messages import explain
@@ -205,7 +205,7 @@ class _Reading:
         data: Any = None
         try:
             data = parse_source(text, limits=LIMITS).data
-            problems = [*check_lists(data, LIMITS), *check_values(data, LIMITS)]
+            problems = check_size(data, LIMITS)
             if not problems:
                 mechanism = Mechanism.model_validate(data, context={
                     "parameters": resolved_tables(data.get("tables"), {})})

@@ -20,7 +20,7 @@ from sandbox.elements.element import Placed
 from sandbox.errors import SceneError
 from sandbox.numeric import Array
 from sandbox.scene.outlines.cams import DiscCam, cam_nodes
-from sandbox.scene.outlines.curves import SmoothCurve, flattened, is_straight, turned
+from sandbox.scene.outlines.curves import SmoothCurve, flattened, turned
 from sandbox.scene.outlines.drawings import Drawing, curves_of, own_file
 from sandbox.scene.outlines.rings import (
     PIECE_CORNERS,
@@ -60,24 +60,16 @@ class Box(Spec):
     """Its turn against the body's frame [rad], counter-clockwise."""
 
 
-SHAPES = ("shapes", "displaces")
-"""Of a body the fields that hold outlines."""
-MOST_CORNERS = 2000
-"""Of a polygon, those of its holes among them; of a polyline."""
-Outline = Annotated[of.Items[of.Point], Field(min_length=3, max_length=MOST_CORNERS)]
-
-
+SHAPES = ("shapes", "displaces")  # fields of a body that hold outlines
+MAX_CORNERS = 2000  # of a polygon with its holes, or of a polyline
+Outline = Annotated[of.Items[of.Point], Field(min_length=3, max_length=MAX_CORNERS)]
 Nodes = tuple[tuple[tuple[of.Coordinate, of.Coordinate, float, float], ...], ...]
 AT_CORNER = 1e-6
-"""How far a node may be from a corner of its outline, as a share of the outline's size."""
+"""Maximum distance of a node from a corner of its outline, as a share of the outline's size."""
 
 
-def _checked_nodes(nodes: Nodes, rings: Sequence[Ring]) -> Nodes:
-    """Nodes that belong to these outlines: each lies at one of its outline's corners.
-
-    Raises:
-        WrongValueError: they do not.
-    """
+def _check_nodes(nodes: Nodes, rings: Sequence[Ring]) -> None:
+    """Check that nodes lie at corners of their outlines."""
     if nodes and len(nodes) != len(rings):
         raise WrongValueError("bad-outline", f"there are {len(nodes)} curves of 'nodes'",
                               allowed=f"{len(rings)}, one for each outline, or none")
@@ -88,27 +80,24 @@ def _checked_nodes(nodes: Nodes, rings: Sequence[Ring]) -> Nodes:
         if len(np.unique(places, axis=0)) < 2 or apart.max() > AT_CORNER * size:
             raise WrongValueError("bad-outline", f"the nodes of curve {number} are not on its "
                                   "outline", allowed="two or more nodes, each at a corner")
-    return nodes
 
 
 class Polygon(Spec):
-    """An outline of straight sides, convex or not, with holes if there are any.
+    """An outline of straight sides, convex or not, with or without holes.
 
-    The program cuts it up into convex pieces, whose seams are no surface and are not drawn; mass,
-    centre and inertia are those of the outline. It has at most 2000 corners, those of its holes
-    among them.
+    It is cut into convex pieces, whose seams are neither touched nor drawn. It has at most 2000
+    corners, including those of its holes.
     """
 
     type: Literal["polygon"] = TYPE
     points: Outline
-    """Its corners in the body's frame [m], one after the other, clockwise or counter-clockwise; the
-    outline may not touch or cross itself."""
-    holes: Annotated[of.Items[Outline], Field(max_length=MOST_CORNERS)] = ()
+    """Its corners in order, in the body's frame [m]; the outline may not touch or cross itself."""
+    holes: Annotated[of.Items[Outline], Field(max_length=MAX_CORNERS)] = ()
     """Outlines of its holes, separate and inside the outline; corners as in ``points``."""
     nodes: Annotated[Nodes, Placed("nodes")] = ()
-    """The true curves of the outline and of each hole, if it was worked out from a curve, a cam or
-    a drawing: contacts follow them instead of the sides. A node is `[x, y, direction, curvature]`;
-    two at the same place are a corner or a jump of the curvature."""
+    """True curves of the outline and of each hole, from a curve, cam or drawing: contacts follow
+    them instead of the sides. A node is `[x, y, direction, curvature]`; two at the same place are a
+    corner or a jump of the curvature."""
     _swing: tuple[float, float, float] | None = PrivateAttr(None)
 
     @property
@@ -118,16 +107,14 @@ class Polygon(Spec):
 
     @field_validator("points")
     @classmethod
-    def _outlined(cls, ring: Ring) -> Ring:
+    def _check_outline(cls, ring: Ring) -> Ring:
         if fault := ring_fault(ring):
             raise WrongValueError("bad-outline", f"{fault}", allowed=SOUND)
         return ring
 
     @field_validator("holes")
     @classmethod
-    def _punched(
-        cls, holes: tuple[Ring, ...], info: ValidationInfo,
-    ) -> tuple[Ring, ...]:
+    def _check_holes(cls, holes: tuple[Ring, ...], info: ValidationInfo) -> tuple[Ring, ...]:
         outer = info.data.get("points")
         if not holes or outer is None:  # the points have a message of their own
             return holes
@@ -138,12 +125,12 @@ class Polygon(Spec):
         return holes
 
     @model_validator(mode="after")
-    def _cut(self) -> Self:
+    def _check_pieces(self) -> Self:
         corners = len(self.points) + sum(map(len, self.holes))
-        if corners > MOST_CORNERS:
+        if corners > MAX_CORNERS:
             raise WrongValueError("bad-outline", f"this outline and its holes have {corners} "
-                                  "corners", allowed=f"at most {MOST_CORNERS}")
-        _checked_nodes(self.nodes, (self.points, *self.holes))
+                                  "corners", allowed=f"at most {MAX_CORNERS}")
+        _check_nodes(self.nodes, (self.points, *self.holes))
         if self.whole:
             return self
         try:
@@ -163,16 +150,16 @@ class Polygon(Spec):
 class Polyline(Spec):
     """A line from point to point, such as uneven ground, of a body that does not move freely.
 
-    What slides along it is not caught at its joints. Both of its sides can be touched.
+    Sliding bodies are not caught at its joints. Both of its sides can be touched.
     """
 
     type: Literal["polyline"] = TYPE
-    points: Annotated[of.Items[of.Point], Field(min_length=2, max_length=MOST_CORNERS)]
+    points: Annotated[of.Items[of.Point], Field(min_length=2, max_length=MAX_CORNERS)]
     """Its corners and ends; closed if the last point equals the first."""
     radius: of.Distance = 0.0
     """Distance of its surface from the line through its points."""
     nodes: Annotated[Nodes, Placed("nodes")] = ()
-    """The true curve, if the polyline was worked out from one; as of a polygon."""
+    """The true curve, as of a polygon."""
 
     @field_validator("points")
     @classmethod
@@ -184,7 +171,7 @@ class Polyline(Spec):
 
     @model_validator(mode="after")
     def _curved(self) -> Self:
-        _checked_nodes(self.nodes, (self.points,))
+        _check_nodes(self.nodes, (self.points,))
         return self
 
 
@@ -201,21 +188,14 @@ class Capsule(Spec):
 
 
 SOUND = "an outline with an area that does not touch or cross itself"
-Solid = Circle | Box | Polygon | Capsule
-"""Convex shapes; a polygon may not be."""
-Shape = Circle | Box | Polygon | Capsule | Polyline
-WrittenShape = Annotated[
-    Circle | Box | Polygon | Capsule | Polyline | SmoothCurve | DiscCam | Drawing,
-    Field(discriminator="type")]
+Solid = Circle | Box | Polygon | Capsule  # shapes with an area; only a polygon may not be convex
+Shape = Solid | Polyline
+WrittenShape = Annotated[Shape | SmoothCurve | DiscCam | Drawing, Field(discriminator="type")]
 """Shapes as an author writes them."""
 
 
 def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -> Shape:
-    """The polygon or polyline of a shape that is derived; any other shape as it is.
-
-    Raises:
-        WrongValueError: it is not sound.
-    """
+    """The polygon or polyline of a curve, cam or drawing; any other shape as it is."""
     if not isinstance(shape, DiscCam | Drawing | SmoothCurve):
         return shape
     if isinstance(shape, DiscCam):
@@ -230,7 +210,7 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     closed = not isinstance(shape, SmoothCurve) or shape.closed
     flat = _flat(rings, shape.tolerance, closed=closed)
     nodes: Nodes = ()
-    if not all(map(is_straight, rings)):
+    if any(each[:, 3].any() for each in rings):  # not only straight lines
         nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
                       for each in rings)
     try:
@@ -247,22 +227,16 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
 
 
 def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
-    """Corners of curves, chords within a tolerance [m].
-
-    Raises:
-        WrongValueError: there are too many.
-    """
     def flat(within: float) -> list[Ring]:
         return [flattened(nodes, within, closed=closed) for nodes in curves]
 
-    rings = flat(tolerance)
-    if (corners := sum(map(len, rings))) <= MOST_CORNERS:
+    rings, wider = flat(tolerance), tolerance
+    if (corners := sum(map(len, rings))) <= MAX_CORNERS:
         return rings
-    wider = tolerance
-    while sum(map(len, flat(wider))) > MOST_CORNERS and wider < 1e3 * tolerance:
+    while sum(map(len, flat(wider))) > MAX_CORNERS and wider < 1e3 * tolerance:
         wider *= 2
     raise WrongValueError("bad-outline", f"the tolerance of {tolerance:.3g} m needs {corners} "
-                          f"corners, more than {MOST_CORNERS}", allowed="a tolerance of "
+                          f"corners, more than {MAX_CORNERS}", allowed="a tolerance of "
                           f"{wider:.3g} m")
 
 
@@ -276,8 +250,7 @@ Role = Literal["link", "ground", "palm", "phalanx", "rocker", "pulley", "object"
 class Body(Spec):
     """A rigid body: initial pose, motion, mass and appearance.
 
-    Mass comes from ``mass``, or from ``density`` times the shapes' area times ``thickness``. Centre
-    and inertia follow from the shapes (uniform mass over their area) unless given.
+    Its mass is ``mass``, or ``density`` times ``thickness`` times the area of its shapes.
     """
 
     name: of.Name
@@ -287,27 +260,25 @@ class Body(Spec):
     angle: Annotated[of.Angle, Placed("turn")] = 0.0
     """Turn of the body's frame against the world at t = 0 [rad], counter-clockwise."""
     motion: Literal["dynamic", "fixed", "scheduled"] = "dynamic"
-    """``dynamic`` moves by forces, ``fixed`` does not move, ``scheduled`` follows its ``path``
-    regardless of forces."""
+    """``dynamic`` moves by forces, ``fixed`` does not move, ``scheduled`` follows its ``path``."""
     path: Annotated[Path | None, Placed("kept")] = None
     """Pose over time; required for ``"motion": "scheduled"``, and only allowed there."""
     shapes: of.Items[BodyShape] = ()
-    """Its shapes in its frame: outlines for contacts and pictures and, by default, mass
-    distribution. A body without shapes touches nothing."""
+    """Its shapes in its frame, for contacts, pictures and mass. Without shapes it touches
+    nothing."""
     displaces: of.Items[BodyShape] = ()
     """Shapes that displace liquid (load ``buoyancy``), in its frame; by default its ``shapes``. A
     bin of three walls floats by one polygon around it. They touch and weigh nothing."""
     mass: of.Mass | None = None
     """Mass [kg]; a dynamic body has either this or ``density``."""
     density: of.Density | None = None
-    """Mass per volume [kg/m^3]; with the shapes' areas and ``thickness`` it gives the mass."""
+    """Mass per volume [kg/m^3], instead of ``mass``."""
     thickness: Annotated[of.Length, Placed("kept")] = 0.01
     """Depth across the plane [m]; used with ``density`` and in a liquid only."""
     centre: of.Point | None = None
     """Centre of mass in the body's frame [m]; by default that of the shapes' area."""
     inertia: of.Inertia | None = None
-    """Moment of inertia about the centre of mass [kg m^2]; by default the mass spread evenly over
-    the shapes' area."""
+    """Moment of inertia about the centre of mass [kg m^2]; by default that of the shapes' area."""
     velocity: Annotated[of.Pair[of.Speed], Placed("vector")] = (0.0, 0.0)
     """Velocity [x, y] of the centre of mass at t = 0, in the world [m/s]."""
     angular_velocity: Annotated[of.AngularSpeed, Placed("sign")] = 0.0
@@ -315,12 +286,12 @@ class Body(Spec):
     material: of.Name | None = None
     """Name of one of the scene's ``materials``; without one, friction is 0.5 and restitution 0."""
     plane: Planes = (0,)
-    """Plane number: bodies of different planes do not touch, whatever contact rules say; higher
-    numbers are drawn in front. A body with a list of planes touches the bodies of each and is drawn
-    in the lowest; ``"all"`` touches everything and is drawn behind."""
+    """Plane number: bodies of different planes never touch; higher numbers are drawn in front. A
+    body with a list of planes touches the bodies of each and is drawn in the lowest; ``"all"``
+    touches everything and is drawn behind."""
     role: Role = "link"
-    """Role for pictures and grasp quantities: an ``object`` has quantities of its grasp, ``ground``
-    is not part of a hand. It does not affect the motion."""
+    """For pictures and grasps, not for the motion: an ``object`` has grasp quantities, ``ground``
+    is not part of a hand."""
     colour: FillColour | None = None
     """Its fill in pictures: white, grey, black, blue, teal, green, yellow, orange, red, pink,
     purple, brown, or ``"#f5c542"``; by default that of its material, else that of its role."""
@@ -328,7 +299,7 @@ class Body(Spec):
     """False draws only the outline; a circle whose radius a drive changes stays filled."""
 
     @model_validator(mode="after")
-    def _complete(self) -> Self:
+    def _consistent(self) -> Self:
         if (self.motion == "scheduled") != (self.path is not None):
             raise WrongValueError("conflicting-keys", "'path' and \"motion\": \"scheduled\" belong "
                                   "together")
@@ -356,8 +327,7 @@ STATIC_OF_NOTHING = "'static' is a multiple of 'friction', which is 0"
 class Skin(Spec):
     """A soft layer on a surface: a spring and a damper at each contact point.
 
-    The normal force is stiffness times depth plus damping times its rate. Along the surface a
-    contact that sticks gives way by two thirds of both. Two skins act in series.
+    Along the surface a sticking contact has two thirds of both. Two skins act in series.
     """
 
     stiffness: of.Stiffness = Field(gt=0)

@@ -17,37 +17,27 @@ from typing import Annotated, Any, Literal, TypeVar, Union
 from pydantic import Field
 
 from sandbox.elements.element import tag_of
-from sandbox.elements.fluids import Line, Valve
-from sandbox.elements.loads import Load
-from sandbox.elements.registry import Controller, Drive, Joint, members
-from sandbox.elements.springs import Spring
-from sandbox.elements.tendons import Tendon
+from sandbox.elements.registry import members
 from sandbox.errors import Problem, SandboxError, SceneError
-from sandbox.scene.bodies import Body, Material
-from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.bodies import Body
+from sandbox.scene.mechanism import ElementLists, Mechanism
 from sandbox.scene.parts.assembly import expand_parts, placed
 from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
 from sandbox.scene.parts.finger import Finger
 from sandbox.scene.parts.placement import Mirror, Placement
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
-from sandbox.scene.settings import ContactRule, Event, Group, Meter
 from sandbox.values.numbers import POSITIVE, Angle, Items, Name, Number, Point, Quantity
 from sandbox.values.spec import TYPE
 from sandbox.wording import quoted
 
 
-class Assembly(PartSpec):
-    """Elements and parts in one piece: placed, turned, mirrored and scaled as one.
-
-    They are written as in a scene, about an origin of their own. In the scene their names begin
-    with the assembly's: its ``jaw`` is ``left.jaw``. A name that the assembly does not have is the
-    scene's. It is scaled first, then mirrored, then turned, then moved.
-    """
+class PlacedPart(PartSpec):
+    """The name and the placement of an assembly."""
 
     type: Literal["assembly"] = TYPE
     name: Name
-    """Of the assembly; the names of its elements begin with it and a dot."""
+    """Its name; the names of its elements begin with it and a dot."""
     at: Point = (0.0, 0.0)
     """Its origin, in the world or in the assembly that it is part of."""
     angle: Angle = 0.0
@@ -56,38 +46,19 @@ class Assembly(PartSpec):
     """Sides to mirror, about its origin. Hinges then count the opposite sense as positive, so their
     angles, stops and drives do not change."""
     scale: Annotated[Number, POSITIVE] = 1.0
-    """Of all lengths in the plane, and of speeds; inertias by its square. Masses, stiffnesses,
-    forces, areas of pistons and volumes stay as they are written, and so does ``thickness``."""
-    materials: dict[Name, Material] = Field(default_factory=dict)
-    """Its own contact surfaces, by name."""
-    bodies: Items[Body] = ()
-    """Its bodies."""
-    joints: Items[Joint] = ()
-    """Its joints; one of the two bodies may be the scene's."""
-    springs: Items[Spring] = ()
-    """Its springs."""
-    tendons: Items[Tendon] = ()
-    """Its tendons."""
-    lines: Items[Line] = ()
-    """Its lines of fluid."""
-    valves: Items[Valve] = ()
-    """Its valves."""
-    loads: Items[Load] = ()
-    """Its loads. Their expressions, components and levels are of the world, however the assembly is
-    turned."""
-    drives: Items[Drive] = ()
-    """Its drives."""
-    controllers: Items[Controller] = ()
-    """Its controllers. They read quantities as they are: in a mirror those of hinges stay the
-    same, a body's ``x`` and ``angle`` do not."""
-    events: Items[Event] = ()
-    """Its events."""
-    contacts: Items[ContactRule] = ()
-    """Contact rules among its bodies and with the scene's; the scene's own rules come later."""
-    groups: Items[Group] = ()
-    """Its groups. All its bodies together are a group of the assembly's name."""
-    meters: Items[Meter] = ()
-    """Its meters."""
+    """Factor of lengths in the plane and of speeds, and its square of inertias. Masses, forces,
+    stiffnesses, ``thickness``, areas of pistons and volumes do not change."""
+
+
+class Assembly(ElementLists, PlacedPart):
+    """Elements and parts that are scaled, then mirrored, turned and moved as one.
+
+    They are written as in a scene, about an origin of their own. In the scene their names begin
+    with the assembly's: its ``jaw`` is ``left.jaw``. Names that it does not have are the scene's.
+    Its loads are those of the world, not turned. A mirror changes a body's ``x`` and ``angle``, not
+    those of hinges. Its contact rules come before the scene's; its bodies are a group of its name.
+    """
+
     parts: Items[Part] = ()
     """Its parts, assemblies among them."""
 
@@ -124,31 +95,25 @@ Part = Annotated[Finger | RockerTree | PulleyTree | Section | Assembly,
 
 
 class Scene(Mechanism):
-    """The whole file: a mechanism, and the parameters, templates and parts it is written with.
-
-    An element names its template with ``"like"``; templates are merged into the
-    elements, and ``like`` removed, before a scene is validated.
-    """
+    """The whole file: a mechanism, with parameters, templates and parts."""
 
     schema_: Annotated[str | None, Field(alias="$schema")] = None
-    """Where an editor finds the JSON Schema of scenes."""
+    """Location of the JSON Schema of scenes, for editors."""
     parameters: dict[Name, Quantity] = Field(default_factory=dict)
-    """Named numbers, for expressions such as ``"=pull / 4"``: SI once read, whatever unit they were
-    written in."""
+    """Named numbers, for expressions such as ``"=pull / 4"``, which see them in SI."""
     templates: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     """Templates by name: ``{"digit": {"type": "finger", ...}}``. An entry with ``"like": "digit"``
     takes all keys of that template and overrides them with its own, object by object; lists are
     replaced whole. A template may itself have a ``like``."""
     parts: Items[Part] = ()
-    """Assemblies of several elements, such as fingers and trees; ``sandbox check --expand`` shows
-    their elements."""
+    """Fingers, trees, assemblies; ``sandbox check --expand`` shows their elements."""
 
 
 Assembly.model_rebuild()
 KEYS = tuple(field.alias or name for name, field in Scene.model_fields.items())
 """The keys of a scene's file."""
 ASSEMBLED = tuple(key for key in KEYS if key in Assembly.model_fields and key != "name")
-"""Those that an assembly takes from a scene that it includes."""
+"""Keys of an included scene that its assembly takes."""
 
 
 class Composite(PartSpec):
@@ -167,11 +132,7 @@ class Composite(PartSpec):
         raise NotImplementedError
 
     def expand(self, known: Known) -> Elements:
-        """All elements so far, and those of :meth:`elements`.
-
-        Raises:
-            PartError: :meth:`elements` failed, or returned something invalid.
-        """
+        """All elements so far, and those of :meth:`elements`."""
         try:
             whole = Assembly(**{"name": self.name, **self.elements()})
         except SceneError as error:
@@ -184,9 +145,8 @@ class Composite(PartSpec):
         inner, problems = expand_parts(whole, known.pulled, known.outside, known.near)
         if problems:
             raise self._wrong([str(each) for each in problems])
-        names = (each.name for kind in dataclasses.fields(inner)
-                 if kind.name not in ("contacts", "materials")
-                 for each in getattr(inner, kind.name))
+        names = (each.name for kind, elements in inner.items()
+                 if kind not in ("contacts", "materials") for each in elements)
         if foreign := [name for name in names if not name.startswith(f"{self.name}.")]:
             raise self._wrong([f"the name {quoted(foreign[0])} must begin with "
                                f"{quoted(f'{self.name}.')}"])
@@ -250,9 +210,6 @@ def load_elements(path: Path, source: bytes | None = None) -> Callable[[], None]
     Args:
         path: the file.
         source: its contents, where the file itself may not exist.
-
-    Raises:
-        SandboxError: the file cannot be read or run, or registers nothing.
     """
     before, files = dict(_registered), dict(_files)
     module = ModuleType(f"elements of {path}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 from typing import Any
 
@@ -33,8 +32,7 @@ def expand(scene: Scene) -> Mechanism:
     if problems:
         raise SceneError(problems)
     fields = {name: getattr(scene, name) for name in Mechanism.model_fields}
-    fields |= {kind.name: getattr(elements, kind.name) for kind in dataclasses.fields(elements)}
-    fields["materials"] = dict(elements.materials)
+    fields |= elements | {"materials": dict(elements["materials"])}
     return Mechanism.model_construct(set(fields), **fields)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -62,10 +61,7 @@ def corners(shape: Box | Polygon) -> list[Vec]:
 
 @lru_cache(maxsize=512)
 def solids(shape: Shape) -> tuple[tuple[Solid, Array | None], ...]:
-    """The convex shapes that make up a shape, each with the arcs of normals that are its surface.
-
-    Arcs are those of :class:`sandbox.scene.outlines.rings.Piece`; None where all of it is surface.
-    """
+    """The convex shapes of a shape, each with the arcs of normals of its surface; None for all."""
     if isinstance(shape, Polyline):
         return tuple(
             (Capsule.model_construct(type="capsule", start=p, end=q, radius=shape.radius), faces)
@@ -102,14 +98,6 @@ def outline(shape: Shape) -> list[Vec]:
         list(points)
 
 
-def _edges(points: list[Vec]) -> Iterable[tuple[Vec, Vec]]:
-    return zip(points, points[1:] + points[:1], strict=True)
-
-
-def _cross(p: Vec, q: Vec) -> float:
-    return p[0] * q[1] - p[1] * q[0]
-
-
 @dataclass(frozen=True)
 class MassProperties:
     """Mass [kg], centre of mass in the body's frame [m], inertia about that centre [kg m^2]."""
@@ -119,63 +107,57 @@ class MassProperties:
     inertia: float
 
 
-def area_properties(shape: Shape) -> tuple[float, Vec, float]:
-    """Area [m^2], centroid [m] and second moment of area about the centroid [m^4].
+AreaProperties = tuple[float, Vec, float]
+"""Area [m^2], centroid [m] and second moment of area about the centroid [m^4]."""
 
-    A polygon's are those of its outline less those of its holes; a polyline has no area.
-    """
+
+def area_properties(shape: Shape) -> AreaProperties:
+    """Of a polygon those of its outline less those of its holes; a polyline has no area."""
     if isinstance(shape, Circle):
         area = math.pi * shape.radius**2
         return area, shape.at, area * shape.radius**2 / 2
     if isinstance(shape, Capsule):
-        return _capsule_properties(shape)
+        r, length = shape.radius, math.dist(shape.start, shape.end)
+        bar, half = 2 * r * length, math.pi * r**2 / 2
+        offset = 4 * r / (3 * math.pi)  # of a half disc's centroid from its flat side
+        second = bar * (length**2 + 4 * r**2) / 12
+        second += 2 * (half * r**2 / 2 - half * offset**2 + half * (length / 2 + offset) ** 2)
+        centre = ((shape.start[0] + shape.end[0]) / 2, (shape.start[1] + shape.end[1]) / 2)
+        return bar + 2 * half, centre, second
     if isinstance(shape, Polyline):
         return 0.0, shape.points[0], 0.0
     outer = _ring_properties(corners(shape))
     if isinstance(shape, Box) or not shape.holes:
         return outer
     rings = [outer, *(_ring_properties(list(wound(hole, -1))) for hole in shape.holes)]
-    area = sum(ring[0] for ring in rings)
-    centre = (sum(a * c[0] for a, c, _ in rings) / area, sum(a * c[1] for a, c, _ in rings) / area)
-    return area, centre, sum(i + a * math.dist(c, centre) ** 2 for a, c, i in rings)
+    return _whole(rings)
 
 
-def _ring_properties(points: list[Vec]) -> tuple[float, Vec, float]:
-    """Those of :func:`area_properties`; of corners that go round clockwise the negative ones."""
-    area = sum(_cross(p, q) for p, q in _edges(points)) / 2
-    cx = sum((p[0] + q[0]) * _cross(p, q) for p, q in _edges(points)) / (6 * area)
-    cy = sum((p[1] + q[1]) * _cross(p, q) for p, q in _edges(points)) / (6 * area)
-    local = [(p[0] - cx, p[1] - cy) for p in points]
-    second = sum(
-        _cross(p, q)
-        * (p[0] ** 2 + p[0] * q[0] + q[0] ** 2 + p[1] ** 2 + p[1] * q[1] + q[1] ** 2)
-        for p, q in _edges(local)
-    )
-    return area, (cx, cy), second / 12
-
-
-def _capsule_properties(shape: Capsule) -> tuple[float, Vec, float]:
-    r = shape.radius
-    length = math.dist(shape.start, shape.end)
-    bar, half = 2 * r * length, math.pi * r**2 / 2
-    offset = 4 * r / (3 * math.pi)  # of a half disc's centroid from its flat side
-    second = bar * (length**2 + 4 * r**2) / 12
-    second += 2 * (half * r**2 / 2 - half * offset**2 + half * (length / 2 + offset) ** 2)
-    centre = ((shape.start[0] + shape.end[0]) / 2, (shape.start[1] + shape.end[1]) / 2)
-    return bar + 2 * half, centre, second
-
-
-def _centroid(parts: list[tuple[float, Vec, float]]) -> Vec:
-    """Of shapes with these :func:`area_properties` [m]; the origin if they have no area."""
+def _whole(parts: list[AreaProperties]) -> AreaProperties:
+    """Those of several shapes together; their centroid is the origin if they have no area."""
     area = sum(part[0] for part in parts)
-    if not area:
-        return 0.0, 0.0
-    return sum(a * c[0] for a, c, _ in parts) / area, sum(a * c[1] for a, c, _ in parts) / area
+    centre = (sum(a * c[0] for a, c, _ in parts) / area,
+              sum(a * c[1] for a, c, _ in parts) / area) if area else (0.0, 0.0)
+    return area, centre, sum(i + a * math.dist(c, centre) ** 2 for a, c, i in parts)
+
+
+def _ring_properties(points: list[Vec]) -> AreaProperties:
+    """Those inside corners; negative for a clockwise outline."""
+    sides = list(zip(points, points[1:] + points[:1], strict=True))
+    cross = [p[0] * q[1] - p[1] * q[0] for p, q in sides]
+    area = sum(cross) / 2
+    cx, cy = (sum((p[k] + q[k]) * c for (p, q), c in zip(sides, cross, strict=True)) / (6 * area)
+              for k in (0, 1))
+    local = [((p[0] - cx, p[1] - cy), (q[0] - cx, q[1] - cy)) for p, q in sides]
+    second = sum((p[0] * q[1] - p[1] * q[0])
+                 * (p[0] ** 2 + p[0] * q[0] + q[0] ** 2 + p[1] ** 2 + p[1] * q[1] + q[1] ** 2)
+                 for p, q in local)
+    return area, (cx, cy), second / 12
 
 
 def centre_of(body: Body) -> Vec:
     """Centre of mass of any body in its frame [m]: as given, else that of its shapes' area."""
-    return body.centre or _centroid([area_properties(shape) for shape in body.shapes])
+    return body.centre or _whole([area_properties(shape) for shape in body.shapes])[1]
 
 
 def reach_of(body: Body, point: Vec) -> float:
@@ -199,14 +181,11 @@ def mass_properties(body: Body) -> MassProperties:
 
     Shapes that overlap count twice where they do.
     """
-    parts = [area_properties(shape) for shape in body.shapes]
-    area = sum(part[0] for part in parts)
+    area, centre, second = _whole([area_properties(shape) for shape in body.shapes])
     mass = body.mass
     if mass is None:
         assert body.density is not None  # the model demands one of the two
         mass = body.density * body.thickness * area
-    centre = _centroid(parts)
-    second = sum(i + a * math.dist(c, centre) ** 2 for a, c, i in parts)
     if body.centre is not None:
         second += area * math.dist(centre, body.centre) ** 2
         centre = body.centre

@@ -1,8 +1,4 @@
-"""The layers of a picture, one row each: what it shows, and whether it is on by default.
-
-Films, pages and the live view read them here. A scene's ``view.show`` and ``--show`` select them
-by :func:`parse_layers`; the result is :func:`shown`.
-"""
+"""The layers of a picture, which a scene's ``view.show`` and ``--show`` select."""
 
 from __future__ import annotations
 
@@ -26,14 +22,10 @@ if TYPE_CHECKING:
 class Layer:
     """One kind of thing that a picture may show."""
 
-    words: str
-    """The label of its switch."""
-    about: str
-    """What it shows."""
-    default: bool = True
-    """Whether it is shown by default."""
-    per_body: bool = False
-    """Whether it may be shown of some bodies only."""
+    words: str  # the label of its switch
+    about: str  # what it shows
+    default: bool = True  # whether it is shown by default
+    per_body: bool = False  # whether it may be shown of some bodies only
 
 
 LAYERS: Mapping[str, Layer] = {
@@ -67,7 +59,7 @@ LAYERS: Mapping[str, Layer] = {
     "coordinates": Layer("coordinates", "world grid with numbers", default=False),
     "body_names": Layer("names of bodies", "names at bodies", default=False, per_body=True),
 }
-"""By name, from the ordinary ones to those that are shown on wish."""
+"""By name; those shown by default first."""
 PASSES: Mapping[str, str] = {
     "rails": "joints", "stalks": "bodies", "links": "joints", "bodies": "bodies",
     "grooves": "joints", "wheels": "tendons", "belts": "drives", "bars": "bars",
@@ -78,12 +70,9 @@ PASSES: Mapping[str, str] = {
     "reactions": "reactions", "drives": "drives", "body_names": "body_names",
 }
 """The drawing passes of a run, back to front, each with its layer, for films and pages."""
-EVERY = ("*",)
-"""Patterns that mean all bodies."""
-BY_ROLE = "role:"
-"""Begins a pattern of roles, as in ``role:object``; no name has a colon."""
-WHOLE = "all"
-"""As a layer: all of them."""
+EVERY = ("*",)  # patterns that mean all bodies
+BY_ROLE = "role:"  # begins a pattern of roles, as in role:object; no name has a colon
+WHOLE = "all"  # as a layer: all of them
 Show = Mapping[str, tuple[str, ...]]
 """Selected layers, each with patterns of bodies; empty for a layer that is hidden."""
 
@@ -91,20 +80,13 @@ Show = Mapping[str, tuple[str, ...]]
 def parse_layers(value: Any) -> dict[str, tuple[str, ...]]:
     """Read a selection of layers: patterns of bodies for each named layer.
 
-    Args:
-        value: layers, as a list or as a text with commas between them, where ``-contacts`` takes
-            one away and ``all`` means every one; or an object that says of each layer whether it
-            is shown, or a list of names and patterns of bodies. Of two words the later one counts.
-
-    Raises:
-        WrongValueError: another form, or unknown layers.
+    ``value`` is a list of layers or a text with commas, where ``-contacts`` removes one and ``all``
+    means every one; or an object of layer: true, false or patterns of bodies. The last word counts.
     """
     found: dict[str, tuple[str, ...]] = {}
     if isinstance(value, Mapping):
-        for word, of in value.items():
-            for layer in _layers(word):
-                found[layer] = _patterns(layer, of)
-        return found
+        return {layer: _patterns(layer, of)
+                for word, of in value.items() for layer in _layers(word)}
     words = value.split(",") if isinstance(value, str) else value
     if not isinstance(words, list | tuple):
         raise WrongValueError("wrong-type", f"{kind_of(value)} names no layers", allowed=FORMS)
@@ -118,11 +100,9 @@ def parse_layers(value: Any) -> dict[str, tuple[str, ...]]:
 
 FORMS = 'a list of layers such as ["traces", "-contacts"], or an object such as ' \
         '{"velocity": ["finger*"], "contacts": false}'
-"""What :func:`parse_layers` takes of a scene."""
 
 
 def _layers(word: Any) -> list[str]:
-    """The layers that a word means."""
     known = [*LAYERS, WHOLE]
     allowed = listed(known, most=len(known))
     if word == WHOLE:
@@ -151,10 +131,7 @@ def _patterns(layer: str, of: Any) -> tuple[str, ...]:
 
 
 def shown(show: Show, *, traced: bool) -> dict[str, tuple[str, ...]]:
-    """The layers of a picture, each with patterns of the bodies that it is shown of.
-
-    ``show`` is from :func:`parse_layers`; ``traced`` means that the scene names points to trace.
-    """
+    """The layers of a picture, each with patterns of its bodies; ``traced`` if there are traces."""
     default = {name: EVERY for name, layer in LAYERS.items()
                if layer.default or (name == "traces" and traced)}
     return {name: patterns for name, patterns in (default | dict(show)).items() if patterns}
@@ -178,16 +155,12 @@ def _read_layers(value: Any) -> dict[str, tuple[str, ...]]:
 
 
 ShownLayers = Annotated[Written[dict[str, tuple[str, ...]]], BeforeValidator(_read_layers), SCHEMA]
-"""Of each layer that is named the patterns of bodies that it is shown of; none hides it."""
+"""For each layer, patterns of the bodies that it shows; none hides it."""
 
 
 def meant(patterns: Iterable[str], bodies: Iterable[Body],
           groups: Iterable[Group] = ()) -> list[int]:
-    """The numbers of the bodies that one of the patterns fits, in order.
-
-    A pattern is held against names, of bodies and of ``groups``, one that begins with
-    :data:`BY_ROLE` against roles.
-    """
+    """The numbers of the bodies whose name, group or role (:data:`BY_ROLE`) fits a pattern."""
     tests = [(pattern.startswith(BY_ROLE),
               re.compile(fnmatch.translate(pattern.removeprefix(BY_ROLE))).match)
              for pattern in patterns]
@@ -198,6 +171,6 @@ def meant(patterns: Iterable[str], bodies: Iterable[Body],
 
 
 def words_for(bodies: Sequence[Body], groups: Iterable[Group] = ()) -> list[str]:
-    """Every name, and every role as a pattern has it: candidates for near misses."""
+    """Every name, and every role as a pattern: candidates for suggestions."""
     return [*(body.name for body in bodies), *(group.name for group in groups),
             *dict.fromkeys(BY_ROLE + body.role for body in bodies)]

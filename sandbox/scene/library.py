@@ -14,10 +14,7 @@ from sandbox.wording import listed, near, quoted
 
 
 def shipped_scenes() -> dict[str, Path]:
-    """Name and file of every shipped scene: first those of the folder itself, each by name.
-
-    A name is enough whatever folder the file lies in, so that no two folders share one.
-    """
+    """Name and file of every shipped scene: first those of the folder itself, each by name."""
     directory = _directory()
     return {} if directory is None else dict(_scenes_in(directory))
 
@@ -67,11 +64,7 @@ def wholes(folder: str) -> list[str]:
 
 
 def find_scene(name_or_path: str | Path) -> Path:
-    """The file of a scene: a file that exists, or else the name of a shipped scene.
-
-    Raises:
-        SceneError: neither; with a near miss among the shipped names.
-    """
+    """The file of a scene: an existing file, or else a shipped scene by its name."""
     path, text = Path(name_or_path), str(name_or_path)
     try:
         if path.exists() and not path.is_dir():
@@ -81,10 +74,10 @@ def find_scene(name_or_path: str | Path) -> Path:
     scenes = shipped_scenes()
     if text in scenes:
         return scenes[text]
-    wrong = f"{quoted(text)} is no scene: this is a directory" if text and path.is_dir() else \
+    fault = f"{quoted(text)} is no scene: this is a directory" if text and path.is_dir() else \
         f"there is no file {quoted(text)} and no shipped scene of that name"
     raise SceneError([Problem(
-        "file-not-found", wrong, path="", allowed=f"a path, or one of {listed(scenes)}",
+        "file-not-found", fault, path="", allowed=f"a path, or one of {listed(scenes)}",
         hint=near(path.name, [each.name for each in scenes_beside(path)])
         or near(path.stem, scenes))])
 

@@ -18,33 +18,34 @@ from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, TableName, Tables, tables_of
 
 
-class Mechanism(Spec):
-    """All elements by kind, in order. It is itself a valid scene without parts."""
+class SceneHead(Spec):
+    """The name, run and surroundings of a scene."""
 
     format: int = Field(default=1, ge=1, le=1)
     """Version of the format of scenes, always 1."""
     name: str = ""
-    """What the run's folder and files are called; by default the file's name without its ending."""
+    """Name of the run's folder and files; by default the file's name without its extension."""
     title: str = ""
-    """One line for the picture and for ``sandbox list``; by default the name is shown."""
+    """One line for the picture and for ``sandbox list``; by default the name."""
     about: str = ""
-    """What the scene shows and why, in as many sentences as it takes; nothing reads it but
-    people."""
+    """Description of the scene, for people only."""
     run: Run = Run()
-    """How long the run lasts, with which time step, and how often it is sampled."""
+    """Duration, time step and sample rate of the run."""
     gravity: Pair[Acceleration] = (0.0, 0.0)
-    """Acceleration of gravity [x, y] in the world [m/s^2]; none by default: the plane is
-    horizontal. ``[0, -9.81]`` is gravity in a vertical plane."""
+    """Acceleration of gravity [x, y] in the world [m/s^2]; ``[0, -9.81]`` in a vertical plane."""
     tables: dict[TableName, NamedTable] = Field(default_factory=dict)
-    """Functions of one number by name, given by points, which expressions call:
-    ``"=profile(hinge.angle)"``."""
+    """Functions of one number, given by points, for expressions: ``"=profile(hinge.angle)"``."""
+
+
+class ElementLists(Spec):
+    """The elements of a scene or an assembly by kind, in order."""
+
     materials: dict[Name, Material] = Field(default_factory=dict)
     """Contact surfaces by name, for the ``material`` of bodies."""
     bodies: Items[Body] = ()
-    """The rigid bodies, those that stay where they are included."""
+    """The rigid bodies, fixed ones included."""
     joints: Items[Joint] = ()
-    """What ties two bodies together rigidly: pins, slots, welds, rods, ropes; gears, racks and
-    circles that roll."""
+    """Rigid connections of two bodies: pins, slots, welds, rods, ropes, gears, racks, rolling."""
     springs: Items[Spring] = ()
     """Springs with dampers, between two points or about a hinge."""
     tendons: Items[Tendon] = ()
@@ -52,7 +53,7 @@ class Mechanism(Spec):
     lines: Items[Line] = ()
     """Fluid under pressure, in chambers that move bodies."""
     valves: Items[Valve] = ()
-    """What lets fluid from line to line."""
+    """Flow resistances between lines of fluid."""
     loads: Items[Load] = ()
     """Forces on bodies by laws of their own motion: drag, buoyancy, fields."""
     drives: Items[Drive] = ()
@@ -61,18 +62,22 @@ class Mechanism(Spec):
     controllers: Items[Controller] = ()
     """Controllers that read quantities during the run and set drives."""
     events: Items[Event] = ()
-    """What happens once, at a time or on a condition."""
+    """Actions that happen once, at a time or on a condition."""
     contacts: Items[ContactRule] = ()
-    """Which bodies may touch, and with what friction; of two rules for a pair the later one
-    counts."""
+    """Which bodies may touch, and their friction; for a pair the last rule counts."""
     groups: Items[Group] = ()
     """Named groups of bodies."""
     meters: Items[Meter] = ()
-    """Quantities made of others by expressions."""
+    """Quantities computed from others by expressions."""
+
+
+class Mechanism(ElementLists, SceneHead):
+    """All elements by kind, in order. It is itself a valid scene without parts."""
+
     expect: Items[Expect] = ()
     """Expectations on recorded quantities; a run that misses one fails."""
     view: View = View()
-    """What the picture shows, how large and how fast."""
+    """Content, size and speed of the picture."""
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name!r}: {self.counted or 'empty'}>"
@@ -86,7 +91,7 @@ class Mechanism(Spec):
 
     @property
     def counted(self) -> str:
-        """How much there is of what: ``4 bodies, 3 joints``; parts are not spelled out."""
+        """Numbers of elements, such as ``4 bodies, 3 joints``; parts are not expanded."""
         words = {"contacts": "contact rule", "expect": "expectation", "parts": "part"}
         kinds = [(key, len(getattr(self, key, ()))) for key in ("parts", *LISTS)]
         return ", ".join(
@@ -95,7 +100,7 @@ class Mechanism(Spec):
 
     @property
     def holding(self) -> tuple[Joint | Spring | Tendon, ...]:
-        """All elements that can be released, in the order of :data:`RELEASABLE`."""
+        """All elements that can be released."""
         return tuple(each for kind in RELEASABLE for each in getattr(self, kind))
 
     @property
@@ -108,12 +113,12 @@ class Mechanism(Spec):
 
     @property
     def functions(self) -> Tables:
-        """What expressions call, by their calls."""
+        """Tables by their calls in expressions."""
         return tables_of(self.tables)
 
     @property
     def loaded(self) -> tuple[tuple[int, int], ...]:
-        """Every load with every body that it acts on, by their numbers, load by load."""
+        """Numbers of each load and each body that it acts on."""
         return tuple((i, body) for i, load in enumerate(self.loads)
                      for body in load.borne(self.bodies))
 

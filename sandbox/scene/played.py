@@ -1,7 +1,6 @@
-"""Recorded actions of an interactive run, and a scene that repeats them.
+"""Recorded actions of an interactive run, and a scene that repeats them bit by bit.
 
-What was set are events, what was pushed are force drives with tables of their forces. Run, that
-scene moves as the one that was played with, to the last bit.
+Settings become events, pushes become force drives with tables of their forces.
 """
 
 from __future__ import annotations
@@ -18,46 +17,36 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Event
 from sandbox.values.paths import parse_path
 
-HAND = "hand"
-"""The drives that push are called so, with a number, and ``x`` and ``y``."""
-PLAYED = "played"
-"""The events that set what was set are called so, with a number."""
+HAND = "hand"  # begins the names of force drives, before a number, x and y
+PLAYED = "played"  # begins the names of events, before a number
 
 
 @dataclass(frozen=True)
 class Setting:
-    """A drive, a controller's target or switch that was given a value."""
+    """A new value of a drive, or of a controller's target or switch."""
 
-    step: int
-    """Steps that were made before."""
-    name: str
-    """As in the ``set`` of an event."""
-    value: float
-    """In SI."""
+    step: int  # number of steps before it
+    name: str  # as in the set of an event
+    value: float  # in SI
 
 
 @dataclass(frozen=True)
 class Nudge:
-    """A force at a point of a body from a step on, until the next one; the only one then."""
+    """A force at a point of a body from a step on, until the next one."""
 
-    step: int
-    """Steps that were made before."""
-    body: str
-    """Its name."""
-    at: tuple[float, float]
-    """The point in the body's frame [m]."""
-    force: tuple[float, float]
-    """In the world [N]."""
+    step: int  # number of steps before it
+    body: str  # its name
+    at: tuple[float, float]  # the point in the body's frame [m]
+    force: tuple[float, float]  # in the world [N]
 
 
 Input = Setting | Nudge
 
 
 def played(scene: Mechanism, inputs: Sequence[Input], steps: int) -> Mechanism:
-    """A scene with what was done to it: as many steps, events that set, force drives that push.
+    """A scene with actions as events and force drives, for a number of steps.
 
-    It is not held to the expectations of ``scene``, which is run in another way, and leaves out
-    events of ``scene`` that cannot happen any more.
+    It has no expectations, and no events of ``scene`` that cannot happen any more.
     """
     run = scene.run.model_copy(update={"duration": steps * scene.run.step})
     inputs = [each for each in inputs if each.step < steps]
@@ -75,7 +64,7 @@ def played(scene: Mechanism, inputs: Sequence[Input], steps: int) -> Mechanism:
 
 
 def pushing_drives(scene: Mechanism, pushes: Sequence[Nudge]) -> list[Drive]:
-    """Two force drives for each point that was pushed."""
+    """Two force drives for each pushed point."""
     h, names = scene.run.step, _free_names(scene, HAND)
     forces: dict[tuple[str, tuple[float, float]], dict[int, tuple[float, float]]] = {}
     before: tuple[str, tuple[float, float]] | None = None
@@ -98,7 +87,7 @@ def pushing_drives(scene: Mechanism, pushes: Sequence[Nudge]) -> list[Drive]:
 
 
 def _free_names(scene: Mechanism, stem: str) -> Iterator[str]:
-    """Names of that stem with numbers, that no element has nor any begins with."""
+    """Names of a stem and a number that no element has or begins with."""
     taken = {each.name.partition(".")[0] for kind in NAMED for each in getattr(scene, kind)}
     return (name for number in count(1) if (name := f"{stem}{number}") not in taken)
 

@@ -1,8 +1,7 @@
 """The reference of scenes: models by topic, fields with units and defaults, recorded quantities.
 
-``sandbox explain`` prints it, and ``docs/make_reference.py`` writes its tables from it. The JSON
-Schema of scenes (draft 2020-12), for editors, is made from the same models. It is a little more
-generous than the loader: no schema can check expressions, units and names.
+``sandbox explain`` and ``docs/make_reference.py`` print it. The JSON Schema of scenes (draft
+2020-12), for editors, is made from the same models; it cannot check expressions, units and names.
 """
 
 from __future__ import annotations
@@ -28,11 +27,11 @@ from sandbox.scene import bodies, layers, settings
 from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.parts import expansion, finger, section, trees
 from sandbox.values import appearance, numbers, signals, tables
+from sandbox.values.marks import mark_of
 from sandbox.values.spec import Spec
 from sandbox.values.units import units_of
 
-VALUES = "Values over time"
-"""Topic of the models of numbers and values over time."""
+VALUES = "Values over time"  # topic of the models of numbers and values over time
 ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
     "The scene": [Scene, settings.Run, settings.PymunkRun, settings.View, settings.Trace,
                   settings.ShownMeter],
@@ -68,59 +67,45 @@ CHOICES = {
 
 def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
     """The values that a field accepts, as Markdown: ``length [m], > 0``."""
-    for mark in metadata:
-        if isinstance(mark, signals.OverTime):
-            return f"value over time{mark.unit}"
-        if isinstance(mark, finger.OneForAll):
-            return f"one for all, or {field_type(annotation)}"
-    if appearance.SCHEMA in metadata:
-        return appearance.WORDS.replace("\"all\"", "`\"all\"`")
-    if appearance.COLOUR_SCHEMA in metadata:
-        return "colour"
-    if layers.SCHEMA in metadata:
-        return layers.WORDS
-    if get_origin(annotation) is Annotated:
-        inner, *more = get_args(annotation)
+    origin, inner = get_origin(annotation), get_args(annotation)
+    if (signal := mark_of(metadata, signals.OverTime)) is not None:
+        return f"value over time{signal.unit}"
+    if mark_of(metadata, finger.OneForAll) is not None:
+        return f"one for all, or {field_type(annotation)}"
+    for schema, words in ((appearance.SCHEMA, appearance.WORDS.replace('"all"', '`"all"`')),
+                          (appearance.COLOUR_SCHEMA, "colour"), (layers.SCHEMA, layers.WORDS)):
+        if schema in metadata:
+            return words
+    if origin is Annotated:
         return next((name for union, name in CHOICES.items() if union == annotation),
-                    field_type(inner, (*more, *metadata)))
-    if get_origin(annotation) in (Union, UnionType):
-        return " or ".join(_once(field_type(option, metadata)
-                                 for option in get_args(annotation) if option is not NoneType))
-    if get_origin(annotation) is Literal:
-        return ", ".join(f'`{_json(value)}`' for value in get_args(annotation))
-    if get_origin(annotation) in (tuple, dict):
-        return _collection(annotation)
+                    field_type(inner[0], (*inner[1:], *metadata)))
+    if origin in (Union, UnionType):
+        return " or ".join(dict.fromkeys(
+            field_type(option, metadata) for option in inner if option is not NoneType))
+    if origin is Literal:
+        return ", ".join(f"`{_json(value)}`" for value in inner)
+    if origin is dict:
+        return f"object of name: {field_type(inner[1])}"
+    if origin is tuple:
+        if annotation == numbers.Point:
+            return "point [x, y] [m]"
+        if inner[-1] is Ellipsis:
+            return f"list of {field_type(inner[0])}"
+        kinds = list(dict.fromkeys(map(field_type, inner)))
+        return f"[{', '.join(kinds)}]" if len(kinds) > 1 else f"{len(inner)} × {kinds[0]}"
     if annotation is float:
         return _number(metadata)
     if isinstance(annotation, type) and issubclass(annotation, Spec):
-        return f"[{annotation.__name__}]({_page_of(annotation)}#{annotation.__name__.lower()})"
-    return {str: _text(metadata), int: "whole number", bool: "true or false"}.get(
+        page = "parts" if any(annotation in models for models in PARTS.values()) else "elements"
+        return f"[{annotation.__name__}]({page}.md#{annotation.__name__.lower()})"
+    named = any(getattr(entry, "pattern", None) == numbers.NAME for part in metadata
+                for entry in [part, *getattr(part, "metadata", ())])
+    return {str: "name" if named else "text", int: "whole number", bool: "true or false"}.get(
         annotation, "any")
 
 
-def _page_of(model: type[Spec]) -> str:
-    return "parts.md" if any(model in models for models in PARTS.values()) else "elements.md"
-
-
-def _once(words: Iterator[str]) -> list[str]:
-    return list(dict.fromkeys(words))
-
-
-def _collection(annotation: Any) -> str:
-    items = get_args(annotation)
-    if get_origin(annotation) is dict:
-        return f"object of name: {field_type(items[1])}"
-    if annotation == numbers.Point:
-        return "point [x, y] [m]"
-    if items[-1] is Ellipsis:
-        return f"list of {field_type(items[0])}"
-    words = _once(field_type(item) for item in items)
-    return f"[{', '.join(words)}]" if len(words) > 1 else f"{len(items)} × {words[0]}"
-
-
 def _number(metadata: tuple[Any, ...]) -> str:
-    mark = next((each for each in metadata if isinstance(each, numbers.Dimension)),
-                numbers.Dimension())
+    mark = mark_of(metadata, numbers.Dimension) or numbers.Dimension()
     word = "number" if mark.name in (None, "ratio") else f"{mark.name} [{units_of(mark.name)[0]}]"
     if mark.sign == "> 0" or numbers.POSITIVE in metadata or any(
             getattr(each, "gt", None) == 0 for each in metadata):
@@ -130,14 +115,13 @@ def _number(metadata: tuple[Any, ...]) -> str:
     return f"{word}, ≥ 0" if mark.sign or numbers.NOT_NEGATIVE in metadata else word
 
 
-def _text(metadata: tuple[Any, ...]) -> str:
-    named = any(getattr(entry, "pattern", None) == numbers.NAME
-                for part in metadata
-                for entry in [part, *getattr(part, "metadata", ())])
-    return "name" if named else "text"
-
-
 def _json(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_json, value))}]"
+    if isinstance(value, (int, float)):
+        return f"{value:.6g}"
     return f'"{value}"' if isinstance(value, str) else str(value)
 
 
@@ -148,17 +132,7 @@ def default(field: FieldInfo) -> str:
     value = field.get_default(call_default_factory=True)
     if value is PydanticUndefined or value is None or value in ((), {}, ""):
         return ""
-    if isinstance(value, Spec):
-        return "as below"
-    return f"`{_default_text(value)}`"
-
-
-def _default_text(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, tuple):
-        return f"[{', '.join(_default_text(entry) for entry in value)}]"
-    return f"{value:.6g}" if isinstance(value, (int, float)) else _json(value)
+    return "as below" if isinstance(value, Spec) else f"`{_json(value)}`"
 
 
 class FieldRow(NamedTuple):
@@ -202,6 +176,14 @@ def kinds_of(element: str) -> dict[str, Any]:
             if hasattr(kind, "facts")}
 
 
+def recorded_by(element: str, quantity: str) -> list[str]:
+    """The kinds of an element that record a quantity, such as ``pin``, ``pin with limits``."""
+    kinds = kinds_of(element).items()
+    return [tag for tag, each in kinds if quantity in each.records] + [
+        f"{tag} with {'dry friction' if field == 'friction' else field}" for tag, each in kinds
+        for field, names in getattr(each, "more", {}).items() if quantity in names]
+
+
 def owners(element: str, quantity: str) -> str:
     """The elements that record a quantity: ``joint``, ``drive: motor, brake``."""
     having = recorded_by(element, quantity)
@@ -214,16 +196,6 @@ def owners(element: str, quantity: str) -> str:
         else f"{whole}: {', '.join(having)}"
 
 
-def recorded_by(element: str, quantity: str) -> list[str]:
-    """The kinds of an element that record a quantity, such as ``pin``, ``pin with limits``."""
-    kinds = kinds_of(element).items()
-    always = [tag for tag, each in kinds if quantity in each.records]
-    for tag, each in kinds:
-        always += [f"{tag} with {'dry friction' if field == 'friction' else field}"
-                   for field, names in getattr(each, "more", {}).items() if quantity in names]
-    return always
-
-
 GUIDED = {"tension": ("tension_0", "tendon with guide friction"),
           "slip": ("slip_1", "tendon with guide friction"),
           "lifted": ("lifted_1", "tendon that can lift off a wheel")}
@@ -233,43 +205,32 @@ GUIDED = {"tension": ("tension_0", "tendon with guide friction"),
 class QuantityRow(NamedTuple):
     """A quantity that a run records; ``about`` is Markdown."""
 
-    element: str
-    """Kind of element, such as ``joint``."""
-    owner: str
-    """The elements that have it."""
+    element: str  # kind of element, such as joint
+    owner: str  # the elements that have it
     name: str
     unit: str
     about: str
 
 
 def quantity_rows() -> Iterator[QuantityRow]:
-    """Every quantity that a run can record."""
+    """Every quantity that a run can record; a unit that depends on the kind names the kinds."""
+    by_unit: dict[str, list[str]] = {}
+    of_springs = " or ".join(each.unit for each in kinds_of("spring").values())
+    for tag, each in kinds_of("drive").items():
+        by_unit.setdefault(each.unit or of_springs, []).append(tag)
+    of_drives = "; ".join(f"{unit} ({', '.join(tags)})" for unit, tags in by_unit.items())
     for element, names in QUANTITIES.items():
         for name, each in names.items():
-            unit = each.unit or (_drive_units() if element == "drive" else _joint_units(name))
+            unit = each.unit or (of_drives if element == "drive" else "; ".join(
+                f"{facts.friction_unit} ({tag})" for tag, facts in kinds_of("joint").items()
+                if name in facts.more.get("friction", ())))
             yield QuantityRow(element, owners(element, name), name, unit, each.about)
     for name, each in GRASP.items():
         yield QuantityRow("body", "object", name, each.unit, each.about)
     for word, (name, holder) in GUIDED.items():
-        each = NUMBERED[word]
-        yield QuantityRow("tendon", holder, name, each.unit, each.about)
+        yield QuantityRow("tendon", holder, name, NUMBERED[word].unit, NUMBERED[word].about)
     for name, each in BOND_QUANTITIES.items():
         yield QuantityRow("", "joint, spring, tendon", name, each.unit, each.about)
-
-
-def _drive_units() -> str:
-    """The units of values of drives, each with its kinds."""
-    units: dict[str, list[str]] = {}
-    of_springs = " or ".join(each.unit for each in kinds_of("spring").values())
-    for tag, each in kinds_of("drive").items():
-        units.setdefault(each.unit or of_springs, []).append(tag)
-    return "; ".join(f"{unit} ({', '.join(tags)})" for unit, tags in units.items())
-
-
-def _joint_units(quantity: str) -> str:
-    """The units of a joint quantity that depends on the type, with the types."""
-    return "; ".join(f"{each.friction_unit} ({tag})" for tag, each in kinds_of("joint").items()
-                     if quantity in each.more.get("friction", ()))
 
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
@@ -280,53 +241,52 @@ Schema = dict[str, Any]
 def scene_schema() -> Schema:
     """The JSON Schema of a scene's file."""
     schema = described(Scene)
-    _allow_composing(schema, schema["$defs"])
-    schema["properties"]["parameters"]["propertyNames"] = {"pattern": IDENTIFIER}
-    schema["properties"]["parameters"].pop("patternProperties", None)
-    schema["properties"]["parameters"]["additionalProperties"] = {"anyOf": [
+    definitions, properties = schema["$defs"], schema["properties"]
+    for model in [schema, *definitions.values()]:
+        for entry in model.get("properties", {}).values():
+            _compose_entries(entry)
+    definitions["Assembly"]["properties"]["parameters"] = COMPOSED["parameters"]
+    definitions["Composed"] = {
+        "type": "object", "properties": COMPOSED,
+        "anyOf": [{"required": [word]} for word in ("like", "repeat", "include")],
+        "description": "An entry that is expanded before the scene is read."}
+    for key in ("templates", "parameters"):
+        properties[key].pop("patternProperties", None)
+    properties["templates"]["additionalProperties"] = {"type": "object"}
+    properties["parameters"]["propertyNames"] = {"pattern": IDENTIFIER}
+    properties["parameters"]["additionalProperties"] = {"anyOf": [
         {"type": "number"}, {"type": "string"}]}
     return {"$schema": DRAFT, **schema, "title": "A scene of sandbox"}
 
 
 def described(top: type[Spec]) -> Schema:
-    """The JSON Schema of a model and of all that it holds, with the words of its docstrings."""
+    """The JSON Schema of a model and of all that it holds, with its docstrings as descriptions."""
     schema: Schema = top.model_json_schema(by_alias=True, mode="validation")
-    _describe(schema, schema["$defs"], top)
-    _drop(schema, "discriminator")
-    return schema
-
-
-def _describe(schema: Schema, definitions: Schema, top: type[Spec]) -> None:
-    """Give every field the docstring under it.
-
-    pydantic would do so while it builds each model, which costs more than all
-    else that loading a scene does; only the schema needs it.
-    """
-    for model in _models(Spec):
-        target = schema if model is top else definitions.get(model.__name__)
+    waiting: list[type[BaseModel]] = [Spec]
+    while waiting:
+        model = waiting.pop()
+        waiting += model.__subclasses__()
+        target = schema if model is top else schema["$defs"].get(model.__name__)
         keys = {name: field.alias or name for name, field in model.model_fields.items()}
         if target is None or {*keys.values()} != {*target["properties"]}:
             continue  # not part of the schema; another class may have the same name
         for field, text in descriptions(model).items():
             entry = target["properties"][keys[field]]
-            accepted = entry.get("description", "")  # of a number: which units it may have
-            entry["description"] = f"{text} {accepted}".strip()
+            units = entry.get("description", "")  # of a number
+            entry["description"] = f"{text} {units}".strip()
+    _drop_mappings(schema)
+    return schema
 
 
 def descriptions(model: type[BaseModel]) -> dict[str, str]:
     """The docstrings of the fields of a model and its bases, by field; ``type`` has a default."""
-    said = {field: text for base in reversed(model.__mro__)
-            if issubclass(base, BaseModel) and base is not BaseModel
-            for field, text in docstrings(base).items()}
+    found = {field: text for base in reversed(model.__mro__)
+             if issubclass(base, BaseModel) and base is not BaseModel
+             for field, text in docstrings(base).items()}
     if "type" in model.model_fields:
         tag, = get_args(model.model_fields["type"].annotation)
-        said.setdefault("type", f'Which kind it is: always ``"{tag}"``.')
-    return said
-
-
-def _models(model: type[BaseModel]) -> list[type[BaseModel]]:
-    below = model.__subclasses__()
-    return below + [found for child in below for found in _models(child)]
+        found.setdefault("type", f'Which kind it is: always ``"{tag}"``.')
+    return found
 
 
 def docstrings(model: type) -> dict[str, str]:
@@ -346,19 +306,18 @@ def docstrings(model: type) -> dict[str, str]:
     return found
 
 
-def _drop(value: Any, key: str) -> None:
-    """Remove a keyword of OpenAPI that JSON Schema does not know, at every depth."""
-    entries = value.values() if isinstance(value, dict) else value
-    if isinstance(value, dict) and isinstance(value.get(key), dict) and "mapping" in value[key]:
-        del value[key]
-    for entry in list(entries):
+def _drop_mappings(value: Any) -> None:
+    """Remove discriminators, a keyword of OpenAPI that JSON Schema does not have."""
+    if isinstance(value, dict) and "mapping" in (value.get("discriminator") or ()):
+        del value["discriminator"]
+    for entry in value.values() if isinstance(value, dict) else value:
         if isinstance(entry, (dict, list)):
-            _drop(entry, key)
+            _drop_mappings(entry)
 
 
 COMPOSED: Schema = {
-    "like": {"type": "string", "description": "The name of a template, whose keys this entry "
-             "takes; its own keys go over them, object by object, and lists are replaced whole."},
+    "like": {"type": "string", "description": "Name of a template whose keys this entry takes "
+             "and overrides with its own, object by object; lists are replaced whole."},
     "repeat": {
         "description": "Number of copies, counted by i from 0; a number, an expression, or an "
                        "object.",
@@ -370,7 +329,7 @@ COMPOSED: Schema = {
                 "list": {"type": "array", "minItems": 1, "description": "A value of the index "
                          "for each copy, or an object of names and values."},
                 "index": {"type": "string", "pattern": IDENTIFIER,
-                          "description": "The name of the index; i by default."},
+                          "description": "Name of the index; i by default."},
                 "line": {"type": "array", "minItems": 2, "maxItems": 2,
                          "description": "From one copy to the next [m]."},
                 "circle": {"type": "array", "minItems": 2, "maxItems": 2,
@@ -381,7 +340,7 @@ COMPOSED: Schema = {
     "parameters": {"type": "object", "description": "Of an assembly: numbers for its "
                    "expressions, before those of the scene that it includes."},
 }
-"""The words that are gone from a scene before the models see it."""
+"""Keys that composition removes."""
 
 
 def _compose_entries(schema: Any) -> None:
@@ -392,18 +351,3 @@ def _compose_entries(schema: Any) -> None:
     _compose_entries(items)
     schema["items"] = {"anyOf": [items, {"$ref": "#/$defs/Composed"}]}
     schema.pop("minItems", None)  # one entry may expand to several
-
-
-def _allow_composing(schema: Schema, definitions: Schema) -> None:
-    """Entries of lists may be like a template or repeated, parts may include a scene."""
-    for model in [schema, *definitions.values()]:
-        for entry in model.get("properties", {}).values():
-            _compose_entries(entry)
-    assembly = definitions["Assembly"]["properties"]
-    assembly |= {key: COMPOSED[key] for key in ("parameters",)}
-    definitions["Composed"] = {
-        "type": "object", "properties": COMPOSED,
-        "anyOf": [{"required": [word]} for word in ("like", "repeat", "include")],
-        "description": "An entry that is written out before the scene is read."}
-    schema["properties"]["templates"]["additionalProperties"] = {"type": "object"}
-    schema["properties"]["templates"].pop("patternProperties", None)

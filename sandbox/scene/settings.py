@@ -21,30 +21,13 @@ from sandbox.elements.controllers.controller import bound
 from sandbox.elements.element import BODY, BodyName
 from sandbox.scene.bodies import STATIC_OF_NOTHING
 from sandbox.scene.layers import ShownLayers
-from sandbox.values.numbers import (
-    Distance,
-    Duration,
-    Flag,
-    Frequency,
-    Instant,
-    Items,
-    Length,
-    Name,
-    Number,
-    Pair,
-    Point,
-    Quantity,
-    Ratio,
-    Written,
-    checked_expression,
-    number_from,
-    parameters_of,
-)
-from sandbox.values.spec import Spec, TextFor
+from sandbox.values import numbers as of
+from sandbox.values.marks import TextFor
+from sandbox.values.numbers import Instant, Items, Name, Pair, Quantity, number_from
+from sandbox.values.spec import Spec
 from sandbox.wording import WrongValueError
 
-RETIRED = ("iterations", "slop")
-"""Settings of :class:`Run` that older scenes and recordings hold; nothing reads them."""
+RETIRED = ("iterations", "slop")  # settings of Run in older scenes and recordings; they are ignored
 
 
 class PymunkRun(Spec):
@@ -62,15 +45,15 @@ class Run(Spec):
     Older scenes may have ``iterations`` and ``slop``; they are ignored.
     """
 
-    duration: Duration = 1.0
-    """How long the run lasts [s]."""
-    step: Duration = 5e-4
+    duration: of.Duration = 1.0
+    """Duration of the run [s]."""
+    step: of.Duration = 5e-4
     """Time step h [s]: shorter is more accurate and takes longer in proportion."""
-    sample_rate: Frequency = 1000.0
+    sample_rate: of.Frequency = 1000.0
     """Samples recorded per second [Hz], rounded to a whole number of steps."""
     solver: Literal["direct", "pymunk"] = "direct"
-    """``direct`` solves all forces of a step together; ``pymunk`` takes pymunk's joints, springs
-    and contacts, whose errors docs/pymunk.md shows."""
+    """``direct`` solves all forces of a step together; ``pymunk`` uses pymunk's joints, springs and
+    contacts, whose errors docs/pymunk.md shows."""
     pymunk: PymunkRun = PymunkRun()
     """Steps and iterations of the solver ``pymunk``."""
     _ignored: tuple[str, ...] = PrivateAttr(())
@@ -82,7 +65,7 @@ class Run(Spec):
 
     @property
     def ignored(self) -> tuple[str, ...]:
-        """Those of :data:`RETIRED` that were given, whatever their values."""
+        """Members of :data:`RETIRED` in the scene."""
         return self._ignored
 
     @model_validator(mode="wrap")
@@ -101,15 +84,12 @@ class ContactRule(Spec):
 
     between: Pair[str]
     """Two names or patterns: ``finger*`` means all bodies whose name starts with ``finger``."""
-    collide: Flag = True
-    """False disables contact, true enables it again after an earlier rule; a joint's own
-    ``collide`` overrides all rules."""
-    friction: Ratio | None = None
-    """Coulomb coefficient of this pair, 0 or more; by default the geometric mean of the two
-    materials'."""
-    static: Ratio | None = Field(default=None, ge=1)
-    """Ratio of static to sliding friction, 1 or more; by default the geometric mean of the two
-    materials' ratios."""
+    collide: of.Flag = True
+    """False disables contact, true enables it again; a joint's ``collide`` overrides all rules."""
+    friction: of.Ratio | None = None
+    """Coulomb coefficient; by default the geometric mean of the two materials'."""
+    static: of.Ratio | None = Field(default=None, ge=1)
+    """Ratio of static to sliding friction; by default the geometric mean of the two materials'."""
 
     @model_validator(mode="after")
     def _static_needs_friction(self) -> Self:
@@ -122,7 +102,7 @@ class Meter(Spec):
     """A named quantity computed from recorded ones, saved in ``run.npz``."""
 
     name: Name
-    """Its name, by which it is recorded, expected and plotted like any other quantity."""
+    """Its name; it is recorded, expected and plotted like any other quantity."""
     value: str
     """An expression of quantities, SI: ``"=finger1.mcp.angle + finger1.pip.angle"``."""
     unit: str = ""
@@ -131,19 +111,23 @@ class Meter(Spec):
     @field_validator("value")
     @classmethod
     def _bind(cls, text: str, info: ValidationInfo) -> str:
-        return f"={checked_expression(text, info).bind(parameters_of(info)).text}"
+        return _bound_text(text, info)
+
+
+def _bound_text(text: str, info: ValidationInfo) -> str:
+    """An expression with the scene's parameters replaced by their values."""
+    return f"={of.checked_expression(text, info).bind(of.parameters_of(info)).text}"
 
 
 def _window(value: object, info: ValidationInfo) -> object:
     if isinstance(value, str) and value.startswith("last "):
-        parameters = (info.context or {}).get("parameters", {})
-        return (-number_from(value.removeprefix("last "), "time", parameters), None)
+        return -number_from(value.removeprefix("last "), "time", of.parameters_of(info)), None
     return value
 
 
 _NUMBER = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 Window = Annotated[
-    Written[tuple[Quantity, Quantity | None]],
+    of.Written[tuple[Quantity, Quantity | None]],
     BeforeValidator(_window),
     WithJsonSchema({"anyOf": [
         {"type": "string", "pattern": "^last "},
@@ -152,34 +136,29 @@ Window = Annotated[
     ]}),
 ]
 STATISTICS = ("mean", "min", "max", "std", "final")
-
-
-ROUNDING = 1e-9
-"""Two instants closer than this [s] are one."""
-WITHIN = "0.1 %"
-"""Default tolerance of an expectation."""
+ROUNDING = 1e-9  # two instants closer than this [s] are one
+WITHIN = "0.1 %"  # default tolerance of an expectation
 
 
 class Looked(Spec):
     """A number made of a recorded quantity: its value at an instant, or a statistic in a window."""
 
     mean: str | None = None
-    """Quantity, or pattern of quantities, whose mean over the window is looked at."""
+    """Quantity or pattern; its mean over the window is used."""
     min: str | None = None
-    """Quantity, or pattern of quantities, whose minimum in the window is used."""
+    """Quantity or pattern; its minimum in the window is used."""
     max: str | None = None
-    """Quantity, or pattern of quantities, whose largest sample of the window is looked at."""
+    """Quantity or pattern; its maximum in the window is used."""
     std: str | None = None
-    """Quantity, or pattern of quantities, whose standard deviation over the window is looked at."""
+    """Quantity or pattern; its standard deviation over the window is used."""
     final: str | None = None
-    """Quantity, or pattern of quantities, whose last sample of the window is looked at."""
+    """Quantity or pattern; its last sample of the window is used."""
     over: Window = (0.0, None)
     """Window of time: ``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
     of: Annotated[str | None, Field(alias="quantity")] = None
-    """Quantity, or pattern of quantities, whose value at the instant ``at`` is looked at."""
+    """Quantity or pattern; its value at the instant ``at`` is used."""
     at: Instant | None = None
-    """Instant at which ``quantity`` is looked at [s], on the straight line between the two samples
-    about it."""
+    """Instant [s] of the value of ``quantity``, interpolated linearly between samples."""
 
     @property
     def statistic(self) -> str:
@@ -197,7 +176,7 @@ class Looked(Spec):
         return str(getattr(self, self.key) if self.of is None else self.of)
 
     def past_end(self, duration: float) -> str:
-        """Why no run of a duration [s] has this value; empty if it may have it."""
+        """Why no run of a duration [s] has this value; empty otherwise."""
         start, end = self.over
         if self.at is not None and self.at > duration + ROUNDING:
             return f"the instant is {self.at:g} s, the run ends at {duration:g} s"
@@ -227,14 +206,14 @@ class Expect(Looked):
     """An expectation: a range for a recorded quantity, the scene's regression test.
 
     One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity, or ``quantity`` with
-    the instant ``at`` (patterns allowed: every match must hold). One of ``is``, ``between``,
-    ``above`` or ``below`` gives the range.
+    the instant ``at``; every match of a pattern must hold. One of ``is``, ``between``, ``above`` or
+    ``below`` gives the range.
     """
 
     value: Annotated[Quantity | None, Field(alias="is")] = None
-    """What it must be, in the quantity's unit, up to ``within``."""
+    """Its value, in the quantity's unit, up to ``within``."""
     within: str | Quantity = WITHIN
-    """Tolerance about ``is``: a fraction as ``"0.1 %"``, the default, or an absolute quantity. By
+    """Tolerance about ``is``: a fraction, by default ``"0.1 %"``, or an absolute quantity. By
     default 0 for quantities that are 1 or 0, such as ``held``."""
     between: Pair[Quantity] | None = None
     """[minimum, maximum], both included."""
@@ -249,8 +228,7 @@ class Expect(Looked):
     @classmethod
     def _tolerance(cls, value: object, info: ValidationInfo) -> object:
         fraction = isinstance(value, str) and value.strip().endswith("%")
-        number = number_from(
-            value, "ratio" if fraction else None, (info.context or {}).get("parameters", {}))
+        number = number_from(value, "ratio" if fraction else None, of.parameters_of(info))
         return value if fraction else number
 
     @field_serializer("within")
@@ -270,18 +248,15 @@ class Expect(Looked):
         return self
 
     def range(self) -> tuple[float, float]:
-        """Lowest and highest value that pass (infinite where open)."""
+        """Minimum and maximum that pass (infinite where open)."""
         if self.value is not None:
-            if isinstance(self.within, str):
-                width = abs(self.value) * number_from(self.within, "ratio", {})
-            else:
-                width = self.within
+            width = self.within if not isinstance(self.within, str) else \
+                abs(self.value) * number_from(self.within, "ratio", {})
             return self.value - width, self.value + width
         if self.between is not None:
             return self.between
-        low = -float("inf") if self.above is None else self.above
-        high = float("inf") if self.below is None else self.below
-        return low, high
+        return (-math.inf if self.above is None else self.above,
+                math.inf if self.below is None else self.below)
 
 
 def _listed(value: object) -> object:
@@ -296,31 +271,28 @@ Names = Annotated[Items[Name], BeforeValidator(_listed, json_schema_input_type=(
 class Event(Spec):
     """Sets drives, switches controllers, releases or engages elements, or stops the run.
 
-    It happens at most once. An event without actions marks an instant in plots and pages. For a
-    push, set a force drive of value 0 for a while; to lock and free a joint, set its brake.
+    It happens at most once. An event without actions marks an instant in plots and pages.
     """
 
     name: Name
     """Its name in the result."""
-    at: Instant | None = None
-    """When it happens [s]: before the first step whose forces act at or after it."""
+    at: of.Instant | None = None
+    """Its time [s]: before the first step whose forces act at or after it."""
     when: str | None = None
     """A condition of quantities, such as ``"=finger.mcp.angle > 0.5"``; instead of ``at``."""
-    after: Instant = 0.0
+    after: of.Instant = 0.0
     """Earliest time for ``when`` [s]."""
-    rate: Frequency | None = None
-    """How often ``when`` is looked at [Hz]; by default 1 kHz as a controller's rate."""
+    rate: of.Frequency | None = None
+    """Rate at which ``when`` is evaluated [Hz]; by default 1 kHz as a controller's rate."""
     set: dict[str, Quantity] = Field(default_factory=dict)
-    """Drive, ``<controller>.target`` or ``<controller>.active`` (0 or 1) to its new value, in the
-    unit of each."""
+    """New values of drives, ``<controller>.target`` or ``<controller>.active`` (0 or 1)."""
     release: Names = ()
     """Joints, springs and tendons to release: they carry no load and are not drawn. With a pin its
     stops, damping, springs and drives are released."""
     take_up: Names = ()
     """Joints, springs and tendons to engage again, after they were released or broke."""
-    lasts: Duration | None = None
-    """Time after which the event is reversed: values, releases and engagements [s]; by default
-    never."""
+    lasts: of.Duration | None = None
+    """Time after which its values, releases and engagements are reversed [s]; by default never."""
     stop: Literal["pass", "fail"] | None = None
     """Stops the run with this result; by default the run continues."""
     because: str = ""
@@ -339,8 +311,8 @@ class Event(Spec):
             if self.at is not None and getattr(self, key):
                 raise WrongValueError("conflicting-keys", f"'{key}' needs 'when', not 'at'")
         if both := sorted(set(self.release) & set(self.take_up)):
-            raise WrongValueError("conflicting-keys", "one event cannot release and engage "
-                                                      f"'{both[0]}'")
+            raise WrongValueError("conflicting-keys",
+                                  f"one event cannot release and engage '{both[0]}'")
         return self
 
 
@@ -357,7 +329,7 @@ class Trace(Spec):
 
     body: BodyName
     """Name of the body that the point belongs to."""
-    at: Point = (0.0, 0.0)
+    at: of.Point = (0.0, 0.0)
     """The point in the body's frame [m], also outside the body."""
 
 
@@ -373,8 +345,8 @@ class ShownMeter(Spec):
     """
 
     of: Annotated[Items[str], _ONE_OR_MORE] = Field(min_length=1, max_length=32)
-    """Names or patterns of quantities, or expressions of them (SI) such as
-    ``"=finger1.tendon.tension - 2"``, one or a list: curves of one meter, in one unit."""
+    """A name or pattern of quantities or an expression (SI) such as
+    ``"=finger1.tendon.tension - 2"``, or a list: curves of one meter, in one unit."""
     title: str = ""
     """Title; by default the quantity's name."""
     unit: str = ""
@@ -392,9 +364,8 @@ class ShownMeter(Spec):
     @field_validator("of")
     @classmethod
     def _bind(cls, words: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
-        return tuple(
-            f"={checked_expression(word, info).bind(parameters_of(info)).text}"
-            if word.lstrip().startswith("=") else word for word in words)
+        return tuple(_bound_text(word, info) if word.lstrip().startswith("=") else word
+                     for word in words)
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
@@ -404,34 +375,27 @@ class ShownMeter(Spec):
 
 
 class View(Spec):
-    """The picture: visible region, size and speed.
+    """The picture: visible region, size and speed. Fitted to the motion by default."""
 
-    Fitted to the motion by default.
-    """
-
-    centre: Point | None = None
-    """Point of the world in the middle of the picture [m]; by default the middle of all that moves
-    in sight."""
-    width: Length | None = None
-    """Width of the visible region [m]; by default fitted to the motion. The height follows from
-    ``size``."""
+    centre: of.Point | None = None
+    """Point of the world in the middle of the picture [m]; by default that of visible motion."""
+    width: of.Length | None = None
+    """Width of the visible region [m]; by default fitted to the motion."""
     size: Pair[Annotated[int, Field(ge=64, le=8192)]] = (800, 600)
     """Width and height of the picture [pixels]."""
     fps: Literal[20, 25, 50] = 25
     """Frames per second of film."""
-    speed: Number = Field(default=1.0, gt=0)
+    speed: of.Number = Field(default=1.0, gt=0)
     """Seconds of motion per second of film: 0.1 is ten times slower, 2 twice as fast."""
-    force_scale: Distance = 0.0
-    """Length in the world at which a contact force of 1 N is drawn [m]; 0, the default, fits it to
-    the largest lasting force of the run. It changes pictures only, no number."""
-    start: Instant = 0.0
+    force_scale: of.Distance = 0.0
+    """Length in the world of the arrow of a contact force of 1 N [m]; 0, the default, fits it to
+    the largest lasting force of the run."""
+    start: of.Instant = 0.0
     """Time of the run at which the film begins [s]."""
     traces: Items[Trace] = Field(default=(), max_length=64)
-    """Points whose ways are drawn, such as that of a coupler's point or of a projectile."""
-    meters: Items[Annotated[ShownMeter, TextFor("of")]] = Field(
-        default=(), max_length=12)
-    """Meters beside or below the motion, wherever the motion is larger: quantities, patterns,
-    expressions, or objects with details."""
+    """Points whose paths are drawn, such as that of a coupler's point or of a projectile."""
+    meters: Items[Annotated[ShownMeter, TextFor("of")]] = Field(default=(), max_length=12)
+    """Meters beside or below the motion: quantities, patterns, expressions, or objects."""
     show: ShownLayers = Field(default={})
     """Layers in addition to the default ones; a minus removes one, as in ``"-contacts"``, and
     ``"all"`` means every layer. Or an object that gives each layer ``true``, ``false`` or the
@@ -442,9 +406,8 @@ class View(Spec):
     ``"role:object"``; other bodies are drawn where visible. By default all bodies; those that fall
     or fly away count only near the others. ``["*"]`` means all, always."""
     follow: Annotated[Name | None, BODY] = None
-    """Body that the picture follows: its centre of mass keeps its place in the picture. The picture
-    does not rotate. It includes the mechanism that the body is part of, and what is near the
-    body."""
+    """Body whose centre of mass keeps its place in the picture, which shows its mechanism and what
+    is near the body and does not rotate."""
 
 
 class Group(Spec):
@@ -453,7 +416,7 @@ class Group(Spec):
     name: Name
     """Its name; quantities are ``<name>.contact.count`` and ``<name>.contact.normal``."""
     kind: Literal["finger", "section", "rocker_tree", "pulley_tree", "group"] = "group"
-    """Type for checks and pictures; ``"group"`` for user-defined groups."""
+    """Kind of group; ``"group"`` for user-defined ones."""
     bodies: Items[BodyName] = ()
     """Names of its bodies; a finger's are its phalanges, the proximal one first."""
 

@@ -1,8 +1,4 @@
-"""Planes and colours of bodies.
-
-Planes are layers, one above the other, in which bodies lie; those of different planes pass each
-other. A colour is a name, or red, green and blue in hexadecimal digits.
-"""
+"""Planes and colours of bodies."""
 
 from __future__ import annotations
 
@@ -15,24 +11,25 @@ from sandbox.values.numbers import Items, number_from, parameters_of
 from sandbox.wording import WrongValueError, kind_of, near, number_text, quoted
 
 ALL: Literal["all"] = "all"
-MOST = 1000
-"""Of a plane's number, to either side of 0."""
-MANY = 64
-"""Planes in which one body may lie."""
+HIGHEST = 1000  # maximum magnitude of a plane's number
+MAX_PLANES = 64  # of one body
 WORDS = f'a whole number, a list of them, or "{ALL}"'
 
 _PLANE: dict[str, Any] = {"anyOf": [
-    {"type": "integer", "minimum": -MOST, "maximum": MOST}, {"type": "string", "pattern": "^="}]}
+    {"type": "integer", "minimum": -HIGHEST, "maximum": HIGHEST},
+    {"type": "string", "pattern": "^="}]}
 SCHEMA = WithJsonSchema({"anyOf": [
-    _PLANE, {"type": "array", "items": _PLANE, "minItems": 1, "maxItems": MANY}, {"const": ALL}]})
+    _PLANE, {"type": "array", "items": _PLANE, "minItems": 1, "maxItems": MAX_PLANES},
+    {"const": ALL}]})
 
 
 def _read(value: Any, info: ValidationInfo) -> tuple[int, ...] | Literal["all"]:
     if value == ALL:
         return ALL
     numbers = tuple(value) if isinstance(value, (list, tuple)) else (value,)
-    if not 0 < len(numbers) <= MANY:
-        raise WrongValueError("wrong-type", f"expected 1 to {MANY} planes, got {len(numbers)}")
+    if not 0 < len(numbers) <= MAX_PLANES:
+        raise WrongValueError("wrong-type",
+                              f"expected 1 to {MAX_PLANES} planes, got {len(numbers)}")
     return tuple(_plane(number, info) for number in numbers)
 
 
@@ -48,20 +45,19 @@ def _plane(written: Any, info: ValidationInfo) -> int:
         named = number if isinstance(number, str) else ""
         raise WrongValueError("not-allowed", f"{quoted(named) if named else kind_of(number)} is "
                               "not a plane", allowed=WORDS, hint=near(named, [ALL]))
-    if abs(number) > MOST:
+    if abs(number) > HIGHEST:
         shown = number if abs(number) < 1e9 else "so large a number"
         raise WrongValueError("not-allowed", f"{shown} is not a plane",
-                              allowed=f"whole numbers from {-MOST} to {MOST}")
+                              allowed=f"whole numbers from {-HIGHEST} to {HIGHEST}")
     return number
 
 
 Planes = Annotated[Items[int] | Literal["all"], BeforeValidator(_read), SCHEMA]
-"""The planes that a body lies in."""
 
 
 def depth(planes: Planes) -> int:
-    """From back to front, where a body of these planes is drawn: at the lowest of them."""
-    return -MOST - 1 if planes == ALL else min(int(plane) for plane in planes)
+    """Place of a body from back to front: its lowest plane."""
+    return -HIGHEST - 1 if planes == ALL else min(int(plane) for plane in planes)
 
 
 RGB = tuple[int, int, int]
@@ -71,7 +67,7 @@ COLOURS: dict[str, RGB] = {
     "yellow": (246, 226, 138), "orange": (246, 190, 120), "red": (236, 152, 140),
     "pink": (240, 190, 212), "purple": (204, 182, 228), "brown": (206, 180, 152),
 }
-"""Names of fills. They are pale, so that tendons and forces stand out in front of them."""
+"""Names of fills, pale, so that tendons and forces stand out."""
 _HEX = re.compile(r"#(?:[0-9a-fA-F]{3}|[0-9a-fA-F]{6})")
 COLOUR_WORDS = f'{", ".join(COLOURS)} or "#rrggbb"'
 
@@ -86,8 +82,7 @@ def _checked(text: str) -> str:
 COLOUR_SCHEMA = WithJsonSchema({"anyOf": [
     {"enum": [*COLOURS]},
     {"type": "string", "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})$"}]})
-FillColour = Annotated[str, AfterValidator(_checked), COLOUR_SCHEMA]
-"""A colour as a scene has it."""
+FillColour = Annotated[str, AfterValidator(_checked), COLOUR_SCHEMA]  # a colour as a scene has it
 
 
 def rgb(text: str) -> RGB:

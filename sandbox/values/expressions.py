@@ -1,10 +1,9 @@
 """Arithmetic of named values: ``"=pull / 4"``. Never Python's ``eval``.
 
-A text of plain characters is parsed by :mod:`ast`; only numbers, names (also with dots),
-arithmetic, comparison, ``and``, ``or``, ``not``, ``a if c else b``, the functions below and the
-scene's tables are accepted. Comparison and logic give 1 or 0; all but 0 is true. A tree is computed
-on arrays (:meth:`Expression.evaluate`, tens of microseconds) or, in every step of a run, by nested
-functions on floats (:func:`closure`, one microsecond).
+:mod:`ast` parses the text; numbers, names (also with dots), arithmetic, comparison, ``and``,
+``or``, ``not``, ``a if c else b``, the functions below and the scene's tables are accepted.
+Comparison and logic give 1 or 0; all but 0 is true. A tree is computed on arrays
+(:meth:`Expression.evaluate`) or, in every step of a run, on floats (:func:`closure`).
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ import keyword
 import math
 import operator
 import re
+import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ CONSTANTS: dict[str, float] = {"pi": math.pi, "tau": math.tau, "e": math.e, "deg
 
 
 def _of_numbers(choose: Callable[..., float], values: tuple[float, ...]) -> float:
-    """The least or largest of several; nan if one is nan, wherever it is."""
+    """The minimum or maximum of several; nan if one is nan."""
     return math.nan if any(value != value for value in values) else choose(values)
 
 
@@ -44,8 +44,7 @@ class Function(NamedTuple):
 
     arrays: Callable[..., Any]
     floats: Callable[..., float]
-    arguments: int | None = 1
-    """Their number; None is two or more."""
+    arguments: int | None = 1  # their number; None is two or more
 
 
 FUNCTIONS: dict[str, Function] = {
@@ -66,7 +65,7 @@ FUNCTIONS: dict[str, Function] = {
 }
 KEYWORDS = frozenset({"if", "else", "and", "or", "not"})
 RESERVED = frozenset({*CONSTANTS, *FUNCTIONS, *KEYWORDS, *keyword.kwlist, "t"})
-"""Names that mean something already and cannot be a parameter's, words of :mod:`ast` among them."""
+"""Names with a meaning in expressions or Python, which no parameter can have."""
 
 
 def _power(base: Any, exponent: Any) -> Any:
@@ -85,7 +84,7 @@ def _one_or_zero(true: Any) -> Any:
 
 
 Operators = Mapping[type[ast.AST], Callable[..., Any]]
-"""What computes each operator; ``and``, ``or`` and ``if`` get functions that give the operands."""
+"""A function for each operator; those of ``and``, ``or`` and ``if`` take functions as operands."""
 _ARRAYS: Operators = {
     ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide,
     ast.Mod: np.mod, ast.Pow: _power, ast.USub: np.negative, ast.UAdd: lambda x: x,
@@ -126,14 +125,7 @@ class Expression:
     tables: frozenset[str] = frozenset()
 
     def evaluate(self, values: Mapping[str, Any], *, finite: bool = True) -> Any:
-        """The value, float or array, for the given names.
-
-        A table is among them under its :func:`call`. With ``finite`` False a result may hold NaN
-        and infinity, where the named values do (a quantity that is not defined at every sample).
-
-        Raises:
-            WrongValueError: a name without a value, or a result that is not finite.
-        """
+        """The value, float or array, for named values and tables (by :func:`call`)."""
         def read(name: str) -> Callable[[], Any]:
             if name not in values and name not in CONSTANTS:
                 raise unknown_name(name, values)
@@ -161,11 +153,7 @@ class Expression:
         return _expression(ast.unparse(bound), bound)
 
     def check_tables(self, values: Mapping[str, Any]) -> None:
-        """Check that every table that it calls is among ``values``.
-
-        Raises:
-            WrongValueError: the first one that is not.
-        """
+        """Check that every table that it calls is among ``values``."""
         for name in sorted(self.tables):
             if call(name) not in values:
                 raise _unknown_function(name, values)
@@ -175,7 +163,7 @@ class Expression:
 
 
 class _Binder(ast.NodeTransformer):
-    """Replaces names by numbers; a dotted name is one name and not touched by its head's."""
+    """Replaces names by numbers and renames tables; a dotted name is one name."""
 
     def __init__(self, values: Mapping[str, float], tables: Mapping[str, str]) -> None:
         self.values, self.tables = values, tables
@@ -198,17 +186,13 @@ class _Binder(ast.NodeTransformer):
 
 
 def call(table: str) -> str:
-    """The name of a table among named values; no other name can be that."""
+    """The key of a table among named values; no other name has this form."""
     return f"{table}()"
 
 
 @lru_cache(maxsize=1024)
 def parse_expression(text: str) -> Expression:
-    """Parse ``text`` (a leading ``=`` is dropped).
-
-    Raises:
-        WrongValueError: not arithmetic, too long, too deep, or an unknown function.
-    """
+    """Parse ``text`` (a leading ``=`` is dropped)."""
     body = text.strip().removeprefix("=").strip()
     if len(body) > MAX_LENGTH:
         raise WrongValueError("limit-exceeded", f"an expression has at most {MAX_LENGTH} "
@@ -223,28 +207,15 @@ def parse_expression(text: str) -> Expression:
 
 @lru_cache(maxsize=32_768)
 def names_in(text: str) -> frozenset[str]:
-    """The names that an expression reads; kept for many more than whole expressions are.
-
-    Raises:
-        WrongValueError: as :func:`parse_expression`.
-    """
+    """The names that an expression reads; its cache is larger than that of whole expressions."""
     return parse_expression(text).names
 
 
 def closure(text: str, read: Callable[[str], Read], tables: Mapping[str, Any]) -> Read:
-    """A function of floats that computes an expression; nan where it has no finite value.
-
-    ``read`` gives a function for each name that it reads; ``tables`` are those of
-    :attr:`sandbox.scene.mechanism.Mechanism.functions`.
-
-    Raises:
-        WrongValueError: ``text`` is not an expression.
-    """
+    """A function of floats that computes an expression; nan where it has no finite value."""
     def named(name: str) -> Read:
-        if name not in CONSTANTS:
-            return read(name)
-        constant = CONSTANTS[name]
-        return lambda: constant
+        constant = CONSTANTS.get(name, 0.0)
+        return (lambda: constant) if name in CONSTANTS else read(name)
 
     expression = parse_expression(text)
     expression.check_tables(tables)
@@ -293,12 +264,10 @@ def dotted(node: ast.expr) -> str | None:
     while isinstance(node, ast.Attribute):
         attributes.append(node.attr)
         node = node.value
-    if not isinstance(node, ast.Name):
-        return None
-    return ".".join([node.id, *reversed(attributes)])
+    return ".".join([node.id, *reversed(attributes)]) if isinstance(node, ast.Name) else None
 
 
-def _apart(node: ast.expr) -> tuple[Sequence[ast.expr], Sequence[ast.AST]] | None:
+def _split(node: ast.expr) -> tuple[Sequence[ast.expr], Sequence[ast.AST]] | None:
     """The operands and operators of a node; None of one that no expression may have."""
     parts: Sequence[ast.expr]
     ops: Sequence[ast.AST] = ()
@@ -330,37 +299,25 @@ def _check(node: ast.expr, names: set[str], depth: int) -> None:
                                   f"{quoted(name)} is not a name that a scene can use")
         names.add(name)
     elif isinstance(node, ast.Constant):
-        _check_constant(node.value)
-    elif (found := _apart(node)) is not None:
+        if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
+            raise WrongValueError("bad-expression", f"{quoted(node.value)} is not a number")
+        if not abs(node.value) <= sys.float_info.max:
+            raise WrongValueError("out-of-range", "a number of the expression is too large")
+    elif (found := _split(node)) is not None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             _check_call(node.func.id, len(node.args), names)
         for part in found[0]:
             _check(part, names, depth + 1)
     else:
+        what = f"{type(node).__name__.lower()} of Python"
+        if isinstance(node, ast.Compare):
+            what = "'is' or 'in'"
+        elif isinstance(node, ast.BinOp):
+            what = "'//'" if isinstance(node.op, ast.FloorDiv) else "this operator"
+        elif isinstance(node, ast.Call):
+            what = "a call of anything but a plain function"
         raise WrongValueError("bad-expression",
-                              f"{_words(node)} has no place in an expression", allowed=_GRAMMAR)
-
-
-def _check_constant(value: object) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise WrongValueError("bad-expression", f"{quoted(value)} is not a number")
-    try:
-        finite = math.isfinite(float(value))
-    except OverflowError:
-        finite = False
-    if not finite:
-        raise WrongValueError("out-of-range", "a number of the expression is too large")
-
-
-def _words(node: ast.expr) -> str:
-    """The name of a refused piece of Python, for a person."""
-    if isinstance(node, ast.Compare):
-        return "'is' or 'in'"
-    if isinstance(node, ast.BinOp):
-        return "'//'" if isinstance(node.op, ast.FloorDiv) else "this operator"
-    if isinstance(node, ast.Call):
-        return "a call of anything but a plain function"
-    return f"{type(node).__name__.lower()} of Python"
+                              f"{what} has no place in an expression", allowed=_GRAMMAR)
 
 
 def _check_call(name: str, count: int, names: set[str]) -> None:
@@ -371,13 +328,13 @@ def _check_call(name: str, count: int, names: set[str]) -> None:
         names.add(call(name))
         return
     wanted = FUNCTIONS[name].arguments
-    if (wanted is None and count < 2) or (wanted is not None and count != wanted):
+    if count < 2 if wanted is None else count != wanted:
         many = {None: "two or more arguments", 1: "one argument"}.get(wanted, f"{wanted} arguments")
         raise WrongValueError("bad-expression", f"the function {name} takes {many}, not {count}")
 
 
 def _unknown_function(name: str, values: Mapping[str, Any]) -> WrongValueError:
-    """The refusal of what is neither a function nor a table among ``values``."""
+    """The refusal of a name that is neither a function nor a table among ``values``."""
     known = [*FUNCTIONS, *(each[:-2] for each in values if each.endswith("()"))]
     return WrongValueError("bad-expression", f"unknown function {quoted(name)}",
                            allowed=", ".join(known), hint=near(name, known))
@@ -393,7 +350,7 @@ def _compiled(
     if isinstance(node, ast.Constant):
         number = float(node.value)  # type: ignore[arg-type]
         return lambda: number
-    operands, ops = _apart(node) or ((), ())
+    operands, ops = _split(node) or ((), ())
     parts = [_compiled(operand, on, read, tables) for operand in operands]
     if isinstance(node, ast.Call):
         name = node.func.id  # type: ignore[attr-defined]
@@ -421,7 +378,7 @@ def _compiled(
 
 
 class NamedValues(dict[str, Any]):
-    """What expressions may read, by name; near misses for the first names that it lacks."""
+    """Values that expressions may read, by name; suggestions for the first unknown names."""
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
@@ -436,10 +393,7 @@ class NamedValues(dict[str, Any]):
 def unknown_name(
     name: str, known: Mapping[str, Any], *, but: str = "", also: str = "",
 ) -> WrongValueError:
-    """The refusal of a name that an expression reads but that has no value.
-
-    ``but`` is the name of what reads it, which is not meant; ``also`` one that has a value later.
-    """
+    """The refusal of an unknown name; ``but`` is its reader, ``also`` a name with a value later."""
     known = known if isinstance(known, NamedValues) else NamedValues(known)
     others = itertools.chain((each for each in known if each != but), [also] if also else [])
     allowed = ", ".join(filter(None, (known.listed if len(known) > (but in known) else "",

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
+from functools import reduce
+from operator import getitem
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -17,24 +19,20 @@ from sandbox.values.paths import JsonPath, holds, path_text
 from sandbox.wording import MOST_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
 
 COMPOSING = ("like", "repeat", "include", "parameters")
-"""Words that an entry of a list may hold before the models see it: offered where they are meant."""
+"""Keys of an entry that composition removes: suggested for similar unknown keys."""
 _QUOTED = re.compile(r"'([^']*)'")
-OWN = "; for one of your own give its file with --elements"
-"""Added to the types of parts."""
+OWN = "; for one of your own give its file with --elements"  # added to the types of parts
 
 
 def explain(
-    error: ValidationError, data: Any, model: type[BaseModel], most: int | None = None,
+    error: ValidationError, data: Any, model: type[BaseModel], count: int | None = None,
 ) -> list[Problem]:
-    """Every complaint of a validation of ``data`` by ``model``, with its path in the data.
-
-    Only the first ``most`` of them, if given.
-    """
+    """The first ``count`` problems of a validation of ``data`` by ``model``, with their paths."""
     near, found = NearMisses(), []
-    for each in error.errors(include_url=False)[:most]:
-        least, value = each.get("ctx", {}).get("min_length", 0), each["input"]
-        if each["type"] == "too_short" and isinstance(value, list) and len(value) >= least:
-            continue  # only because of wrong entries, which have their own messages
+    for each in error.errors(include_url=False)[:count]:
+        minimum, value = each.get("ctx", {}).get("min_length", 0), each["input"]
+        if each["type"] == "too_short" and isinstance(value, list) and len(value) >= minimum:
+            continue  # a consequence of invalid entries, which have their own messages
         path = locate(data, each["loc"], each["input"], each["type"])
         found.append((each, path, _problem(each, path, model, near)))
     misspelt = {(path[:-1], problem.hint.strip("'")) for _, path, problem in found
@@ -52,41 +50,48 @@ def _problem(
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return _unknown_type(error, place, model, near)
     context: Mapping[str, Any] = error.get("ctx", {})
-    if isinstance(wrong := context.get("error"), WrongValueError):
-        return Problem.of(wrong, place, key=on_key)
+    if isinstance(refused := context.get("error"), WrongValueError):
+        return Problem.of(refused, place, key=on_key)
     if kind == "literal_error":
         given, choices = error["input"], _QUOTED.findall(str(context["expected"]))
         return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
                        allowed=listed(choices) if choices else str(context["expected"]),
                        hint=near(given, choices) if isinstance(given, str) else "")
     message = message_of(error)
-    message = _WORDS[kind](error, context) if kind in _WORDS else message[:1].lower() + message[1:]
+    message = message[:1].lower() + message[1:]
+    if kind in _WORDS:
+        value, last = error["input"], error["loc"][-1] if error["loc"] else ""
+        count = context.get("actual_length")
+        message = _WORDS[kind].format(
+            **context, given=kind_of(value), quoted=quoted(value),
+            count=len(value) if count is None and isinstance(value, list) else count,
+            last=f"entry {last} of the list" if isinstance(last, int) else quoted(last))
     code = kind if kind in CODES else _CODES.get(kind, "wrong-type")
     return Problem(code, message, place, allowed=str(context.get("allowed", "")),
                    hint=str(context.get("hint", "")), key=on_key)
 
 
-def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> JsonPath:
+def locate(data: Any, loc: tuple[int | str, ...], value: Any, kind: str) -> JsonPath:
     """The path in ``data`` of pydantic's ``loc``.
 
-    A ``loc`` also names the chosen members of unions, and the entries of lists
-    that a model made of a single value; neither exists in the data, except by chance:
-    ``{"to": 3, "over": "1 N", "ramp": 3}`` has a key that is called as the member is.
+    A ``loc`` also has members of unions and entries of lists that a model made of a single value.
+    A key of the data may have the same name: ``{"to": 3, "over": "1 N", "ramp": 3}``.
     """
     if kind == "missing":
         loc = loc[:-1]
     path = written(data, loc)
-    if _at(data, path) is wrong or kind == "missing":
+    if kind == "missing" or reduce(getitem, path, data) is value:
         return path
     for i, step in enumerate(loc):
         other = written(data, loc[:i] + loc[i + 1:])
-        if (isinstance(step, int) or len(other) == len(path)) and _at(data, other) is wrong:
+        if (isinstance(step, int) or len(other) == len(path)) and \
+                reduce(getitem, other, data) is value:
             return other
     return path
 
 
 def written(data: Any, loc: Iterable[int | str]) -> JsonPath:
-    """The path in ``data`` of a path of the models: steps that the data does not have left out."""
+    """The path in ``data`` of a path of the models, without steps that the data does not have."""
     path: JsonPath = ()
     tagged = False
     for step in loc:
@@ -96,12 +101,6 @@ def written(data: Any, loc: Iterable[int | str]) -> JsonPath:
             continue
         path, data, tagged = (*path, step), data[step], False
     return path
-
-
-def _at(data: Any, path: JsonPath) -> Any:
-    for step in path:
-        data = data[step]
-    return data
 
 
 def _unknown_key(
@@ -132,29 +131,6 @@ def _unknown_type(
                    hint=near(given, choices) if isinstance(given, str) else "")
 
 
-def _missing(error: ErrorDetails, context: Mapping[str, Any]) -> str:
-    last = error["loc"][-1]
-    what = f"entry {last} of the list" if isinstance(last, int) else quoted(last)
-    return f"{what} is missing"
-
-
-def _length(error: ErrorDetails, context: Mapping[str, Any]) -> str:
-    most, least = context.get("max_length"), context.get("min_length")
-    actual = context.get("actual_length")
-    actual = len(error["input"]) if actual is None and isinstance(error["input"], list) else actual
-    wanted = f"at most {most}" if most is not None else f"at least {least}"
-    return f"expected {wanted} entries, got {actual}"
-
-
-def _expected(what: str) -> Callable[[ErrorDetails, Mapping[str, Any]], str]:
-    return lambda error, context: f"expected {what}, got {kind_of(error['input'])}"
-
-
-def _bound(words: str, key: str) -> Callable[[ErrorDetails, Mapping[str, Any]], str]:
-    return lambda error, context: (
-        f"must be {words} {context[key]:g}, got {kind_of(error['input'])}")
-
-
 _CODES = {
     "missing": "missing-key", "string_pattern_mismatch": "invalid-name",
     "string_too_long": "limit-exceeded", "string_unicode": "invalid-json",
@@ -162,35 +138,34 @@ _CODES = {
                     "out-of-range"),
 }
 """Codes of pydantic's own types of errors; all others are of a wrong type."""
-_LIST, _OBJECT = _expected("a list […]"), _expected("an object {…}")
-_TRUTH, _WHOLE = _expected("true or false"), _expected("a whole number")
-_WORDS: dict[str, Callable[[ErrorDetails, Mapping[str, Any]], str]] = {
-    "missing": _missing,
-    "tuple_type": _LIST, "list_type": _LIST,
-    "model_type": _OBJECT, "model_attributes_type": _OBJECT, "dict_type": _OBJECT,
-    "string_type": _expected("text"),
-    "bool_type": _TRUTH, "bool_parsing": _TRUTH,
-    "int_type": _WHOLE, "int_parsing": _WHOLE, "int_from_float": _WHOLE,
-    "int_parsing_size": _WHOLE, "finite_number": _WHOLE,
-    "too_long": _length, "too_short": _length,
-    "string_too_long": lambda error, context: f"at most {context['max_length']} characters",
-    "string_pattern_mismatch": lambda error, context: (
-        f"{quoted(error['input'])} is not a name: letters, digits and _, parts joined by dots, "
-        "none beginning with a digit"),
-    "string_unicode": lambda error, context: "the text has characters that are not Unicode",
-    "greater_than": _bound("greater than", "gt"),
-    "greater_than_equal": _bound("at least", "ge"),
-    "less_than": _bound("less than", "lt"),
-    "less_than_equal": _bound("at most", "le"),
+_WORDS = {
+    "missing": "{last} is missing",
+    **dict.fromkeys(("tuple_type", "list_type"), "expected a list […], got {given}"),
+    **dict.fromkeys(("model_type", "model_attributes_type", "dict_type"),
+                    "expected an object {{…}}, got {given}"),
+    "string_type": "expected text, got {given}",
+    **dict.fromkeys(("bool_type", "bool_parsing"), "expected true or false, got {given}"),
+    **dict.fromkeys(("int_type", "int_parsing", "int_from_float", "int_parsing_size",
+                     "finite_number"), "expected a whole number, got {given}"),
+    "too_long": "expected at most {max_length} entries, got {count}",
+    "too_short": "expected at least {min_length} entries, got {count}",
+    "string_too_long": "at most {max_length} characters",
+    "string_pattern_mismatch": "{quoted} is not a name: letters, digits and _, parts joined by "
+                               "dots, none beginning with a digit",
+    "string_unicode": "the text has characters that are not Unicode",
+    "greater_than": "must be greater than {gt:g}, got {given}",
+    "greater_than_equal": "must be at least {ge:g}, got {given}",
+    "less_than": "must be less than {lt:g}, got {given}",
+    "less_than_equal": "must be at most {le:g}, got {given}",
 }
+"""Messages of pydantic's types of errors; the others have their own."""
 
 
 ELEMENTS, PARTS = "docs/elements.md", "docs/parts.md"
 """Pages with the fields of all elements and parts."""
 STUDIES = "docs/sweeps.md#a-study-as-a-file"
 SEARCHES = "docs/searches.md#a-search-as-a-file"
-OWN_PAGE = "docs/howto/own_joint.md"
-"""The page about elements of your own."""
+OWN_PAGE = "docs/howto/own_joint.md"  # the page about elements of your own
 
 
 def fields_page(model: type[BaseModel]) -> str:
@@ -205,10 +180,7 @@ def fields_page(model: type[BaseModel]) -> str:
 
 
 def fields_at(model: type[BaseModel], data: Any, path: JsonPath) -> str:
-    """The section with the fields of the data at a path, or of the part that contains it.
-
-    Empty in a list of the data for what is of no model: its ``type`` is missing, or unknown.
-    """
+    """The section with the fields of the data at a path; empty for a missing or unknown type."""
     found, loc = "", tuple[str | int, ...]()
     for step in (*path, ""):
         here = type_at(model, loc)

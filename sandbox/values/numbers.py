@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import numbers
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
@@ -18,7 +18,6 @@ from pydantic import (
     AfterValidator,
     Field,
     GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
     StrictBool,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
@@ -26,6 +25,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
+from sandbox.values.marks import ReadMark
 from sandbox.values.units import Measured, in_range, parse_quantity, range_of, units_of, with_unit
 from sandbox.wording import WrongValueError, kind_of, quoted
 
@@ -46,14 +46,7 @@ _PRODUCT = re.compile(r"^([0-9.]+)\s*([A-Za-z_])")
 
 
 def number_from(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
-    """The SI value of a literal, a quantity or an expression.
-
-    A quantity of any dimension (None) is :class:`Measured`, and keeps its unit.
-
-    Raises:
-        WrongValueError: none of the three, a wrong unit, not finite, or beyond the range of
-            its dimension (:mod:`sandbox.values.units`).
-    """
+    """The SI value of a literal, a quantity or an expression; any dimension if None."""
     return in_range(_number(value, dimension, parameters), dimension)
 
 
@@ -62,7 +55,12 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
         raise WrongValueError("wrong-type", f"expected {wanted(dimension)}, got {kind_of(value)}")
     if isinstance(value, str):
         if value.lstrip().startswith("="):
-            return _computed(value, parameters)
+            expression = parse_expression(value)
+            expression.check_tables(parameters)
+            for name in sorted(expression.names):
+                if name not in parameters:
+                    raise unknown_name(name, parameters)
+            return float(expression.evaluate(parameters))
         try:
             return parse_quantity(value, dimension)
         except WrongValueError as error:
@@ -81,7 +79,7 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
 
 
 def _meant(text: str, parameters: Mapping[str, float]) -> str:
-    """The expression of parameters that a text is but for its equals sign, or for a ``*``, too."""
+    """The expression of parameters that a text is without its equals sign or a ``*``."""
     for meant in (text.strip(), _PRODUCT.sub(r"\1 * \2", text.strip())):
         try:
             names = parse_expression(f"={meant}").names
@@ -90,15 +88,6 @@ def _meant(text: str, parameters: Mapping[str, float]) -> str:
         if names and all(isinstance(parameters.get(name), float) for name in names):
             return quoted(f"={meant}")
     return ""
-
-
-def _computed(text: str, parameters: Mapping[str, float]) -> float:
-    expression = parse_expression(text)
-    expression.check_tables(parameters)
-    for name in sorted(expression.names):
-        if name not in parameters:
-            raise unknown_name(name, parameters)
-    return float(expression.evaluate(parameters))
 
 
 def wanted(dimension: str | None) -> str:
@@ -113,13 +102,7 @@ def parameters_of(info: ValidationInfo) -> Mapping[str, float]:
 
 
 def checked_expression(text: str, info: ValidationInfo) -> Expression:
-    """The expression of a text, if all tables that it calls are the scene's.
-
-    Without a validation context, tables are not checked.
-
-    Raises:
-        WrongValueError: not an expression, or a function that is not known.
-    """
+    """The expression of a text, whose tables are checked if there is a validation context."""
     expression = parse_expression(text)
     if info.context is not None:
         expression.check_tables(parameters_of(info))
@@ -127,12 +110,7 @@ def checked_expression(text: str, info: ValidationInfo) -> Expression:
 
 
 def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> str:
-    """A law, ``"=..."``, with all names replaced except those of its element, ``own``.
-
-    Raises:
-        WrongValueError: not an expression, one that reads something else, or one in which a
-            parameter has the name of the element's own; ``whose`` is the owner in the message.
-    """
+    """A law, ``"=..."``, with all names replaced except those of its element, ``own``."""
     parameters = parameters_of(info)
     expression = checked_expression(text, info)
     for name in sorted(expression.names.intersection(own)):
@@ -161,27 +139,27 @@ def message_of(error: ErrorDetails) -> str:
 
 
 @dataclass(frozen=True)
-class Dimension:
-    """Marks a number of one dimension: how it is read, and its JSON Schema.
-
-    One of no dimension takes any unit and keeps it; the required one is known when all elements
-    are read.
-    """
+class Dimension(ReadMark):
+    """Marks a number of one dimension; one of no dimension takes any unit and keeps it."""
 
     name: str | None = None
-    sign: Literal["", "> 0", "≥ 0"] = ""
-    """Of a size (``> 0``), which may not be so small that what follows from it leaves all range."""
+    sign: Literal["", "> 0", "≥ 0"] = ""  # a size (> 0) has the minimum of its dimension
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler,
     ) -> CoreSchema:
-        if self.name is None:  # pydantic's own check of a float would take the unit away
-            return core_schema.with_info_wrap_validator_function(self._read_any, handler(source))
-        return core_schema.with_info_before_validator_function(self._read, handler(source))
+        if self.name is not None:
+            return super().__get_pydantic_core_schema__(source, handler)
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler,
-    ) -> dict[str, Any]:
+        def read(value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> float:
+            number = number_from(value, None, parameters_of(info))
+            plain: float = check(number)  # pydantic's own check of a float drops the unit
+            return number if isinstance(number, Measured) else plain
+
+        return core_schema.with_info_wrap_validator_function(read, handler(source))
+
+    def json_schema(self, schema: dict[str, Any]) -> dict[str, Any]:
+        """A number or a text."""
         units = units_of(self.name) if self.name else []
         what = f"A {self.name} in {units[0]}" if self.name not in (None, "ratio") else "A number"
         return {
@@ -189,7 +167,8 @@ class Dimension:
             "description": f"{what}; or a string with a unit"
             + (f" ({', '.join(units)})" if units else "") + ', or an expression such as "=a / 2".'}
 
-    def _read(self, value: Any, info: ValidationInfo) -> float:
+    def read(self, value: Any, info: ValidationInfo) -> float:
+        """The value in SI, with its sign and size checked."""
         number = number_from(value, self.name, parameters_of(info))
         if self.sign == "≥ 0" and number < 0:
             raise _out_of_bounds("0 or more", number)
@@ -197,18 +176,6 @@ class Dimension:
             raise _out_of_bounds("greater than 0" if number <= 0 else
                                  f"at least {with_unit(least, self.name)}", number)
         return number
-
-    def _read_any(
-        self, value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo,
-    ) -> float:
-        number = number_from(value, None, parameters_of(info))
-        plain: float = check(number)
-        return number if isinstance(number, Measured) else plain
-
-
-def dimension_read(metadata: Iterable[Any]) -> str:
-    """The dimension of a number from the annotations of its type; empty if there is none."""
-    return next((each.name or "" for each in metadata if isinstance(each, Dimension)), "")
 
 
 def _out_of_bounds(wanted: str, value: float) -> WrongValueError:
@@ -229,7 +196,6 @@ NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
 AT_MOST_ONE = _bound(lambda v: v <= 1, "at most 1")
 
 Quantity = Annotated[Float, Dimension()]
-"""Of any dimension; the required one is known when all elements are read."""
 Number = Annotated[Float, Dimension("ratio")]
 Ratio = Annotated[Float, Dimension("ratio", "≥ 0")]
 Share = Annotated[Ratio, AT_MOST_ONE]
@@ -259,8 +225,7 @@ Pressure = Annotated[Float, Dimension("pressure")]
 Modulus = Annotated[Float, Dimension("pressure", "> 0")]
 FlowResistance = Annotated[Float, Dimension("flow resistance", "≥ 0")]
 
-Flag = StrictBool
-"""True or false and nothing else: ``"no"`` is a text, not a refusal."""
+Flag = StrictBool  # true or false and nothing else: "no" is a text, not a refusal
 Point = Pair[Coordinate]
 NAME = r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
 Name = Annotated[str, Field(pattern=NAME, max_length=100)]

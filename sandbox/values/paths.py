@@ -10,8 +10,7 @@ from typing import Any
 from sandbox.wording import WrongValueError
 
 JsonPath = tuple[str | int, ...]
-SHOWN = 100
-"""Characters of a key that are shown to a person: as many as a name may have."""
+SHOWN = 100  # characters of a key that are shown to a person: as many as a name may have
 _PLAIN_KEY = re.compile(r"[A-Za-z_$][A-Za-z0-9_$]*")
 _STEP = re.compile(
     r'(?:^|\.)(?P<key>[A-Za-z_$][\w$-]*)|\[(?P<index>[0-9]{1,9})\]'
@@ -38,11 +37,7 @@ def shown_path(path: Sequence[str | int]) -> str:
 
 
 def parse_path(text: str) -> JsonPath:
-    """The steps of a path; a leading ``$`` may be left out, and ``[finger1]`` is a name.
-
-    Raises:
-        WrongValueError: not a path.
-    """
+    """The steps of a path; a leading ``$`` may be left out, and ``[finger1]`` is a name."""
     body = text.strip()
     if body == "$" or body.startswith(("$.", "$[")):
         body = body[1:].removeprefix(".")
@@ -53,21 +48,18 @@ def parse_path(text: str) -> JsonPath:
         if match is None:
             raise WrongValueError("bad-override", f"{text[:80]!r} is not a path such as "
                                   "bodies[0].mass or run.step")
-        steps.append(_step(match))
+        if match["index"] is not None:
+            steps.append(int(match["index"]))
+        elif match["quoted"] is not None:
+            steps.append(str(json.loads(match["quoted"])))
+        else:
+            steps.append(match["key"] or match["name"].strip())
         at = match.end()
     return tuple(steps)
 
 
 def holds(value: Any, step: str | int) -> bool:
-    """Whether a key or an index leads on from a value."""
+    """Whether a value has a key or an index."""
     if isinstance(value, list):
         return isinstance(step, int) and 0 <= step < len(value)
     return isinstance(value, dict) and step in value
-
-
-def _step(match: re.Match[str]) -> str | int:
-    if match["index"] is not None:
-        return int(match["index"])
-    if match["quoted"] is not None:
-        return str(json.loads(match["quoted"]))
-    return match["key"] or match["name"].strip()

@@ -1,14 +1,8 @@
-"""Values over time: constant, ramp, table or expression of ``t``.
-
-A number is a constant. ``values(signal, t)`` is the one place that
-evaluates them; time is an array in seconds. The unit of a signal is that of
-its field: a force's ``value`` refuses ``"3 mm"``.
-"""
+"""Values over time: constant, ramp, table or expression of ``t``; :func:`values` evaluates them."""
 
 from __future__ import annotations
 
 import numbers
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
@@ -17,28 +11,18 @@ import numpy as np
 from pydantic import (
     Discriminator,
     Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
     Tag,
     ValidationError,
     ValidationInfo,
     field_validator,
     model_validator,
 )
-from pydantic_core import CoreSchema, InitErrorDetails, core_schema
+from pydantic_core import InitErrorDetails
 
 from sandbox.numeric import Array
+from sandbox.values import numbers as of
 from sandbox.values.expressions import parse_expression, unknown_name
-from sandbox.values.numbers import (
-    Instant,
-    Items,
-    Quantity,
-    Written,
-    checked_expression,
-    number_from,
-    parameters_of,
-    refusal,
-)
+from sandbox.values.marks import ReadMark
 from sandbox.values.spec import Spec
 from sandbox.values.tables import NONE, Tables
 from sandbox.values.units import units_of
@@ -48,20 +32,20 @@ from sandbox.wording import WrongValueError
 class Ramp(Spec):
     """Linear from ``from`` to ``to``, then held."""
 
-    start_value: Annotated[Quantity, Field(alias="from")] = 0.0
+    start_value: Annotated[of.Quantity, Field(alias="from")] = 0.0
     """Value until the ramp starts, in the unit of the driven quantity."""
-    to: Quantity
+    to: of.Quantity
     """Value from the end of the ramp on, in the unit of the driven quantity."""
-    start: Instant = 0.0
+    start: of.Instant = 0.0
     """Start of the ramp [s]."""
-    over: Instant
+    over: of.Instant
     """Duration [s]; 0 is a step."""
 
 
 class Table(Spec):
     """Points ``[t, value]`` in order of time, held before the first and after the last."""
 
-    table: Items[tuple[Instant, Quantity]] = Field(min_length=1)
+    table: of.Items[tuple[of.Instant, of.Quantity]] = Field(min_length=1)
     """Points ``[t, value]``: increasing times [s], values in the unit of the driven quantity."""
     between: Literal["linear", "step"] = "linear"
     """Interpolation: ``linear``, or ``step``, which keeps the value of the point before."""
@@ -83,8 +67,8 @@ class Formula(Spec):
     @field_validator("expression")
     @classmethod
     def _bind(cls, text: str, info: ValidationInfo) -> str:
-        parameters = parameters_of(info)
-        bound = checked_expression(text, info).bind(parameters)
+        parameters = of.parameters_of(info)
+        bound = of.checked_expression(text, info).bind(parameters)
         if unknown := sorted(bound.names - {"t"}):
             raise unknown_name(unknown[0], parameters, also="t")
         return f"={bound.text}"
@@ -93,7 +77,7 @@ class Formula(Spec):
 class Constant(Spec):
     """The same value at all times."""
 
-    constant: Quantity
+    constant: of.Quantity
     """The value, in the unit of the driven quantity."""
 
 
@@ -111,7 +95,7 @@ def _kind(value: Any) -> str | None:
     return None
 
 
-def _lift(value: Any) -> Any:
+def _as_object(value: Any) -> Any:
     """Read a number or its string as a constant, ``{"ramp": {...}}`` as its body."""
     if isinstance(value, str) and value.lstrip().startswith("="):
         try:
@@ -126,32 +110,15 @@ def _lift(value: Any) -> Any:
     return value
 
 
-def _quantities(value: dict[str, Any]) -> Iterator[tuple[tuple[str | int, ...], Any, Any, Any]]:
-    """Every value of a lifted signal: its place, its container, its key there, and itself."""
-    for key in ("constant", "from", "to"):
-        if key in value:
-            yield (key,), value, key, value[key]
-    table = value.get("table")
-    for i, row in enumerate(table if isinstance(table, list) else ()):
-        if isinstance(row, list) and len(row) == 2:
-            yield ("table", i, 1), row, 1, row[1]
-
-
 @dataclass(frozen=True)
-class OverTime:
-    """Marks a value over time, lifted, of a dimension; one of none takes any unit."""
+class OverTime(ReadMark):
+    """Marks a value over time of a dimension; one of none takes any unit."""
 
     dimension: str | None = None
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler,
-    ) -> CoreSchema:
-        return core_schema.with_info_before_validator_function(self._read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler,
-    ) -> dict[str, Any]:
-        objects = handler(schema)["oneOf"]
+    def json_schema(self, schema: dict[str, Any]) -> dict[str, Any]:
+        """A number, a text, or one of the objects."""
+        objects = schema["oneOf"]
         ramp = {"type": "object", "required": ["ramp"], "additionalProperties": False,
                 "properties": {"ramp": objects[0]}}
         return {
@@ -166,34 +133,36 @@ class OverTime:
         shown = self.dimension not in (None, "ratio")
         return f" [{units_of(str(self.dimension))[0]}]" if shown else ""
 
-    def _read(self, value: Any, info: ValidationInfo) -> Any:
-        """The signal with its quantities in SI; units of another dimension are refused."""
-        written, value = value, _lift(value)
+    def read(self, value: Any, info: ValidationInfo) -> Any:
+        """The signal as an object, its quantities in SI; other dimensions are refused."""
+        written, value = value, _as_object(value)
         inside = ("ramp",) if isinstance(written, dict) and value is not written else ()
         if not isinstance(value, dict) or self.dimension is None:
             return value
         value = {key: [list(row) if isinstance(row, (list, tuple)) else row for row in entry]
                  if isinstance(entry, (list, tuple)) else entry for key, entry in value.items()}
-        wrong: list[InitErrorDetails] = []
-        for place, holder, key, quantity in list(_quantities(value)):
+        table = value["table"] if isinstance(value.get("table"), list) else ()
+        quantities: list[tuple[tuple[str | int, ...], Any, Any]] = [
+            ((key,), value, key) for key in ("constant", "from", "to") if key in value]
+        quantities += [(("table", i, 1), row, 1) for i, row in enumerate(table)
+                       if isinstance(row, list) and len(row) == 2]
+        errors: list[InitErrorDetails] = []
+        for place, holder, key in quantities:
+            quantity = holder[key]
             if not isinstance(quantity, str) or quantity.lstrip().startswith("="):
                 continue
             try:
-                holder[key] = number_from(quantity, self.dimension, parameters_of(info))
+                holder[key] = of.number_from(quantity, self.dimension, of.parameters_of(info))
             except ValueError as error:
-                wrong.append({"type": refusal(error), "loc": (*inside, *place), "input": quantity})
-        if wrong:
-            raise ValidationError.from_exception_data("signal", wrong)
+                errors.append({"type": of.refusal(error), "loc": (*inside, *place),
+                              "input": quantity})
+        if errors:
+            raise ValidationError.from_exception_data("signal", errors)
         return value
 
 
-def dimension_over_time(metadata: Iterable[Any]) -> str | None:
-    """The dimension of a value over time by its type's annotations; None if it is no such value."""
-    return next((each.dimension or "" for each in metadata if isinstance(each, OverTime)), None)
-
-
 _WANTED = "expected a number, a ramp {…}, a table {…} or an expression"
-_Union = Written[Annotated[
+_Union = of.Written[Annotated[
     Annotated[Ramp, Tag("ramp")] | Annotated[Table, Tag("table")]
     | Annotated[Formula, Tag("formula")] | Annotated[Constant, Tag("constant")],
     Discriminator(_kind, custom_error_type="signal", custom_error_message=_WANTED),
@@ -213,11 +182,7 @@ StiffnessSignal = Annotated[_Union, OverTime()]
 
 
 def values(signal: AnySignal, t: Array, tables: Tables = NONE) -> Array:
-    """The signal at times ``t`` [s], shape [n]; SI. Formulas may call ``tables``, the scene's.
-
-    Raises:
-        WrongValueError: an expression that is not finite at one of the times.
-    """
+    """The signal at times ``t`` [s], shape [n]; SI. Formulas may call ``tables``, the scene's."""
     if isinstance(signal, Constant):
         return np.full(len(t), signal.constant)
     if isinstance(signal, Ramp):

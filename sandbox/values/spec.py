@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, get_args
 
-from pydantic import (
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    ValidationError,
-)
-from pydantic_core import CoreSchema, core_schema
+from pydantic import ConfigDict, Field, ValidationError
 
 from sandbox.errors import SceneError
 
-TYPE: Any = Field()
-"""The default of a field ``type``: a file must have it, the constructor fills it in."""
+TYPE: Any = Field()  # the default of a field type: a file must have it, the constructor fills it in
 
 if TYPE_CHECKING:
     from pydantic import BaseModel as Model
@@ -29,7 +20,7 @@ else:
             """Build an element in Python.
 
             Raises:
-                SceneError: every value that is missing, unknown or wrong.
+                SceneError: every value that is missing, unknown or invalid.
             """
             if "type" in cls.model_fields:
                 tag, = get_args(cls.model_fields["type"].annotation)
@@ -56,22 +47,3 @@ class Spec(Model):
     )
     # fields that hold expressions of names of their own: no element is meant by them
     LOCAL: ClassVar[tuple[str, ...]] = ()
-
-
-@dataclass(frozen=True)
-class TextFor:
-    """Marks a model for which a text may be given: the value of one of its fields."""
-
-    field: str
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler,
-    ) -> CoreSchema:
-        return core_schema.no_info_before_validator_function(
-            lambda value: {self.field: value} if isinstance(value, str) else value,
-            handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler,
-    ) -> dict[str, Any]:
-        return {"anyOf": [{"type": "string"}, handler(schema)]}

@@ -1,15 +1,11 @@
 """Tables that a scene names, and that expressions call like functions: ``"=profile(x)"``.
 
-A table is a curve in pieces, each a polynomial of the distance t from where it begins:
-
-    y = y0 + t (b + t (c + t d))
-
-One piece lies before the first point and one after the last: they hold the value there, or go on
-straight with the slope there. Arrays, single numbers and the compiled step all use these pieces.
+A table is a curve in pieces, each y = y0 + t (b + t (c + t d)) of the distance t from its start,
+with one more piece before the first and after the last point.
 
 Smooth curves are cubic splines: with the second derivatives M, the distances h and the slopes d of
 the chords, h_i M_i + 2 (h_i + h_j) M_j + h_j M_k = 6 (d_j - d_i) at each point. A periodic one has
-no ends, a natural one has M = 0 there, so a straight line continues it smoothly.
+no ends; a natural one has M = 0 there.
 """
 
 from __future__ import annotations
@@ -32,22 +28,14 @@ from sandbox.values.spec import Spec
 from sandbox.values.units import Measured, dimension_of
 from sandbox.wording import WrongValueError, quoted
 
-MOST_POINTS = 1000
-"""Of one table."""
-CLOSEST = 1e-9
-"""The least distance of two points, as a share of the whole table."""
-CLOSES = 1e-9
-"""How far apart first and last value of a table that repeats may be, as a share of its range."""
-STEEPEST = 1e15
-"""The steepest that a table may be anywhere, SI; what follows from it is still a number."""
+MOST_POINTS = 1000  # of one table
+CLOSEST = 1e-9  # the least distance of two points, as a share of the whole table
+CLOSES = 1e-9  # maximum difference of the ends of a table that repeats, as a share of its range
+STEEPEST = 1e15  # maximum slope of a table, SI, so that derived numbers are finite
 
 
 def check_distinct(points: Sequence[tuple[float, float]], *, closed: bool) -> None:
-    """Check that neighbouring points of a curve differ.
-
-    Raises:
-        WrongValueError: two that do not.
-    """
+    """Check that neighbouring points of a curve differ."""
     for i, one in enumerate(points):
         j = (i + 1) % len(points)
         if one == points[j] and (closed or j):
@@ -56,13 +44,9 @@ def check_distinct(points: Sequence[tuple[float, float]], *, closed: bool) -> No
 
 
 def natural(at: Array, values: Array, *, bent: bool = False) -> Array:
-    """The natural spline through values [n] at places [n] that rise; two of them or more.
+    """Pieces [n - 1, 4] of the natural spline through values [n] at increasing places [n].
 
-    With ``bent`` its ends are not straight: the third derivative does not jump at the place next
-    to an end.
-
-    Value, slope, half the second and a sixth of the third derivative where each piece begins,
-    [n - 1, 4].
+    With ``bent`` the third derivative does not jump at the place next to an end.
     """
     step, n = np.diff(at), len(at)
     chord = np.diff(values) / step
@@ -80,14 +64,10 @@ def natural(at: Array, values: Array, *, bent: bool = False) -> Array:
 
 
 class PeriodicSpline:
-    """The spline through values [n] at angles [n] rad that rise by less than a turn.
-
-    At least three values. With another ``period`` it repeats after that.
-    """
+    """The spline through three or more values at increasing angles [rad], within one period."""
 
     def __init__(self, angles: Array, values: Array, period: float = math.tau) -> None:
-        self.angles = angles
-        """Where its values are given [rad], [n]."""
+        self.angles = angles  # of its values [rad], [n]
         self._period = period
         self._step = np.append(angles[1:], angles[0] + period) - angles
         self._value = values
@@ -112,7 +92,7 @@ class PeriodicSpline:
 
     @property
     def pieces(self) -> Array:
-        """As :func:`natural` gives them, the last one up to where it begins again, [n, 4]."""
+        """As of :func:`natural`, the last one up to the first place again, [n, 4]."""
         return np.stack([self._value, self._slope, self._bend / 2, self._jerk / 6], axis=1)
 
 
@@ -123,11 +103,10 @@ class NamedTable(Spec):
     """Points ``[x, y]``, 2 to 1000, x rising: numbers in SI, or with units, one kind of unit for
     all x and one for all y."""
     between: Literal["linear", "cubic"] = "linear"
-    """Interpolation: ``linear`` straight, ``cubic`` by the cubic spline, which
-    has no kinks."""
+    """Interpolation: ``linear``, or ``cubic`` by the cubic spline."""
     beyond: Literal["hold", "extend", "repeat"] = "hold"
-    """What it is before the first and after the last point: ``hold`` the value there, ``extend``
-    straight on with the slope there, ``repeat`` from the start again; then it ends as it begins."""
+    """Before the first and after the last point: ``hold`` the value there, ``extend`` with the
+    slope there, ``repeat`` from the start; then the first and last value must be equal."""
 
     @field_validator("points")
     @classmethod
@@ -186,8 +165,15 @@ class Function:
         self.knots: Array = at
         """Where pieces but the first begin, [n]."""
         self.repeats = table.beyond == "repeat"
-        """Whether it starts again after its last knot."""
-        inner = self._between(table, at, value)
+        self.period = float(at[-1] - at[0])  # from its first to its last knot
+        with np.errstate(all="ignore"):  # a table that is too steep is refused with its number
+            if table.between == "linear":
+                slope = np.diff(value) / np.diff(at)
+                inner = np.stack([value[:-1], slope, 0 * slope, 0 * slope], axis=1)
+            elif self.repeats:
+                inner = PeriodicSpline(at[:-1], value[:-1], self.period).pieces
+            else:
+                inner = natural(at, value)
         step = at[-1] - at[-2]
         end = inner[-1, 1] + step * (2 * inner[-1, 2] + step * 3 * inner[-1, 3])
         on = 1.0 if table.beyond == "extend" else 0.0
@@ -196,21 +182,6 @@ class Function:
         """Coefficients y0, b, c, d of each piece, that before the first knot first, [n + 1, 4]."""
         self._origin = np.concatenate([at[:1], at])
         self._list = at.tolist(), self.pieces.tolist()
-
-    @staticmethod
-    def _between(table: NamedTable, at: Array, value: Array) -> Array:
-        with np.errstate(all="ignore"):  # what is too steep is refused with its number
-            if table.between == "linear":
-                slope = np.diff(value) / np.diff(at)
-                return np.stack([value[:-1], slope, 0 * slope, 0 * slope], axis=1)
-            if table.beyond == "repeat":
-                return PeriodicSpline(at[:-1], value[:-1], float(at[-1] - at[0])).pieces
-            return natural(at, value)
-
-    @property
-    def period(self) -> float:
-        """From its first to its last knot."""
-        return float(self.knots[-1] - self.knots[0])
 
     def __call__(self, x: Any) -> Array:
         """Its values at ``x``, of any shape; nan where that is nan."""
@@ -235,10 +206,8 @@ class Function:
         return float(y + t * (b + t * (c + t * d)))
 
 
-Tables = Mapping[str, Function]
-"""Tables by their calls, as expressions find them."""
-NONE: Tables = MappingProxyType({})
-"""Of a scene without tables."""
+Tables = Mapping[str, Function]  # tables by their calls, as expressions find them
+NONE: Tables = MappingProxyType({})  # of a scene without tables
 
 
 @lru_cache(maxsize=256)

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Self
+from typing import NamedTuple, Self
 
 from sandbox.wording import WrongValueError, near, quoted
 
@@ -18,54 +17,55 @@ POUND = 0.45359237  # [kg]
 POUND_FORCE = 4.4482216152605  # [N], POUND * 9.80665 m/s^2
 INCH = 0.0254  # [m]
 
-# unit -> (factor to SI, dimension); one unit belongs to one dimension
-UNITS: dict[str, tuple[float, str]] = {
-    "m": (1.0, "length"), "dm": (0.1, "length"), "cm": (1e-2, "length"), "mm": (1e-3, "length"),
-    "um": (1e-6, "length"), "µm": (1e-6, "length"), "in": (INCH, "length"),
-    "rad": (1.0, "angle"), "mrad": (1e-3, "angle"), "deg": (math.pi / 180, "angle"),
-    "°": (math.pi / 180, "angle"), "turn": (2 * math.pi, "angle"),
-    "kg": (1.0, "mass"), "g": (1e-3, "mass"), "mg": (1e-6, "mass"),
-    "lb": (POUND, "mass"),
-    "s": (1.0, "time"), "ms": (1e-3, "time"), "us": (1e-6, "time"), "µs": (1e-6, "time"),
-    "min": (60.0, "time"),
-    "N": (1.0, "force"), "mN": (1e-3, "force"), "kN": (1e3, "force"),
-    "MN": (1e6, "force"), "lbf": (POUND_FORCE, "force"),
-    "N m": (1.0, "torque"), "N mm": (1e-3, "torque"), "mN m": (1e-3, "torque"),
-    "N cm": (1e-2, "torque"), "kN m": (1e3, "torque"), "kN mm": (1.0, "torque"),
-    "kN cm": (10.0, "torque"), "MN m": (1e6, "torque"),
-    "J": (1.0, "energy"), "mJ": (1e-3, "energy"), "kJ": (1e3, "energy"), "MJ": (1e6, "energy"),
-    "W": (1.0, "power"), "mW": (1e-3, "power"), "kW": (1e3, "power"),
-    "MW": (1e6, "power"),
-    "Pa": (1.0, "pressure"), "kPa": (1e3, "pressure"), "MPa": (1e6, "pressure"),
-    "GPa": (1e9, "pressure"), "bar": (1e5, "pressure"), "mbar": (1e2, "pressure"),
-    "psi": (POUND_FORCE / INCH**2, "pressure"),
-    "N/m": (1.0, "stiffness"), "N/mm": (1e3, "stiffness"), "kN/m": (1e3, "stiffness"),
-    "N/cm": (1e2, "stiffness"), "kN/mm": (1e6, "stiffness"), "MN/m": (1e6, "stiffness"),
-    "N m/rad": (1.0, "rotary stiffness"), "N mm/rad": (1e-3, "rotary stiffness"),
-    "kN m/rad": (1e3, "rotary stiffness"), "N m/deg": (180 / math.pi, "rotary stiffness"),
-    "N s/m": (1.0, "damping"), "N s/mm": (1e3, "damping"),
-    "kN s/m": (1e3, "damping"),
-    "N m s/rad": (1.0, "rotary damping"), "N mm s/rad": (1e-3, "rotary damping"),
-    "kN m s/rad": (1e3, "rotary damping"),
-    "kg/m^3": (1.0, "density"), "g/cm^3": (1e3, "density"),
-    "kg m^2": (1.0, "inertia"), "g mm^2": (1e-9, "inertia"), "kg mm^2": (1e-6, "inertia"),
-    "Hz": (1.0, "frequency"), "kHz": (1e3, "frequency"), "1/s": (1.0, "frequency"),
-    "m/s": (1.0, "speed"), "mm/s": (1e-3, "speed"), "cm/s": (1e-2, "speed"),
-    "rad/s": (1.0, "angular speed"), "deg/s": (math.pi / 180, "angular speed"),
-    "rpm": (math.pi / 30, "angular speed"),
-    "m/s^2": (1.0, "acceleration"), "mm/s^2": (1e-3, "acceleration"),
-    "m^2": (1.0, "area"), "cm^2": (1e-4, "area"), "mm^2": (1e-6, "area"),
-    "m^3": (1.0, "volume"), "l": (1e-3, "volume"), "ml": (1e-6, "volume"),
-    "cm^3": (1e-6, "volume"), "mm^3": (1e-9, "volume"),
-    "m^3/s": (1.0, "flow"), "l/s": (1e-3, "flow"), "l/min": (1e-3 / 60, "flow"),
-    "ml/s": (1e-6, "flow"), "ml/min": (1e-6 / 60, "flow"), "cm^3/s": (1e-6, "flow"),
-    "mm^3/s": (1e-9, "flow"),
-    "m^3/rad": (1.0, "displacement"), "ml/rad": (1e-6, "displacement"),
-    "cm^3/rad": (1e-6, "displacement"), "ml/turn": (1e-6 / (2 * math.pi), "displacement"),
-    "Pa s/m^3": (1.0, "flow resistance"), "bar s/l": (1e8, "flow resistance"),
-    "bar s/ml": (1e11, "flow resistance"), "kPa s/ml": (1e9, "flow resistance"),
-    "%": (0.01, "ratio"),
+
+class Range(NamedTuple):
+    """Of one dimension, in SI: the minimum of a positive size, and the maximum of any magnitude."""
+
+    least: float
+    most: float
+
+
+_DIMENSIONS: dict[str, tuple[float, float, dict[str, float]]] = {
+    "length": (1e-9, 1e6, {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6,
+                           "in": INCH}),
+    "angle": (1e-12, 1e9, {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180, "°": math.pi / 180,
+                           "turn": 2 * math.pi}),
+    "mass": (1e-12, 1e12, {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "lb": POUND}),
+    "time": (1e-9, 1e9, {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}),
+    "force": (1e-12, 1e12, {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6, "lbf": POUND_FORCE}),
+    "torque": (1e-12, 1e12, {"N m": 1.0, "N mm": 1e-3, "mN m": 1e-3, "N cm": 1e-2, "kN m": 1e3,
+                             "kN mm": 1.0, "kN cm": 10.0, "MN m": 1e6}),
+    "energy": (1e-12, 1e18, {"J": 1.0, "mJ": 1e-3, "kJ": 1e3, "MJ": 1e6}),
+    "power": (1e-12, 1e18, {"W": 1.0, "mW": 1e-3, "kW": 1e3, "MW": 1e6}),
+    "pressure": (1e-12, 1e15, {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5,
+                               "mbar": 1e2, "psi": POUND_FORCE / INCH**2}),
+    "stiffness": (1e-12, 1e15, {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "N/cm": 1e2, "kN/mm": 1e6,
+                                "MN/m": 1e6}),
+    "rotary stiffness": (1e-12, 1e15, {"N m/rad": 1.0, "N mm/rad": 1e-3, "kN m/rad": 1e3,
+                                       "N m/deg": 180 / math.pi}),
+    "damping": (1e-12, 1e15, {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3}),
+    "rotary damping": (1e-12, 1e15, {"N m s/rad": 1.0, "N mm s/rad": 1e-3, "kN m s/rad": 1e3}),
+    "density": (1e-9, 1e12, {"kg/m^3": 1.0, "g/cm^3": 1e3}),
+    "inertia": (1e-24, 1e24, {"kg m^2": 1.0, "g mm^2": 1e-9, "kg mm^2": 1e-6}),
+    "frequency": (1e-9, 1e9, {"Hz": 1.0, "kHz": 1e3, "1/s": 1.0}),
+    "speed": (1e-12, 1e9, {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2}),
+    "angular speed": (1e-12, 1e9, {"rad/s": 1.0, "deg/s": math.pi / 180, "rpm": math.pi / 30}),
+    "acceleration": (1e-12, 1e9, {"m/s^2": 1.0, "mm/s^2": 1e-3}),
+    "area": (1e-18, 1e12, {"m^2": 1.0, "cm^2": 1e-4, "mm^2": 1e-6}),
+    "volume": (1e-27, 1e18, {"m^3": 1.0, "l": 1e-3, "ml": 1e-6, "cm^3": 1e-6, "mm^3": 1e-9}),
+    "flow": (1e-24, 1e12, {"m^3/s": 1.0, "l/s": 1e-3, "l/min": 1e-3 / 60, "ml/s": 1e-6,
+                           "ml/min": 1e-6 / 60, "cm^3/s": 1e-6, "mm^3/s": 1e-9}),
+    "displacement": (1e-24, 1e12, {"m^3/rad": 1.0, "ml/rad": 1e-6, "cm^3/rad": 1e-6,
+                                   "ml/turn": 1e-6 / (2 * math.pi)}),
+    "flow resistance": (1e-12, 1e24, {"Pa s/m^3": 1.0, "bar s/l": 1e8, "bar s/ml": 1e11,
+                                      "kPa s/ml": 1e9}),
+    "ratio": (1e-12, 1e12, {"%": 0.01}),
 }
+"""Of each dimension its range in SI, and the factors to SI of its units, the SI unit first."""
+UNITS = {unit: (factor, dimension) for dimension, (_, _, units) in _DIMENSIONS.items()
+         for unit, factor in units.items()}  # the factor to SI and the dimension of each unit
+RANGES = {dimension: Range(least, most) for dimension, (least, most, _) in _DIMENSIONS.items()}
+ANY = Range(0.0, 1e18)  # of a number whose dimension is not known: a parameter, a gain
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*((?:1\s*/\s*)?[^0-9.\s].*)?")
@@ -77,14 +77,12 @@ MAX_LENGTH = 100
 
 
 class Measured(float):
-    """A number in SI with the unit in which it was written.
+    """A number in SI with the unit in which it was written, of :data:`UNITS`.
 
-    So is every quantity whose field takes any unit, until it is known which one is
-    right. Results of arithmetic are plain floats.
+    Fields that take any unit keep it until the required one is known. Arithmetic drops it.
     """
 
     unit: str
-    """As :data:`UNITS` spells it."""
 
     def __new__(cls, value: float, unit: str) -> Self:
         """A number ``value`` [SI] that was written in ``unit``."""
@@ -98,24 +96,20 @@ class Measured(float):
 
 def units_of(dimension: str) -> list[str]:
     """The unit names that measure ``dimension``, the SI unit first."""
-    return [name for name, (_, kind) in UNITS.items() if kind == dimension]
+    return list(_DIMENSIONS[dimension][2]) if dimension in _DIMENSIONS else []
 
 
 def dimension_of(unit: str) -> str:
-    """The dimension of a unit of :data:`UNITS`, such as ``"length"``."""
+    """The dimension of a unit, such as ``"length"``."""
     return UNITS[unit][1]
 
 
 def unfit(value: float, unit: str) -> str:
-    """The fault of a number that has a unit of another dimension than ``unit``, or nothing.
-
-    >>> unfit(Measured(1e-3, "mm"), "N")
-    "'mm' is a unit of length"
-    """
+    """The fault of a number in a unit of another dimension than ``unit``; empty without one."""
     if not isinstance(value, Measured) or (unit not in UNITS and unit != "1"):
         return ""
-    measures, asked = dimension_of(value.unit), "ratio" if unit == "1" else dimension_of(unit)
-    return "" if measures == asked else f"{quoted(value.unit)} is a unit of {measures}"
+    given, wanted = dimension_of(value.unit), "ratio" if unit == "1" else dimension_of(unit)
+    return "" if given == wanted else f"{quoted(value.unit)} is a unit of {given}"
 
 
 def normal_unit(text: str) -> str:
@@ -127,20 +121,15 @@ def normal_unit(text: str) -> str:
 
 @lru_cache(maxsize=4096)
 def parse_quantity(text: str, dimension: str | None) -> float:
-    """The SI value of ``"<number> <unit>"``.
-
-    ``dimension`` is the expected one (such as ``"length"``), or None for
-    any: then the value is :class:`Measured`. A bare number is taken as SI.
-
-    Raises:
-        WrongValueError: not a quantity, not finite, an unknown unit (with a near
-            miss), or a unit of another dimension.
-    """
+    """The SI value of ``"<number> <unit>"``; of any dimension (None) it is :class:`Measured`."""
     plain = text.replace("−", "-").strip()
     match = _QUANTITY.fullmatch(plain) if len(plain) <= MAX_LENGTH else None
     if match is None:
-        raise WrongValueError("wrong-unit", f"{quoted(text)} is not a number with a unit",
-                              allowed=_example(dimension))
+        names = units_of(dimension) if dimension else ["m", "N", "rad", "s", "kg"]
+        raise WrongValueError(
+            "wrong-unit", f"{quoted(text)} is not a number with a unit",
+            allowed=f'a number, a string with a unit such as "12 {names[0]}" ({", ".join(names)}), '
+            'or an expression such as "=pull / 2"')
     unit = normal_unit(match.group(2) or "")
     value = scaled(float(match.group(1)), factor_of(unit, dimension) if unit else 1.0)
     if not math.isfinite(value):
@@ -149,7 +138,7 @@ def parse_quantity(text: str, dimension: str | None) -> float:
 
 
 def unit_in(value: object) -> str:
-    """The unit that a value was written with, as :data:`UNITS` spells it; empty for none."""
+    """The unit of a written value; empty for none."""
     try:
         found = parse_quantity(value, None) if isinstance(value, str) else None
     except ValueError:
@@ -164,11 +153,7 @@ def scaled(value: float, factor: float) -> float:
 
 
 def factor_of(unit: str, dimension: str | None) -> float:
-    """The factor from ``unit`` to SI.
-
-    Raises:
-        WrongValueError: an unknown unit (with a near miss), or one of another dimension.
-    """
+    """The factor from ``unit`` to SI."""
     if unit in UNITS and dimension in (None, UNITS[unit][1]):
         return UNITS[unit][0]
     names = units_of(dimension) if dimension else list(UNITS)
@@ -179,83 +164,29 @@ def factor_of(unit: str, dimension: str | None) -> float:
             hint = near(unit, UNITS, cutoff=0.75)
         raise WrongValueError("wrong-unit", f"unknown unit {quoted(unit)}", allowed=allowed,
                               hint="" if _other_prefix(unit, hint.strip("'")) else hint)
+    this = str(dimension)
+    if not this.endswith(("damping", "stiffness", "inertia")):
+        this = f"{'an' if this[0] in 'aeiou' else 'a'} {this}"
     raise WrongValueError(
-        "wrong-unit", f"{quoted(unit)} is a unit of {UNITS[unit][1]}, but this is "
-        f"{_with_article(str(dimension))}", allowed=allowed, hint=near(unit, names, cutoff=0.75))
+        "wrong-unit", f"{quoted(unit)} is a unit of {UNITS[unit][1]}, but this is {this}",
+        allowed=allowed, hint=near(unit, names, cutoff=0.75))
 
 
 def _other_prefix(unit: str, other: str) -> bool:
-    """Whether two units differ in a prefix, and so by a power of ten: no slip that can be mended.
+    """Whether two units differ in a prefix, and so by a power of ten: not to be suggested."""
+    def cuts(word: str) -> list[tuple[str, str]]:
+        """Possible prefixes, with the rest in lower case."""
+        whole = [("", word.lower())]
+        if word[:1] in _PREFIXES:
+            whole.append((word[0].replace("K", "k").replace("u", "µ"), word[1:].lower()))
+        return whole
 
-    Signs between and letter case count for nothing, but that of the prefix itself.
-    """
     ones, others = _WORDS.findall(unit), _WORDS.findall(other)
     pairs = [("".join(ones), "".join(others))]
     if len(ones) == len(others):
         pairs += zip(ones, others, strict=True)
     return any(rest and rest == same and first != second
-               for a, b in pairs for first, rest in _cuts(a) for second, same in _cuts(b))
-
-
-def _cuts(word: str) -> list[tuple[str, str]]:
-    """A unit as prefix and rest, in lower case: without a prefix, and with one if it may be one."""
-    whole = [("", word.lower())]
-    if word[:1] in _PREFIXES:
-        whole.append((word[0].replace("K", "k").replace("u", "µ"), word[1:].lower()))
-    return whole
-
-
-def _with_article(dimension: str) -> str:
-    if dimension in ("damping", "rotary damping", "stiffness", "rotary stiffness", "inertia"):
-        return dimension
-    return f"an {dimension}" if dimension[0] in "aeiou" else f"a {dimension}"
-
-
-def _example(dimension: str | None) -> str:
-    names = units_of(dimension) if dimension else ["m", "N", "rad", "s", "kg"]
-    unit = f', a string with a unit such as "12 {names[0]}" ({", ".join(names)})' if names else ""
-    return f'a number{unit}, or an expression such as "=pull / 2"'
-
-
-@dataclass(frozen=True)
-class Range:
-    """Of one dimension, in SI: the least that a size may be, and the most of anything."""
-
-    least: float
-    """Of what has to be greater than 0; other numbers may be smaller, and 0."""
-    most: float
-    """Of the magnitude."""
-
-
-RANGES: dict[str, Range] = {
-    "length": Range(1e-9, 1e6),
-    "angle": Range(1e-12, 1e9),
-    "mass": Range(1e-12, 1e12),
-    "inertia": Range(1e-24, 1e24),
-    "density": Range(1e-9, 1e12),
-    "time": Range(1e-9, 1e9),
-    "frequency": Range(1e-9, 1e9),
-    "force": Range(1e-12, 1e12),
-    "torque": Range(1e-12, 1e12),
-    "energy": Range(1e-12, 1e18),
-    "power": Range(1e-12, 1e18),
-    "pressure": Range(1e-12, 1e15),
-    "stiffness": Range(1e-12, 1e15),
-    "rotary stiffness": Range(1e-12, 1e15),
-    "damping": Range(1e-12, 1e15),
-    "rotary damping": Range(1e-12, 1e15),
-    "speed": Range(1e-12, 1e9),
-    "angular speed": Range(1e-12, 1e9),
-    "acceleration": Range(1e-12, 1e9),
-    "area": Range(1e-18, 1e12),
-    "volume": Range(1e-27, 1e18),
-    "flow": Range(1e-24, 1e12),
-    "displacement": Range(1e-24, 1e12),
-    "flow resistance": Range(1e-12, 1e24),
-    "ratio": Range(1e-12, 1e12),
-}
-ANY = Range(0.0, 1e18)
-"""Of a number whose dimension is not known: a parameter, a gain."""
+               for a, b in pairs for first, rest in cuts(a) for second, same in cuts(b))
 
 
 def range_of(dimension: str | None) -> Range:
@@ -264,13 +195,7 @@ def range_of(dimension: str | None) -> Range:
 
 
 def in_range(value: float, dimension: str | None) -> float:
-    """``value`` [SI], if its magnitude is finite and not beyond its dimension's range.
-
-    A :class:`Measured` number whose field takes any unit has the range of its own unit.
-
-    Raises:
-        WrongValueError: it is; with the allowed range.
-    """
+    """``value`` [SI], if its magnitude is within the range of its dimension, or of its unit."""
     dimension = dimension or (dimension_of(value.unit) if isinstance(value, Measured) else None)
     most = range_of(dimension).most
     if not abs(value) <= most:  # nor is that of nan
@@ -281,7 +206,7 @@ def in_range(value: float, dimension: str | None) -> float:
 
 
 def size_fault(value: float, dimension: str) -> str:
-    """What keeps a number from being a size, such as a mass; empty if nothing does."""
+    """The fault of a number that cannot be a size, such as a mass; empty without one."""
     allowed = range_of(dimension)
     if allowed.least <= value <= allowed.most:
         return ""

@@ -23,7 +23,8 @@ from sandbox.scene.outlines.curves import SmoothCurve
 from sandbox.scene.outlines.drawings import Drawing
 from sandbox.scene.parts.placement import Placement
 from sandbox.scene.read.load import load_scene
-from sandbox.values.numbers import dimension_read
+from sandbox.values.marks import mark_of
+from sandbox.values.numbers import Dimension
 from sandbox.values.signals import values
 from sandbox.values.spec import Spec
 
@@ -143,14 +144,18 @@ def records() -> set[type[Spec]]:
 
 def test_every_angle_side_and_vector_is_marked():
     """A field that a turn or a mirror changes has a mark, Placed."""
+    def dimension(metadata):
+        number = mark_of(metadata, Dimension)
+        return number.name if number else ""
+
     missing = []
     for kind in records():
         for name, field in kind.model_fields.items():
             choices = set(get_args(field.annotation))
             numbers = [arg for arg in get_args(field.annotation)
-                       if dimension_read(getattr(arg, "__metadata__", ())) in ("speed", "ratio")]
-            turned = dimension_read(field.metadata) in ("angle", "angular speed") or any(
-                dimension_read(getattr(arg, "__metadata__", ())) == "angle"
+                       if dimension(getattr(arg, "__metadata__", ())) in ("speed", "ratio")]
+            turned = dimension(field.metadata) in ("angle", "angular speed") or any(
+                dimension(getattr(arg, "__metadata__", ())) == "angle"
                 for option in (field.annotation, *get_args(field.annotation))
                 for arg in get_args(option))
             marked = any(isinstance(mark, Placed) for mark in field.metadata)

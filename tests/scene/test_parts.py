@@ -43,10 +43,10 @@ def test_the_square_is_held_equally_along_and_across_its_rod():
     made = expand_section(Section.model_validate({
         "type": "section", "name": "s", "at": [0.1, 0.2], "circle": "16 mm", "square": "12 mm",
         "rod": ["10 mm", "36 mm"], "angle": "90 deg", "hold": "5 N/m", "damping": 1}))
-    push, hold = made.springs
+    push, hold = made["springs"]
     assert (push.stiffness, push.rest_length) == (5, 0.036)
     assert hold.stiffness == pytest.approx(5 * 0.036**2)  # torque k r^2 phi = force k s at r
-    pivot = next(j for j in made.joints if j.name == hold.joint)
+    pivot = next(j for j in made["joints"] if j.name == hold.joint)
     assert pivot.damping == pytest.approx(1 * 0.036**2)
 
 

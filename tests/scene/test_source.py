@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from sandbox.errors import SceneError
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.positions import scan
-from sandbox.scene.read.source import parse_source, read_source
+from sandbox.scene.read.source import parse_source, read_source, scan
 from sandbox.values.paths import parse_path, path_text
 
 json_values = st.recursive(

@@ -1,12 +1,13 @@
-"""Control: names that must lead somewhere, times that must come, units that must fit.
+"""Control: names of drives, times and rates, units.
 
-The fields of controllers and events take any unit, since only the drive that they write, or the
-quantity that they read, says which one is right. Their numbers keep the unit that they were
-written in (:class:`sandbox.values.units.Measured`), and here every element is known.
+Fields of controllers and events take any unit: the dimension depends on the drive that they write,
+or on the quantity that they read. Their numbers keep their unit
+(:class:`sandbox.values.units.Measured`) until every element is known.
 """
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 from collections.abc import Callable, Iterator
@@ -26,26 +27,22 @@ from sandbox.values.signals import AnySignal, Constant, Ramp, Table
 from sandbox.values.units import UNITS, Measured, factor_of, size_fault
 from sandbox.wording import NearMisses, WrongValueError, listed, quoted
 
-MOST_LOOKS = 500_000
-"""Evaluations of conditions of the time, for all events, before a run."""
+MAX_EVALUATIONS = 500_000  # of conditions of the time, for all events, before a run
 READINGS = {name.rpartition(".")[2]: UNITS[quantity.unit][1]
             for rows in QUANTITIES.values() for name, quantity in rows.items()
             if quantity.live and quantity.unit in UNITS}
 """Dimensions of the quantities that can be read, by the last word of their names."""
 _PLAIN = re.compile(rf"{NAME[1:-1]}(/{NAME[1:-1]})?")
 Place = tuple[str, float | None, str | None]
-"""A path, the number there, and the dimension that it should have; None if unknown."""
+"""A path, the number there, and its required dimension; None if unknown."""
 WHOLE = 1e-6
-"""How far from a whole number the steps between two acts may be, for a rate given as decimals."""
+"""Relative deviation of the steps between two acts from a whole number: a rate in decimals."""
 
 
 def check_control(
     mechanism: Mechanism, assumed: Callable[[str], bool],
 ) -> Iterator[Problem]:
-    """Unknown drives, drives of two controllers, rates that no step divides, impossible events.
-
-    ``assumed`` are names that count as known although they were not read.
-    """
+    """Drives, rates and events that are unknown or impossible; ``assumed`` names count as known."""
     near = NearMisses()
     drives = dict.fromkeys(drive.name for drive in mechanism.drives)
     owners: dict[str, str] = {}
@@ -102,7 +99,7 @@ def rate_problems(rate: float | None, step: float, path: str) -> Iterator[Proble
 
 
 def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-    """An event that cannot happen during the run, or that lasts without anything to undo."""
+    """An event that cannot happen during the run, or that lasts without anything to reverse."""
     duration, step = mechanism.run.duration, mechanism.run.step
     yield from rate_problems(event.rate, step, f"{path}.rate")
     key, start = ("at", event.at) if event.at is not None else ("after", event.after)
@@ -123,34 +120,23 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
             yield Problem("event-never-happens", f"the condition {quoted(event.when)} reads "
                           "nothing, so it never changes", f"{path}.when", allowed="a condition of "
                           'quantities or of the time t, such as "=finger.mcp.angle > 0.5"')
-        elif names == {"t"} and _never(event.when, steps, mechanism):
-            yield Problem("event-never-happens", "this event can never happen: "
-                          f"{quoted(event.when)} is true at no time of the run, which ends at "
-                          f"{duration:g} s", f"{path}.when",
-                          allowed="a condition that becomes true")
+        elif names == {"t"} and 0 < len(steps) * len(mechanism.events) <= MAX_EVALUATIONS:
+            true: Any = True  # undefined at some time, it may be true at another
+            with contextlib.suppress(ValueError):
+                true = np.atleast_1d(parse_expression(event.when).evaluate(
+                    {**mechanism.functions, "t": step * np.asarray(steps)})) > 0
+            if not np.any(true):
+                yield Problem("event-never-happens", "this event can never happen: "
+                              f"{quoted(event.when)} is true at no time of the run, which ends at "
+                              f"{duration:g} s", f"{path}.when",
+                              allowed="a condition that becomes true")
     if event.lasts is not None and not (event.set or event.release or event.take_up):
         yield Problem("conflicting-keys", "'lasts' needs 'set', 'release' or 'take_up'",
                       f"{path}.lasts")
 
 
-def _never(when: str, steps: range, mechanism: Mechanism) -> bool:
-    """Whether a condition of the time is false at all steps; False if there are too many."""
-    if not 0 < len(steps) * len(mechanism.events) <= MOST_LOOKS:
-        return False
-    try:
-        found = parse_expression(when).evaluate(
-            {**mechanism.functions, "t": mechanism.run.step * np.asarray(steps)})
-    except ValueError:  # no number somewhere, and perhaps true elsewhere
-        return False
-    return not np.any(np.asarray(found) > 0)
-
-
 def check_units(mechanism: Mechanism) -> Iterator[Problem]:
-    """Quantities around control that have a unit of another dimension than is set or read.
-
-    Of a value over time the path names its kind, ``$.drives[0].value.ramp.to``, also
-    where the scene's author left that out.
-    """
+    """Quantities of control with a unit of another dimension than the one set or read."""
     for path, value, dimension in _measured(mechanism):
         if dimension is not None and isinstance(value, Measured):
             try:
@@ -160,7 +146,7 @@ def check_units(mechanism: Mechanism) -> Iterator[Problem]:
 
 
 def _measured(mechanism: Mechanism) -> Iterator[Place]:
-    """The values of drives, and what controllers and events set or compare with a reading."""
+    """The values of drives, controllers and events with the dimensions that they must have."""
     drives = {each.name: each.dimension(mechanism) for each in reversed(mechanism.drives)}
     meters = {meter.name for meter in mechanism.meters}
     targets: dict[str, list[str | None]] = {}
@@ -206,17 +192,13 @@ def _of_reading(text: str, meters: set[str]) -> str | None:
     return READINGS.get(last) if element else None
 
 
-def _numbers(path: str, value: Any, dimension: str | None) -> Iterator[Place]:
-    """A number, or every number of a range."""
+def _numbers(path: str, value: Any, dimension: str | None) -> list[Place]:
     if not isinstance(value, tuple):
-        yield path, value, dimension
-        return
-    for i, number in enumerate(value):
-        yield f"{path}[{i}]", number, dimension
+        return [(path, value, dimension)]
+    return [(f"{path}[{i}]", number, dimension) for i, number in enumerate(value)]
 
 
 def _signal(path: str, signal: AnySignal, dimension: str | None) -> Iterator[Place]:
-    """Every quantity of a value over time."""
     match signal:
         case Constant():
             yield f"{path}.constant", signal.constant, dimension

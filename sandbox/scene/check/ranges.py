@@ -1,14 +1,13 @@
-"""What follows from a mechanism's numbers must be a number that can be computed with, too.
+"""Ranges of derived numbers: masses of shapes, distances of corners, values of signals over time.
 
-The range of a field is checked where it is read (:mod:`sandbox.values.units`). Here are the
-derived numbers: masses of shapes, distances of corners, values of signals over time.
+The range of a field is checked where it is read (:mod:`sandbox.values.units`).
 """
 
 from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -19,25 +18,22 @@ from sandbox.scene.bodies import SHAPES, Body, Polygon, Polyline
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.curves import path_through
-from sandbox.scene.outlines.rings import Corner
 from sandbox.values.signals import AnySignal, Formula, Table, values
-from sandbox.values.tables import Tables
 from sandbox.values.units import RANGES, in_range, size_fault
 from sandbox.wording import WrongValueError
 
-INSTANTS = 257
-"""At which a signal is evaluated."""
+INSTANTS = 257  # at which a signal is evaluated
 
 
 def nothing_to_run(mechanism: Mechanism) -> Iterator[Problem]:
-    """A mechanism without bodies: there is nothing that could be simulated."""
+    """A mechanism without bodies."""
     if not mechanism.bodies:
         yield Problem("nothing-to-simulate", "there are no bodies, so there is nothing to simulate",
                       "$.bodies", allowed="at least one body, or a part that has some")
 
 
 def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
-    """Weights, corners, paths, directions and signals that are beyond what can be computed."""
+    """Masses, corners, paths, directions and signals beyond their ranges."""
     for i, body in enumerate(mechanism.bodies):
         yield from _corners(body, f"$.bodies[{i}]")
         if body.motion == "dynamic":
@@ -74,25 +70,23 @@ def _out_of_range(value: float, dimension: str, path: str, at: str = "") -> Iter
 
 
 def _corners(body: Body, path: str) -> Iterator[Problem]:
-    """Corners of polygons and polylines that are as good as one."""
+    """Corners of polygons and polylines that are too close to each other."""
     for place, shape in ((f"{path}.{field}[{j}]", shape) for field in SHAPES
                          for j, shape in enumerate(getattr(body, field))):
-        sides: list[tuple[str, Iterable[tuple[Corner, Corner]]]] = []
+        chains = {}
         if isinstance(shape, Polygon):
             rings = {"points": shape.points} | {
                 f"holes[{k}]": hole for k, hole in enumerate(shape.holes)}
-            sides = [(field, zip(ring, ring[1:] + ring[:1], strict=True))
-                     for field, ring in rings.items()]
+            chains = {field: (*ring, ring[0]) for field, ring in rings.items()}
         elif isinstance(shape, Polyline):
-            sides = [("points", pairwise(shape.points))]
-        for field, ends in sides:
-            if fault := size_fault(min(math.dist(p, q) for p, q in ends), "length"):
+            chains = {"points": shape.points}
+        for field, chain in chains.items():
+            if fault := size_fault(min(math.dist(p, q) for p, q in pairwise(chain)), "length"):
                 yield Problem("out-of-range", f"the shortest side of this {shape.type} is {fault}",
                               f"{place}.{field}")
 
 
 def _weight(body: Body, path: str) -> Iterator[Problem]:
-    """Mass and inertia, given or derived from the shapes."""
     try:
         weight = mass_properties(body)
     except ArithmeticError:
@@ -111,36 +105,32 @@ def _signal(
     signal: AnySignal, mechanism: Mechanism, path: str, dimension: str | None, *,
     positive: bool = False, first: float | None = None,
 ) -> Iterator[Problem]:
-    """A value over time without a finite value, not positive, or beyond its range.
-
-    A signal of no dimension has no range. Controllers evaluate theirs at the ``first`` instant,
-    too; drives have no such step.
-    """
+    """A value over time, also at ``first``, that is not finite, positive or in its range."""
     if dimension is None and not isinstance(signal, Formula):
         return
+
+    def lacks(t: Array) -> str:
+        """Why the signal has no value at one of some instants; empty otherwise."""
+        try:
+            values(signal, t, tables)
+        except ValueError as error:
+            return str(error)
+        return ""
+
     duration, tables = mechanism.run.duration, mechanism.functions
     t: Array = duration * (np.arange(INSTANTS, dtype=np.float64) + 0.5) / INSTANTS
     t = t if first is None else np.append(first, t)
-    count = len(t) if not _lacks(signal, t, tables) else bisect_left(
-        range(1, len(t) + 1), True, key=lambda n: _lacks(signal, t[:n], tables) != "")
+    count = len(t) if not lacks(t) else bisect_left(
+        range(1, len(t) + 1), True, key=lambda n: lacks(t[:n]) != "")
     found = values(signal, t[:count], tables)
     if positive and np.any(found <= 0):
         yield Problem("out-of-range", "the radius is not greater than 0 at t = "
                       f"{t[int(np.argmax(found <= 0))]:.4g} s", path)
     elif count < len(t):
-        yield Problem("out-of-range", f"{_lacks(signal, t[count:count + 1], tables)} at t = "
-                      f"{t[count]:.4g} s", path, allowed=f"a finite value from 0 to {duration:g} s")
+        yield Problem("out-of-range", f"{lacks(t[count:count + 1])} at t = {t[count]:.4g} s", path,
+                      allowed=f"a finite value from 0 to {duration:g} s")
     if count == len(t) and dimension is not None:
         if isinstance(signal, Table):
             t, found = np.array(signal.table).T
         worst = int(np.argmax(np.abs(found)))
         yield from _out_of_range(float(found[worst]), dimension, path, f", at t = {t[worst]:.4g} s")
-
-
-def _lacks(signal: AnySignal, t: Array, tables: Tables) -> str:
-    """Why a signal has no value at one of some instants, or nothing."""
-    try:
-        values(signal, t, tables)
-    except ValueError as error:
-        return str(error)
-    return ""

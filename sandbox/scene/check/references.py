@@ -1,7 +1,4 @@
-"""Names that must lead somewhere: every reference of a mechanism, and every name once.
-
-The models see one element at a time; here the mechanism is seen as a whole.
-"""
+"""References of a mechanism to other elements, and unique names."""
 
 from __future__ import annotations
 
@@ -27,7 +24,7 @@ from sandbox.errors import Problem
 from sandbox.scene.check.control import check_control
 from sandbox.scene.layers import BY_ROLE, EVERY, meant
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.settings import Group, View
+from sandbox.scene.settings import Event, Group, View
 from sandbox.values.spec import Spec
 from sandbox.wording import NearMisses, is_pattern, listed, quoted
 
@@ -37,9 +34,8 @@ def check_references(
 ) -> list[Problem]:
     """Every name that is unknown, duplicate or ambiguous.
 
-    Paths are those of the mechanism (``$.joints[3].a``). Names in ``assumed``,
-    and what begins with one of them and a dot, count as known: they belong to
-    elements that could not be read. ``"*"`` matches any name.
+    Names in ``assumed``, also followed by a dot and more, count as known: they belong to elements
+    that could not be read. ``"*"`` matches any name.
     """
     names = _References(mechanism, assumed)
     return [*names.names(), *names.elements(), *names.others(), *names.view(),
@@ -49,16 +45,9 @@ def check_references(
 def check_unread(
     unread: Mapping[str, Mapping[int, Any]], mechanism: Mechanism, assumed: Collection[str],
 ) -> Iterator[Problem]:
-    """Unknown and duplicate names in the data of elements that could not be read.
-
-    ``unread`` has, for each kind, the data by its place in the list, of which the paths of problems
-    are; ``mechanism`` lacks them. ``assumed`` is as in :func:`check_references`.
-    """
+    """Unknown and duplicate names in the data of unreadable elements, by kind and index."""
     names = _References(mechanism, assumed)
-    taken: dict[str, str] = {}
-    for kind in NAMED:
-        for element in getattr(mechanism, kind):
-            taken.setdefault(element.name, kind)
+    taken = {name: kind for kind in reversed([*NAMED]) for name in names.known[kind]}
     for kind, entries in unread.items():
         for i, entry in entries.items():
             if not isinstance(entry, dict):
@@ -76,7 +65,7 @@ def check_unread(
 
 
 def _taken(name: str, kind: str, first: str, path: str) -> Problem:
-    """A name that an element of a kind has, and one of the ``first`` kind before it."""
+    """A name of an element of a kind that one of the ``first`` kind has, too."""
     return Problem("duplicate-name", f"the name {quoted(name)} is already that of "
                    f"{'another' if first == kind else 'a'} {NAMED[first].one}", path,
                    allowed="a unique name for every element")
@@ -102,50 +91,40 @@ class _References:
 
     def _unknown(self, name: str, known: Collection[str], what: str, path: str, *,
                  also: Collection[str] = ()) -> Iterator[Problem]:
-        """A name that is none of the known ones; ``also`` is meant only to be offered."""
+        """A name that is none of the known ones; ``also`` are further suggestions."""
         if name not in known and not self._assumed(name):
             yield Problem("name-not-found", f"there is no {what} named {quoted(name)}", path,
                           allowed=listed(known) or self._none(f"there is no {what}"),
                           hint=self.near(name, itertools.chain(known, also)))
 
     def _none(self, why: str) -> str:
-        """That nothing is allowed, unless something could not be read."""
+        """The allowed values when there are none, if everything could be read."""
         return "" if self.assumed else f"none: {why}"
 
     def _target(
         self, model: type[Spec] | None, reference: Reference, name: str, path: str,
     ) -> Iterator[Problem]:
-        """An element that a field names; a pull may name the group that its tendon is of."""
-        if (twin := self._twin(model, reference, name, path)) is not None:
-            yield twin
-            return
+        """An element that a field names; a pull may name the group of its tendon."""
         if reference.among == RELEASABLES:
             known, what = {name: None for kind in RELEASABLE for name in self.known[kind]}, \
                 "joint, spring or tendon"
         elif reference.hinge or reference.line:
-            known, what = ((self.hinges, "pin joint") if reference.hinge else
-                           (self.actuators, "actuator"))
+            known, what, one, acts = \
+                (self.hinges, "pin joint", "an actuator", "a hinge") if reference.hinge else \
+                (self.actuators, "actuator", "a hinge", "an actuator")
+            tag = "" if model is None else tag_of(model)
+            if tag and name in (self.actuators if reference.hinge else self.hinges):
+                twin = getattr(getattr(model, "facts", None), "twin", "")
+                yield Problem(
+                    "name-not-found", f"{quoted(name)} is {one}, and '{tag}' acts on {acts}", path,
+                    allowed=listed(known) or f"none: there is no {acts.split()[1]}",
+                    hint=f"a drive of type '{twin}', which acts on {one}" if twin else "")
+                return
         else:
             known, what = self.known[reference.among], NAMED[reference.among].one
         yield from self._unknown(
             name, known, what, path,
             also=self.pulled_groups if reference.among == "tendons" else ())
-
-    def _twin(
-        self, model: type[Spec] | None, reference: Reference, name: str, path: str,
-    ) -> Problem | None:
-        """An element of hinges that names an actuator, or the other way round."""
-        tag = "" if model is None else tag_of(model)
-        known, one, acts = (self.hinges, "an actuator", "a hinge") if reference.hinge else (
-            self.actuators, "a hinge", "an actuator")
-        others = self.actuators if reference.hinge else self.hinges if reference.line else ()
-        if not tag or name not in others:
-            return None
-        twin = getattr(getattr(model, "facts", None), "twin", "")
-        return Problem(
-            "name-not-found", f"{quoted(name)} is {one}, and '{tag}' acts on {acts}", path,
-            allowed=listed(known) or f"none: there is no {acts.split()[1]}",
-            hint=f"a drive of type '{twin}', which acts on {one}" if twin else "")
 
     def _assumed(self, name: str) -> bool:
         return bool(self.assumed) and ("*" in self.assumed or any(
@@ -196,7 +175,7 @@ class _References:
                     owners.setdefault(owned, quoted(element.name))
 
     def others(self) -> Iterator[Problem]:
-        """Materials of bodies, bodies of contact rules and groups, elements of events."""
+        """Unknown materials of bodies, bodies of contact rules and groups, elements of events."""
         for i, body in enumerate(self.mechanism.bodies):
             if body.material is not None:
                 yield from self._unknown(body.material, self.mechanism.materials, "material",
@@ -210,28 +189,24 @@ class _References:
         for i, event in enumerate(self.mechanism.events):
             for field in ("release", "take_up"):
                 for j, name in enumerate(getattr(event, field)):
-                    yield from self._released(
-                        name, f"$.events[{i}].{field}[{j}]", f"$.events[{i}].lasts",
-                        again=field == "take_up", lasts=event.lasts is not None)
+                    yield from self._released(name, event, field, f"$.events[{i}]", j)
 
     def _released(
-        self, name: str, path: str, lasting: str, *, again: bool, lasts: bool,
+        self, name: str, event: Event, field: str, path: str, number: int,
     ) -> Iterator[Problem]:
-        """An element that an event cannot release or engage."""
-        known = self.holding
+        known, place = self.holding, f"{path}.{field}[{number}]"
         kind = next((kind for kind in NAMED if kind not in RELEASABLE and name in self.known[kind]),
                     None)
         if kind is not None:
             yield Problem("not-releasable", f"{quoted(name)} is a {NAMED[kind].one}, which events "
-                          "cannot release", path,
+                          "cannot release", place,
                           allowed=listed(known) or self._none("nothing holds anything"))
         elif name not in known:
-            yield from self._unknown(name, known, "joint, spring or tendon", path)
-        elif (again or lasts) and name in self.wheels:
-            yield no_mesh(name, path if again else lasting)
+            yield from self._unknown(name, known, "joint, spring or tendon", place)
+        elif (field == "take_up" or event.lasts is not None) and name in self.wheels:
+            yield no_mesh(name, place if field == "take_up" else f"{path}.lasts")
 
     def view(self) -> Iterator[Problem]:
-        """Unknown bodies in the view."""
         view = self.mechanism.view
         for path, reference, name in references(View, view, "$.view"):
             yield from self._target(None, reference, name, path)
@@ -243,7 +218,6 @@ class _References:
                 yield from self._seen(pattern, f"$.view.show.{layer}")
 
     def _seen(self, pattern: str, path: str) -> Iterator[Problem]:
-        """A pattern of what a picture shows that fits no body, by name or by role."""
         if not pattern.startswith(BY_ROLE):
             yield from self._fitting(pattern, path)
         elif not self.assumed and not meant([pattern], self.mechanism.bodies):
@@ -253,22 +227,20 @@ class _References:
                           allowed=listed(roles), hint=self.near(pattern, roles))
 
     def _fitting(self, pattern: str, path: str, *, load: bool = False) -> Iterator[Problem]:
-        """A pattern of bodies that fits none; that of a load none that moves freely."""
+        """A pattern of bodies that fits none; of a load, none that moves freely."""
+        def fits(names: Collection[str]) -> bool:
+            return pattern in names or (is_pattern(pattern) and any(
+                map(re.compile(fnmatch.translate(pattern)).match, names)))
+
         if self._assumed(pattern) or (self.assumed and "*" in pattern):
             return  # a body that could not be read may fit
         known = self.free if load else self.bodies
-        if not _fits(pattern, self.bodies):
+        if not fits(self.bodies):
             grouped = any(group.name == pattern for group in self.mechanism.groups)
             hint = "'*', every body that moves freely" if load and pattern == "all" else (
                 f"'{pattern}.*'" if grouped else self.near(pattern, self.bodies))
             yield Problem("name-not-found", f"no body's name matches {quoted(pattern)}", path,
                           allowed=listed(known), hint=hint)
-        elif not _fits(pattern, known):
+        elif not fits(known):
             yield Problem("name-not-found", f"{quoted(pattern)} matches no body that moves freely",
                           path, allowed=listed(known) or "none: no body moves freely")
-
-
-def _fits(pattern: str, names: Collection[str]) -> bool:
-    """Whether a name or pattern fits one of some names."""
-    return pattern in names or (is_pattern(pattern) and any(
-        map(re.compile(fnmatch.translate(pattern)).match, names)))

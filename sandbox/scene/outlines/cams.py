@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
@@ -32,40 +33,35 @@ from sandbox.values.spec import TYPE, Spec
 from sandbox.values.tables import PeriodicSpline
 from sandbox.wording import WrongValueError
 
-TRIED = 3600
-"""Angles at which undercut is looked for, besides 8 between neighbours in the table."""
-SPARE = 1e-3
-"""Relative margin of the reported radius to the smallest one that is possible."""
-FINE = 1e-9
-"""How far the outline's spans may be from the envelope [m]."""
+CHECKED = 3600  # angles at which undercut is checked, besides 8 between neighbours in the table
+SPARE = 1e-3  # relative margin of the reported radius above the smallest possible one
+FINE = 1e-9  # maximum distance of the outline's spans from the envelope [m]
 SWINGS = 0.02
 """Share of the range of a lift by which a smooth peak between two entries may exceed them."""
-LARGEST = 1e6
-"""The largest radius that is reported [m]."""
+LARGEST = 1e6  # the largest radius that is reported [m]
 
 
 @dataclass(frozen=True)
 class CamCurve:
     """A cam's outline as a curve over its turn."""
 
-    lift: PeriodicSpline
-    """Over the cam's turn [rad], [m]."""
-    tried: Array
-    """Turns that lie close enough to see every bend of the lift [rad]."""
-    base: float
-    """Radius where the lift is 0 [m]."""
-    roller: float
-    """Radius of the follower's roller [m]; 0 for a flat one."""
-    towards: float
-    """Direction from the centre to the follower, in the body's frame at its angle 0 [rad]."""
-    sense: int
-    """1 for a cam that turns counter-clockwise, else -1."""
+    lift: PeriodicSpline  # over the cam's turn [rad], [m]
+    base: float  # radius where the lift is 0 [m]
+    roller: float  # radius of the follower's roller [m]; 0 for a flat one
+    towards: float  # from the centre to the follower, in the body's frame at its angle 0 [rad]
+    sense: int  # 1 for a cam that turns counter-clockwise, else -1
+
+    @cached_property
+    def checked(self) -> Array:
+        """Turns that lie close enough to see every bend of the lift [rad]."""
+        angles = self.lift.angles
+        ends = np.append(angles, angles[0] + math.tau)
+        between = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(8) / 8).ravel()
+        return np.unique(np.concatenate([
+            between, angles[0] + math.tau * np.arange(CHECKED) / CHECKED]))
 
     def nodes(self, turn: Array) -> Array:
-        """Where the cam touches its follower at turns [rad], in the body's frame, [n, 4].
-
-        As nodes (:mod:`sandbox.scene.outlines.curves`), counter-clockwise.
-        """
+        """Contact points with the follower at turns [rad], counter-clockwise, as nodes [n, 4]."""
         s, s1, s2 = self.lift(turn)
         s1 = -self.sense * s1  # over the direction of the follower as seen from the cam
         psi = self.towards - self.sense * turn
@@ -84,11 +80,7 @@ class CamCurve:
         return np.column_stack([point, np.arctan2(out[:, 0], -out[:, 1]), bend])
 
     def radius(self, turn: Array) -> Array:
-        """What has to be positive: by how much the outline's curvature lets the follower in [m].
-
-        Of a flat follower the radius of curvature; of a roller that of the pitch curve less its
-        own, and no bound where the curve is hollow.
-        """
+        """The margin against undercut [m], negative where it occurs; large where hollow."""
         s, s1, s2 = self.lift(turn)
         if not self.roller:
             return np.asarray(self.base + s + s2)
@@ -97,36 +89,26 @@ class CamCurve:
         return np.where(bend > 0, 1 / np.maximum(bend, 1e-300) - self.roller, LARGEST)
 
     def swing(self) -> tuple[float, float, float] | None:
-        """The lift [m] furthest beyond all entries, by how much [m], and the turn [rad] there.
-
-        None where that is no more than :data:`SWINGS` of the entries' range.
-        """
-        lift, entries = self.lift(self.tried)[0], self.lift.pieces[:, 0]
+        """Lift [m], excess [m] and turn [rad] of a peak beyond all entries, if there is one."""
+        lift, entries = self.lift(self.checked)[0], self.lift.pieces[:, 0]
         beyond = np.maximum(lift - entries.max(), entries.min() - lift)
-        most = int(beyond.argmax())
-        if beyond[most] <= SWINGS * np.ptp(entries):
+        k = int(beyond.argmax())
+        if beyond[k] <= SWINGS * np.ptp(entries):
             return None
-        return float(lift[most]), float(beyond[most]), float(self.tried[most])
-
-    def fits(self) -> bool:
-        """Whether the follower touches all of the outline."""
-        return bool(self.radius(self.tried).min() > 0)
+        return float(lift[k]), float(beyond[k]), float(self.checked[k])
 
 
 def cam_nodes(curve: CamCurve) -> Array:
-    """Nodes of the outline, counter-clockwise, with one at every angle of the lift's table, [n, 4].
-
-    Raises:
-        WrongValueError: undercut; with the allowed radii.
-    """
-    lowest = float(curve.lift(curve.tried)[0].min())
+    """Nodes of the outline [n, 4], counter-clockwise, one at every angle of the lift's table."""
+    lowest = float(curve.lift(curve.checked)[0].min())
     if curve.base + lowest <= 0:
         raise WrongValueError(
             "bad-outline", f"the curve through the entries of 'lift' goes down to {lowest:.6g} m, "
             "below the cam's centre", allowed=f"a base radius above {-lowest:.6g} m, or more "
             "entries where the curve swings between them")
-    if not curve.fits():
-        raise _undercut(curve)
+    radius = curve.radius(curve.checked)
+    if radius.min() <= 0:
+        raise _undercut(curve, math.degrees(float(curve.checked[int(radius.argmin())])))
     first = curve.lift.angles[0]
     turns = np.union1d(np.append(curve.lift.angles, first + math.tau),
                        first + math.tau * np.arange(24) / 24)
@@ -135,46 +117,33 @@ def cam_nodes(curve: CamCurve) -> Array:
     return nodes_along(lambda at: curve.nodes(-curve.sense * at), np.sort(turns), FINE)[:-1]
 
 
-def _undercut(curve: CamCurve) -> WrongValueError:
-    radius = curve.radius(curve.tried)
-    worst = int(radius.argmin())
+def _undercut(curve: CamCurve, turn: float) -> WrongValueError:
     low, high = curve.base, LARGEST
     while high - low > SPARE * low:
         middle = math.sqrt(low * high)
-        low, high = ((low, middle) if replace(curve, base=middle).fits() else (middle, high))
+        fits = replace(curve, base=middle).radius(curve.checked).min() > 0
+        low, high = (low, middle) if fits else (middle, high)
     digit = 10.0 ** (math.floor(math.log10(high)) - 2)  # rounded up to three
     what = f"a roller of {curve.roller:.6g} m cannot reach it" if curve.roller else \
         "a flat follower bridges it"
-    turn = math.degrees(float(curve.tried[worst]))
     return WrongValueError(
         "bad-outline", f"this cam is undercut at a turn of {turn:.4g} deg: {what}",
         allowed=f"a base radius of at least {math.ceil(high / digit) * digit:.6g} m"
         + (", or a smaller roller" if curve.roller else ""))
 
 
-def tried_turns(angles: Array) -> Array:
-    """A whole turn [rad], evenly, and 8 places between every two of a table's angles."""
-    ends = np.append(angles, angles[0] + math.tau)
-    between = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(8) / 8).ravel()
-    return np.unique(np.concatenate([between, angles[0] + math.tau * np.arange(TRIED) / TRIED]))
-
-
 class DiscCam(Spec):
     """A disc cam whose outline gives its follower the lift of a table.
 
-    The lift between the table's angles is a smooth curve, a periodic cubic spline. The follower
-    moves along a line through the cam's centre. Contacts follow the true outline. Once read, a cam
-    is a polygon with nodes.
+    Between the table's angles the lift is a periodic cubic spline. The follower moves along a line
+    through the cam's centre. Contacts follow the true outline. It is read as a polygon with nodes.
     """
 
     type: Literal["cam"] = TYPE
     base: Length
     """Radius of the outline where the lift is 0."""
     lift: Annotated[Items[tuple[Angle, Coordinate]], Field(min_length=3, max_length=720)]
-    """How far the follower is raised, by how far the cam has turned: `[angle, lift]`.
-
-    Angles rise over less than a whole turn; the curve continues from the last to the first.
-    """
+    """Rise of the follower by the cam's rotation: `[angle, lift]`, over less than a whole turn."""
     follower: Literal["roller", "flat"] = "roller"
     """Type of follower: a roller, or a flat face across its path."""
     roller: Length | None = None
@@ -212,6 +181,5 @@ class DiscCam(Spec):
     def curve(self) -> CamCurve:
         """The outline about the cam's centre."""
         angles, lifts = np.array(self.lift).T
-        return CamCurve(
-            PeriodicSpline(angles, lifts), tried_turns(angles), self.base, self.roller or 0.0,
-            self.towards, 1 if self.turns == "counterclockwise" else -1)
+        return CamCurve(PeriodicSpline(angles, lifts), self.base, self.roller or 0.0,
+                        self.towards, 1 if self.turns == "counterclockwise" else -1)

@@ -1,16 +1,10 @@
 """Smooth curves as nodes, and the quintic spans between them.
 
 A node is a point of the curve with its direction and curvature. Between two neighbours lies one
-polynomial of the fifth degree for each coordinate that has both nodes' points, directions and
-curvatures, so curvature is continuous from span to span. Two nodes at the same place end one
-piece and begin the next: a corner, or a jump of the curvature where an arc meets a line.
-
-The polynomial's parameter w runs from 0 to 1; at both ends the speed |dp/dw| is the length of the
-arc with the span's chord and turn. Farouki, *Pythagorean-Hodograph Curves*, section 6, gives the
-Hermite form.
-
-A :class:`Path` is a curve by its arc length from its first point, as the pin of a slot runs along
-it. An open path continues straight beyond its ends.
+polynomial of the fifth degree for each coordinate, with both nodes' points, directions and
+curvatures. Two nodes at the same place are a corner, or a jump of the curvature. The parameter w of
+a span runs from 0 to 1; at both ends the speed |dp/dw| is the length of the arc with the span's
+chord and turn (Hermite form: Farouki, *Pythagorean-Hodograph Curves*, section 6).
 """
 
 from __future__ import annotations
@@ -34,18 +28,13 @@ from sandbox.wording import WrongValueError
 
 Node = tuple[float, float, float, float]
 """x, y [m], direction [rad], curvature [1/m], positive where the curve turns to the left."""
-Curve = Callable[[Array], Array]
-"""Nodes [n, 4] at parameters [n]."""
-SMOOTH = 1e-6
-"""A change of direction that is no corner [rad]."""
-CURVATURE = 1e-4
-"""How exact a span's curvature is, as a share of the largest."""
-MOST_NODES = 2000
+Curve = Callable[[Array], Array]  # nodes [n, 4] at parameters [n]
+SMOOTH = 1e-6  # a change of direction that is no corner [rad]
+CURVATURE = 1e-4  # error of a span's curvature as a share of the largest
+MAX_NODES = 2000
 ABSCISSAE, WEIGHTS = np.polynomial.legendre.leggauss(5)
-"""Quadrature of arc lengths, as in :mod:`sandbox.engine.coordinates`."""
 ITERATIONS = 30
-SAMPLES = 16
-"""Points of each span from which the search for the nearest place starts."""
+SAMPLES = 16  # points of each span from which the search for the nearest place starts
 
 
 class Spans(NamedTuple):
@@ -53,8 +42,7 @@ class Spans(NamedTuple):
 
     terms: Array
     """Polynomials: six terms of x, six of y, each from the constant one up [m], [n, 12]."""
-    corner: Flags
-    """Whether there is a corner between each and the span before it, [n]."""
+    corner: Flags  # whether there is a corner between each and the span before it, [n]
 
 
 def spans_of(nodes: Array, *, closed: bool) -> Spans:
@@ -92,13 +80,11 @@ def _angle(angle: Array) -> Array:
 
 def on_spans(terms: Array, w: Array) -> tuple[Array, Array, Array]:
     """Points of spans [n, 12] at parameters [n], first and second derivatives, [n, 2] each."""
-    x, y = terms[:, :6].T, terms[:, 6:].T
-    power = np.array([w**n for n in range(6)])
-    n = np.arange(6.0)[:, None]
+    power, n = np.array([w**n for n in range(6)]), np.arange(6.0)[:, None]
 
     def along(factor: Array, less: int) -> Array:
-        terms_of = [((axis * factor)[less:] * power[:6 - less]).sum(axis=0) for axis in (x, y)]
-        return np.stack(terms_of, axis=1)
+        return np.stack([((axis.T * factor)[less:] * power[:6 - less]).sum(axis=0)
+                         for axis in (terms[:, :6], terms[:, 6:])], axis=1)
 
     return along(np.ones((6, 1)), 0), along(n, 1), along(n * (n - 1), 2)
 
@@ -110,15 +96,11 @@ def curvature(first: Array, second: Array) -> Array:
 
 
 def nodes_along(curve: Curve, at: Array, tolerance: float) -> Array:
-    """Nodes of a curve at parameters [n] and between them, ends included.
-
-    Intervals are halved until spans are within ``tolerance`` [m] of the curve and their curvature
-    is exact to :data:`CURVATURE`, or there are too many.
-    """
+    """Nodes of a curve at parameters [n] and between, with spans within ``tolerance`` [m]."""
     while True:
         nodes, middle = curve(at), curve((at[:-1] + at[1:]) / 2)
         spans = spans_of(nodes, closed=False)
-        if len(at) > MOST_NODES or len(spans.terms) < len(at) - 1:
+        if len(at) > MAX_NODES or len(spans.terms) < len(at) - 1:
             return nodes
         point, first, second = on_spans(spans.terms, np.full(len(middle), 0.5))
         away = point - middle[:, :2]
@@ -130,11 +112,11 @@ def nodes_along(curve: Curve, at: Array, tolerance: float) -> Array:
         at = np.sort(np.concatenate([at, ((at[:-1] + at[1:]) / 2)[coarse]]))
 
 
-def through(points: Array, *, closed: bool, corners: tuple[int, ...] = ()) -> Array:
-    """Nodes of the smooth curve through points [n, 2], with corners at some of them.
+def through(points: Array, *, closed: bool, corners: tuple[int, ...]) -> Array:
+    """Nodes of the cubic spline through points [n, 2] over the chords' lengths, with corners.
 
-    Between corners that is the cubic spline over the chords' lengths: periodic without any, else
-    its third derivative does not jump at the points next to an end.
+    Without corners a closed one is periodic; else the third derivative does not jump next to an
+    end.
     """
     if closed and not corners:
         length = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
@@ -147,8 +129,7 @@ def through(points: Array, *, closed: bool, corners: tuple[int, ...] = ()) -> Ar
         points = np.concatenate([points, points[:1]])
         corners = tuple(k - corners[0] for k in corners[1:])
     ends = [0, *(k for k in sorted(corners) if 0 < k < len(points) - 1), len(points) - 1]
-    return np.concatenate([_between(points[i:j + 1])
-                           for i, j in pairwise(ends)])
+    return np.concatenate([_between(points[i:j + 1]) for i, j in pairwise(ends)])
 
 
 def _between(points: Array) -> Array:
@@ -184,11 +165,6 @@ def is_smooth(one: Array, other: Array) -> bool:
                 and abs(one[3] - other[3]) <= 1e-6 * max(abs(one[3]), abs(other[3])))
 
 
-def is_straight(nodes: Array) -> bool:
-    """Whether a curve consists of straight lines."""
-    return not nodes[:, 3].any()
-
-
 def joined(curves: list[Array]) -> Array:
     """One curve after the other, the beginning of each moved to the end of the one before it."""
     found = list(curves[0])
@@ -201,20 +177,17 @@ def joined(curves: list[Array]) -> Array:
 
 
 def flattened(nodes: Array, tolerance: float, *, closed: bool) -> Ring:
-    """Points of a curve between which no chord is further off than ``tolerance`` [m].
-
-    Of n chords of a span they are at most max |p'' across the chord| / 8 n².
-    """
+    """Points of a curve whose chords are within ``tolerance`` [m]."""
     terms = spans_of(nodes, closed=closed).terms
     chord = np.stack([terms[:, 1:6].sum(axis=1), terms[:, 7:].sum(axis=1)], axis=1)
     chord /= np.hypot(*chord.T)[:, None]
-    most = np.zeros(len(terms))
+    bends = np.zeros(len(terms))
     for w in np.linspace(0.0, 1.0, 9):
         x, y = on_spans(terms, np.full(len(terms), w))[2].T
-        most = np.maximum(most, np.abs(chord[:, 0] * y - chord[:, 1] * x))
+        bends = np.maximum(bends, np.abs(chord[:, 0] * y - chord[:, 1] * x))
     found: list[tuple[float, float]] = []
-    for span, bend in zip(terms, most, strict=True):
-        count = max(1, math.ceil(math.sqrt(bend / (8 * tolerance))))
+    for span, bend in zip(terms, bends, strict=True):
+        count = max(1, math.ceil(math.sqrt(bend / (8 * tolerance))))  # chords are bend / 8 n² off
         points = on_spans(np.tile(span, (count, 1)), np.arange(count) / count)[0]
         found += [(x, y) for x, y in points.tolist()]
     if not closed:
@@ -224,7 +197,7 @@ def flattened(nodes: Array, tolerance: float, *, closed: bool) -> Ring:
 
 @dataclass(frozen=True)
 class Path:
-    """A smooth curve in the frame of a body."""
+    """A smooth curve by its arc length, in the frame of a body; straight beyond open ends."""
 
     nodes: Array
     """x, y, direction, curvature, [n, 4]; not finite where the curve turns back on itself."""
@@ -243,14 +216,12 @@ class Path:
 
     @property
     def is_smooth(self) -> bool:
-        """Whether it has a direction everywhere: nowhere does it turn back on itself."""
+        """Whether it has a direction everywhere and never turns back on itself."""
         if not np.isfinite(self.nodes).all():
             return False
-        terms, count = self.terms, len(self.terms)
-        first = np.array([on_spans(terms, np.full(count, w))[1]
+        first = np.array([on_spans(self.terms, np.full(len(self.terms), w))[1]
                           for w in np.linspace(0.0, 1.0, 16 * SAMPLES + 1)])
-        along = (first[1:] * first[:-1]).sum(axis=2)
-        return bool((along > 0.0).all())
+        return bool(((first[1:] * first[:-1]).sum(axis=2) > 0.0).all())
 
     @property
     def length(self) -> float:
@@ -300,8 +271,7 @@ def _arc(terms: Array, w: Array) -> Array:
 def path_through(points: tuple[tuple[float, float], ...], *, closed: bool) -> Path:
     """The smooth path through points [m]: the quintic spline over the chords' lengths.
 
-    Its curvature is exact to fourth order in the distance of the points, that of a cubic spline
-    only to second order. Fewer than six points of an open path have a spline of lower degree.
+    Fewer than six points of an open path have a spline of lower degree.
     """
     from scipy.interpolate import make_interp_spline
 
@@ -311,21 +281,19 @@ def path_through(points: tuple[tuple[float, float], ...], *, closed: bool) -> Pa
     spline = make_interp_spline(at, ring, degree, bc_type="periodic" if closed else None)
     first, second = (spline(at[:len(points)], order) for order in (1, 2))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Path(np.column_stack([points, np.arctan2(first[:, 1], first[:, 0]),
-                                     curvature(first, second)]), closed)
+        return Path(_nodes(np.array(points), first, second), closed)
 
 
 class SmoothCurve(Spec):
     """A smooth curve through points: a closed outline, or an open line such as a track.
 
-    Bodies touch the curve itself: its normal and curvature, not chords. A closed one is a solid. An
-    open one belongs to a body that does not move freely, and both of its sides can be touched.
-    Between the points lies a cubic spline.
+    Contacts follow the curve itself, a cubic spline, not chords. A closed one is a solid. An open
+    one belongs to a body that does not move freely; both of its sides can be touched.
     """
 
     type: Literal["curve"] = TYPE
     points: Annotated[Items[Point], Field(min_length=3, max_length=1000)]
-    """Points that it passes through, in order [m]; the last of a closed one is not the first."""
+    """Points of the curve in order [m]; the last of a closed one is not the first."""
     closed: Flag = True
     """Whether it continues from the last point to the first and bounds a solid."""
     corners: Items[Annotated[int, Field(ge=0)]] = ()
@@ -351,11 +319,7 @@ class SmoothCurve(Spec):
         return self
 
     def curve(self) -> Array:
-        """Its nodes, [n, 4].
-
-        Raises:
-            WrongValueError: it turns back on itself, because its points lie in one line.
-        """
+        """Its nodes, [n, 4]."""
         with np.errstate(invalid="ignore", divide="ignore"):
             nodes = through(np.array(self.points), closed=self.closed,
                             corners=tuple(sorted(set(self.corners))))

@@ -1,12 +1,13 @@
 """Outlines from drawings: SVG files by svgelements, DXF files by ezdxf.
 
-A drawing's lines, arcs and splines become nodes (:mod:`sandbox.scene.outlines.curves`); what is
-open is joined end to end. The largest outline is the shape's and those in it are its holes. Files
-come from the scene's own folder, and nothing that a file names is looked up.
+Lines, arcs and splines become nodes (:mod:`sandbox.scene.outlines.curves`); open ones are joined
+end to end. The largest outline is the shape's and those in it are its holes. Files come from the
+scene's own folder, and references in them are not followed.
 """
 
 from __future__ import annotations
 
+import contextlib
 import io
 import math
 import re
@@ -31,22 +32,15 @@ from sandbox.values.numbers import Angle, Length, Point
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError, listed, near, quoted
 
-MOST_BYTES = 1_000_000
-"""Of a drawing: some seconds of reading."""
-MOST_NODES = 20_000
-"""Of all curves of a drawing."""
-FINE = 1e-7
-"""How far spans may be from a curve, as a share of its size."""
-POINT = 1e-9
-"""A piece that is smaller than this share of the largest is rounding."""
-NEXT = 1e-4
-"""Parameter next to the end of a curve."""
-ARCS = 16
-"""Cubic curves that a whole turn is made of: within 1e-8 of the radius."""
+MAX_BYTES = 1_000_000  # of a drawing: some seconds of reading
+MAX_NODES = 20_000  # of all curves of a drawing
+FINE = 1e-7  # maximum distance of spans from a curve, as a share of its size
+POINT = 1e-9  # a piece that is smaller than this share of the largest is rounding
+NEXT = 1e-4  # parameter next to the end of a curve
+ARCS = 16  # cubic curves of a whole turn: within 1e-8 of the radius
 CURVES = frozenset({"LINE", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ARC", "ELLIPSE", "SPLINE"})
-"""Of a DXF file; all else, such as dimensions and texts, is no outline."""
-PIXEL = 0.0254 / 96
-"""Of an SVG file without a unit of its own [m]."""
+"""Entities of a DXF file that are read; others, such as dimensions and texts, are no outline."""
+PIXEL = 0.0254 / 96  # of an SVG file without a unit of its own [m]
 
 
 class Drawing(Spec):
@@ -59,15 +53,12 @@ class Drawing(Spec):
     file: Annotated[str, Field(min_length=1, max_length=200)]
     """Name of a `.svg` or `.dxf` file in the scene's own folder or below it."""
     unit: Length | None = None
-    """Length of one unit of the drawing (of an SVG file's view box); by default as in the file.
-
-    An SVG file without units uses pixels of 1/96 inch.
-    """
+    """Length of one unit of the drawing (of an SVG file's view box); by default as in the file, or
+    1/96 inch for an SVG file without units."""
     layer: Annotated[str, Field(max_length=200)] | None = None
     """Reads only this layer of a DXF file, or the element with this id in an SVG file."""
     tolerance: Length = 5e-5
-    """Maximum gap between connected ends, and maximum deviation of chords in pictures and in the
-    area."""
+    """Maximum gap between connected ends, and deviation of chords in pictures and in the area."""
     at: Point = (0.0, 0.0)
     """Position of the drawing's origin in the body's frame; the drawing's y is up."""
     angle: Angle = 0.0
@@ -82,11 +73,7 @@ class DrawingError(WrongValueError):
 
 
 def own_file(folder: Path | None, name: str) -> bytes:
-    """The content of a file in a scene's own folder, or below it.
-
-    Raises:
-        DrawingError: another place, no file there, or a larger one.
-    """
+    """The content of a file in a scene's own folder, or below it."""
     if folder is None:
         raise DrawingError("a scene that is no file has no folder to read a drawing from",
                            "a polygon with the corners themselves")
@@ -98,42 +85,32 @@ def own_file(folder: Path | None, name: str) -> bytes:
     try:
         linked = not path.resolve(strict=True).is_relative_to(folder.resolve(strict=True))
         found = b""
-        if path.is_file() and not linked:  # what is no file may never end
+        if path.is_file() and not linked:  # a pipe may never end
             with path.open("rb") as file:
-                found = file.read(MOST_BYTES + 1)
+                found = file.read(MAX_BYTES + 1)
     except (OSError, RuntimeError, ValueError):
-        raise _nowhere(folder, name) from None
+        there: list[str] = []
+        with contextlib.suppress(OSError):
+            there = sorted(each.name for each in folder.iterdir()
+                           if each.suffix.lower() in READERS)
+        raise DrawingError(
+            f"there is no file {quoted(name)} that can be read in the scene's folder",
+            listed(there) or "none: it has no .svg and no .dxf file", near(name, there)) from None
     if linked:
         raise DrawingError(f"{quoted(name)} leads out of the scene's own folder by a link",
                            "a file that lies in it")
     if not found:
         raise DrawingError(f"{quoted(name)} is empty, or no file", "an SVG or DXF file")
-    if len(found) > MOST_BYTES:
+    if len(found) > MAX_BYTES:
         raise DrawingError(f"{quoted(name)} is too large for the drawing of an outline",
-                           f"at most {MOST_BYTES} bytes, with nothing in it but the outline")
+                           f"at most {MAX_BYTES} bytes, with nothing in it but the outline")
     return found
-
-
-def _nowhere(folder: Path, name: str) -> DrawingError:
-    try:
-        there = sorted(each.name for each in folder.iterdir() if each.suffix.lower() in READERS)
-    except OSError:
-        there = []
-    return DrawingError(f"there is no file {quoted(name)} that can be read in the scene's folder",
-                        listed(there) or "none: it has no .svg and no .dxf file", near(name, there))
 
 
 def curves_of(
     name: str, text: bytes, *, unit: float | None, layer: str | None, tolerance: float,
 ) -> list[Array]:
-    """Nodes of the outline of a drawing, then of its holes, [k, 4] each.
-
-    The extension of ``name`` is the format of ``text``; ends that meet may be ``tolerance`` [m]
-    from each other. See :class:`Drawing` for the rest.
-
-    Raises:
-        DrawingError: no outline, more than one, or what cannot be read.
-    """
+    """Nodes [k, 4] of a drawing's outline, then of its holes; see :class:`Drawing`."""
     ending = PurePosixPath(name).suffix.lower()
     if ending not in READERS:
         raise DrawingError(f"{quoted(name)} is neither an SVG nor a DXF file", ".svg, .dxf")
@@ -150,8 +127,8 @@ def curves_of(
         raise DrawingError(f"{quoted(name)}: it has no unit",
                            "'unit', such as \"unit\": \"1 mm\"")
     scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves]
-    return _sorted_out([_closed(nodes, tolerance, name)
-                        for nodes in _chained(scaled, tolerance)], name)
+    return _outline_first([_closed(nodes, tolerance, name)
+                           for nodes in _chained(scaled, tolerance)], name)
 
 
 def _closed(nodes: Array, tolerance: float, name: str) -> Array:
@@ -168,8 +145,7 @@ def _closed(nodes: Array, tolerance: float, name: str) -> Array:
     return nodes[:-1] if is_smooth(nodes[-1], nodes[0]) else nodes
 
 
-def _sorted_out(curves: list[Array], name: str) -> list[Array]:
-    """The largest outline, then the holes in it."""
+def _outline_first(curves: list[Array], name: str) -> list[Array]:
     if not curves:
         raise DrawingError(f"{quoted(name)} has no outline",
                            "closed paths, circles, rectangles or polylines, or lines that join")
@@ -186,11 +162,9 @@ def _sorted_out(curves: list[Array], name: str) -> list[Array]:
 
 
 def _chained(curves: list[Array], tolerance: float) -> Iterator[Array]:
-    """Curves, those that are open joined end to end."""
     left = []
     for nodes in curves:
-        closed = len(nodes) > 2 and math.dist(nodes[0, :2], nodes[-1, :2]) <= tolerance
-        if closed:
+        if len(nodes) > 2 and math.dist(nodes[0, :2], nodes[-1, :2]) <= tolerance:
             yield nodes
         else:
             left.append(nodes)
@@ -205,15 +179,6 @@ def _chained(curves: list[Array], tolerance: float) -> Iterator[Array]:
             following = left.pop(int(k))
             chain = joined([chain, reversed_nodes(following) if end else following])
         yield chain
-
-
-def _beziers(pieces: list[Array]) -> Array:
-    """Nodes of Bézier curves one after the other, of their control points [n, 2]; n of 2 to 4."""
-    sizes = [float(np.ptp(points, axis=0).max()) for points in pieces]
-    least = POINT * max(sizes, default=0.0)
-    found = [nodes_along(_bezier(points), np.array([0.0, 1.0]), FINE * size)
-             for points, size in zip(pieces, sizes, strict=True) if size > least]
-    return joined(found) if found else np.zeros((0, 4))
 
 
 def _bezier(points: Array) -> Callable[[Array], Array]:
@@ -240,13 +205,16 @@ def _bezier(points: Array) -> Callable[[Array], Array]:
 
 
 def _nodes_of(drawn: Iterable[list[Array]]) -> list[Array]:
-    """Nodes of curves of pieces that follow each other, [k, 4] each, without curves of no size."""
+    """Nodes [k, 4] of curves, each of consecutive Bézier curves by their 2 to 4 control points."""
     curves: list[Array] = []
     for pieces in drawn:
-        curves.append(_beziers(pieces))
-        if sum(map(len, curves)) > MOST_NODES:
-            raise DrawingError(f"its curves have more than {MOST_NODES} nodes", "fewer curves")
-    return [nodes for nodes in curves if len(nodes)]
+        sizes = [float(np.ptp(points, axis=0).max()) for points in pieces]
+        found = [nodes_along(_bezier(points), np.array([0.0, 1.0]), FINE * size)
+                 for points, size in zip(pieces, sizes, strict=True) if size > POINT * max(sizes)]
+        curves += [joined(found)] if found else []
+        if sum(map(len, curves)) > MAX_NODES:
+            raise DrawingError(f"its curves have more than {MAX_NODES} nodes", "fewer curves")
+    return curves
 
 
 def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
@@ -256,7 +224,7 @@ def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
         word = found[0].decode().strip("<! />").strip()
         raise DrawingError(f"it holds {word!r}, which is not followed",
                            "copies and clones made paths of their own")
-    # a drawing's own unit is what its view box counts in, else pixels
+    # a drawing's own unit is that of its view box, else pixels
     drawn = svgelements.SVG.parse(io.BytesIO(text), reify=True, ppi=96.0)
     view = svgelements.Matrix(drawn.viewbox_transform or "")
     box = abs(float(view.a)) or 1.0, float(view.e), float(view.f)
@@ -267,35 +235,29 @@ def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
               [each for each in chosen.select() if isinstance(each, svgelements.Shape)])
     paths = (svgelements.Path(part) for shape in shapes
              for part in svgelements.Path(shape).as_subpaths())
-    return _nodes_of(_svg_path(path, box) for path in paths), PIXEL * box[0]
 
+    def control_points(path: Any) -> list[Array]:
+        """Of a path, in units of the view box, y up."""
+        found: list[Array] = []
+        for segment in path:
+            if isinstance(segment, svgelements.Move) or None in (segment.start, segment.end):
+                continue
+            pieces = [segment]
+            if isinstance(segment, svgelements.Arc):
+                count = max(1, math.ceil(abs(segment.sweep) / math.tau * ARCS))
+                pieces = list(segment.as_cubic_curves(count))
+            for piece in pieces:
+                inner = (getattr(piece, name, None) for name in ("control", "control1", "control2"))
+                points = [piece.start, *(each for each in inner if each is not None), piece.end]
+                found.append((np.array([(p.x, p.y) for p in points]) - box[1:])
+                             * (1 / box[0], -1 / box[0]) + 0.0)
+        return found
 
-def _svg_path(path: Any, box: tuple[float, float, float]) -> list[Array]:
-    """Control points of a path without gaps, in units of the view box, y up.
-
-    The box has the pixels of a unit, and its origin [px].
-    """
-    import svgelements
-
-    found: list[Array] = []
-    for segment in path:
-        if isinstance(segment, svgelements.Move) or segment.start is None or segment.end is None:
-            continue
-        pieces = [segment]
-        if isinstance(segment, svgelements.Arc):
-            count = max(1, math.ceil(abs(segment.sweep) / math.tau * ARCS))
-            pieces = list(segment.as_cubic_curves(count))
-        for piece in pieces:
-            points = [piece.start, *(each for name in ("control", "control1", "control2")
-                                     if (each := getattr(piece, name, None)) is not None),
-                      piece.end]
-            found.append((np.array([(p.x, p.y) for p in points]) - box[1:])
-                         * (1 / box[0], -1 / box[0]) + 0.0)
-    return found
+    return _nodes_of(map(control_points, paths)), PIXEL * box[0]
 
 
 def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
-    from ezdxf import recover, units
+    from ezdxf import path, recover, units
     from ezdxf.enums import InsertUnits
 
     document, _ = recover.read(io.BytesIO(text))
@@ -311,27 +273,20 @@ def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
         if entity.dxftype() == "INSERT":
             raise DrawingError(f"it holds the block {quoted(entity.dxf.name)}, which is not "
                                "followed", "blocks exploded into lines and curves")
-    return _nodes_of(_dxf_path(entity) for entity in chosen if entity.dxftype() in CURVES), own
 
+    def control_points(entity: Any) -> list[Array]:
+        drawn = path.make_path(entity, segments=ARCS)
+        pieces, at = [], drawn.start
+        for command in drawn.commands():
+            control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
+                       if hasattr(command, name)]
+            pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
+            at = command.end
+        return pieces
 
-def _dxf_path(entity: Any) -> list[Array]:
-    """Control points of a curve."""
-    from ezdxf import path
-
-    drawn = path.make_path(entity, segments=ARCS)
-    pieces, at = [], drawn.start
-    for command in drawn.commands():
-        control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
-                   if hasattr(command, name)]
-        pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
-        at = command.end
-    return pieces
+    return _nodes_of(control_points(each) for each in chosen if each.dxftype() in CURVES), own
 
 
 READERS: dict[str, Callable[[bytes, str | None], tuple[list[Array], float | None]]] = {
     ".svg": _svg, ".dxf": _dxf}
-"""What reads a drawing, by the ending of its name.
-
-They give the nodes of its curves [k, 4], x to the right and y up, in the drawing's units, and the
-length of one unit [m], None if the drawing does not define it.
-"""
+"""By extension: the nodes of a drawing's curves [k, 4] in its units, y up; one unit [m] or None."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_args, ge
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.bodies import Body
+from sandbox.scene.mechanism import ElementLists
 from sandbox.scene.parts.expansion import Elements, Known, PartError
 from sandbox.scene.parts.placement import Mover, Placement
 from sandbox.scene.settings import Group
@@ -23,11 +24,10 @@ if TYPE_CHECKING:
     from sandbox.scene.document import Assembly, Scene
 
 PLACED = ("bodies", "joints", "springs", "tendons", "lines", "loads", "drives")
-KINDS = tuple(kind.name for kind in dataclasses.fields(Elements) if kind.name != "materials")
+KINDS = tuple(kind for kind in ElementLists.model_fields if kind != "materials")
 OWN = tuple(kind for kind in KINDS if kind not in ("drives", "contacts", "groups"))
 """Lists whose elements come before those of parts; a scene's contact rules come after."""
-TEXTS = ("because", "unit", "title", "about")
-"""Fields that hold words for people."""
+TEXTS = ("because", "unit", "title", "about")  # fields of plain text
 _DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*(?!\w|\s*\()")
 SpecType = TypeVar("SpecType", bound=Spec)
 
@@ -36,16 +36,20 @@ def expand_parts(
     scene: Scene | Assembly, pulled: frozenset[str] = frozenset(),
     outside: Callable[[str], Body | None] = lambda name: None, near: NearMisses | None = None,
 ) -> tuple[Elements, list[Problem]]:
-    """All elements of a scene or an assembly, not placed yet, and its problems.
-
-    ``pulled`` are the parts and tendons that trees outside pull, by their names in it; ``outside``
-    finds a body around an assembly, in the frame of its surroundings.
-    """
+    """The elements of a scene or assembly, not placed; outer trees pull ``pulled``."""
     elements = Elements(materials=tuple(scene.materials.items()),
                         **{kind: getattr(scene, kind) for kind in OWN})
     tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
     pulled |= {leaf.name for part in scene.parts for leaf in part.leaves}
-    problems = _pulled_twice(scene)
+    problems: list[Problem] = []
+    pullers: dict[tuple[str, tuple[float, float]], str] = {}
+    for i, part in enumerate(scene.parts):
+        for j, leaf in enumerate(part.leaves):
+            key, path = (leaf.name.removesuffix(".tendon"), leaf.at), f"$.parts[{i}].pulls[{j}]"
+            if key in pullers:  # a tendon has one end
+                problems.append(Problem("set-twice", f"{leaf.name!r} is pulled already, by "
+                                        f"{pullers[key]}", path=path))
+            pullers.setdefault(key, path)
     failed: set[str] = set()
     near = near or NearMisses()
     for i, part in sorted(enumerate(scene.parts), key=lambda item: bool(item[1].leaves)):
@@ -65,41 +69,23 @@ def expand_parts(
     drives = [drive.model_copy(update={"tendon": tendon_of[drive.target[1]]})
               if drive.target[0].among == "tendons" and drive.target[1] in tendon_of else drive
               for drive in scene.drives]
-    return dataclasses.replace(
-        elements, drives=(*drives, *elements.drives), contacts=elements.contacts + scene.contacts,
-        groups=elements.groups + scene.groups), problems
-
-
-def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
-    """Tendons that two trees pull, or one tree twice: a tendon has one end."""
-    problems: list[Problem] = []
-    seen: dict[tuple[str, tuple[float, float]], str] = {}
-    for i, part in enumerate(scene.parts):
-        for j, leaf in enumerate(part.leaves):
-            key = (leaf.name.removesuffix(".tendon"), leaf.at)
-            if key in seen:
-                problems.append(Problem("set-twice", f"{leaf.name!r} is pulled already, by "
-                                        f"{seen[key]}", path=f"$.parts[{i}].pulls[{j}]"))
-            seen.setdefault(key, f"$.parts[{i}].pulls[{j}]")
-    return problems
+    return Elements(**elements | {
+        "drives": (*drives, *elements["drives"]), "contacts": elements["contacts"] + scene.contacts,
+        "groups": elements["groups"] + scene.groups}), problems
 
 
 def placed(
     name: str, inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
 ) -> Elements:
-    """The elements of the assembly ``name`` as the scene has them; ``inner`` as it has them.
-
-    Raises:
-        PartError: elements on bodies that are not there; all of them.
-    """
-    own = {body.name: body for body in inner.bodies}
+    """The elements ``inner`` of the assembly ``name``, placed and under their names outside."""
+    own = {body.name: body for body in inner["bodies"]}
     place = Mover(placement, own, outside)
     resized = Mover(Placement(scale=placement.scale), own, outside)
     naming = _Naming(name, inner)
     problems: list[Problem] = []
     found: dict[str, Any] = {}
     for kind in KINDS:
-        elements: list[Any] = list(getattr(inner, kind))
+        elements = list(inner[kind])
         for i, element in enumerate(elements):
             try:
                 if kind in PLACED:
@@ -113,9 +99,9 @@ def placed(
         found[kind] = tuple(elements)
     if problems:
         raise PartError(problems)
-    whole = Group(name=name, bodies=tuple(body.name for body in found["bodies"]))
-    materials = tuple((f"{name}.{key}", material) for key, material in inner.materials)
-    return Elements(**found, materials=materials) + Elements(groups=(whole,))
+    found["groups"] += (Group(name=name, bodies=tuple(body.name for body in found["bodies"])),)
+    found["materials"] = tuple((f"{name}.{key}", each) for key, each in inner["materials"])
+    return Elements(**found)
 
 
 class _Naming:
@@ -124,11 +110,11 @@ class _Naming:
     def __init__(self, prefix: str, inner: Elements) -> None:
         self.prefix = prefix
         self.names = frozenset(
-            [name for name, _ in inner.materials]
-            + [each.name for kind in KINDS if kind != "contacts" for each in getattr(inner, kind)])
+            [name for name, _ in inner["materials"]]
+            + [each.name for kind in KINDS if kind != "contacts" for each in inner[kind]])
 
     def of(self, name: str) -> str:
-        """A name as the scene has it: it, or its first part up to a dot, may be the assembly's."""
+        """A name in the scene: it, or its first part up to a dot, may be the assembly's."""
         own = any(begin in self.names for begin in accumulate(name.split("."), "{}.{}".format))
         return f"{self.prefix}.{name}" if own else name
 
@@ -146,7 +132,6 @@ class _Naming:
         return self.of(text)
 
     def spec(self, spec: SpecType) -> SpecType:
-        """An element under its name in the scene."""
         changed = {}
         for name in type(spec).model_fields:
             if name in TEXTS or name in spec.LOCAL or _is_choice(type(spec), name):
@@ -171,7 +156,6 @@ class _Naming:
 
 @cache
 def _is_choice(model: type[Spec], field: str) -> bool:
-    """Whether a field is one of a few words and names nothing."""
     annotation = model.model_fields[field].annotation
     if get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]

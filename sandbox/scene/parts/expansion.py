@@ -2,57 +2,30 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
-from sandbox.elements.fluids import Line, Valve
-from sandbox.elements.loads import Load
-from sandbox.elements.registry import Controller, Drive, Joint
-from sandbox.elements.springs import Spring
-from sandbox.elements.tendons import Guide, Tendon
 from sandbox.errors import Problem
-from sandbox.scene.bodies import Body, Material
-from sandbox.scene.settings import ContactRule, Event, Group, Meter
+from sandbox.scene.bodies import Body
+from sandbox.scene.mechanism import ElementLists
 from sandbox.values.numbers import Name, Point
 from sandbox.values.spec import Spec
 from sandbox.wording import NearMisses
 
 
-@dataclass(frozen=True)
-class Elements:
-    """Plain elements of a mechanism; two sets are added kind by kind."""
+class Elements(dict[str, tuple[Any, ...]]):
+    """Plain elements of a mechanism by kind, in order; materials are pairs of name and material."""
 
-    bodies: tuple[Body, ...] = ()
-    joints: tuple[Joint, ...] = ()
-    springs: tuple[Spring, ...] = ()
-    tendons: tuple[Tendon, ...] = ()
-    lines: tuple[Line, ...] = ()
-    valves: tuple[Valve, ...] = ()
-    loads: tuple[Load, ...] = ()
-    contacts: tuple[ContactRule, ...] = ()
-    groups: tuple[Group, ...] = ()
-    drives: tuple[Drive, ...] = ()
-    controllers: tuple[Controller, ...] = ()
-    events: tuple[Event, ...] = ()
-    meters: tuple[Meter, ...] = ()
-    materials: tuple[tuple[str, Material], ...] = ()
+    def __init__(self, **lists: tuple[Any, ...]) -> None:
+        super().__init__({kind: lists.get(kind, ()) for kind in ElementLists.model_fields})
 
     def __add__(self, other: Elements) -> Elements:
-        return Elements(**{
-            kind.name: getattr(self, kind.name) + getattr(other, kind.name)
-            for kind in dataclasses.fields(Elements)
-        })
+        return Elements(**{kind: self[kind] + other[kind] for kind in self})
 
     def body(self, name: str) -> Body | None:
         """The body of that name."""
-        return next((body for body in self.bodies if body.name == name), None)
-
-    def with_tendon_led_to(self, name: str, *guides: Guide) -> Elements:
-        """The same elements with more guides at the end of tendon ``name``."""
-        return dataclasses.replace(self, tendons=tuple(
-            tendon.model_copy(update={"guides": (*tendon.guides, *guides)})
-            if tendon.name == name else tendon for tendon in self.tendons))
+        return next((body for body in self["bodies"] if body.name == name), None)
 
 
 @dataclass
@@ -66,26 +39,23 @@ class PartError(Exception):
 class Known:
     """Elements and names that a part may refer to while it is expanded."""
 
-    elements: Elements
-    """All elements so far."""
-    tendon_of: Mapping[str, str]
-    """The tendon of each finger and tree, by the part's name."""
+    elements: Elements  # all elements so far
+    tendon_of: Mapping[str, str]  # the tendon of each finger and tree, by the part's name
     failed: frozenset[str] = frozenset()
-    """Parts that could not be built; only they are reported, not the parts that depend on them."""
-    pulled: frozenset[str] = frozenset()
-    """Parts and tendons that trees pull, by their names here."""
+    """Parts that could not be built; parts that depend on them are not reported."""
+    pulled: frozenset[str] = frozenset()  # parts and tendons that trees pull, by their names here
     outside: Callable[[str], Body | None] = lambda name: None
-    """Finds a body around an assembly, in the frame of its surroundings."""
+    """Returns a body outside an assembly, in the frame of its surroundings."""
     near: NearMisses = field(default_factory=NearMisses)
 
 
 class Leaf(Spec):
-    """What a tree pulls: a finger, a tendon (at its last guide), or a point of a body."""
+    """A leaf of a tree: a finger, a tendon (at its last guide), or a point of a body."""
 
     name: Name
     """Name of a finger, a tendon, a tree or a body."""
     at: Point = (0.0, 0.0)
-    """Of a body: where the string is tied, in its frame [m]."""
+    """Of a body: the point that is pulled, in its frame [m]."""
 
 
 class PartSpec(Spec):
@@ -110,9 +80,5 @@ class PartSpec(Spec):
         return {}
 
     def expand(self, known: Known) -> Elements:
-        """All elements so far, and those of the part.
-
-        Raises:
-            PartError: it refers to something unknown.
-        """
+        """All elements so far, and those of the part."""
         raise NotImplementedError

@@ -1,10 +1,9 @@
 """A finger: n phalanges, hinges with stops, extensor springs and one tendon.
 
-Frames as in the paper's section 5: phalanx i has its origin at its near hinge
-C_i, x along the straight finger, the palm side at -y. Guides V_0 (palm) to
-V_n (distal) and the springs' points M' are given in these frames, M'' relative
-to C_i in the frame of the body before (equations 8, 9, 20 and 21). Positive
-rotation closes the finger.
+Frames as in the paper's section 5: phalanx i has its origin at its near hinge C_i, x along the
+straight finger, the palm side at -y. Guides V_0 (palm) to V_n (distal) and the springs' points M'
+are given in these frames, M'' relative to C_i in the frame of the body before (equations 8, 9, 20
+and 21). Positive rotation closes the finger.
 """
 
 from __future__ import annotations
@@ -15,15 +14,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import (
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
-from pydantic_core import CoreSchema, core_schema
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from sandbox.elements.element import Turn
 from sandbox.elements.points import Pin
@@ -37,6 +28,7 @@ from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
 from sandbox.values import numbers as of
 from sandbox.values.appearance import Planes
+from sandbox.values.marks import ReadMark
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
@@ -48,37 +40,33 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class OneForAll:
+class OneForAll(ReadMark):
     """Marks a list of which one entry may be given for all; one number is the limit [0, number]."""
 
     entry: Literal["number", "point", "limit"] = "number"
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler,
-    ) -> CoreSchema:
-        return core_schema.no_info_before_validator_function(self._listed, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler,
-    ) -> dict[str, Any]:
+    def json_schema(self, schema: dict[str, Any]) -> dict[str, Any]:
+        """An entry or a list of entries."""
         number: list[dict[str, Any]] = [{"type": "number"}, {"type": "string"}]
         pair = {"type": "array", "items": {"anyOf": number}, "minItems": 2, "maxItems": 2}
         item = pair if self.entry == "point" else {
             "anyOf": [*number, pair] if self.entry == "limit" else number}
         return {"anyOf": [item, {"type": "array", "items": item, "minItems": 1}]}
 
-    def _listed(self, value: Any) -> Any:
-        entries = value if isinstance(value, (list, tuple)) else [value]
-        if self.entry == "point" and not (entries and isinstance(entries[0], (list, tuple))):
-            return [value]
-        if self.entry != "limit":
+    def read(self, value: Any, info: ValidationInfo) -> Any:
+        """A list of entries."""
+        is_list = isinstance(value, (list, tuple))
+        if self.entry == "point":
+            return value if is_list and value and isinstance(value[0], (list, tuple)) else [value]
+        entries = value if is_list else [value]
+        if self.entry == "number":
             return entries
         return [limit if isinstance(limit, (list, tuple)) else [0.0, limit] for limit in entries]
 
 
-def each(given: Sequence[T], count: int) -> tuple[T, ...]:
-    """``given`` for ``count`` joints: as it is, or its one entry for all of them."""
-    return tuple(given) * count if len(given) == 1 else tuple(given)
+def entry(given: Sequence[T], i: int) -> T:
+    """The entry of joint ``i``, or the one entry for all."""
+    return given[i if len(given) > 1 else 0]
 
 
 class FingerSprings(Spec):
@@ -104,9 +92,8 @@ class FingerTendon(Spec):
     damping: of.Damping = 0.0
     """Tension per rate of stretch [N s/m]."""
     friction: of.Ratio = 0.0
-    """Coefficient of friction between the tendon and the guides V_0 to V_(n-1), as that of a
-    [Guide](elements.md#guide): each reduces the tension. The tendon is tied at V_n; further guides,
-    ``tendon_to``, have their own friction. None by default."""
+    """Coefficient of friction at the guides V_0 to V_(n-1), as of a [Guide](elements.md#guide);
+    guides of ``tendon_to`` have their own."""
 
 
 class Finger(PartSpec):
@@ -114,21 +101,18 @@ class Finger(PartSpec):
 
     type: Literal["finger"] = TYPE
     name: of.Name
-    """Its name, with which those of its elements begin: ``<name>.proximal``, ``<name>.mcp``,
-    ``<name>.tendon``."""
+    """Its name; its elements are ``<name>.proximal``, ``<name>.mcp``, ``<name>.tendon``."""
     at: of.Point = (0.0, 0.0)
     """The first hinge, in the world or in the frame of ``on`` [m]."""
     angle: of.Angle = 0.0
-    """Turn of the straight finger against the world, or against ``on`` [rad], counter-clockwise; 0
-    points along +x."""
+    """Angle of the straight finger in the world, or in the frame of ``on`` [rad]; 0 is along +x."""
     palm: Literal["below", "above"] = "below"
-    """Side to which the finger closes, seen along the straight finger: with ``below`` its palm side
-    is -y, with ``above`` the whole finger is mirrored."""
+    """Side to which the finger closes, seen along the straight finger: ``below`` is -y; with
+    ``above`` the finger is mirrored."""
     on: of.Name | None = None
     """A body that serves as the palm; by default the finger has its own fixed one."""
     lengths: of.Items[of.Length] = Field(min_length=1, max_length=32)
-    """Lengths of the phalanges [m], the proximal one first; the last reaches to the middle of the
-    round tip."""
+    """Lengths of the phalanges [m], the proximal one first, the last to the middle of its tip."""
     radii: of.Items[of.Length]
     """Half the thickness of each phalanx [m]."""
     masses: of.Items[of.Mass] | None = None
@@ -145,27 +129,25 @@ class Finger(PartSpec):
     """Viscous friction of the hinges [N m s/rad]; one for all or one each."""
     limits: Annotated[of.Items[tuple[of.Angle, of.Angle]], OneForAll("limit")] | None = None
     """Maximum rotation, or [minimum, maximum], of each hinge [rad], positive in closing; one value
-    means [0, value]. None by default."""
+    means [0, value]."""
     start: Annotated[of.Items[of.Angle], OneForAll()] = (0.0,)
-    """Rotations at t = 0 [rad], closing counted positive; one for all or one each."""
+    """Rotations at t = 0 [rad], positive in closing; one for all or one each."""
     tendon: FingerTendon = FingerTendon()
     """Stiffness and friction of the finger's tendon."""
     tendon_to: of.Items[Guide] = ()
     """Further guides of the tendon after V_0, towards its drive."""
     anchor: of.Point | None = None
-    """Where the tendon ends when nothing else pulls it, in the palm's frame [m]; by default 15 mm
-    behind V_0."""
+    """End of a tendon that no tree pulls, in the palm's frame [m]; by default 15 mm behind V_0."""
     material: of.Name | None = None
     """Name of the phalanges' material, one of the scene's ``materials``."""
     plane: Planes = (0,)
-    """Layer in which its bodies lie, as a body's ``plane``: fingers of different planes pass each
-    other."""
+    """Plane of its bodies, as a body's ``plane``: fingers of different planes do not touch."""
 
     @field_validator("radii", "masses", "guides", "damping", "limits", "start")
     @classmethod
     def _one_entry_each(cls, given: Entries, info: ValidationInfo) -> Entries:
         n = len(info.data.get("lengths", ()))
-        if given is None or not n:  # without lengths there is one complaint already
+        if given is None or not n:  # invalid lengths are reported already
             return given
         exact = {"radii": n, "masses": n, "guides": n + 1}.get(info.field_name or "")
         _check_count(given, (exact,) if exact else (1, n), f"a finger of {n} phalanges")
@@ -205,9 +187,9 @@ class Finger(PartSpec):
         if self.on is not None and (palm := known.elements.body(self.on)) is None:
             raise PartError([Problem(
                 "name-not-found", f"no body before this finger is named {self.on!r}", path=".on",
-                hint=known.near(self.on, (body.name for body in known.elements.bodies)))])
+                hint=known.near(self.on, (body.name for body in known.elements["bodies"])))])
         pulled = not known.pulled.isdisjoint({self.name, known.tendon_of[self.name]})
-        return known.elements + expand_finger(self, palm=palm, pulled=pulled)
+        return known.elements + _Builder(self, palm).build(pulled=pulled)
 
 
 def _check_count(given: Sequence[object], counts: tuple[int, ...], what: str) -> None:
@@ -216,17 +198,8 @@ def _check_count(given: Sequence[object], counts: tuple[int, ...], what: str) ->
         raise WrongValueError("wrong-type", f"{what}: expected {wanted} entries, got {len(given)}")
 
 
-def expand_finger(finger: Finger, *, palm: Body | None = None, pulled: bool = False) -> Elements:
-    """The finger's bodies, hinges, springs, tendon, contact rules and group.
-
-    ``palm`` is the body that ``finger.on`` names; ``pulled`` means that a tree
-    takes over the tendon behind V_0, so that no anchor is needed.
-    """
-    return _Builder(finger, palm).build(pulled=pulled)
-
-
 class _Builder:
-    """Turns a finger into elements; all parts share the palm's frame and the names."""
+    """Expands a finger; its elements share the palm's frame and the names."""
 
     def __init__(self, finger: Finger, palm: Body | None) -> None:
         self.finger, self.given_palm = finger, palm
@@ -237,7 +210,7 @@ class _Builder:
         self.names = tuple(f"{finger.name}.{name}" for name in phalanges)
         self.hinges = tuple(f"{finger.name}.{name}" for name in hinges)
         self.palm = palm.name if palm is not None else f"{finger.name}.palm"
-        # the palm as the finger sees it: origin at the first hinge, x along the straight finger
+        # the palm's frame: origin at the first hinge, x along the straight finger
         frame = (*finger.at, finger.angle)
         self.on_body: Pose = (0.0, 0.0, 0.0) if palm is None else frame
         self.world: Pose = frame if palm is None else (
@@ -246,12 +219,13 @@ class _Builder:
         """-1 mirrors the finger, so that it closes the other way."""
 
     def build(self, *, pulled: bool) -> Elements:
-        """All elements of the finger."""
+        """All elements; ``pulled`` by a tree, which continues the tendon behind V_0, or not."""
         everything = f"{self.finger.name}.*"
         free = (everything, *([] if self.given_palm is None else [self.palm]))
+        joints, springs = self._joints()
         return Elements(
             bodies=(*([self._own_palm()] if self.given_palm is None else []), *self._phalanges()),
-            joints=self._hinges(), springs=self._springs(), tendons=(self._tendon(pulled),),
+            joints=joints, springs=springs, tendons=(self._tendon(pulled),),
             contacts=tuple(ContactRule(between=(everything, other), collide=False)
                            for other in free),
             groups=(Group(name=self.finger.name, kind="finger", bodies=self.names),))
@@ -260,7 +234,6 @@ class _Builder:
         return point[0], self.side * point[1]
 
     def _on_palm(self, point: Vec) -> Vec:
-        """A point of the palm, given as the author gives it, in its body's frame."""
         return to_world(self.on_body, self._mirrored(point))
 
     def _own_palm(self) -> Body:
@@ -280,10 +253,9 @@ class _Builder:
     def _phalanges(self) -> list[Body]:
         finger, (x, y, angle) = self.finger, self.world
         bodies = []
-        for i, (name, start) in enumerate(zip(
-                self.names, each(finger.start, len(self.names)), strict=True)):
-            length, radius = finger.lengths[i], finger.radii[i]
-            angle -= self.side * start
+        for i, (name, length, radius) in enumerate(zip(
+                self.names, finger.lengths, finger.radii, strict=True)):
+            angle -= self.side * entry(finger.start, i)
             weight: dict[str, Any] = {"density": finger.density, "thickness": finger.thickness}
             if finger.masses is not None:
                 mass = finger.masses[i]
@@ -295,40 +267,33 @@ class _Builder:
             x, y = to_world((x, y, angle), (length, 0.0))
         return bodies
 
-    def _hinges(self) -> tuple[Joint, ...]:
-        finger, n = self.finger, len(self.names)
-        damping = each(finger.damping, n)
-        limits = each(finger.limits, n) if finger.limits is not None else (None,) * n
+    def _joints(self) -> tuple[tuple[Joint, ...], tuple[Spring, ...]]:
+        """Hinges and the springs over them, from M'' to M' by equations (20) and (21)."""
+        finger, given = self.finger, self.finger.springs
+        joints, springs = list[Joint](), list[Spring]()
         positive: Turn = "clockwise" if self.side > 0 else "counterclockwise"
-        return tuple(
-            Pin(name=hinge, positive=positive, a=a, b=b,
+        for i, (hinge, (a, b)) in enumerate(zip(
+                self.hinges, pairwise((self.palm, *self.names)), strict=True)):
+            length = finger.lengths[i - 1]
+            joints.append(Pin(
+                name=hinge, positive=positive, a=a, b=b, on_b=(0.0, 0.0),
                 zero=0.0 if i else -self.side * self.on_body[2],
-                on_a=(finger.lengths[i - 1], 0.0) if i else self._on_palm((0.0, 0.0)),
-                on_b=(0.0, 0.0), limits=limits[i], damping=damping[i])
-            for i, (hinge, (a, b)) in enumerate(zip(
-                self.hinges, pairwise((self.palm, *self.names)), strict=True)))
-
-    def _springs(self) -> tuple[Spring, ...]:
-        """Over each hinge, from M'' to M'; equations (20) and (21) place the two ends."""
-        given, n = self.finger.springs, len(self.names)
-        if given is None:
-            return ()
-        before, after = each(given.on_previous, n), each(given.on_phalanx, n)
-        stiffness, damping = each(given.stiffness, n), each(given.damping, n)
-        rest = each(given.rest, n) if given.rest is not None else tuple(map(
-            math.dist, before, after))
-        springs: list[Spring] = []
-        for i, (a, b) in enumerate(pairwise((self.palm, *self.names))):
-            x, y = self._mirrored(before[i])
-            on_a = (self.finger.lengths[i - 1] + x, y) if i else self._on_palm(before[0])
+                on_a=(length, 0.0) if i else self._on_palm((0.0, 0.0)),
+                limits=entry(finger.limits, i) if finger.limits else None,
+                damping=entry(finger.damping, i)))
+            if given is None:
+                continue
+            before, after = entry(given.on_previous, i), entry(given.on_phalanx, i)
+            x, y = self._mirrored(before)
             springs.append(LinearSpring(
-                name=f"{self.hinges[i]}_spring", a=a, b=b, on_a=on_a,
-                on_b=self._mirrored(after[i]), stiffness=stiffness[i], damping=damping[i],
-                rest_length=rest[i]))
-        return tuple(springs)
+                name=f"{hinge}_spring", a=a, b=b,
+                on_a=(length + x, y) if i else self._on_palm(before), on_b=self._mirrored(after),
+                stiffness=entry(given.stiffness, i), damping=entry(given.damping, i),
+                rest_length=entry(given.rest, i) if given.rest else math.dist(before, after)))
+        return tuple(joints), tuple(springs)
 
     def _tendon(self, pulled: bool) -> Tendon:
-        """From V_n, where it is attached, by V_1 and V_0 to whatever pulls it."""
+        """From V_n, where it is attached, by V_1 and V_0 to its drive."""
         finger, friction = self.finger, self.finger.tendon.friction
         guides = [Guide(body=self.names[-1], at=self._mirrored(finger.guides[-1]))]
         guides += [Guide(body=name, at=self._mirrored(point), friction=friction)

@@ -1,20 +1,19 @@
 """Elements of an assembly where the assembly is: scaled, then mirrored, then turned, then moved.
 
 Let k be the scale, F the mirror (the identity without one), s = -1 in a mirror and 1 without,
-R(g) the turn by the assembly's angle g, and c where it is. A point p of the assembly is then at
+R(g) the turn by the assembly's angle g, and c its position. A point p of the assembly is then at
 
     G(p) = c + R(g) k F p.
 
 A body whose frame is at p, turned by a, gets G(p) and s a + g. Since F R(a) = R(-a) F for a mirror
-through the origin, a point q of the body's own frame then becomes k F q: what stands in a body's
-frame is scaled and mirrored, not turned. A hinge in a mirror counts the other turn as positive, so
-that its angle, its stops and what drives it stay as they were.
+through the origin, a point q of the body's own frame becomes k F q: points of a body are scaled and
+mirrored, not turned. A hinge in a mirror counts the other turn as positive, so that its angle, its
+stops and its drives do not change. A point q on a body of the scene with the pose B becomes
+B^-1(G(B(q))).
 
-A point q on a body of the scene, which stays where it is with its pose B, becomes B^-1(G(B(q))).
-
-A number is known by its dimension: every length is scaled by k, a speed too (else links would
-leave their joints), an inertia by k^2; masses, forces, stiffnesses and times stay. Marks of
-fields (:class:`sandbox.elements.element.Placed`) give what a turn or a mirror changes in addition.
+Numbers change by their dimension: lengths and speeds by k (else links would leave their joints),
+inertias by k^2; masses, forces, stiffnesses and times do not. Marks of fields
+(:class:`sandbox.elements.element.Placed`) give further changes by a turn or a mirror.
 """
 
 from __future__ import annotations
@@ -33,17 +32,9 @@ from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_body, to_world
 from sandbox.scene.outlines.curves import Node
 from sandbox.scene.parts.expansion import PartError
-from sandbox.values.numbers import Point, dimension_read
-from sandbox.values.signals import (
-    AnySignal,
-    Constant,
-    Formula,
-    Path,
-    Ramp,
-    Table,
-    dimension_over_time,
-    values,
-)
+from sandbox.values.marks import mark_of
+from sandbox.values.numbers import Dimension, Point
+from sandbox.values.signals import AnySignal, Constant, Formula, OverTime, Ramp, Table, values
 from sandbox.values.spec import Spec
 from sandbox.wording import WrongValueError, near
 
@@ -51,11 +42,9 @@ Mirror = Literal["left-right", "up-down"]
 OTHER = {"left": "right", "right": "left",
          "clockwise": "counterclockwise", "counterclockwise": "clockwise"}
 HOLDERS = {"on_a": "a", "on_b": "b", "start": "a", "end": "a", "at": "body"}
-"""Of points: the field that names the body in whose frame they are."""
-POWERS = {"length": 1, "speed": 1, "inertia": 2}
-"""Of the scale, by dimension."""
-TINY = 1e-15
-"""A sine or cosine of a quarter turn that only rounding keeps from 0."""
+"""For fields of points, the field that names the body in whose frame they are."""
+POWERS = {"length": 1, "speed": 1, "inertia": 2}  # of the scale, by dimension
+TINY = 1e-15  # a sine or cosine below this is 0: rounding of a quarter turn
 
 SpecType = TypeVar("SpecType", bound=Spec)
 ElementType = TypeVar("ElementType", bound=Element)
@@ -63,7 +52,7 @@ ElementType = TypeVar("ElementType", bound=Element)
 
 @dataclass(frozen=True)
 class Placement:
-    """Where an assembly is."""
+    """Position, angle, mirror and scale of an assembly."""
 
     at: Vec = (0.0, 0.0)
     angle: float = 0.0
@@ -72,7 +61,7 @@ class Placement:
 
     @property
     def sign(self) -> float:
-        """-1 in a mirror, where every turn is the other way round."""
+        """-1 in a mirror, which reverses every turn."""
         return -1.0 if self.mirror else 1.0
 
     def linear(self) -> tuple[Vec, Vec]:
@@ -117,11 +106,7 @@ class Mover:
         self.placement, self.own, self.outside = placement, own, outside
 
     def body(self, body: Body, path: str) -> Body:
-        """A body of the assembly; ``path`` is its place in it.
-
-        Raises:
-            PartError: it follows a path that cannot be turned.
-        """
+        """A body of the assembly at a path of it."""
         moved = self.spec(body)
         try:
             return moved.model_copy(update={"path": self._path(body)}) if body.path else moved
@@ -129,24 +114,19 @@ class Mover:
             raise PartError([Problem.of(error, f"{path}.path")]) from None
 
     def element(self, element: ElementType, path: str) -> ElementType:
-        """A joint, spring, tendon or drive; ``path`` is its place in the assembly.
-
-        Raises:
-            PartError: it is on a body that is not there before the assembly.
-        """
+        """Another element of the assembly at a path of it."""
         return self.spec(element, path).model_copy(update=dict(element.placed(self)))
 
     def spec(self, spec: SpecType, path: str = "") -> SpecType:
         """Any record, field by field."""
         changed: dict[str, Any] = {}
         for name, field in type(spec).model_fields.items():
-            value = getattr(spec, name)
-            rule = next((mark.how for mark in field.metadata if isinstance(mark, Placed)), None)
+            value, mark = getattr(spec, name), mark_of(field.metadata, Placed)
             holder = getattr(spec, HOLDERS.get(name, ""), None)
-            if value is None or rule == "kept":
+            if value is None or (mark is not None and mark.how == "kept"):
                 continue
-            if rule is not None:
-                new = self._ruled(rule, value)
+            if mark is not None:
+                new = self._marked(mark.how, value)
             elif isinstance(holder, str) and holder not in self.own:
                 body = self.outer_body(holder, f"{path}.{HOLDERS[name]}")
                 new = self.placement.on(pose_of(body), value)
@@ -158,47 +138,40 @@ class Mover:
         return spec.model_copy(update=changed) if changed else spec
 
     def outer_body(self, name: str, path: str) -> Body:
-        """A body outside of the assembly.
-
-        Raises:
-            PartError: there is none.
-        """
+        """A body outside of the assembly."""
         body = self.outside(name)
         if body is None:
             raise PartError([Problem("name-not-found", "no body of this assembly or before it is "
                                      f"named {name!r}", path=path, hint=near(name, self.own))])
         return body
 
-    def _ruled(self, rule: str, value: Any) -> Any:
+    def _marked(self, how: str, value: Any) -> Any:
         place = self.placement
-        if rule == "place":
+
+        def node(node: Node) -> Node:
+            x, y, direction, bend = node
+            if place.mirror:
+                direction = (math.pi if place.mirror == "left-right" else 0.0) - direction
+            return *place.within((x, y)), direction, place.sign * bend / place.scale
+
+        if how == "place":
             return place.point(value)
-        if rule == "turn":
+        if how == "turn":
             return place.sign * value + place.angle
-        if rule == "sign":
+        if how == "sign":
             return place.sign * value if value else value
-        if rule == "vector":
+        if how == "vector":
             x, y = place.vector(value)
             return place.scale * x, place.scale * y
-        if rule == "nodes":
-            return tuple(tuple(map(self._node, curve)) for curve in value)
+        if how == "nodes":
+            return tuple(tuple(map(node, curve)) for curve in value)
         return OTHER[value] if place.mirror else value
 
-    def _node(self, node: Node) -> Node:
-        """A node of a curve in a body's frame."""
-        place, (x, y, direction, bend) = self.placement, node
-        if place.mirror:
-            direction = (math.pi if place.mirror == "left-right" else 0.0) - direction
-        return *place.within((x, y)), direction, place.sign * bend / place.scale
-
     def _value(self, value: Any, annotation: Any, metadata: tuple[Any, ...], path: str) -> Any:
-        """A value by the type of its field."""
         if value is None:
             return None
-        over_time = dimension_over_time(metadata)
-        if over_time is not None:
-            factor = self.placement.scale ** POWERS.get(over_time, 0)
-            return scaled(value, factor)
+        if (signal := mark_of(metadata, OverTime)) is not None:
+            return scaled(value, self.placement.scale ** POWERS.get(signal.dimension or "", 0))
         if get_origin(annotation) is Annotated:
             inner, *more = get_args(annotation)
             return self._value(value, inner, (*more, *metadata), path)
@@ -214,7 +187,8 @@ class Mover:
             kinds = [kinds[0]] * len(value) if kinds[-1] is Ellipsis else kinds
             return tuple(self._value(entry, kind, (), f"{path}[{i}]")
                          for i, (entry, kind) in enumerate(zip(value, kinds, strict=True)))
-        power = POWERS.get(dimension_read(metadata), 0)
+        number = mark_of(metadata, Dimension)
+        power = POWERS.get(number.name or "", 0) if number is not None else 0
         return value * self.placement.scale**power if power else value
 
     def direction(self, body: str, direction: Vec) -> Vec:
@@ -224,11 +198,9 @@ class Mover:
         turn = (0.0, 0.0, self.outer_body(body, "").angle)
         return to_body(turn, self.placement.vector(to_world(turn, direction)))
 
-    def _path(self, body: Body) -> Path | None:
-        """The pose of a scheduled body over time."""
+    def _path(self, body: Body) -> Any:
         path, place = body.path, self.placement
-        if path is None:
-            return None
+        assert path is not None
         (a, b), (c, d) = ((place.scale * x, place.scale * y) for x, y in place.linear())
         x = path.x or Constant(constant=body.at[0])
         y = path.y or Constant(constant=body.at[1])
@@ -260,11 +232,7 @@ def scaled(signal: AnySignal, factor: float, offset: float = 0.0) -> AnySignal:
 
 
 def added(one: AnySignal, other: AnySignal) -> AnySignal:
-    """The sum of two signals.
-
-    Raises:
-        WrongValueError: of a table and an expression, and of tables of different kinds.
-    """
+    """The sum of two signals."""
     if isinstance(one, Constant):
         return scaled(other, 1.0, one.constant)
     if isinstance(other, Constant):

@@ -38,7 +38,7 @@ class Section(PartSpec):
 
     type: Literal["section"] = TYPE
     name: of.Name
-    """Its name, with which those of its elements begin: ``<name>.circle``, ``<name>.square``."""
+    """Its name; its bodies are ``<name>.circle`` and ``<name>.square``."""
     at: of.Point = (0.0, 0.0)
     """Centre of the circle in the world [m]."""
     circle: of.Length
@@ -46,22 +46,19 @@ class Section(PartSpec):
     square: of.Length | None = None
     """Side of the square [m]; without it the section is the circle alone."""
     rod: RodLengths | None = None
-    """From the circle's centre to the square's [m]: a length, or [shortest, longest] of a
-    telescope."""
+    """From the circle's centre to the square's [m]: a length, or a telescope's [min, max]."""
     angle: of.Angle = 0.0
-    """Direction in which the square starts, seen from the circle's centre [rad], counter-clockwise
-    from +x."""
+    """Direction from the circle's centre to the square at t = 0 [rad]; 0 is along +x."""
     mass: of.Mass = 0.005
     """Mass of the square [kg]."""
     hold: of.Stiffness = 5.0
-    """Stiffness of the weak springs that hold the square in place, along the rod and across it
-    [N/m]."""
+    """Stiffness of the weak springs that hold the square, along the rod and across it [N/m]."""
     damping: of.Damping = 1.0
     """Damping of the same springs [N s/m]."""
     material: of.Name | None = None
     """Name of both bodies' material, one of the scene's ``materials``."""
     plane: Planes = (0,)
-    """Layer in which its bodies lie, as a body's ``plane``."""
+    """Plane of its bodies, as a body's ``plane``."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -79,11 +76,9 @@ class Section(PartSpec):
 def expand_section(section: Section) -> Elements:
     """The circle and, if there is one, the square on its rod.
 
-    The circle's frame has x towards the square. The square yields
-    against a weak spring and damper of its own: the rod's length, along which
-    the square slides without turning on it, and the rod's angle. The rod's
-    angle is that of ``arm``, a body without shapes that is pinned to the circle.
-    The square is held as stiffly across the rod as along it: k_rot = k reach^2.
+    The circle's frame has x towards the square. ``arm``, a body without shapes pinned to the
+    circle, has the rod's angle; the square slides along it without turning on it. A weak spring
+    holds the square along the rod, another across it, equally stiff: k_rot = k reach^2.
     """
     name, look = section.name, {"material": section.material, "plane": section.plane}
     circle, arm, square = (f"{name}.{body}" for body in ("circle", "arm", "square"))

@@ -17,8 +17,9 @@ from sandbox.scene.bodies import Body, Capsule, Circle, Shape
 from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, Known, Leaf, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
+from sandbox.values.marks import TextFor
 from sandbox.values.numbers import Angle, Damping, Items, Length, Mass, Name, Ratio, Stiffness
-from sandbox.values.spec import TYPE, TextFor
+from sandbox.values.spec import TYPE
 from sandbox.wording import NearMisses, WrongValueError
 
 LEAST_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
@@ -27,27 +28,24 @@ ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuat
 
 class _TreeSpec(PartSpec):
     name: Name
-    """Its name, with which those of its elements begin; a pull drive that names it pulls
-    ``<name>.tendon``."""
+    """Its name; a pull drive that names it pulls ``<name>.tendon``."""
     pulls: Items[Annotated[Leaf, TextFor("name")]] = Field(min_length=2, max_length=4096)
     """Names of fingers, tendons or bodies, in the order in which they lie side by side."""
     shares: Items[Ratio] | None = None
-    """Of the pull, one for each leaf in any measure; by default all equal."""
+    """Shares of the pull, one for each leaf in any unit; by default equal."""
     direction: Angle = math.pi
     """Direction of the pull in the world [rad], counter-clockwise from +x; by default along -x."""
     pitch: Length | None = Field(default=None, ge=LEAST_DISTANCE)
-    """Distance of neighbouring strings, across the pull [m]; by default that of the leaves. With a
-    pitch each string passes two points of the tree's frame, ``gap`` behind the rearmost leaf, from
-    its leaf's line to its own; wheels and rockers may then be smaller or larger than the distance
-    of the leaves. If the leaves lie in one line along the pull it is ``travel`` by default."""
+    """Distance of neighbouring strings, across the pull [m]; by default that of the leaves, or
+    ``travel`` for leaves in one line along the pull. With a pitch each string passes two eyes of
+    the tree's frame, ``gap`` behind the rearmost leaf, from its leaf's line to its own."""
     gap: Length = 0.06
-    """From the rearmost leaf to the first level, along the pull [m]; where there are eyes, to them
-    and once more from them to the first level."""
+    """From the rearmost leaf to the first level, along the pull [m]; with eyes, from it to them and
+    from them to the first level."""
     level: Length = 0.04
     """From one level to the next, along the pull [m]."""
     travel: Length = 0.06
-    """Travel of every wheel or rocker along the pull from its initial position [m]; its slot ends
-    there."""
+    """Travel of every wheel or rocker along the pull, to the end of its slot [m]."""
     mass: Mass = 0.005
     """Of each wheel or rocker [kg]."""
     stiffness: Stiffness = Field(default=RIGID, gt=0)
@@ -70,19 +68,16 @@ class _TreeSpec(PartSpec):
 
     @property
     def leaves(self) -> tuple[Leaf, ...]:
-        """What it pulls."""
         leaves: tuple[Leaf, ...] = self.pulls
         return leaves
 
     @property
     def tendon_names(self) -> dict[str, str]:
-        """The tendon of its actuator."""
         return {self.name: f"{self.name}.tendon"}
 
     def expand(self, known: Known) -> Elements:
-        """All elements so far, with pulled tendons led on, and those of the tree."""
         assert isinstance(self, RockerTree | PulleyTree)
-        return expand_tree(self, known)
+        return _Builder(self, known).build(Elements(**known.elements))
 
 
 class RockerTree(_TreeSpec):
@@ -90,10 +85,9 @@ class RockerTree(_TreeSpec):
 
     type: Literal["rocker_tree"] = TYPE
     radius: Length = 0.003
-    """Half the thickness of a rocker [m]; it is drawn with it, and its inertia follows from it."""
+    """Half the thickness of a rocker [m]."""
     links: Literal["tendon", "rope"] = "tendon"
-    """What ties the levels together: tendons, or the engine's own slide-joint ropes. A string that
-    passes eyes is a tendon."""
+    """Links of the levels: tendons, or slide-joint ropes. A string with eyes is a tendon."""
 
 
 class PulleyTree(_TreeSpec):
@@ -102,21 +96,9 @@ class PulleyTree(_TreeSpec):
     type: Literal["pulley_tree"] = TYPE
 
 
-def expand_tree(tree: RockerTree | PulleyTree, known: Known) -> Elements:
-    """The elements so far, their pulled tendons led on, and those of the tree.
-
-    These are a fixed frame, rockers or wheels on slots along the pull, strings
-    between the levels, and an actuator tendon from the root to the frame.
-
-    Raises:
-        PartError: leaves that do not exist; without problems if they belong to failed parts.
-    """
-    return _Builder(tree, known).build(known.elements)
-
-
 @dataclass(frozen=True)
 class _End:
-    """A leaf: where it is in the world, and the tendon or the body that is pulled there."""
+    """A leaf: its place in the world [m], and the tendon or the point of a body pulled there."""
 
     at: Vec
     tendon: str = ""
@@ -125,8 +107,8 @@ class _End:
 
 
 def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
-    tendons = {tendon.name: tendon for tendon in reversed(known.elements.tendons)}
-    bodies = {body.name: body for body in reversed(known.elements.bodies)}
+    tendons = {tendon.name: tendon for tendon in reversed(known.elements["tendons"])}
+    bodies = {body.name: body for body in reversed(known.elements["bodies"])}
     names, near = [*known.tendon_of, *tendons, *bodies], NearMisses()
     found, problems = [], []
     for i, leaf in enumerate(tree.pulls):
@@ -147,7 +129,7 @@ def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
 
 
 class _Builder:
-    """Turns a planned tree into elements; holds the axes and names that every step shares."""
+    """Expands a tree: a frame, rockers or wheels on slots along the pull, strings, a tendon."""
 
     def __init__(self, tree: RockerTree | PulleyTree, known: Known) -> None:
         self.tree = tree
@@ -156,38 +138,46 @@ class _Builder:
         self.axes = ((c, s), (-s, c))
         """Unit vectors along the pull and to its left; exact for right angles."""
         self.ends = _leaf_ends(tree, known)
-        along, across = self.axes
-        self.places = [(_dot(end.at, along), _dot(end.at, across)) for end in self.ends]
-        """Of the leaves, along and across the pull."""
+        self.places = [tuple(end.at[0] * x + end.at[1] * y for x, y in self.axes)
+                       for end in self.ends]
+        """Positions of the leaves along and across the pull."""
         self.lines = self._spread()
-        """Where their strings lie across the pull."""
-        self.root = self._plan()
+        """Positions of their strings across the pull."""
+        with_eyes = any(map(self._has_eyes, range(len(self.places))))
+        self.root = plan_tree(
+            [(along, line) for (along, _), line in zip(self.places, self.lines, strict=True)],
+            tree.shares or (1.0,) * len(self.places), gap=tree.gap * (1 + with_eyes),
+            level=tree.level, wheels=self.wheels)
         self.frame = Body(
             name=f"{tree.name}.frame", at=self._world(self.root.along, self.root.across),
             angle=tree.direction, motion="fixed", role="ground")
 
     def build(self, elements: Elements) -> Elements:
-        """The elements so far, with the leaves' tendons led on, and the tree's own."""
-        nodes = self.root.rows
+        tree, nodes = self.tree, self.root.rows
+        continued: dict[str, tuple[Guide, ...]] = {}
+        strings: list[Tendon | Rope] = []
         for node in nodes:
             for child in node.below:
                 if not child.below and (tendon := self.ends[child.number].tendon):
-                    elements = elements.with_tendon_led_to(
-                        tendon, *self._eyes(child), self._end(node, child))
-        strings = [
-            self._string(node, child) for node in nodes for child in node.below
-            if child.below or not self.ends[child.number].tendon
-        ]
+                    continued[tendon] = (*continued.get(tendon, ()), *self._eyes(child),
+                                         self._end(node, child))
+                else:
+                    strings.append(self._string(node, child))
+        behind = (self.root.arm if self.wheels else 0.0) + tree.travel + ACTUATOR_DISTANCE
+        actuator = Tendon(
+            name=f"{tree.name}.tendon", stiffness=tree.stiffness, damping=tree.damping,
+            guides=(Guide(body=self._name(self.root)),
+                    Guide(body=self.frame.name, at=(behind, 0.0))))
+        elements["tendons"] = tuple(
+            tendon.model_copy(update={"guides": (*tendon.guides, *continued[tendon.name])})
+            if tendon.name in continued else tendon for tendon in elements["tendons"])
         return elements + Elements(
-            bodies=(self.frame, *(self._body(node) for node in nodes)),
-            joints=(*(self._slot(node) for node in nodes),
-                    *(string for string in strings if isinstance(string, Rope))),
-            tendons=(*(string for string in strings if isinstance(string, Tendon)),
-                     self._actuator()),
-            contacts=(ContactRule(between=(f"{self.tree.name}.*", "*"), collide=False),),
-            groups=(Group(name=self.tree.name, kind=self.tree.type,
-                          bodies=tuple(self._name(node) for node in nodes)),),
-        )
+            bodies=(self.frame, *map(self._body, nodes)),
+            joints=(*map(self._slot, nodes), *(each for each in strings if isinstance(each, Rope))),
+            tendons=(*(each for each in strings if isinstance(each, Tendon)), actuator),
+            contacts=(ContactRule(between=(f"{tree.name}.*", "*"), collide=False),),
+            groups=(Group(name=tree.name, kind=tree.type,
+                          bodies=tuple(map(self._name, nodes))),))
 
     def _spread(self) -> list[float]:
         """Positions of the strings: those of the leaves, or equally spaced with ``pitch``."""
@@ -201,19 +191,12 @@ class _Builder:
         rank = {leaf: place for place, leaf in enumerate(order)}
         return [first + pitch * rank[leaf] for leaf in range(len(order))]
 
-    def _plan(self) -> Node:
-        led = any(self._is_led(leaf) for leaf in range(len(self.places)))
-        return plan_tree(
-            [(along, line) for (along, _), line in zip(self.places, self.lines, strict=True)],
-            self.tree.shares or (1.0,) * len(self.places), gap=self.tree.gap * (1 + led),
-            level=self.tree.level, wheels=self.wheels)
-
-    def _is_led(self, leaf: int) -> bool:
+    def _has_eyes(self, leaf: int) -> bool:
         return abs(self.lines[leaf] - self.places[leaf][1]) >= LEAST_DISTANCE
 
     def _eyes(self, leaf: Node) -> tuple[Guide, ...]:
-        """Of the frame, from a leaf's line to that of its string; none if they are one."""
-        if not self._is_led(leaf.number):
+        """Guides of the frame from a leaf's line to that of its string, unless they are one."""
+        if not self._has_eyes(leaf.number):
             return ()
         along = max(place[0] for place in self.places) + self.tree.gap - self.root.along
         return tuple(
@@ -233,11 +216,11 @@ class _Builder:
         shapes: tuple[Shape, ...]
         if isinstance(self.tree, RockerTree):
             start, end = (self._world(0.0, offset) for offset in offsets)
-            shapes = (Capsule(type="capsule", start=start, end=end, radius=self.tree.radius),)
+            shapes = (Capsule(start=start, end=end, radius=self.tree.radius),)
         else:
             radii = sorted((abs(offset) for offset in offsets), reverse=True)
             stepped = not math.isclose(*radii, rel_tol=1e-9)
-            shapes = tuple(Circle(type="circle", radius=r) for r in radii[:1 + stepped])
+            shapes = tuple(Circle(radius=r) for r in radii[:1 + stepped])
         return Body(
             name=self._name(node), at=self._world(node.along, node.across), shapes=shapes,
             mass=self.tree.mass, role="pulley" if self.wheels else "rocker")
@@ -246,11 +229,11 @@ class _Builder:
         """Keeps the pivot on a line along the pull, so that the strings stay parallel."""
         along, across = node.along - self.root.along, node.across - self.root.across
         return Slot(
-            type="slot", name=f"{self._name(node)}_slot", a=self.frame.name, b=self._name(node),
+            name=f"{self._name(node)}_slot", a=self.frame.name, b=self._name(node),
             start=(along - self.tree.gap / 2, across), end=(along + self.tree.travel, across))
 
     def _end(self, node: Node, child: Node) -> Guide:
-        """Where the string of ``child`` ends: at the end of a rocker, or wound on a wheel."""
+        """The end of the string of ``child``: the end of a rocker, or wound on a wheel."""
         offset = child.across - node.across
         if not self.wheels:
             return Guide(body=self._name(node), at=self._world(0.0, offset))
@@ -267,40 +250,20 @@ class _Builder:
             start, at = Guide(body=leaf.body, at=leaf.on_body), leaf.at
         end, eyes = self._end(node, child), () if child.below else self._eyes(child)
         if isinstance(self.tree, RockerTree) and self.tree.links == "rope" and not eyes:
-            return Rope(
-                type="rope", name=name, a=start.body, b=end.body, on_a=start.at, on_b=end.at,
-                longest=math.dist(at, self._world(node.along, child.across)))
+            return Rope(name=name, a=start.body, b=end.body, on_a=start.at, on_b=end.at,
+                        longest=math.dist(at, self._world(node.along, child.across)))
         return Tendon(name=name, guides=(start, *eyes, end), stiffness=self.tree.stiffness,
                       damping=self.tree.damping)
-
-    def _actuator(self) -> Tendon:
-        """From the root's pivot to the frame; a pull drive acts at its far end."""
-        reach = self.root.arm if self.wheels else 0.0
-        behind = reach + self.tree.travel + ACTUATOR_DISTANCE
-        return Tendon(
-            name=f"{self.tree.name}.tendon", stiffness=self.tree.stiffness,
-            damping=self.tree.damping,
-            guides=(Guide(body=self._name(self.root)),
-                    Guide(body=self.frame.name, at=(behind, 0.0))))
-
-
-def _dot(p: Vec, q: Vec) -> float:
-    return p[0] * q[0] + p[1] * q[1]
 
 
 @dataclass
 class Node:
-    """A leaf, or a rocker (wheel) with the two strings that it pulls.
+    """A leaf, or a rocker (wheel) with the two strings that it pulls."""
 
-    ``across`` and ``along`` [m] are its position across and along the pull;
-    ``share`` is its part of the whole pull; ``number`` counts the leaves from
-    0 as given, and the rockers from 1, lowest level first.
-    """
-
-    across: float
-    along: float
-    share: float
-    number: int
+    across: float  # position across the pull [m]
+    along: float  # position along the pull [m]
+    share: float  # of the whole pull
+    number: int  # leaves from 0 as given, rockers from 1, lowest level first
     height: int = 0
     below: tuple[Node, ...] = ()
 
@@ -320,16 +283,21 @@ def plan_tree(
     places: Sequence[tuple[float, float]], shares: Sequence[float], *,
     gap: float, level: float, wheels: bool,
 ) -> Node:
-    """The root over leaves at ``places`` (along, across) [m] with ``shares`` of the pull.
+    """The root over leaves at ``places`` (along, across) [m] with ``shares`` of the pull."""
+    def halved(nodes: list[Node]) -> Node:
+        if len(nodes) == 1:
+            return nodes[0]
+        middle = (len(nodes) + 1) // 2
+        below = (halved(nodes[:middle]), halved(nodes[middle:]))
+        share = sum(node.share for node in below)
+        return Node(sum(node.across * node.share for node in below) / share, 0.0, share, 0,
+                    1 + max(node.height for node in below), below)
 
-    The first level lies ``gap`` behind the rearmost leaf and each next one
-    ``level`` behind the one before; wheels keep these distances between their rims.
-    """
     total = sum(shares)
     leaves = [Node(across, along, share / total, number)
               for number, ((along, across), share) in enumerate(zip(places, shares, strict=True))]
-    leaves.sort(key=lambda node: node.across, reverse=places[0][1] > places[-1][1])
-    root = _halved(leaves)
+    root = halved(sorted(leaves, key=lambda node: node.across,
+                         reverse=places[0][1] > places[-1][1]))
     along, rim = max(s for s, _ in places), 0.0
     for height, row in groupby(root.rows, key=lambda node: node.height):
         nodes = list(row)
@@ -341,13 +309,3 @@ def plan_tree(
     for number, node in enumerate(root.rows):
         node.number = number + 1
     return root
-
-
-def _halved(nodes: list[Node]) -> Node:
-    if len(nodes) == 1:
-        return nodes[0]
-    middle = (len(nodes) + 1) // 2
-    below = (_halved(nodes[:middle]), _halved(nodes[middle:]))
-    share = sum(node.share for node in below)
-    return Node(sum(node.across * node.share for node in below) / share, 0.0, share, 0,
-                1 + max(node.height for node in below), below)

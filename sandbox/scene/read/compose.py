@@ -14,69 +14,57 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.elements.element import LISTS
-from sandbox.errors import Problem, SceneError
+from sandbox.errors import SceneError
 from sandbox.scene.document import ASSEMBLED, KEYS
+from sandbox.scene.read import scopes
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origins import Composed, Origin, RefusedError
-from sandbox.scene.read.scopes import (
-    Copies,
-    Parameters,
-    Scope,
-    plain_tables,
-    read_repeat,
-    resolve_parameters,
-    resolved_tables,
-    unknown_key,
-)
+from sandbox.scene.read.scopes import Scope, plain_tables, resolved_tables
 from sandbox.scene.read.source import Library, SceneSource
 from sandbox.values.numbers import number_from
 from sandbox.values.paths import JsonPath, parse_path
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
 
 WORDS = ("like", "repeat", "include")
-ENTRY_WORDS = ("like", "repeat")
-"""Keys that no composed entry has."""
-ASSEMBLY_WORDS = (*ENTRY_WORDS, "include", "parameters")
-"""Keys that no composed assembly has."""
+ENTRY_WORDS = ("like", "repeat")  # keys that no composed entry has
+ASSEMBLY_WORDS = (*WORDS, "parameters")  # keys that no composed assembly has
 COMPOSED_LISTS = (*LISTS, "parts", "materials")
-CONTAINER_SIZE = 40
-"""Characters that an object or a list counts for in the size of the result."""
-MOST_LIKE = 32
-"""Templates that are like one another."""
+CONTAINER_SIZE = 40  # characters that an object or a list counts for in the size of the result
+DEEPEST_LIKE = 32  # maximum length of a chain of templates that are like one another
 
 
 class TooLargeError(Exception):
-    """The result exceeds a limit: its problem, or None for its size."""
-
-    def __init__(self, problem: Problem | None = None) -> None:
-        super().__init__()
-        self.problem = problem
+    """The result exceeds a limit: its problem, or nothing for its size."""
 
 
 @dataclass(frozen=True)
 class Context:
-    """Names, templates and files that apply to a piece of data."""
+    """A piece of data: its place, its path in the result, and the names that apply to it."""
 
+    place: Origin
+    trail: JsonPath
     scope: Scope
     templates: Any
-    home: Origin
-    """Of the templates."""
-    files: tuple[Path, ...] = ()
-    """Files that include one another, down to the file of this piece."""
-    inside: tuple[str, ...] = ()
-    """Templates that contain this piece."""
+    home: Origin  # of the templates
+    files: tuple[Path, ...] = ()  # files that include one another, down to the file of this piece
+    inside: tuple[str, ...] = ()  # templates that contain this piece
 
-    def at(self, place: Origin) -> Context:
-        """The context of an entry, which may be written inside a template."""
-        base = self.home.path
-        within = place.source is self.home.source and place.path[:len(base)] == base
-        name = str(place.path[len(base)]) if within and len(place.path) > len(base) else ""
-        return replace(self, inside=(*self.inside, name)) if name and name not in self.inside \
-            else self
+    def to(self, step: str | int, place: Origin) -> Context:
+        """The context of a child at a place."""
+        return replace(self, place=place, trail=(*self.trail, step))
+
+    @property
+    def in_template(self) -> Context:
+        """The same, with the template in which an entry is written."""
+        base, path = self.home.path, self.place.path
+        if self.place.source is not self.home.source or path[:len(base)] != base or path == base:
+            return self
+        name = str(path[len(base)])
+        return self if name in self.inside else replace(self, inside=(*self.inside, name))
 
 
 def compose(
-    source: SceneSource, data: dict[str, Any], parameters: Parameters, limits: Limits,
+    source: SceneSource, data: dict[str, Any], parameters: scopes.Parameters, limits: Limits,
 ) -> Composed:
     """Compose a scene's data, which may differ from its file's by overrides."""
     root = Origin(source)
@@ -87,61 +75,51 @@ def compose(
         home = (source.path.resolve(),) if source.path is not None else ()
         composer = _Composer(made, Library(source, limits), limits, root,
                              dict(tables) if isinstance(tables, dict) else {})
-        composer.scene(data, Context(scope, data.get("templates"), root.to("templates"), home))
+        composer.scene(data, Context(
+            root, (), scope, data.get("templates"), root.to("templates"), home))
         made.files = tuple(composer.library.read)
     return made
 
 
 def _has_words(value: Any) -> bool:
-    waiting = [value]
-    while waiting:
-        each = waiting.pop()
-        if isinstance(each, dict):
-            if any(word in each for word in WORDS) or (
-                    each.get("type") == "assembly" and "parameters" in each):
-                return True
-            waiting.extend(each.values())
-        elif isinstance(each, list):
-            waiting.extend(entry for entry in each if isinstance(entry, (dict, list)))
-    return False
+    if isinstance(value, dict):
+        return any(word in value for word in WORDS) or (
+            value.get("type") == "assembly" and "parameters" in value) or any(
+                map(_has_words, value.values()))
+    return isinstance(value, list) and any(map(_has_words, value))
 
 
-def merged(
-    entry: Any, place: Origin, context: Context, places: Composed, near: NearMisses,
-) -> Any:
+def merged(entry: Any, at: Context, places: Composed, near: NearMisses) -> Any:
     """An entry with the keys of the templates that it is like.
 
     Objects are merged key by key; lists and numbers are replaced as a whole. A template may itself
     be like another one. ``places`` notes where each key was written.
-
-    Raises:
-        RefusedError: the first name that leads nowhere.
     """
     if not isinstance(entry, dict) or "like" not in entry:
         return entry
-    known = context.templates if isinstance(context.templates, dict) else {}
-    name, inside = entry["like"], context.inside
-    with place.to("like").refusing():
+    known = at.templates if isinstance(at.templates, dict) else {}
+    name = entry["like"]
+    with at.place.to("like").refusing():
         if not isinstance(name, str):
             raise WrongValueError("bad-template",
                                   f"'like' is the name of a template, not {kind_of(name)}")
-        if name in inside:
+        if name in at.inside:
             raise WrongValueError("circular-definition", "templates are like one another: "
-                                  f"{' → '.join([*inside, name])}")
-        if len(inside) >= MOST_LIKE:
+                                  f"{' → '.join([*at.inside, name])}")
+        if len(at.inside) >= DEEPEST_LIKE:
             raise WrongValueError("circular-definition", "templates are like one another more than "
-                                  f"{MOST_LIKE} deep")
+                                  f"{DEEPEST_LIKE} deep")
         if name not in known:
             raise WrongValueError(
                 "bad-template", f"there is no template {quoted(name)}", hint=near(name, known),
                 allowed=listed(known) or "none: the scene has no templates")
-    home = context.home.to(name).copied(place)
+    home = at.home.to(name).copied(at.place)
     with home.refusing():
         if not isinstance(known[name], dict):
             raise WrongValueError("bad-template", f"the template {quoted(name)} is "
                                   f"{kind_of(known[name])}, not an object {{…}}")
-    below = merged(known[name], home, replace(context, inside=(*inside, name)), places, near)
-    return _over(entry, place, below, home, places)
+    below = merged(known[name], replace(at, place=home, inside=(*at.inside, name)), places, near)
+    return _over(entry, at.place, below, home, places)
 
 
 def _over(
@@ -166,174 +144,145 @@ def _over(
 
 @dataclass
 class _Composer:
-    """Composes lists and their entries. ``trail`` is the path of a value in the result."""
+    """Composes lists and their entries."""
 
     made: Composed
     library: Library
     limits: Limits
-    top: Origin
-    """The entry of the scene's own lists that is composed."""
-    tables: dict[str, Any]
-    """Tables of the scene, and of included files under names of their own."""
+    top: Origin  # the entry of the scene's own lists that is composed
+    tables: dict[str, Any]  # tables of the scene, and of included files under names of their own
     shared: dict[str, str] = field(default_factory=dict)
     """Names of included tables by their content."""
     near: NearMisses = field(default_factory=NearMisses)
-    size: int = 0
-    """Characters of the result, approximately."""
+    size: int = 0  # characters of the result, approximately
 
-    # -- values -----------------------------------------------------------------------
-
-    def scene(self, data: Mapping[str, Any], context: Context) -> None:
+    def scene(self, data: Mapping[str, Any], at: Context) -> None:
         """All lists of a scene; other keys are left as they are."""
-        root = out = self.made.data = dict(data)
+        out = self.made.data = dict(data)
         try:
             for key in COMPOSED_LISTS:
                 if isinstance(data.get(key), (list, dict)):
-                    self.put(out, key, data[key], self.made.root.to(key), context, (key,))
+                    self.put(out, data[key], at.to(key, at.place.to(key)))
         except TooLargeError as error:
             self.made.failed = True
-            self.made.problems.append(error.problem or self.top.problem(
+            self.made.problems += error.args or [self.top.problem(
                 "limit-exceeded", "spelled out, the scene is larger than the limit 'file_bytes' "
                 f"of {self.limits.file_bytes} bytes",
-                allowed="a larger one when the limit is raised"))
+                allowed="a larger one when the limit is raised")]
         if self.shared:
-            self.made.put(root, "tables", self.made.root.to("tables"))
-            root["tables"] = self.tables
+            self.made.put(out, "tables", at.place.to("tables"))
+            out["tables"] = self.tables
 
-    def put(
-        self, container: Any, step: str | int, value: Any, place: Origin, context: Context,
-        trail: JsonPath,
-    ) -> None:
-        """Compose a value into a container."""
-        self.made.put(container, step, place)
-        container[step] = self.value(value, place, context, trail)
+    def put(self, container: Any, value: Any, at: Context) -> None:
+        self.made.put(container, at.trail[-1], at.place)
+        container[at.trail[-1]] = self.value(value, at)
 
-    def value(self, value: Any, place: Origin, context: Context, trail: JsonPath) -> Any:
+    def value(self, value: Any, at: Context) -> Any:
         """A value with the scope's names replaced."""
         holds = isinstance(value, (dict, list))
         self.size += len(value) if isinstance(value, str) else CONTAINER_SIZE if holds else 2
         if self.size > self.limits.file_bytes:
             raise TooLargeError
-        if len(trail) > self.limits.nesting:
-            raise TooLargeError(place.problem(
+        if len(at.trail) > self.limits.nesting:
+            raise TooLargeError(at.place.problem(
                 "limit-exceeded", f"spelled out, this is nested deeper than the limit 'nesting' of "
                 f"{self.limits.nesting}"))
         if isinstance(value, str):
-            return self.text(value, place, context)
+            with at.place.refusing():
+                return at.scope.text(value)
         if isinstance(value, dict):
-            return self.object({}, value, place, context, trail)
-        return self.entries(value, place, context, trail) if holds else value
-
-    def text(self, text: str, place: Origin, context: Context, *, key: bool = False) -> str:
-        """A text with the scope's names replaced."""
-        with place.refusing(key=key):
-            return context.scope.text(text)
+            return self.object({}, value, at)
+        return self.entries(value, at) if holds else value
 
     def object(
-        self, out: dict[str, Any], value: Mapping[str, Any], place: Origin, context: Context,
-        trail: JsonPath, left_out: Collection[str] = (),
+        self, out: dict[str, Any], value: Mapping[str, Any], at: Context,
+        left_out: Collection[str] = (),
     ) -> dict[str, Any]:
         """Compose an object, without some keys, into another one; its materials like templates."""
-        materials = trail[-1] == "materials"
         for key, entry in value.items():
             if key in left_out:
                 continue
             self.size += len(key)
-            at, name = self.made.at(value, key, place), key
+            inner = at.to(key, self.made.at(value, key, at.place))
             try:
-                if context.scope.braces and "{" in key:
-                    name = self.text(key, at, context, key=True)
-                if materials:
-                    entry = merged(entry, at, context, self.made, self.near)
-                self.put(out, name, entry, at, context, (*trail, name))
+                if at.scope.braces and "{" in key:
+                    with inner.place.refusing(key=True):
+                        inner = at.to(at.scope.text(key), inner.place)
+                if at.trail[-1] == "materials":
+                    entry = merged(entry, inner, self.made, self.near)
+                self.put(out, entry, inner)
             except RefusedError as error:
-                self.refuse(error, (*trail, name))
-                out[name] = {}
+                self.refuse(error, inner.trail)
+                out[str(inner.trail[-1])] = {}
         return out
 
-    # -- entries of lists -------------------------------------------------------------
-
-    def entries(
-        self, items: list[Any], place: Origin, context: Context, trail: JsonPath,
-    ) -> list[Any]:
+    def entries(self, items: list[Any], at: Context) -> list[Any]:
         """A list with each of its entries merged, repeated and included."""
         out: list[Any] = []
         for number, item in enumerate(items):
-            here = place.to(number)
-            if len(trail) == 1:
-                self.top = here
+            here = at.to(len(out), at.place.to(number))
+            if len(at.trail) == 1:
+                self.top = here.place
             try:
                 if isinstance(item, dict):
-                    inner = context.at(here)
-                    entry = merged(item, here, inner, self.made, self.near)
-                    self.copies(out, entry, here, inner, trail)
+                    here = here.in_template
+                    self.copies(out, merged(item, here, self.made, self.near), here)
                 else:
                     if len(out) != number:
-                        self.made.put(out, len(out), here)
-                    out.append(self.value(item, here, context, (*trail, len(out))))
+                        self.made.put(out, len(out), here.place)
+                    out.append(self.value(item, here))
             except RefusedError as error:
-                self.refuse(error, (*trail, len(out)))
-                self.append(out, _stand_in(item), here)
+                self.refuse(error, (*at.trail, len(out)))
+                name = item.get("name") if isinstance(item, dict) and "repeat" not in item else None
+                named = isinstance(name, str) and "{" not in name
+                self.append(out, {"name": name} if named else {}, here.place)
         return out
 
-    def copies(
-        self, out: list[Any], item: dict[str, Any], here: Origin, context: Context,
-        trail: JsonPath,
-    ) -> None:
-        """Append all copies of an entry."""
+    def copies(self, out: list[Any], item: dict[str, Any], at: Context) -> None:
         if "repeat" not in item:
-            self.append(out, self.entry(item, here, context, (*trail, len(out))), here)
+            self.append(out, self.entry(item, at), at.place)
             return
-        place = self.made.at(item, "repeat", here)
-        repeat = read_repeat(item["repeat"], context.scope, self.limits, place)
-        among = next((str(step) for step in reversed(trail) if isinstance(step, str)), "")
-        self.check_length(len(out) + len(repeat.rows), among, place)
+        place = self.made.at(item, "repeat", at.place)
+        repeat = scopes.read_repeat(item["repeat"], at.scope, self.limits, place)
+        among = next((str(step) for step in reversed(at.trail) if isinstance(step, str)), "")
+        limit = "bodies" if among in ("bodies", "parts") else "elements"
+        most, count = getattr(self.limits, limit), len(out) + len(repeat.rows)
+        if count > most:
+            raise TooLargeError(place.problem(
+                "limit-exceeded", f"with these copies there are {count} {among or 'entries'}",
+                allowed=f"at most {most} (the limit '{limit}', raised by --limit {limit}=N)"))
         known = len(self.made.problems)
         for number, names in enumerate(repeat.rows):
-            label = repeat.label(number)
-            at = replace(here, copy=f"{here.copy}, {label}" if here.copy else label)
-            scope = context.scope.naming(names, braces=True)
-            entry = self.entry(item, at, replace(context, scope=scope), (*trail, len(out)))
+            label, scope = repeat.label(number), at.scope.naming(names, braces=True)
+            here = replace(
+                at, trail=(*at.trail[:-1], len(out)), scope=scope, place=replace(
+                    at.place, copy=f"{at.place.copy}, {label}" if at.place.copy else label))
+            entry = self.entry(item, here)
             if len(self.made.problems) > known:  # the other copies would have the same
-                raise RefusedError(here, [])
-            with place.refusing():
-                moved = self.moved(entry, replace(repeat, scope=scope), number, among)
-            self.append(out, moved, at)
+                raise RefusedError(at.place, [])
+            if isinstance(entry, dict):
+                with place.refusing():
+                    moved = replace(repeat, scope=scope).moved(entry, number, among)
+                self.made.moved[id(moved)] = moved, self.made.of(entry)
+                entry = moved
+            self.append(out, entry, here.place)
 
-    def moved(self, entry: Any, repeat: Copies, number: int, among: str) -> Any:
-        """A copy at its own position; the places of its values stay."""
-        if not isinstance(entry, dict):
-            return entry
-        moved = repeat.moved(entry, number, among)
-        self.made.copy(entry, moved)
-        return moved
-
-    def entry(self, item: dict[str, Any], here: Origin, context: Context, trail: JsonPath) -> Any:
-        """One copy of an entry."""
+    def entry(self, item: dict[str, Any], at: Context) -> Any:
         if "each" in item and "repeat" in item:
-            return self.value(item["each"], self.made.at(item, "each", here), context, trail)
-        part = trail[-2:-1] == ("parts",)
-        if part and "include" in item:
-            out = self.included(item, here, context, trail)
-            return self.object(out, item, here, context, trail, (*ASSEMBLY_WORDS, "type"))
-        if part and "parameters" in item and item.get("type") == "assembly":
-            given = self.parameters(item, here, context)
-            scope = context.scope.naming(given, braces=False)
-            return self.object({}, item, here, replace(context, scope=scope), trail, ASSEMBLY_WORDS)
-        return self.object({}, item, here, context, trail, ENTRY_WORDS)
+            return self.value(item["each"],
+                              replace(at, place=self.made.at(item, "each", at.place)))
+        if at.trail[-2:-1] == ("parts",):
+            if "include" in item:
+                return self.object(self.included(item, at), item, at, (*ASSEMBLY_WORDS, "type"))
+            if "parameters" in item and item.get("type") == "assembly":
+                scope = at.scope.naming(self.parameters(item, at), braces=False)
+                return self.object({}, item, replace(at, scope=scope), ASSEMBLY_WORDS)
+        return self.object({}, item, at, ENTRY_WORDS)
 
     def append(self, out: list[Any], value: Any, place: Origin) -> None:
         """Append an entry to a list whose indices may differ from those of the text."""
         self.made.put(out, len(out), place)
         out.append(value)
-
-    def check_length(self, count: int, among: str, place: Origin) -> None:
-        """Check the length of a list of copies."""
-        limit = "bodies" if among in ("bodies", "parts") else "elements"
-        if count > (most := getattr(self.limits, limit)):
-            raise TooLargeError(place.problem(
-                "limit-exceeded", f"with these copies there are {count} {among or 'entries'}",
-                allowed=f"at most {most} (the limit '{limit}', raised by --limit {limit}=N)"))
 
     def refuse(self, error: RefusedError, trail: JsonPath) -> None:
         """Report an entry that cannot be composed, once for all its copies."""
@@ -341,114 +290,101 @@ class _Composer:
         if self.made.first(error.place):
             self.made.problems += error.problems
 
-    # -- assemblies -------------------------------------------------------------------
-
     def parameters(
-        self, item: dict[str, Any], here: Origin, context: Context,
-        included: tuple[Origin, Mapping[str, Any], Any] | None = None,
+        self, item: dict[str, Any], at: Context, file: Origin | None = None,
     ) -> dict[str, float]:
-        """Values of an assembly's parameters, which replace those of the scene that it includes.
-
-        ``included`` are the place of that scene, its own parameters, and its tables.
-        """
-        given, at = item.get("parameters", {}), self.made.at(item, "parameters", here)
-        _check_object(given, at)
-        root, defaults, tables = included or (here, {}, None)
-        known = {} if included else context.scope.known
-        place = {name: self.made.at(given, name, at) for name in given}
-        wrong = [place[name].problem(
+        """Values of an assembly's parameters, which replace those of the file that it includes."""
+        given, place = item.get("parameters", {}), self.made.at(item, "parameters", at.place)
+        _check_object(given, place)
+        defaults: Mapping[str, Any] = {}
+        around, tables = at.scope.known, at.scope.tables
+        if file is not None:
+            defaults, around = file.source.data.get("parameters", {}), {}
+            tables = plain_tables(file.source.data.get("tables"))
+        places = {name: self.made.at(given, name, place) for name in given}
+        foreign = [name for name in given if file is not None and name not in defaults]
+        problems = [places[name].problem(
             "name-not-found", f"the included scene has no parameter {quoted(name)}", key=True,
-            allowed=listed(defaults) or "none", hint=near(name, defaults))
-            for name in given if included and name not in defaults]
-        given = {name: value for name, value in given.items()
-                 if not included or name in defaults}
-        values = {name: self.parameter(name, value, place[name], context, given)
+            allowed=listed(defaults) or "none", hint=near(name, defaults)) for name in foreign]
+        given = {name: value for name, value in given.items() if name not in foreign}
+        values = {name: self.parameter(name, value, at.scope, places[name], given)
                   if isinstance(value, str) else value for name, value in given.items()}
-        resolved = resolve_parameters(
-            {**defaults, **known, **values},
-            plain_tables(tables) if included else context.scope.tables)
+        resolved = scopes.resolve_parameters({**defaults, **around, **values}, tables)
         for problem in resolved.problems:
             path = parse_path(problem.path)
-            if included or path[1] in given:
-                wrong.append(place.get(str(path[1]), root.to(*path)).located(problem))
-        if wrong:
-            raise RefusedError(at, wrong)
+            if file is not None or path[1] in given:
+                problems.append(places.get(
+                    str(path[1]), (file or at.place).to(*path)).located(problem))
+        if problems:
+            raise RefusedError(place, problems)
         return {name: float(value) for name, value in resolved.values.items()
                 if name in defaults or name in given}
 
     def parameter(
-        self, name: str, text: str, place: Origin, context: Context, given: Mapping[str, Any],
+        self, name: str, text: str, scope: Scope, place: Origin, given: Mapping[str, Any],
     ) -> Any:
         """The number of a parameter's text if names around the assembly suffice; else the text."""
-        outside = {k: v for k, v in context.scope.known.items() if k == name or k not in given}
-        scope = replace(context.scope, numbers={
-            k: v for k, v in context.scope.numbers.items() if k in outside})
-        filled = self.text(text, place, replace(context, scope=scope))
+        outside = {k: v for k, v in scope.known.items() if k == name or k not in given}
+        values = {k: v for k, v in scope.values.items() if k in outside or isinstance(v, str)}
+        with place.refusing():
+            filled = replace(scope, values=values).text(text)
         try:
-            return float(number_from(filled, None, {**outside, **context.scope.tables}))
+            return float(number_from(filled, None, {**outside, **scope.tables}))
         except ValueError:
-            return filled  # of parameters beside it, or wrong
+            return filled  # reads other parameters of the assembly, or is wrong
 
-    def included(
-        self, item: dict[str, Any], here: Origin, context: Context, trail: JsonPath,
-    ) -> dict[str, Any]:
-        """An assembly with the content of a file."""
-        place, name = self.made.at(item, "include", here), item["include"]
+    def included(self, item: dict[str, Any], at: Context) -> dict[str, Any]:
+        place, name = self.made.at(item, "include", at.place), item["include"]
         with place.refusing():
             if item.get("type", "assembly") != "assembly":
                 raise WrongValueError("bad-include", "only an assembly includes a scene",
                                       allowed='"type": "assembly", or no type')
-            path = self.library.find(
-                self.text(name, place, context) if isinstance(name, str) else name)
-            if path in context.files:
+            path = self.library.find(at.scope.text(name) if isinstance(name, str) else name)
+            if path in at.files:
                 raise WrongValueError("bad-include", "a scene that includes itself has no end: "
-                                      + " → ".join(each.name for each in (*context.files, path)))
+                                      + " → ".join(each.name for each in (*at.files, path)))
             try:
                 source = self.library.open(path)
             except SceneError as error:
                 raise RefusedError(place, [
                     replace(each, message=f"{each.message} ({place.including})")
                     for each in error.problems]) from None
-        root, data = Origin(source, included=place.including, copy=here.copy), source.data
+        root, data = Origin(source, included=place.including, copy=at.place.copy), source.data
         for key in data:
-            if key not in KEYS:
-                at = root.to(key)
-                problem = Problem.of(unknown_key(key, KEYS), "$", key=True)
-                self.refuse(RefusedError(at, [at.located(problem)]), trail)
-        tables, defaults = data.get("tables"), data.get("parameters", {})
-        _check_object(defaults, root.to("parameters"))
-        given = self.parameters(item, here, context, (root, defaults, tables))
+            try:
+                with root.to(key).refusing(key=True):
+                    scopes.check_key(key, KEYS)
+            except RefusedError as error:
+                self.refuse(error, at.trail)
+        tables = data.get("tables")
+        _check_object(data.get("parameters", {}), root.to("parameters"))
+        given = self.parameters(item, at, root)
         scope = Scope(tables=resolved_tables(tables, given), renamed={}).naming(given, braces=False)
+        inner = Context(root, at.trail, scope, data.get("templates"), root.to("templates"),
+                        (*at.files, path))
         if tables is not None:
             _check_object(tables, root.to("tables"))
-            scope = replace(scope, renamed=self.renamed(
-                tables, root, str(item.get("name", "")), replace(context, scope=scope), trail))
-        inner = Context(scope, data.get("templates"), root.to("templates"), (*context.files, path))
+            inner = replace(inner, scope=replace(scope, renamed=self.renamed(
+                tables, str(item.get("name", "")), inner)))
         out: dict[str, Any] = {"type": "assembly"}
-        self.made.put(out, "type", here)
+        self.made.put(out, "type", at.place)
         for key in ASSEMBLED:
             if key in data and key not in item:
-                self.put(out, key, data[key], root.to(key), inner, (*trail, key))
+                self.put(out, data[key], inner.to(key, root.to(key)))
         return out
 
-    def renamed(
-        self, tables: Mapping[str, Any], root: Origin, assembly: str, context: Context,
-        trail: JsonPath,
-    ) -> dict[str, str]:
-        """Add the tables of a file to the scene's; their new names by their own.
-
-        Equal tables of several copies become one.
-        """
+    def renamed(self, tables: Mapping[str, Any], assembly: str, at: Context) -> dict[str, str]:
+        """Add the tables of a file to the scene's, equal ones once; their new names."""
         words = re.findall("[A-Za-z0-9]+", assembly)[:8]
         prefix = "_".join(words if words and not words[0][0].isdigit() else ["included", *words])
         found: dict[str, str] = {}
         known = len(self.made.problems)
         for table, entry in tables.items():
-            place = root.to("tables", table)
-            value = self.value(entry, place, context, (*trail, "tables", table))
+            place = at.place.to("tables", table)
+            value = self.value(entry, at.to("tables", place).to(table, place))
             if len(self.made.problems) > known:
                 raise RefusedError(place, [])
-            key = f"{root.source.name} {table} {json.dumps(value)}"
+            key = f"{place.source.name} {table} {json.dumps(value)}"
             if key not in self.shared:
                 new = first = f"{prefix[:40]}_{table}"[:90]
                 while new in self.tables:
@@ -464,9 +400,3 @@ def _check_object(value: Any, place: Origin) -> None:
     with place.refusing():
         if not isinstance(value, dict):
             raise WrongValueError("wrong-type", f"expected an object {{…}}, got {kind_of(value)}")
-
-
-def _stand_in(item: Any) -> dict[str, Any]:
-    """An entry in place of one that cannot be composed: its name if it is plain, else nothing."""
-    name = item.get("name") if isinstance(item, dict) and "repeat" not in item else None
-    return {"name": name} if isinstance(name, str) and "{" not in name else {}

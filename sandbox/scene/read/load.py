@@ -1,15 +1,15 @@
 """From a file to a Scene that can be used, or to every problem that it has.
 
 The order: read the text, apply ``--set`` overrides, resolve parameters, compose, validate by the
-models, expand the parts, check what only shows in the whole mechanism. A step that fails does not
-hide what later steps would find: what could not be read is left out, and what is left is checked.
+models, expand the parts, check the whole mechanism. A step that fails does not hide what later
+steps would find: what could not be read is left out, and the rest is checked.
 """
 
 from __future__ import annotations
 
 import numbers
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -26,32 +26,27 @@ from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.compose import compose
-from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_parts, check_values
+from sandbox.scene.read.limits import Limits, check_limits, check_size, over
 from sandbox.scene.read.origins import Composed, Origin, Relocation
 from sandbox.scene.read.overrides import apply_overrides
-from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.scopes import (
+    IDENTIFIER,
     STAND_IN,
     Parameters,
-    can_name,
     plain_tables,
     resolve_parameters,
     resolved_tables,
 )
-from sandbox.scene.read.source import SceneSource, first_problems, read_source
-from sandbox.values.expressions import NamedValues
+from sandbox.scene.read.source import SceneSource, first_problems, half_character, read_source
+from sandbox.values.expressions import RESERVED, NamedValues
 from sandbox.values.messages import explain, written
 from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path
 from sandbox.values.spec import Spec
 from sandbox.wording import kind_of, quoted
 
-FORMAT = 1
-"""The version of the scene format that is read."""
-MOST_WRONG = 5_000
-"""Values that are explained one by one."""
+FORMAT = 1  # the version of the scene format that is read
+MAX_EXPLAINED = 5_000  # number of invalid values that are explained one by one
 LISTS = (*MECHANISM_LISTS, "parts")
-NAMED_OBJECTS = ("materials", "tables")
-"""Objects of a scene whose entries are read one by one."""
 
 
 @dataclass(frozen=True)
@@ -64,17 +59,17 @@ class Loaded:
 
     @property
     def name(self) -> str:
-        """What messages call the file: its path, or nothing where there is none."""
+        """The path of the file in messages; empty without one."""
         return self.origins.source.name
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The files that the scene includes, those that these include, too."""
+        """All files that the scene includes, directly or not."""
         return self.origins.files
 
     @property
     def derived(self) -> tuple[str, ...]:
-        """The parameters that follow from others: what stands there is an expression."""
+        """The parameters that are expressions of others."""
         written = self.origins.data.get("parameters") or {}
         return tuple(name for name in self.scene.parameters
                      if isinstance(text := written.get(name), str) and text.lstrip()[:1] == "=")
@@ -112,11 +107,7 @@ def read_scene(
     overrides: Mapping[str, Any] | None = None,
     limits: Limits | None = None,
 ) -> Loaded:
-    """Load a scene as :func:`load_scene` does, with what came up on the way.
-
-    Raises:
-        SceneError: every problem of the scene, each with its place.
-    """
+    """Load a scene as :func:`load_scene` does, with its mechanism and its places in the file."""
     if limits is not None and not isinstance(limits, Limits):
         raise SceneError([Problem("bad-argument", f"{quoted(limits)} are no limits", "limits",
                                   allowed="sandbox.scene.read.limits.Limits(steps=10_000_000)")])
@@ -143,10 +134,7 @@ def read_scene(
 
 
 def _from_file(source: str | os.PathLike[str], limits: Limits) -> SceneSource:
-    """The text of a file, or else of a shipped scene.
-
-    A directory is none: one with a scene's name holds its runs.
-    """
+    """The text of a file, or else of a shipped scene; a directory of that name holds its runs."""
     text = os.fspath(source) if isinstance(source, os.PathLike) else source
     if not isinstance(text, str):
         raise SceneError([Problem(
@@ -206,15 +194,16 @@ class _Loading:
     composed: Composed = field(init=False)
     parameters: Parameters = field(default_factory=Parameters)
     ignored: set[JsonPath] = field(default_factory=set)
-    """Entries that are not complained about, since the complaint is made elsewhere."""
+    """Entries whose problems have been reported already."""
 
     def scene(self, data: dict[str, Any], overrides: Mapping[str, Any]) -> Loaded | None:
-        """The scene, or what could be read of it; None when nothing could."""
+        """The scene, or the readable part of it; None if there is none."""
         data, self.overridden, problems = apply_overrides(
             data, overrides, nesting=self.limits.nesting)
         self.problems = dict.fromkeys(problems)
         self.composed = Composed(data, Origin(self.source))
-        if self._too_large(data):
+        if too_large := check_size(data, self.limits):
+            self.report(too_large)
             return None
         self.parameters = resolve_parameters(
             data.get("parameters"), plain_tables(data.get("tables")))
@@ -222,50 +211,45 @@ class _Loading:
         self.composed = compose(self.source, data, self.parameters, self.limits)
         self.add(self.composed.problems)
         data = self.composed.data
-        if self.composed.failed or self._too_large(data):
+        self.report(too_large := [] if self.composed.failed else check_size(data, self.limits))
+        if self.composed.failed or too_large:
             return None
         self.ignored = set(self.composed.broken)
+        values: dict[str, Any] = self.parameters.values
         if isinstance(data.get("parameters"), dict):
-            data = {**data, "parameters": dict(self.parameters.values)}
-        return self._validated(data)
-
-    def _too_large(self, data: dict[str, Any]) -> bool:
-        found = [*check_lists(data, self.limits), *check_values(data, self.limits)]
-        self.report(found)
-        return bool(found)
-
-    def _validated(self, data: dict[str, Any]) -> Loaded | None:
-        tables = resolved_tables(data.get("tables"), self.parameters.values)
-        known = NamedValues({**self.parameters.values, **tables}) if tables else \
-            self.parameters.values
-        folder = None if self.source.path is None else self.source.path.parent
-        context = {"parameters": known, "folder": folder}
+            data = {**data, "parameters": dict(values)}
+        if tables := resolved_tables(data.get("tables"), values):
+            values = NamedValues({**values, **tables})
         given = data.get("format")
         if isinstance(given, int) and not isinstance(given, bool) and given > FORMAT:
             self.report([Problem("unsupported-format", f"this scene has format {given}; this "
                                  f"version of sandbox reads format {FORMAT}", "$.format")])
             self.ignored.add(("format",))
+        return self._validated(data, {
+            "parameters": values, "folder": self.source.path and self.source.path.parent})
+
+    def _validated(self, data: dict[str, Any], context: dict[str, Any]) -> Loaded | None:
         paths: set[JsonPath] = set()
-        readable, unread = _Readable(data, self.ignored), False
+        readable = _Readable(data, self.ignored)
         try:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
-            problems = explain(error, data, Scene, MOST_WRONG)
-            if (count := error.error_count()) > MOST_WRONG:
+            problems = explain(error, data, Scene, MAX_EXPLAINED)
+            if (count := error.error_count()) > MAX_EXPLAINED:
                 self.report([Problem("limit-exceeded", f"{count} values are wrong; only "
-                                     f"{MOST_WRONG} are shown"), *problems])
+                                     f"{MAX_EXPLAINED} are shown"), *problems])
                 return None
-            self.report(each for each in problems if self._worth_reporting(each, data))
+            self.report(each for each in problems if self._is_cause(each, data))
             if not self.problems:  # a problem left out must have been reported
                 self.report(problems)
-            paths, unread = {parse_path(problem.path) for problem in problems}, True
+            paths = {parse_path(problem.path) for problem in problems}
             readable = _Readable(data, {path[:2] for path in paths} | self.ignored)
             try:
                 scene = Scene.model_validate(readable.data, context=context)
             except ValidationError:
                 return None
-        mechanism = self._checked_whole(scene, readable)
-        if unread:
+        mechanism = self._checked(scene, readable)
+        if paths:
             left_out = {key: {i: entry for i, entry in enumerate(data[key])
                               if i not in kept and (key, i) not in self.ignored}
                         for key, kept in readable.kept.items()}
@@ -273,20 +257,21 @@ class _Loading:
             self.report(each for each in found if parse_path(each.path) not in paths)
         return Loaded(scene, mechanism, self.composed)
 
-    def _worth_reporting(self, problem: Problem, data: Any) -> bool:
-        """Whether a problem has no other problem as its cause."""
+    def _is_cause(self, problem: Problem, data: Any) -> bool:
+        """Whether a problem is not the consequence of another one."""
         path = parse_path(problem.path)
         if path[:2] in self.ignored or path == ("parameters",):
             return path[:2] not in self.ignored
-        value = data
         for step in path:
-            value = value[step]
-        return not self.parameters.reads_failed(value)
+            data = data[step]
+        return not self.parameters.reads_failed(data)
 
-    def _checked_whole(self, scene: Scene, readable: _Readable) -> Mechanism:
-        """Check what only shows when all elements are there: parts, units, names, sizes."""
-        self.report(twice := list(_twice(scene, readable)))
-        if too_large := check_parts(scene, self.limits):
+    def _checked(self, scene: Scene, readable: _Readable) -> Mechanism:
+        """The mechanism of a scene, after checks of parts, units, names and sizes."""
+        self.report(same_name := list(_parts_of_same_name(scene, readable)))
+        count = sum(part.body_count for part in scene.parts)
+        if too_large := list(over(self.limits, "bodies", count, "$.parts",
+                                  "the parts have {count} bodies and more")):
             self.report(too_large)
             return scene
         mechanism: Mechanism = scene
@@ -308,12 +293,12 @@ class _Loading:
         for problem in [*check_references(mechanism, assumed=readable.assumed),
                         *check_ranges(mechanism)]:
             found = relocate(problem)
-            if not (twice and parse_path(found.path)[:1] == ("parts",)):  # said, once a part
+            if not (same_name and parse_path(found.path)[:1] == ("parts",)):
                 self.report([readable.located(found)])
         return mechanism
 
     def report(self, problems: Iterable[Problem]) -> None:
-        """Add problems of the data with their places in the file, of copies the first one's."""
+        """Add problems of the data with their places in the file; of copies, the first one's."""
         for found in problems:
             place = self.composed.place(parse_path(found.path))
             if self.composed.first(place):
@@ -341,66 +326,54 @@ class _Readable:
 
     def __init__(self, data: dict[str, Any], broken: set[JsonPath]) -> None:
         self.assumed: set[str] = set()
-        """Names of what is left out."""
+        """Names of the elements left out; ``*`` for one without a name."""
         self.kept: dict[str, list[int]] = {}
+        """For each list, the indices of the elements left in."""
         self.data = dict(data)
-        bad: dict[str | int, set[str | int]] = {}
+        objects = ("materials", "tables")
         for path in broken:
-            if len(path) == 2 and path[0] in (*LISTS, *NAMED_OBJECTS):
-                bad.setdefault(path[0], set()).add(path[1])
-            elif path:
+            if path and (len(path) != 2 or path[0] not in (*LISTS, *objects)):
                 self.data.pop(str(path[0]), None)
                 if path[0] in (*LISTS, "materials"):
                     self.assumed.add("*")
         for key in LISTS:
             if isinstance(entries := self.data.get(key), list):
-                out = bad.get(key, set())
-                self.kept[key] = [i for i in range(len(entries)) if i not in out]
+                self.kept[key] = [i for i in range(len(entries)) if (key, i) not in broken]
                 self.data[key] = [entries[i] for i in self.kept[key]]
-                self.assumed |= {_name(entry) for i, entry in enumerate(entries) if i in out}
-        for key in NAMED_OBJECTS:
+                for entry in (each for i, each in enumerate(entries) if (key, i) in broken):
+                    name = entry.get("name") if isinstance(entry, dict) else None
+                    self.assumed.add(name if isinstance(name, str) else "*")
+        for key in objects:
             if isinstance(entries := self.data.get(key), dict):
-                out = bad.get(key, set())
-                tables = key == "tables"
-                self.data[key] = {name: STAND_IN if name in out else entry
-                                  for name, entry in entries.items()
-                                  if name not in out or (tables and can_name(name))}
-                self.assumed |= set() if tables else {str(name) for name in out}
+                out = {name for name in entries if (key, name) in broken}
+                keep = {name for name in out if key == "tables" and IDENTIFIER.fullmatch(name)
+                        and name not in RESERVED and "__" not in name and len(name) <= 100}
+                self.data[key] = {name: STAND_IN if name in out else entry for name, entry
+                                  in entries.items() if name not in out or name in keep}
+                self.assumed |= out if key == "materials" else set()
 
     def located(self, problem: Problem) -> Problem:
-        """The same problem with its path in the whole data."""
         path = parse_path(problem.path)
         if len(path) > 1 and path[0] in self.kept and isinstance(path[1], int):
             path = (path[0], self.kept[str(path[0])][path[1]], *path[2:])
         return replace(problem, path=path_text(path))
 
 
-def _name(entry: Any) -> str:
-    """The name of an entry that could not be read; any name if it has none."""
-    name = entry.get("name") if isinstance(entry, dict) else None
-    return name if isinstance(name, str) else "*"
-
-
-def _twice(scene: Scene, readable: _Readable) -> Iterable[Problem]:
-    """Parts that share a name."""
+def _parts_of_same_name(scene: Scene, readable: _Readable) -> Iterator[Problem]:
     first: dict[str, int] = {}
     for i, part in enumerate(scene.parts):
-        if part.name in first:
+        if first.setdefault(part.name, i) != i:
             other = path_text(("parts", readable.kept["parts"][first[part.name]]))
             yield readable.located(Problem("duplicate-name", f"the name {quoted(part.name)} is "
                                            f"taken by {other}", f"$.parts[{i}].name",
                                            allowed="a unique name for every part"))
-        first.setdefault(part.name, i)
 
 
 def sound(scene: Scene | Mechanism) -> Mechanism:
-    """The mechanism of a scene in Python, if all about it is right but its size.
+    """The mechanism of a scene in Python, if it is valid; its size is not limited.
 
     Its values are validated again, since ``model_copy`` and ``model_construct`` validate nothing;
-    its names, units and ranges are checked as those of a file. Limits are for files only.
-
-    Raises:
-        SceneError: every problem, by its place in the scene or the mechanism; or no scene at all.
+    its names, units and ranges are checked as those of a file.
     """
     if not isinstance(scene, Mechanism):
         raise SceneError([Problem(

@@ -1,8 +1,7 @@
 """Where each piece of a scene was written, and the way back from a problem to that place.
 
 A problem of the mechanism has a path there. The part that an element comes from, a template, a
-repeat or an include, and the text of a file are each one step back. The same steps serve problems
-that reading finds and problems that an inspection finds later.
+repeat or an include, and the text of a file are each one step back.
 """
 
 from __future__ import annotations
@@ -24,6 +23,9 @@ from sandbox.values.messages import fields_at
 from sandbox.values.paths import JsonPath, holds, parse_path, path_text
 from sandbox.wording import WrongValueError, quoted
 
+LAST = ("contacts", "groups")
+"""Lists of a mechanism in which the scene's own elements come last; in the others, first."""
+
 
 @dataclass(frozen=True)
 class Origin:
@@ -31,10 +33,8 @@ class Origin:
 
     source: SceneSource
     path: JsonPath = ()
-    included: str = ""
-    """For messages: where this file is included; empty for the scene's own file."""
-    copy: str = ""
-    """The copy of a ``repeat``, as ``i = 3``; empty outside of one."""
+    included: str = ""  # for messages: where this file is included; empty for the scene's own file
+    copy: str = ""  # the copy of a repeat, as i = 3; empty outside of one
 
     def to(self, *steps: str | int) -> Origin:
         """The place further down."""
@@ -64,26 +64,21 @@ class Origin:
                        column=column, file=self.source.name if self.included else "",
                        fields=fields)
 
-
     @contextmanager
     def refusing(self, *, key: bool = False) -> Iterator[None]:
-        """Give a wrong value this place.
-
-        Raises:
-            RefusedError: in place of a ``WrongValueError``.
-        """
+        """Give a wrong value this place."""
         try:
             yield
         except WrongValueError as error:
             raise RefusedError(self, [self.located(Problem.of(error, "$", key=key))]) from None
 
 
+@dataclass
 class RefusedError(Exception):
     """A piece that cannot be composed: its place, and problems with places of their own."""
 
-    def __init__(self, place: Origin, problems: list[Problem]) -> None:
-        super().__init__()
-        self.place, self.problems = place, problems
+    place: Origin
+    problems: list[Problem]
 
 
 @dataclass
@@ -92,21 +87,15 @@ class Composed:
 
     data: dict[str, Any]
     root: Origin
-    problems: list[Problem] = field(default_factory=list)
-    """Each with its place."""
+    problems: list[Problem] = field(default_factory=list)  # each with its place
     broken: set[JsonPath] = field(default_factory=set)
     """Entries of the data that could not be composed."""
-    failed: bool = False
-    """Whether the data is not worth validating."""
-    files: tuple[Path, ...] = ()
-    """Included files."""
+    failed: bool = False  # whether the data is not worth validating
+    files: tuple[Path, ...] = ()  # included files
     moved: dict[int, tuple[Any, dict[str | int, Origin]]] = field(default_factory=dict)
-    """The children of containers that were written elsewhere than their container.
-
-    By its identity; the container is kept, so that no other object takes that.
-    """
+    """Containers by their id, with the children that were written elsewhere than them."""
     reported: dict[tuple[str, JsonPath], Origin] = field(default_factory=dict)
-    """The copy of a place of which a problem was reported first."""
+    """For each place, the copy of which a problem was reported first."""
 
     @property
     def source(self) -> SceneSource:
@@ -121,20 +110,16 @@ class Composed:
         """Note where a child of a container was written."""
         self.moved.setdefault(id(container), (container, {}))[1][step] = place
 
-    def copy(self, container: Any, other: Any) -> None:
-        """Note the same places for a copy of a container."""
-        self.moved[id(other)] = other, dict(self._of(container))
-
     def at(self, container: Any, step: str | int, place: Origin) -> Origin:
         """Where a child of a container at a place was written, in the copy of that place."""
-        moved = self._of(container).get(step)
+        moved = self.of(container).get(step)
         return moved.copied(place) if moved else place.to(step)
 
     def place(self, path: JsonPath) -> Origin:
         """Where the value at a path of the data was written."""
         place, value = self.root, cast(Any, self.data)
         for step in path:
-            place = self._of(value).get(step) or place.to(step)
+            place = self.of(value).get(step) or place.to(step)
             value = value[step] if holds(value, step) else None
         return place
 
@@ -142,7 +127,8 @@ class Composed:
         """A problem of the data with its path, line and column in the file."""
         return self.place(parse_path(problem.path)).located(problem)
 
-    def _of(self, container: Any) -> dict[str | int, Origin]:
+    def of(self, container: Any) -> dict[str | int, Origin]:
+        """Where the children of a container were written, if elsewhere than it."""
         return self.moved[id(container)][1] if id(container) in self.moved else {}
 
 
@@ -153,57 +139,47 @@ class Relocation:
         self.mechanism, self.scene = mechanism, scene
 
     @cached_property
-    def _written(self) -> _Written:
-        found = _Written()
-        found.add(self.scene, "", ())
-        return found
+    def _written(self) -> list[tuple[str, str, Any, JsonPath]]:
+        return list(_elements(self.scene, "", ()))
+
+    @cached_property
+    def _named(self) -> dict[tuple[str, str], JsonPath]:
+        return {(kind, name): path for kind, name, _, path in reversed(self._written)}
 
     def __call__(self, problem: Problem) -> Problem:
         """The problem with its path in the scene; of a part, the part's path."""
-        path = parse_path(problem.path)
-        kind, index = (*path, "", "")[:2]
+        kind, index, *rest = (*parse_path(problem.path), "", "")
         if kind not in LISTS or not isinstance(index, int):
             return problem
-        element = getattr(self.mechanism, str(kind))[index]
+        elements, own = getattr(self.mechanism, str(kind)), len(getattr(self.scene, str(kind)))
+        first = len(elements) - own if kind in LAST else 0
+        if first <= index < first + own:
+            return replace(problem, path=path_text((kind, index - first, *rest[:-2])))
+        element = elements[index]
+        if isinstance(element, ContactRule):
+            path = next((path for kind, prefix, rule, path in self._written if kind == "contacts"
+                         and all(there in (here, f"{prefix}{here}") for here, there in zip(
+                             rule.between, element.between, strict=True))), None)
+        else:
+            path = self._named.get((str(kind), element.name))
+        if path is not None:
+            return replace(problem, path=path_text((*path, *rest[:-2])))
         name = getattr(element, "name", "")
-        own = self._written.own.get(id(element)) or self._written.named.get((str(kind), name))
-        if own is not None:
-            return replace(problem, path=path_text((*own, *path[2:])))
-        message = problem.message if problem.element else f"{quoted(name)}: {problem.message}"
-        while name:
-            if (part := self._written.named.get(("parts", name))) is not None:
-                return replace(problem, message=message, path=path_text(part))
+        message = problem.message if problem.element or not name else \
+            f"{quoted(name)}: {problem.message}"
+        while name and path is None:
+            path = self._named.get(("parts", name))
             name = name.rpartition(".")[0]
-        return replace(problem, path=path_text(self._written.rule(element)))
+        return replace(problem, message=message, path=path_text(path or ("parts",)))
 
 
-@dataclass
-class _Written:
-    """Paths of a scene's elements and parts."""
-
-    own: dict[int, JsonPath] = field(default_factory=dict)
-    """Of the scene's own elements, by their identity."""
-    named: dict[tuple[str, str], JsonPath] = field(default_factory=dict)
-    """By the list and the name in the mechanism."""
-    rules: list[tuple[str, ContactRule, JsonPath]] = field(default_factory=list)
-    """Contact rules of assemblies, which have no names, and the prefix of names there."""
-
-    def add(self, holder: Scene | Assembly, prefix: str, path: JsonPath) -> None:
-        """Add the elements and parts of a scene or an assembly."""
-        for kind in (*LISTS, "parts"):
-            for i, element in enumerate(getattr(holder, kind, ())):
-                here = (*path, kind, i)
-                if not path:
-                    self.own[id(element)] = here
-                elif isinstance(element, ContactRule):
-                    self.rules.append((prefix, element, here))
-                name = f"{prefix}{getattr(element, 'name', '')}"
-                self.named.setdefault((kind, name), here)
-                if isinstance(element, Assembly):
-                    self.add(element, f"{name}.", here)
-
-    def rule(self, rule: object) -> JsonPath:
-        """The path of the rule that may have become a rule of the mechanism."""
-        return next((path for prefix, own, path in self.rules if isinstance(rule, ContactRule)
-                     and all(there in (here, f"{prefix}{here}") for here, there in
-                             zip(own.between, rule.between, strict=True))), ("parts",))
+def _elements(
+    holder: Scene | Assembly, prefix: str, path: JsonPath,
+) -> Iterator[tuple[str, str, Any, JsonPath]]:
+    """List, full name and path of each element and part, those of assemblies included."""
+    for kind in (*LISTS, "parts"):
+        for i, element in enumerate(getattr(holder, kind, ())):
+            here, name = (*path, kind, i), f"{prefix}{getattr(element, 'name', '')}"
+            yield kind, name, element, here
+            if isinstance(element, Assembly):
+                yield from _elements(element, f"{name}.", here)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import json
 from collections.abc import Mapping
 from typing import Any
@@ -10,61 +11,43 @@ from typing import Any
 from sandbox.errors import Problem
 from sandbox.scene.read.compose import Context, merged
 from sandbox.scene.read.origins import Composed, Origin, RefusedError
-from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.scopes import Scope
-from sandbox.scene.read.source import SceneSource
+from sandbox.scene.read.source import SceneSource, half_character
 from sandbox.values.paths import JsonPath, holds, parse_path
 from sandbox.values.units import dimension_of, unit_in, units_of
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
 
 CLOSED = ("parameters", "templates")
-"""Objects whose keys are the author's own, so that a new one can only be a slip."""
-_NOWHERE = Origin(SceneSource({}))
+"""Objects whose keys are the author's own, so that a new one is a slip."""
 
 
 def apply_overrides(
     data: dict[str, Any], overrides: Mapping[str, Any], *, nesting: int = 32
 ) -> tuple[dict[str, Any], set[JsonPath], list[Problem]]:
-    """A copy of ``data`` with the overrides, the paths they set, and their problems.
-
-    A list's item is chosen by its index or its name: ``bodies[disc].mass``. A
-    value given as text is JSON if it parses, else the text itself.
-    """
+    """A copy of ``data`` with the overrides, the paths they set, and their problems."""
     if not overrides:
         return data, set(), []
-    result, paths, problems = _copy(data), set(), []
+    result, paths, problems = copy.deepcopy(data), set(), []
     for text, value in overrides.items():
         try:
             if not isinstance(text, str):
                 raise WrongValueError("bad-override", "it is not the text of a path")
-            steps, new = parse_path(text), _value(value, nesting)
+            steps = parse_path(text)
+            if isinstance(value, str):
+                if sum(map(value.count, "[{")) > 10 * nesting:
+                    raise WrongValueError("limit-exceeded", "the value has too many brackets")
+                with contextlib.suppress(ValueError):
+                    value = json.loads(value, parse_constant=str)
             if steps[:1] == ("parameters",):
-                _same_dimension(result, steps, new)
-            written = json.dumps([*steps, new], default=str, skipkeys=True, ensure_ascii=False)
+                _check_dimension(result, steps, value)
+            written = json.dumps([*steps, value], default=str, skipkeys=True, ensure_ascii=False)
             if half := half_character(written):
                 raise WrongValueError("invalid-json", half)
-            paths.add(_set(result, steps, new))
-        except WrongValueError as wrong:
-            problems.append(Problem(wrong.code, f"cannot set {quoted(text)}: {wrong.message}",
-                                    allowed=wrong.allowed, hint=wrong.hint))
+            paths.add(_set(result, steps, value))
+        except WrongValueError as error:
+            problems.append(Problem.of(
+                error, "$", message=f"cannot set {quoted(text)}: {error.message}"))
     return result, paths, problems
-
-
-def _copy(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _copy(entry) for key, entry in value.items()}
-    return [_copy(entry) for entry in value] if isinstance(value, list) else value
-
-
-def _value(value: Any, nesting: int) -> Any:
-    if not isinstance(value, str):
-        return value
-    if sum(map(value.count, "[{")) > 10 * nesting:
-        raise WrongValueError("limit-exceeded", "the value has too many brackets")
-    try:
-        return json.loads(value, parse_constant=lambda constant: constant)
-    except ValueError:
-        return value
 
 
 def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
@@ -85,12 +68,7 @@ def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
     return tuple(taken)
 
 
-def _same_dimension(data: dict[str, Any], path: JsonPath, value: Any) -> None:
-    """Check that a parameter has the dimension that it has in the scene's file.
-
-    Raises:
-        WrongValueError: both have units, of different dimensions.
-    """
+def _check_dimension(data: dict[str, Any], path: JsonPath, value: Any) -> None:
     own = data.get("parameters")
     before, after = (unit_in(each) for each in (
         own.get(path[1]) if isinstance(own, dict) and len(path) == 2 else None, value))
@@ -101,27 +79,29 @@ def _same_dimension(data: dict[str, Any], path: JsonPath, value: Any) -> None:
 
 
 def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
-    """A copy of the list that an element has from its template.
-
-    Raises:
-        WrongValueError: there is no such list.
-    """
+    """A copy of the list that an element has from its template."""
     value: Any = data
+    nowhere = Origin(SceneSource({}))
     for depth, step in enumerate(taken):
         value = value[step] if holds(value, step) else None
         if depth == 1 and isinstance(value, dict):
-            context = Context(Scope(), data.get("templates"), _NOWHERE)
+            context = Context(nowhere, (), Scope(), data.get("templates"), nowhere)
             with contextlib.suppress(RefusedError):  # reading the scene reports it
-                value = merged(value, _NOWHERE, context, Composed({}, _NOWHERE), NearMisses())
+                value = merged(value, context, Composed({}, nowhere), NearMisses())
     if not isinstance(value, list):
         raise WrongValueError("bad-override", f"there is no list {quoted(taken[-1])} there")
-    return _copy(value)
+    return copy.deepcopy(value)
 
 
 def _key(holder: Any, step: str | int, taken: list[str | int]) -> str | int:
     """The key or index that ``step`` means in ``holder``."""
     if isinstance(holder, dict):
-        return _key_of_object(holder, str(step), taken)
+        key = str(step)
+        if len(taken) == 1 and taken[0] in CLOSED and key not in holder:
+            what = str(taken[0]).removesuffix("s")
+            raise WrongValueError("bad-override", f"the scene has no {what} {quoted(key)}",
+                                  allowed=listed(holder) or "none", hint=near(key, holder))
+        return key
     if not isinstance(holder, list):
         raise WrongValueError("bad-override", f"{quoted(taken[-1])} is {kind_of(holder)} and has "
                               f"no {quoted(step)} in it")
@@ -137,11 +117,3 @@ def _key(holder: Any, step: str | int, taken: list[str | int]) -> str | int:
         return names[step]
     raise WrongValueError("bad-override", f"nothing in {quoted(taken[-1])} is named {quoted(step)}",
                           allowed=listed(names) or "an index", hint=near(step, names))
-
-
-def _key_of_object(holder: dict[str, Any], key: str, taken: list[str | int]) -> str:
-    if len(taken) == 1 and taken[0] in CLOSED and key not in holder:
-        what = str(taken[0]).removesuffix("s")
-        raise WrongValueError("bad-override", f"the scene has no {what} {quoted(key)}",
-                              allowed=listed(holder) or "none", hint=near(key, holder))
-    return key

@@ -7,6 +7,7 @@ import re
 from collections import ChainMap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,27 +17,19 @@ from sandbox.errors import Problem
 from sandbox.scene.bodies import SHAPES
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origins import Origin
-from sandbox.values.expressions import (
-    RESERVED,
-    Expression,
-    NamedValues,
-    call,
-    parse_expression,
-    unknown_name,
-)
+from sandbox.values import expressions as ex
 from sandbox.values.numbers import number_from
 from sandbox.values.paths import path_text
 from sandbox.values.tables import NamedTable, function_of
 from sandbox.wording import WrongValueError, kind_of, listed, near, number_text, quoted
 
 _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
-_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-MOST_DEEP = 100
-"""Parameters that depend on one another."""
+IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+DEEPEST = 100  # maximum length of a chain of parameters that depend on one another
 PLACEHOLDER = 1.0
-"""Stands for a parameter without a value, so that what else is in the scene can be checked."""
+"""Replaces a parameter without a value, so that the rest of the scene can be checked."""
 STAND_IN = {"points": [[0, 1], [1, 1]]}
-"""For a table that is wrong, so that what else is in the scene can be checked."""
+"""Replaces an invalid table, so that the rest of the scene can be checked."""
 
 
 @dataclass(frozen=True)
@@ -45,16 +38,17 @@ class Scope:
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     """The file's own, SI: they stay in expressions, but can be read here."""
-    numbers: Mapping[str, float] = field(default_factory=dict)
-    """Put in expressions for their names."""
-    words: Mapping[str, str] = field(default_factory=dict)
-    """Entries of a repeat's list that are no numbers; for braces only."""
-    tables: Mapping[str, Any] = field(default_factory=dict)
-    """The file's, by their calls."""
+    values: Mapping[str, float | str] = field(default_factory=dict)
+    """Numbers replace their names in expressions; words, of a repeat's list, only in braces."""
+    tables: Mapping[str, Any] = field(default_factory=dict)  # the file's, by their calls
     renamed: Mapping[str, str] | None = None
-    """Of a file that is included: from its tables' names to those that they have in the scene."""
-    braces: bool = False
-    """Whether ``{i}`` means something: inside a ``repeat`` it does."""
+    """Of an included file: the names that its tables have in the scene."""
+    braces: bool = False  # whether {i} has a meaning, as inside a repeat
+
+    @cached_property
+    def numbers(self) -> dict[str, float]:
+        """The values that are numbers."""
+        return {name: value for name, value in self.values.items() if not isinstance(value, str)}
 
     @property
     def known(self) -> dict[str, float]:
@@ -62,27 +56,17 @@ class Scope:
         return {**self.parameters, **self.numbers}
 
     def naming(self, values: Mapping[str, float | str], *, braces: bool) -> Scope:
-        """The scope inside, with more names, before those of the same name around it."""
-        words = {name: value for name, value in values.items() if isinstance(value, str)}
-        numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
-        return replace(
-            self, braces=self.braces or braces,
-            words={**{k: v for k, v in self.words.items() if k not in numbers}, **words},
-            numbers={**{k: v for k, v in self.numbers.items() if k not in words}, **numbers})
+        """The scope inside, with more names, which hide those of the same name around it."""
+        return replace(self, braces=self.braces or braces, values={**self.values, **values})
 
     def text(self, text: str) -> str:
-        """A text with the scope's values in it.
-
-        Raises:
-            WrongValueError: braces that hold no known name.
-        """
+        """A text with the scope's values in it."""
         if self.braces and ("{" in text or "}" in text):
             text = _BRACES.sub(self._filled, text)
-        if not text.lstrip().startswith("=") or not (
-                self.numbers or self.words or self.renamed is not None):
+        if not text.lstrip().startswith("=") or not (self.values or self.renamed is not None):
             return text
         try:
-            expression = parse_expression(text)
+            expression = ex.parse_expression(text)
         except WrongValueError:
             return text  # validation reports it
         self._check_numbers(expression)
@@ -93,8 +77,8 @@ class Scope:
             return text
         return f"={expression.bind(self.numbers, self.renamed).text}"
 
-    def _check_numbers(self, expression: Expression) -> None:
-        for name in sorted(expression.names & set(self.words)):
+    def _check_numbers(self, expression: ex.Expression) -> None:
+        for name in sorted(expression.names & (set(self.values) - set(self.numbers))):
             raise WrongValueError("bad-expression", f"{quoted(name)} is text; an expression needs "
                                   "numbers", allowed=f"{{{name}}} inside of a name")
 
@@ -102,27 +86,23 @@ class Scope:
         inner = match.group(1)
         if inner is None:
             return match.group()[0]  # two braces are one
-        if inner.strip() in self.words:
-            return self.words[inner.strip()]
-        known, expression = self.known, parse_expression(inner)
+        if isinstance(word := self.values.get(inner.strip()), str):
+            return word
+        known, expression = self.known, ex.parse_expression(inner)
         self._check_numbers(expression)
         for name in sorted(expression.names.difference(known)):
-            raise unknown_name(name, {**known, **self.words})
+            raise ex.unknown_name(name, {**known, **self.values})
         value = float(expression.evaluate({**self.tables, **known}))
         return str(int(value)) if value == int(value) and abs(value) < 1e15 else f"{value:g}"
 
 
 def check_name(name: Any, what: str, parameters: Mapping[str, float]) -> None:
-    """Check a name that expressions are to read.
-
-    Raises:
-        WrongValueError: it is no name, or has another meaning already.
-    """
-    if isinstance(name, str) and name in RESERVED:
+    """Check a name that expressions are to read."""
+    if isinstance(name, str) and name in ex.RESERVED:
         means = "the time" if name == "t" else "a constant, a function or a word of expressions"
         raise WrongValueError("invalid-name", f"{quoted(name)} cannot be the name of {what}: it "
                               f"already means {means}")
-    if not isinstance(name, str) or not _IDENTIFIER.fullmatch(name) or "__" in name or (
+    if not isinstance(name, str) or not IDENTIFIER.fullmatch(name) or "__" in name or (
             len(name) > 100):
         raise WrongValueError("invalid-name", f"{quoted(name)} is not the name of {what}",
                               allowed="a letter, then letters, digits and single _")
@@ -131,34 +111,31 @@ def check_name(name: Any, what: str, parameters: Mapping[str, float]) -> None:
                               "already", allowed='another one for the index: "index": "j"')
 
 
-def unknown_key(key: str, known: tuple[str, ...]) -> WrongValueError:
-    """The refusal of a key that is none of those known."""
-    return WrongValueError("unknown-key", f"unknown key {quoted(key)}", allowed=", ".join(known),
-                           hint=near(key, known))
+def check_key(key: str, known: tuple[str, ...]) -> None:
+    """Check that a key is one of those known."""
+    if key not in known:
+        raise WrongValueError("unknown-key", f"unknown key {quoted(key)}",
+                              allowed=", ".join(known), hint=near(key, known))
 
 
 @dataclass
 class Parameters:
     """Values (SI) of a scene's parameters; ``failed`` are those that only have a placeholder."""
 
-    values: dict[str, float] = field(default_factory=NamedValues)
+    values: dict[str, float] = field(default_factory=ex.NamedValues)
     failed: set[str] = field(default_factory=set)
     problems: list[Problem] = field(default_factory=list)
-    unreadable: bool = False
-    """Whether the scene's ``parameters`` are not even an object."""
+    unreadable: bool = False  # whether the scene's parameters are not even an object
 
     def reads_failed(self, text: object) -> bool:
-        """Whether a text is an expression of a parameter that failed.
-
-        One that is called as a constant or a function is none of the names that it reads.
-        """
+        """Whether a text is an expression of a failed parameter, which may be a reserved word."""
         if not isinstance(text, str) or not (self.failed or self.unreadable):
             return False
         try:
-            names = parse_expression(text).names
-        except ValueError:  # a word of Python that was to be a parameter makes it none
+            names = ex.parse_expression(text).names
+        except ValueError:  # a parameter named by a keyword of Python makes it invalid
             names = frozenset()
-        words = names | (RESERVED & set(_IDENTIFIER.findall(text)))
+        words = names | (ex.RESERVED & set(IDENTIFIER.findall(text)))
         return bool(names if self.unreadable else words & self.failed)
 
 
@@ -166,10 +143,10 @@ def resolve_parameters(raw: Any, tables: Mapping[str, Any]) -> Parameters:
     """The values of ``{"pull": "15 N", "each": "=pull / 4"}``; a cycle is named.
 
     They may call ``tables``, except those that read parameters themselves, which are None there.
-    What is not an object gives nothing: the models refuse it.
+    What is not an object has no values: the models refuse it.
     """
     found = Parameters(unreadable=raw is not None and not isinstance(raw, dict))
-    known = NamedValues()
+    known = ex.NamedValues()
     for name, value in raw.items() if isinstance(raw, dict) else ():
         try:
             check_name(name, "a parameter", {})
@@ -196,15 +173,15 @@ def _resolve(
             cycle = " → ".join([*chain[chain.index(name):], name])
             raise WrongValueError("circular-definition",
                                   f"parameters that depend on each other: {cycle}")
-        if len(chain) > MOST_DEEP:
+        if len(chain) > DEEPEST:
             raise WrongValueError("circular-definition", "parameters depend on each other more "
-                                  f"than {MOST_DEEP} deep")
+                                  f"than {DEEPEST} deep")
         if isinstance(value, str) and value.lstrip().startswith("="):
-            expression = parse_expression(value)
-            plain = {name: each for name, each in tables.items() if each is not None}
+            expression = ex.parse_expression(value)
             for table in sorted(expression.tables):
-                known = ChainMap(found.values, plain)
-                if tables.get(call(table), table) is None:
+                known = ChainMap(found.values, {
+                    name: each for name, each in tables.items() if each is not None})
+                if tables.get(ex.call(table), table) is None:
                     raise WrongValueError(
                         "invalid-name", f"the table {quoted(table)} reads parameters itself, so "
                         "no parameter can use it", allowed="a table of plain numbers")
@@ -212,7 +189,7 @@ def _resolve(
                 if needed in raw:
                     _resolve(needed, raw, found, [*chain, name], tables)
                 elif needed not in found.failed:
-                    raise unknown_name(needed, raw, but=name)
+                    raise ex.unknown_name(needed, raw, but=name)
         if name in found.values:
             return  # it was part of a cycle, reported where the cycle closed
         number = number_from(value, None, known)
@@ -226,46 +203,34 @@ def _resolve(
         found.failed.add(name)
 
 
-def can_name(name: str) -> bool:
-    """Whether a table may have a name."""
-    try:
-        check_name(name, "a table", {})
-    except WrongValueError:
-        return False
-    return True
-
-
 def plain_tables(raw: Any) -> dict[str, Any]:
     """The tables by their calls that parameters may call; None for those that read parameters."""
-    return {call(name): None if _reads(entry) else _function(entry, {})
-            for name, entry in _entries(raw)}
+    def reads(value: Any) -> bool:
+        if isinstance(value, (dict, list)):
+            return any(map(reads, value.values() if isinstance(value, dict) else value))
+        return isinstance(value, str) and value.lstrip().startswith("=")
+
+    reading = {ex.call(name) for name, entry in raw.items() if reads(entry)} if isinstance(
+        raw, dict) else set()
+    return {name: None if name in reading else each
+            for name, each in resolved_tables(raw, {}).items()}
 
 
 def resolved_tables(raw: Any, parameters: Mapping[str, float]) -> dict[str, Any]:
-    """All tables by their calls, a constant for each that is wrong; validation reports it."""
-    return {call(name): _function(entry, parameters) for name, entry in _entries(raw)}
-
-
-def _entries(raw: Any) -> list[tuple[str, Any]]:
-    return list(raw.items()) if isinstance(raw, dict) else []
-
-
-def _reads(value: Any) -> bool:
-    if isinstance(value, (dict, list)):
-        return any(map(_reads, value.values() if isinstance(value, dict) else value))
-    return isinstance(value, str) and value.lstrip().startswith("=")
-
-
-def _function(entry: Any, parameters: Mapping[str, float]) -> Any:
-    try:
-        return function_of(NamedTable.model_validate(entry, context={"parameters": parameters}))
-    except ValidationError:
-        return np.ones_like
+    """All tables by their calls, a constant for each that is invalid; validation reports it."""
+    found: dict[str, Any] = {}
+    for name, entry in raw.items() if isinstance(raw, dict) else ():
+        try:
+            table = NamedTable.model_validate(entry, context={"parameters": parameters})
+            found[ex.call(name)] = function_of(table)
+        except ValidationError:
+            found[ex.call(name)] = np.ones_like
+    return found
 
 
 REPEAT_KEYS = ("count", "list", "index", "line", "circle")
-LYING = ("bodies", "parts", *SHAPES, "guides")
-"""Lists whose entries lie somewhere, so that a line or circle can move them."""
+WITH_POSITION = ("bodies", "parts", *SHAPES, "guides")
+"""Lists whose entries have a position, so that a line or circle can move them."""
 Names = dict[str, float | str]
 Vec = tuple[float, float]
 
@@ -274,13 +239,10 @@ Vec = tuple[float, float]
 class Copies:
     """A ``repeat`` that was read."""
 
-    rows: list[Names]
-    """Of each copy the names and values that hold in it."""
+    rows: list[Names]  # the names and values of each copy
     scope: Scope
-    line: Vec | None = None
-    """From one copy to the next [m]."""
-    circle: Vec | None = None
-    """Centre of a full turn [m]."""
+    line: Vec | None = None  # from one copy to the next [m]
+    circle: Vec | None = None  # centre of a full turn [m]
 
     def label(self, number: int) -> str:
         """The label of a copy in messages."""
@@ -288,25 +250,22 @@ class Copies:
         return f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
 
     def moved(self, entry: dict[str, Any], number: int, among: str) -> dict[str, Any]:
-        """A copy of an entry, moved along the line or round the circle.
-
-        Raises:
-            WrongValueError: it lies nowhere, or follows a path of its own.
-        """
+        """A copy of an entry, moved along the line or round the circle."""
         if self.line is None and self.circle is None:
             return entry
-        if among not in LYING:
+        if among not in WITH_POSITION:
             raise WrongValueError("bad-repeat", f"an entry of {quoted(among)} has no position, so "
                                   "it cannot have 'line' or 'circle'",
-                                  allowed=f"entries of {listed(LYING)}; others use the index in "
-                                  "their names")
+                                  allowed=f"entries of {listed(WITH_POSITION)}; others use the "
+                                  "index in their names")
         if "path" in entry:
             raise WrongValueError("bad-repeat", "a body with a path is not moved by a line or "
                                   "circle", allowed="the body in an assembly, and that repeated")
         turn = math.tau * number / len(self.rows) if self.circle is not None else 0.0
-        result = dict(entry)
-        for key in _points(entry, among):
-            result[key] = self._each(entry.get(key, [0, 0]), number, turn)
+        keys: tuple[str, ...] = ("at",)
+        if among in SHAPES and ("points" in entry or "end" in entry):
+            keys = ("points",) if "points" in entry else ("start", "end")
+        result = entry | {key: self._each(entry.get(key, [0, 0]), number, turn) for key in keys}
         if turn and (among in ("bodies", "parts") or entry.get("type") == "box"):
             angle = entry.get("angle", 0.0)
             numbers = self._read([angle], "angle")
@@ -314,7 +273,7 @@ class Copies:
         return result
 
     def _each(self, value: Any, number: int, turn: float) -> Any:
-        """A point or a list of points; what is neither is left for the models to refuse."""
+        """A point or a list of points; anything else is left for the models to refuse."""
         if not isinstance(value, list) or not value:
             return value
         if isinstance(value[0], list):
@@ -331,33 +290,19 @@ class Copies:
         return [x, y]
 
     def _read(self, values: list[Any], dimension: str) -> list[float]:
-        """The numbers of some values; none if one is wrong."""
+        """The numbers of some values; none if one is invalid."""
         try:
             return [number_from(each, dimension, self.scope.known) for each in values]
         except ValueError:
             return []
 
 
-def _points(entry: Mapping[str, Any], among: str) -> tuple[str, ...]:
-    """The keys of an entry for its position."""
-    if among in SHAPES and "points" in entry:
-        return ("points",)
-    return ("start", "end") if among in SHAPES and "end" in entry else ("at",)
-
-
 def read_repeat(value: Any, scope: Scope, limits: Limits, place: Origin) -> Copies:
-    """Read the value of a ``repeat``, which is at a place.
-
-    A whole number is that of the copies, counted by ``i`` from 0.
-
-    Raises:
-        RefusedError: it is wrong.
-    """
+    """Read the value of a ``repeat``; a number is that of the copies, counted by ``i``."""
     given = value if isinstance(value, dict) else {"count": value}
     for key in given:
         with place.to(key).refusing(key=True):
-            if key not in REPEAT_KEYS:
-                raise unknown_key(key, REPEAT_KEYS)
+            check_key(key, REPEAT_KEYS)
     index = given.get("index", "i")
     with (place.to("index") if "index" in given else place).refusing():
         check_name(index, "an index", scope.parameters)
@@ -367,8 +312,23 @@ def read_repeat(value: Any, scope: Scope, limits: Limits, place: Origin) -> Copi
     with place.to("circle").refusing():
         if "line" in given and "circle" in given:
             raise WrongValueError("bad-repeat", "'line' and 'circle' exclude each other")
-    line, circle = (_vector(given, key, what, scope, place.to(key)) for key, what in (
-        ("line", "the step from one copy to the next"), ("circle", "the centre")))
+
+    def vector(key: str, what: str) -> Vec | None:
+        if key not in given:
+            return None
+        value, here = given[key], place.to(key)
+        with here.refusing():
+            if not (isinstance(value, list) and len(value) == 2):
+                raise WrongValueError("wrong-type", f"{what} is expected here, got "
+                                      f"{kind_of(value)}", allowed="two lengths [x, y]")
+        found = []
+        for i, each in enumerate(value):
+            with here.to(i).refusing():
+                found.append(number_from(each, "length", scope.known))
+        return found[0], found[1]
+
+    line, circle = vector("line", "the step from one copy to the next"), vector(
+        "circle", "the centre")
     if "list" in given:
         rows = list(_listed(given["list"], index, scope, limits, place.to("list")))
     else:
@@ -378,18 +338,18 @@ def read_repeat(value: Any, scope: Scope, limits: Limits, place: Origin) -> Copi
 
 
 def _count(value: Any, scope: Scope, limits: Limits) -> int:
-    wanted = (f"a whole number from 1 to {limits.elements}, an expression of parameters that gives "
-              "one, or an object with 'count' or 'list'")
+    count, shown = 0.0, kind_of(value)
     try:
         count = number_from(value, "ratio", scope.known)
+        shown = number_text(count)
     except WrongValueError:
         if isinstance(value, str) and value.lstrip().startswith("="):
             raise
-        raise WrongValueError("bad-repeat", f"{kind_of(value)} is not a number of copies",
-                              allowed=wanted) from None
     if not (count == int(count) and count >= 1):
-        raise WrongValueError("bad-repeat", f"{number_text(count)} is not a number of copies",
-                              allowed=wanted)
+        raise WrongValueError(
+            "bad-repeat", f"{shown} is not a number of copies",
+            allowed=f"a whole number from 1 to {limits.elements}, an expression of parameters that "
+            "gives one, or an object with 'count' or 'list'")
     _check_few(count, limits)
     return int(count)
 
@@ -406,7 +366,15 @@ def _check_few(count: float, limits: Limits) -> None:
 def _listed(
     value: Any, index: str, scope: Scope, limits: Limits, place: Origin,
 ) -> Iterator[Names]:
-    """The names and values of each entry of a list."""
+    def read(given: Any, here: Origin) -> float | str:
+        with here.refusing():
+            try:
+                return float(number_from(given, None, scope.known))
+            except WrongValueError:
+                if isinstance(given, str) and given.isidentifier():
+                    return given
+                raise
+
     with place.refusing():
         if not isinstance(value, list) or not value:
             raise WrongValueError(
@@ -416,7 +384,7 @@ def _listed(
     for number, entry in enumerate(value):
         here = place.to(number)
         if not isinstance(entry, dict):
-            yield {index: _value(entry, scope, here)}
+            yield {index: read(entry, here)}
             continue
         row: Names = {index: float(number)}
         for name, given in entry.items():
@@ -426,33 +394,5 @@ def _listed(
                         "duplicate-name", f"the name {quoted(name)} is that of the index, which "
                         "counts the entries", allowed="another name, or another \"index\"")
                 check_name(name, "an index", scope.parameters)
-            row[name] = _value(given, scope, here.to(name))
+            row[name] = read(given, here.to(name))
         yield row
-
-
-def _value(given: Any, scope: Scope, place: Origin) -> float | str:
-    """A number, or else a word."""
-    with place.refusing():
-        try:
-            return float(number_from(given, None, scope.known))
-        except WrongValueError:
-            if isinstance(given, str) and given.isidentifier():
-                return given
-            raise
-
-
-def _vector(
-    given: Mapping[str, Any], key: str, what: str, scope: Scope, place: Origin,
-) -> Vec | None:
-    if key not in given:
-        return None
-    with place.refusing():
-        if not (isinstance(given[key], list) and len(given[key]) == 2):
-            raise WrongValueError(
-                "wrong-type", f"{what} is expected here, got {kind_of(given[key])}",
-                allowed="two lengths [x, y]")
-    found = []
-    for i, each in enumerate(given[key]):
-        with place.to(i).refusing():
-            found.append(number_from(each, "length", scope.known))
-    return found[0], found[1]
