@@ -41,9 +41,9 @@ def near(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     return quoted(found) if found else ""
 
 
-def meant(word: str, choices: Iterable[str]) -> str:
+def meant(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     """A suggestion as a sentence, `` Did you mean 'mass'?``, or ``""``."""
-    hint = near(word, choices)
+    hint = near(word, choices, cutoff=cutoff)
     return f" Did you mean {hint}?" if hint else ""
 
 

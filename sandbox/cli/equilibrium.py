@@ -54,13 +54,10 @@ _VALUE = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.
 class _Answer(NamedTuple):
     """Results of the command."""
 
-    data: dict[str, Any]
-    """For JSON."""
-    rows: list[list[str]]
-    """For CSV, the header first."""
+    data: dict[str, Any]  # for JSON
+    rows: list[list[str]]  # for CSV, the header first
     pictures: list[Path]
-    lines: list[str]
-    """For the terminal."""
+    lines: list[str]  # for the terminal
 
 
 def _read_starts(

@@ -273,40 +273,36 @@ class Varying(Spec):
     def _check(self, info: ValidationInfo) -> Self:
         if (info.context or {}).get("search"):  # it chooses its points itself
             return self
-        design = self.chosen_design
-        if design in EXPLICIT:
-            self._check_explicit(design)
-        elif self.count is None:
-            raise wrong_study("a design {design} needs a count of points", design=quoted(design))
-        for path, each in self.over.items():
-            if design not in EXPLICIT and isinstance(each, Range) and each.count is not None:
-                raise wrong_study(
-                    "{path} has its own count {own}, but a design {design} chooses {count} points "
-                    "for all paths together", path=quoted(path), own=each.count,
-                    design=quoted(design), count=self.count,
-                    allowed='the range without its count; or a group in a study file: '
-                            '"vary": [{"over": {…}}, {"over": {…}, "count": …}]')
-        return self
-
-    def _check_explicit(self, design: Design) -> None:
-        if self.count is not None:
+        design, lengths = self.chosen_design, dict[str, int]()
+        explicit = design in EXPLICIT
+        if explicit and self.count is not None:
             raise wrong_study("a design {design} has no count: its lists and spans give the number "
                               "of points", design=quoted(design))
-        lengths = {}
+        if not explicit and self.count is None:
+            raise wrong_study("a design {design} needs a count of points", design=quoted(design))
         for path, each in self.over.items():
-            if isinstance(each, Distribution):
+            own, named = each.count if isinstance(each, Range) else None, quoted(path)
+            if not explicit and own is not None:
+                raise wrong_study(
+                    "{path} has its own count {own}, but a design {design} chooses {count} points "
+                    "for all paths together", path=named, own=own, design=quoted(design),
+                    count=self.count,
+                    allowed='the range without its count; or a group in a study file: '
+                            '"vary": [{"over": {…}}, {"over": {…}, "count": …}]')
+            if explicit and isinstance(each, Distribution):
                 raise wrong_study(
                     "{path} has a distribution, whose numbers a design {design} cannot choose",
-                    path=quoted(path), design=quoted(design), allowed=", ".join(
-                        name for name in get_args(Design) if name not in EXPLICIT))
-            if isinstance(each, Range) and each.count is None:
+                    path=named, design=quoted(design),
+                    allowed=", ".join(each for each in get_args(Design) if each not in EXPLICIT))
+            if explicit and isinstance(each, Range) and own is None:
                 raise PydanticCustomError(
                     UNCOUNTED, "{path} has no count: give it a count, or give a design and a count "
-                               "for all paths", {"path": quoted(path)})
-            lengths[quoted(path)] = each.count if isinstance(each, Range) else len(each)
+                               "for all paths", {"path": named})
+            lengths[named] = len(each) if isinstance(each, tuple) else own or 0
         if design == "paired" and len({*lengths.values()}) > 1:
             raise wrong_study("paired paths have as many values each: {lengths}",
                               lengths=", ".join(f"{path} {n}" for path, n in lengths.items()))
+        return self
 
 
 class SweepSpec(Spec):

@@ -19,7 +19,7 @@ from sandbox.sweeps.plan import Plan, plan_of, read_plan
 from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import parse_result
 from sandbox.sweeps.table import SweepTable, make_table, write_spec
-from sandbox.sweeps.workers import Evaluator
+from sandbox.sweeps.workers import make_workers
 from sandbox.values.paths import path_text
 from sandbox.wording import WrongValueError, quoted
 
@@ -84,17 +84,17 @@ def run_plan(
             log.clear()
         done = {row.id for row in log.rows() if not recorded or row.status != DONE
                 or (recordings / row.id).is_dir()}
-        tasks = dict(zip(plan.ids, range(len(plan)), strict=True))
-        missing = [run for id, run in tasks.items() if id not in done]
+        runs = dict(zip(plan.ids, range(len(plan)), strict=True))
+        missing = [run for id, run in runs.items() if id not in done]
         if isinstance(workers, int):  # no more processes than runs
             workers = min(workers, len(missing))
-        began, at = time.perf_counter(), Advance(len(tasks), len(tasks) - len(missing))
+        began, at = time.perf_counter(), Advance(len(runs), len(runs) - len(missing))
         ended = "interrupted"
         try:
             with ExitStack() as stack:
-                evaluator = Evaluator(job, log, stack, workers=workers)
-                for row in evaluator.run((plan.ids[run], plan.points[run]) for run in missing) \
-                        if missing else ():
+                tasks = ((plan.ids[run], plan.points[run]) for run in missing)
+                for row in make_workers(job, workers, stack).results(tasks) if missing else ():
+                    log.add(row)
                     at = replace(at, done=at.done + 1, seconds=time.perf_counter() - began,
                                  doubtful=at.doubtful + (row.status != DONE or bool(row.looks)))
                     progress(at)

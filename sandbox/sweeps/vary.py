@@ -10,10 +10,10 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -38,6 +38,13 @@ MAX_VALUES = 1_000_000
 TEXTS = ('"2:8:60" (from:to:count), "1:100:20:log", "1, 2, 5", "[1, 2, 5]", '
          '"normal(3 N, 0.2 N)", "2:8" with a count of points')
 """Examples of the texts that :func:`parse_values` reads."""
+DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "uniform": (("from", "to"), ()), "log_uniform": (("from", "to"), ()),
+    "normal": (("mean", "std"), ("from", "to")), "log_normal": (("median", "sigma"), ()),
+    "triangular": (("from", "peak", "to"), ()), "exponential": (("mean",), ()),
+    "scipy": (("name",), ("shapes", "loc", "scale")),
+}
+"""Required and optional arguments of each distribution."""
 _CALL = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*\(([^()]*)\)\s*")
 
 
@@ -133,63 +140,64 @@ class Distribution(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        kind = DISTRIBUTIONS[self.distribution]
-        given = {key for key in FIELDS if getattr(self, key) not in (None, ())}
-        if missing := [key for key in kind.required if key not in given]:
-            raise wrong_study("a {kind} distribution needs {keys}", kind=self.distribution,
-                              keys=" and ".join(map(_shown, missing)))
-        if unknown := sorted(given - {*kind.required, *kind.optional}):
-            raise wrong_study(
-                "a {kind} distribution has no {key}", kind=self.distribution,
-                key=_shown(unknown[0]),
-                allowed=", ".join(map(_shown, (*kind.required, *kind.optional))))
-        if self.from_ is not None and self.to is not None and self.from_ >= self.to:
-            raise wrong_study("'from' must be less than 'to'")
-        for key in ("std", "sigma", "median", "scale", *kind.positive):
-            if (value := getattr(self, key)) is not None and not value > 0:
-                raise wrong_study("{key} must be greater than 0", key=key.rstrip("_"))
-        self._frozen()
+        kind, arguments = self.distribution, self._arguments
+        required, optional = DISTRIBUTIONS[kind]
+        if missing := [quoted(key) for key in required if key not in arguments]:
+            raise wrong_study("a {kind} distribution needs {keys}", kind=kind,
+                              keys=" and ".join(missing))
+        if unknown := sorted(arguments.keys() - {*required, *optional}):
+            raise wrong_study("a {kind} distribution has no {key}", kind=kind,
+                              key=quoted(unknown[0]),
+                              allowed=", ".join(map(quoted, (*required, *optional))))
+        with np.errstate(all="ignore"):
+            middle = self.at(np.array([0.5]))
+        if not np.isfinite(middle).all():
+            raise wrong_study("a {kind} distribution has no values with {arguments}", kind=kind,
+                              arguments=", ".join(f"{key} = {value}"
+                                                  for key, value in arguments.items()))
         return self
 
     @property
-    def _numbers(self) -> dict[str, float]:
-        """Arguments with a unit."""
-        return {key: value for key in FIELDS if key != "sigma"
-                and isinstance(value := getattr(self, key), float)}
+    def _arguments(self) -> dict[str, Any]:
+        """The given arguments, by the names in a file; quantities in SI."""
+        return {key.rstrip("_"): value for key in type(self).model_fields
+                if key != "distribution" and (value := getattr(self, key)) not in (None, ())}
 
     @property
     def unit(self) -> str:
         """The unit in which it was written; empty for none."""
-        return common_unit(list(self._numbers.values()))
-
-    def _frozen(self) -> Any:
-        """The frozen distribution [unit] of scipy.stats."""
-        from scipy import stats
-
-        known: dict[str, Any] = {key: in_unit(value, self.unit)
-                                 for key, value in self._numbers.items()}
-        known |= {key: value for key in ("sigma", "name", "shapes")
-                  if (value := getattr(self, key)) not in (None, ())}
-        return DISTRIBUTIONS[self.distribution].make(stats, **known)
+        return common_unit([value for key, value in self._arguments.items()
+                            if isinstance(value, float) and key != "sigma"])
 
     def at(self, quantiles: Array) -> Array:
         """Numbers [unit] at quantiles from 0 to 1, [n]; the ends are moved inside by rounding."""
-        least = np.finfo(float).eps / 2
-        return np.asarray(self._frozen().ppf(np.clip(quantiles, least, 1 - least)), dtype=float)
+        from scipy import stats
 
-
-def _normal(
-    stats: Any, mean: float, std: float, from_: float = -math.inf, to: float = math.inf,
-) -> Any:
-    if math.isinf(from_) and math.isinf(to):
-        return stats.norm(mean, std)
-    return stats.truncnorm((from_ - mean) / std, (to - mean) / std, mean, std)
-
-
-def _triangular(stats: Any, from_: float, peak: float, to: float) -> Any:
-    if not from_ <= peak <= to:
-        raise wrong_study("'peak' lies from 'from' to 'to'")
-    return stats.triang((peak - from_) / (to - from_), from_, to - from_)
+        unit = self.unit
+        known: Any = {key: np.float64(in_unit(value, unit))
+                      if isinstance(value, float) and key != "sigma" else value
+                      for key, value in self._arguments.items()}
+        low, high = known.get("from", -math.inf), known.get("to", math.inf)
+        match self.distribution:
+            case "uniform":
+                found = stats.uniform(low, high - low)
+            case "log_uniform":
+                found = stats.loguniform(low, high)
+            case "normal" if math.isinf(low) and math.isinf(high):
+                found = stats.norm(known["mean"], known["std"])
+            case "normal":
+                mean, std = known["mean"], known["std"]
+                found = stats.truncnorm((low - mean) / std, (high - mean) / std, mean, std)
+            case "log_normal":
+                found = stats.lognorm(known["sigma"], 0, known["median"])
+            case "triangular":
+                found = stats.triang((known["peak"] - low) / (high - low), low, high - low)
+            case "exponential":
+                found = stats.expon(0, known["mean"])
+            case "scipy":
+                found = _scipy(stats, **known)
+        inside = np.finfo(float).eps / 2
+        return np.asarray(found.ppf(np.clip(quantiles, inside, 1 - inside)), dtype=float)
 
 
 def _scipy(
@@ -204,39 +212,7 @@ def _scipy(
     if len(shapes) != found.numargs:
         raise wrong_study("{name} has {count} shape parameters ({which}), not {given}", name=name,
                           count=found.numargs, which=found.shapes or "none", given=len(shapes))
-    frozen = found(*shapes, loc=loc, scale=scale)
-    if not math.isfinite(frozen.ppf(0.5)):
-        raise wrong_study("{name} has no values with these shape parameters", name=name)
-    return frozen
-
-
-class _Kind(NamedTuple):
-    """Arguments of a distribution, and what makes it of scipy.stats and these."""
-
-    required: tuple[str, ...]
-    optional: tuple[str, ...]
-    make: Callable[..., Any]
-    positive: tuple[str, ...] = ()
-    """Arguments that must be positive, besides those that always are."""
-
-
-DISTRIBUTIONS = {
-    "uniform": _Kind(("from_", "to"), (),
-                     lambda stats, from_, to: stats.uniform(from_, to - from_)),
-    "log_uniform": _Kind(("from_", "to"), (),
-                         lambda stats, from_, to: stats.loguniform(from_, to), ("from_",)),
-    "normal": _Kind(("mean", "std"), ("from_", "to"), _normal),
-    "log_normal": _Kind(("median", "sigma"), (),
-                        lambda stats, median, sigma: stats.lognorm(sigma, 0, median)),
-    "triangular": _Kind(("from_", "peak", "to"), (), _triangular),
-    "exponential": _Kind(("mean",), (), lambda stats, mean: stats.expon(0, mean), ("mean",)),
-    "scipy": _Kind(("name",), ("shapes", "loc", "scale"), _scipy),
-}
-FIELDS = tuple(key for key in Distribution.model_fields if key != "distribution")
-
-
-def _shown(key: str) -> str:
-    return f"'{key.rstrip('_')}'"
+    return found(*shapes, loc=loc, scale=scale)
 
 
 def _check_list(values: Any, info: ValidationInfo) -> Any:
@@ -333,8 +309,7 @@ def _parse_distribution(name: str, inside: str) -> dict[str, Any]:
     if name not in DISTRIBUTIONS:
         raise WrongValueError("bad-study", f"there is no distribution {quoted(name)}",
                               allowed=", ".join(DISTRIBUTIONS), hint=near(name, DISTRIBUTIONS))
-    kind = DISTRIBUTIONS[name]
-    keys = [key.rstrip("_") for key in (*kind.required, *kind.optional)]
+    keys = [key for group in DISTRIBUTIONS[name] for key in group]
     found: dict[str, Any] = {"distribution": name}
     for place, part in enumerate(filter(None, (each.strip() for each in inside.split(",")))):
         key, equals, value = (each.strip() for each in part.partition("="))
