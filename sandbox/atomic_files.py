@@ -8,12 +8,14 @@ unlocked one is stale: the next write into the same directory removes it.
 from __future__ import annotations
 
 import contextlib
+import csv
 import errno
 import os
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 from sandbox.errors import OutputError
 from sandbox.wording import quoted
@@ -76,6 +78,13 @@ def write_atomic(path: Path, text: str) -> None:
     """Write a text in UTF-8, with the same bytes on every platform."""
     with atomic_file(path) as temporary:
         temporary.write_bytes(text.encode())
+
+
+def write_csv(path: Path, rows: Iterable[Iterable[Any]]) -> None:
+    """Write rows as CSV in UTF-8, with the same bytes on every platform."""
+    with atomic_file(path) as temporary, \
+            temporary.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows(rows)
 
 
 def temporary_path(

@@ -63,30 +63,18 @@ class Problem:
     Callers that know the scene or file behind the input add a path, a line and a column.
     """
 
-    code: str
-    """Its key in :data:`sandbox.codes.CODES`."""
-    message: str
-    """What is wrong."""
-    path: str = "$"
-    """JSON path in the input, such as ``$.bodies[0].mass``."""
-    line: int = 0
-    """From 1; 0 if unknown or not in a file."""
-    column: int = 0
-    """From 1; 0 if unknown."""
-    allowed: str = ""
-    """The values that are allowed."""
-    hint: str = ""
-    """A similar name that exists."""
-    key: bool = False
-    """Whether the key at ``path`` is wrong, not its value."""
-    file: str = ""
-    """The included file, if the problem is not in the main file."""
-    element: str = ""
-    """Name of the element, shown after its path."""
-    advice: str = ""
-    """What to do, or the consequence."""
-    fields: str = ""
-    """Page that lists the fields of the element, such as ``docs/parts.md#leaf``."""
+    code: str  # its key in :data:`sandbox.codes.CODES`
+    message: str  # what is wrong
+    path: str = "$"  # JSON path in the input, such as ``$.bodies[0].mass``
+    line: int = 0  # from 1; 0 if unknown or not in a file
+    column: int = 0  # from 1; 0 if unknown
+    allowed: str = ""  # the values that are allowed
+    hint: str = ""  # a similar name that exists
+    key: bool = False  # whether the key at ``path`` is wrong, not its value
+    file: str = ""  # the included file, if the problem is not in the main file
+    element: str = ""  # name of the element, shown after its path
+    advice: str = ""  # what to do, or the consequence
+    fields: str = ""  # page that lists the fields of the element, such as ``docs/parts.md#leaf``
     severity: Literal["error", "warning"] = "error"
     """Errors are invalid input and end each command with exit code 2."""
 

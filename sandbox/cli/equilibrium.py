@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
+import contextlib
 import itertools
 import json
 import math
@@ -133,16 +132,15 @@ def equilibrium(
     residual forces and stability, and the stiffness of a held object. Scenes
     that have no equilibrium are refused, with the reason.
     """
-    from sandbox.atomic_files import write_atomic
+    from sandbox.atomic_files import write_atomic, write_csv
     from sandbox.engine.inspect import inspect
 
-    if along is not None and starts:
-        raise click.UsageError("--along starts from the scene's pose; omit --from.")
-    if along is not None and body is not None:
-        raise click.UsageError("--body gives the stiffness of one equilibrium; omit --along or "
-                               "--body.")
-    if along is None and quantity is not None:
-        raise click.UsageError("--plot needs --along.")
+    for wrong, why in (
+            (along and starts, "--along starts from the scene's pose; omit --from."),
+            (along and body, "--body is for one equilibrium; omit --along or --body."),
+            (quantity and not along, "--plot needs --along.")):
+        if wrong:
+            raise click.UsageError(why)
     loaded = scene.load()
     name = loaded.mechanism.name
     refuse_blocking(inspect(loaded.mechanism), loaded)
@@ -151,12 +149,10 @@ def equilibrium(
     how = {"at": at, "stages": stages}
     found = _find(loaded.mechanism, starts, body, folder, console, how) if along is None else \
         _follow(scene, along, quantity, folder, console, how)
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(found.rows)
     whole = {"status": "done", "exit_code": int(Exit.DONE), "scene": name, **found.data}
     write_atomic(folder / "rest.json", json.dumps(
         plain_json(whole), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    write_atomic(folder / "rest.csv", text.getvalue())
+    write_csv(folder / "rest.csv", found.rows)
     files = [folder / "rest.json", folder / "rest.csv", *found.pictures]
     return console.finish({"scene": name, **found.data, "files": files}, [*found.lines, *files])
 
@@ -182,27 +178,27 @@ def _find(
     with compilation_notices(console):
         found = rest(Checked(mechanism), starts=starts, **how)
     rests, several = found.rests, len(found.rests) > 1
-    stiffness = [_stiffness(each, body) for each in rests]
     rows = [["quantity", "unit", *(f"rest_{i}" for i in range(1, len(rests) + 1))],
             *([name, unit, *(f"{each[name]:.12g}" for each in rests)]
               for name, unit in _units(rests).items())]
-    pictures = []
+    pictures, data, lines = [], [], _lines(found)
     for i, each in enumerate(rests, 1):
         pictures.append(folder / (f"rest_{i}.png" if several else "rest.png"))
         save_picture(_titled(each, i if several else 0), pictures[-1])
-    lines = _lines(found)
-    for i, values in enumerate(stiffness, 1):
-        if values is not None:
-            x, y, turn, least = ("rigid" if math.isinf(value) else f"{value:.5g} {unit}"
-                                 for value, unit in zip(values, STIFFNESS.values(), strict=True))
-            of = f" in rest {i}" if several else ""
-            lines.append(f"stiffness of {body}{of}: {x} along x, {y} along y, {turn} in turn; "
-                         f"{least} at least")
+        data.append({**_data(each), "stiffness": None})
+        with contextlib.suppress(ArithmeticError):  # it is unknown
+            if body and not each.untold:
+                values = [float(value) for value in each.stiffness(body).stiffness()]
+                data[-1]["stiffness"] = {"body": body, **dict(zip(STIFFNESS, values, strict=True))}
+                x, y, turn, least = (
+                    "rigid" if math.isinf(value) else f"{value:.5g} {unit}"
+                    for value, unit in zip(values, STIFFNESS.values(), strict=True))
+                of = f" in rest {i}" if several else ""
+                lines.append(f"stiffness of {body}{of}: {x} along x, {y} along y, {turn} in turn; "
+                             f"{least} at least")
     lines += [*found.remarks, *(f"no rest{start}: {why}" for start, why in found.failed)]
     return _Answer({
-        "rests": [{**_data(each), "stiffness": values and {
-            "body": body, **dict(zip(STIFFNESS, values, strict=True))}}
-            for each, values in zip(rests, stiffness, strict=True)],
+        "rests": data,
         "failed": [{"from": start.removeprefix(" from "), "reason": why}
                    for start, why in found.failed],
         "remarks": found.remarks}, rows, pictures, lines)
@@ -224,28 +220,15 @@ def _data(rest: AtRest) -> dict[str, Any]:
                            for name, unit in _units([rest]).items()}}
 
 
-def _stiffness(rest: AtRest, body: str) -> list[float] | None:
-    """Of a body, along x, y, in rotation and the least; None where it is unknown."""
-    if not body or rest.untold:
-        return None
-    try:
-        return [float(value) for value in rest.stiffness(body).stiffness()]
-    except ArithmeticError:
-        return None
-
-
 def _titled(rest: AtRest, number: int) -> Recording:
     """A recording whose title has the number of several equilibria, and the stability."""
-    from sandbox.recording.recording import Recording
-
-    mechanism = rest.recording.mechanism
+    run, mechanism = rest.recording, rest.recording.mechanism
     stability = rest.stability if rest.stability != "not told" else ""
     if not number and stability != "unstable":
-        return rest.recording
+        return run
     words = ", ".join(filter(None, (f"rest {number}" if number else "", stability))).capitalize()
     title = f"{words}: {mechanism.title or mechanism.name}"
-    return Recording(mechanism.model_copy(update={"title": title}), rest.recording.arrays,
-                     rest.recording.info)
+    return type(run)(mechanism.model_copy(update={"title": title}), run.arrays, run.info)
 
 
 def _lines(found: RestFound) -> list[str]:

@@ -78,54 +78,38 @@ def run(
     expectations of the scene that passed and failed, and the warnings of the
     consistency checks. Exits 1 if an expectation failed.
     """
+    from sandbox.engine.inspect_control import Checked
+    from sandbox.engine.simulate import simulate
     from sandbox.recording.new_run import writing
 
     loaded = scene.load({} if solver is None else {"run.solver": solver})
-    problems = _look_at(scene, loaded, console)
-    directory = out or RENDERS / safe_name(loaded.mechanism.name)
-    with writing(directory) as new:
-        job = _Job(scene, loaded, new, console, "" if no_render else animation, writes_page)
-        try:
-            recording = job.simulate()
-        except RunEnded as error:
-            return job.keep(error)
-        job.write(recording)
-    return _finish(job, recording, problems, lists_checks)
-
-
-def _look_at(scene: Source, loaded: Loaded, console: Console) -> list[Problem]:
-    """Inspect a scene and print the warnings."""
     problems = scene.inspect(loaded).problems
     refuse_blocking(problems, loaded)
     console.warn(*inspection_lines(problems, loaded), *pages_line(problems))
-    return problems
+    with writing(out or RENDERS / safe_name(loaded.mechanism.name)) as new:
+        job = _Job(scene, loaded, new, console)
+        try:
+            with compilation_notices(console), Progress("Simulating", console) as progress:
+                recording = simulate(Checked(loaded.mechanism), progress=progress,
+                                     recorded_bytes=scene.limits.recorded_bytes)
+        except RunEnded as error:
+            return job.keep(error)
+        job.wall_s |= recording.info.wall
+        job.write(recording, "" if no_render else animation, writes_page)
+    return _finish(job, recording, problems, lists_checks)
 
 
 @dataclasses.dataclass
 class _Job:
-    """A run in progress."""
+    """A run whose files are written."""
 
     scene: Source
     loaded: Loaded
     new: NewRun
     console: Console
-    animation: str
-    """``gif``, ``mp4`` or empty."""
-    writes_page: bool
     judged: Sequence[Verdict] = ()
     checks: Sequence[Figure] = ()
-    wall_s: dict[str, float] = dataclasses.field(default_factory=dict)
-    """Duration of each phase [s]."""
-
-    def simulate(self) -> Recording:
-        from sandbox.engine.inspect_control import Checked
-        from sandbox.engine.simulate import simulate
-
-        with compilation_notices(self.console), Progress("Simulating", self.console) as progress:
-            recording = simulate(Checked(self.loaded.mechanism), progress=progress,
-                                 recorded_bytes=self.scene.limits.recorded_bytes)
-        self.wall_s |= recording.info.wall
-        return recording
+    wall_s: dict[str, float] = dataclasses.field(default_factory=dict)  # duration of each phase
 
     def keep(self, error: RunEnded) -> int:
         """Save what was recorded before a run ended early, marked incomplete; its exit code."""
@@ -137,15 +121,14 @@ class _Job:
         if recording is not None:
             save_data(recording, self.new.aside)
             try:
-                self._judge(recording)
-            except KeyboardInterrupt:  # a second Ctrl-C: leave it out
-                pass
+                with contextlib.suppress(KeyboardInterrupt):  # a second Ctrl-C: leave it out
+                    self._judge(recording)
             finally:
                 self._save_summary(recording)
                 more |= self._publish(recording, not isinstance(error, SimulationDiverged))
         return report(error, self.console, **more)
 
-    def write(self, recording: Recording) -> None:
+    def write(self, recording: Recording, animation: str, writes_page: bool) -> None:
         """Save and draw in parallel, then put all files in place."""
         from sandbox.recording.new_run import PAGE
         from sandbox.recording.store import save_data
@@ -157,16 +140,16 @@ class _Job:
         with ThreadPoolExecutor(max_workers=1) as beside:
             saved = beside.submit(save)
             try:
-                if self.animation:
+                if animation:
                     from sandbox.picture.film import render
 
                     with self._timed("draw"), Progress("Drawing", self.console) as progress:
-                        render(recording, self.new.aside / f"animation.{self.animation}",
+                        render(recording, self.new.aside / f"animation.{animation}",
                                progress=progress, most_frames=self.scene.limits.frames)
                 saved.result()
                 with self._timed("audit"):
                     self._judge(recording)
-                if self.writes_page:
+                if writes_page:
                     from sandbox.web.page import FoundOut
 
                     with self._timed("report"):

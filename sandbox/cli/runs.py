@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
     from sandbox.web.page import FoundOut
 
-AUTO = ""
-"""Value of ``--strip`` without a number."""
-
 
 def files_of(directory: Path) -> list[str]:
     """The files of a run that exist, ``run.json`` first."""
@@ -99,16 +96,6 @@ def matching(patterns: Sequence[str], runs: Sequence[Recording], *, option: str)
 # -- pictures ------------------------------------------------------------------------
 
 
-def _read_strip(ctx: click.Context, param: click.Parameter, word: str | None) -> bool | int:
-    """Read ``--strip``: an integer, True without one, False without the option."""
-    if not word:
-        return word == AUTO
-    try:
-        return int(word)
-    except ValueError:
-        raise click.BadParameter(f"{word!r} is not a valid integer", ctx, param) from None
-
-
 def _read_size(
     ctx: click.Context, param: click.Parameter, word: str | None,
 ) -> tuple[int, int] | str | None:
@@ -131,7 +118,7 @@ def _read_size(
               help="Of the file in RUN that is written without --out.")
 @click.option("--at", multiple=True, metavar="TIME",
               help="Draw a still at a time: '0.8s', 'start' or 'end'. Repeatable.")
-@click.option("--strip", is_flag=False, flag_value=AUTO, callback=_read_strip, metavar="[N]",
+@click.option("--strip", is_flag=False, flag_value=0, type=click.IntRange(min=0), metavar="[N]",
               help="Draw N moments side by side (5 without N), or those of --at.")
 @click.option("--size", callback=_read_size, metavar="WxH",
               help="Pixels of the picture; '2x' for twice the size of the scene's view; of a "
@@ -153,7 +140,7 @@ def _read_size(
 @limit_option
 @console_options("quiet")
 def render(
-    run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...], strip: bool | int,
+    run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...], strip: int | None,
     labels: str, fps: str | None, bodies: tuple[str, ...], limits: Limits, console: Console,
     **view: Any,
 ) -> None:
@@ -171,11 +158,18 @@ def render(
                                "sets the format")
     directory = run_directory(run)
     recording = Recording.load(directory)
-    paths = outs or (directory / _file_name(ending, at, strip),)
-    wrong = []
+    if strip is not None:
+        name = f"strip.{ending or 'png'}"
+    elif len(at) == 1:
+        name = f"still_{''.join(at[0].split())}.{ending or 'png'}"
+    elif at or ending in ("png", "svg", "pdf"):
+        name = f"still{'' if at else '_end'}.{ending or 'png'}"
+    else:
+        name = f"animation.{ending or 'gif'}"
+    paths, wrong = outs or (directory / name,), []
     for path in paths:  # all are checked before the first is drawn
         try:
-            is_still(path, at=bool(at), strip=strip is not False, size=view["size"],
+            is_still(path, at=bool(at), strip=strip is not None, size=view["size"],
                      transparent=view["transparent"])
         except OutputError as error:
             wrong.append(str(error))
@@ -183,24 +177,14 @@ def render(
         raise OutputError("\n".join(wrong), code="bad-picture")
     for path in paths:
         with Progress("Drawing", console) as progress:
-            files = draw(recording, path, at=at or None, strip=strip, bare=labels == "none",
+            files = draw(recording, path, at=at or None,
+                         strip=False if strip is None else strip or True, bare=labels == "none",
                          scales=labels == "scales", fps=None if fps is None else int(fps),
                          bodies=bodies or None, progress=progress, most_frames=limits.frames,
                          **view)
         for file in files:
             made(file)
             console.say(file)
-
-
-def _file_name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> str:
-    """The file in the directory of a run that is written without ``--out``."""
-    if strip is not False:
-        return f"strip.{ending or 'png'}"
-    if len(at) == 1:
-        return f"still_{''.join(at[0].split())}.{ending or 'png'}"
-    if at or ending in ("png", "svg", "pdf"):
-        return f"still{'' if at else '_end'}.{ending or 'png'}"
-    return f"animation.{ending or 'gif'}"
 
 
 # -- pages ---------------------------------------------------------------------------
@@ -228,13 +212,10 @@ def report_runs(
 
     if len(runs) > MOST_RUNS:
         raise click.UsageError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
-    opened = [open_run(word, console) for word in runs]
-    seen: dict[Path, Path] = {}
-    for directory, _ in opened:
-        if (first := seen.setdefault(directory.resolve(), directory)) is not directory:
-            also = "" if first == directory else f", as {str(first)!r} too"
-            raise click.UsageError(f"the run in {str(directory)!r} is given twice{also}")
-    directories, recordings = zip(*opened, strict=True)
+    directories, recordings = zip(*(open_run(word, console) for word in runs), strict=True)
+    for k, directory in enumerate(directories):
+        if directory.resolve() in [each.resolve() for each in directories[:k]]:
+            raise click.UsageError(f"the run in {str(directory)!r} is given twice")
     path = out or directories[0]
     path = path / PAGE if path.is_dir() else path
     if path.suffix.lower() not in (".html", ".htm"):

@@ -22,7 +22,7 @@ from sandbox.cli.options import (
     title_of,
 )
 from sandbox.errors import OutputError, Problem, SceneError
-from sandbox.wording import listed, meant, quoted
+from sandbox.wording import meant, quoted
 
 if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
@@ -66,10 +66,11 @@ def new(name: str, out: Path | None) -> None:
     source, target = scenes[name], out or Path()
     target = target / source.name if target.is_dir() else target
     whole = [source, *read_scene(source).files]
-    beside = [*whole[1:], *(path for scene in whole for path in _drawings(scene))]
+    drawings = [scene.with_name(file) for scene in whole for file in re.findall(
+        r'"file": *"([^"]+\.(?:svg|dxf))"', scene.read_text(encoding="utf-8"), re.IGNORECASE)]
     missing = {}
     for path, original in {target: source, **{target.parent / path.name: path
-                                              for path in beside}}.items():
+                                              for path in (*whole[1:], *drawings)}}.items():
         text = original.read_text(encoding="utf-8").replace(
             '"$schema": "../scene.schema.json"', '"$schema": "./scene.schema.json"', 1)
         if path == target or not path.is_file() or path.read_bytes() != text.encode():
@@ -83,33 +84,9 @@ def new(name: str, out: Path | None) -> None:
     Console().say(*(f"wrote {path}" for path in missing), f"next: sandbox run {target}")
 
 
-def _drawings(scene: Path) -> list[Path]:
-    """The drawing files that a shipped scene names; they lie beside it."""
-    found, waiting = set(), [json.loads(scene.read_text(encoding="utf-8"))]
-    while waiting:
-        entry = waiting.pop()
-        if isinstance(entry, dict) and entry.get("type") == "drawing":
-            found.add(scene.with_name(entry["file"]))
-        if isinstance(entry, (dict, list)):
-            waiting += entry.values() if isinstance(entry, dict) else entry
-    return sorted(found)
-
-
-def _read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
-    """Check the name of a format."""
-    from sandbox.export import FORMATS
-
-    if word not in FORMATS:
-        raise click.BadParameter(
-            f"{quoted(word)} is no format to export to.{meant(word, FORMATS)} "
-            f"Allowed: {listed(FORMATS)}.", ctx, param)
-    return word
-
-
 @click.command()
-@click.option("--format", "--to", "form", metavar="FORMAT", default="mjcf", show_default=True,
-              callback=_read_format,
-              help="Format: mjcf, a model for MuJoCo, or pymunk, a script in Python.")
+@click.option("--format", "--to", "form", type=click.Choice(["mjcf", "pymunk"]), default="mjcf",
+              show_default=True, help="A model for MuJoCo, or a script in Python for pymunk.")
 @click.option("--out", type=OUT, metavar="FILE", help="File to write; stdout by default.")
 @click.option("--without", multiple=True, metavar="NAME",
               help="Leave out an element and all that depends on it; patterns such as 'tree.*' "
@@ -137,10 +114,6 @@ def export(scene: Source, form: str, out: Path | None, without: tuple[str, ...])
     console.warn(*(f"{loaded.name}: note: {note}" for note in made.notes))
     if made.left_out:
         console.warn(f"left out: {', '.join(made.left_out)}")
-
-
-FINDING = ("code", "severity", "element", "message", "advice", "path", "line", "column")
-"""Fields of a warning in JSON."""
 
 
 @click.command()
@@ -234,5 +207,6 @@ def inspection_lines(problems: list[Problem], loaded: Loaded) -> list[str]:
 
 def inspection_data(problems: list[Problem], loaded: Loaded) -> list[dict[str, Any]]:
     """Warnings with their places, as JSON data."""
-    return [{**{name: getattr(problem, name) for name in FINDING},
+    names = ("code", "severity", "element", "message", "advice", "path", "line", "column")
+    return [{**{name: getattr(problem, name) for name in names},
              "file": problem.file or loaded.name} for problem in loaded.placed(problems)]

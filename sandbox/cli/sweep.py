@@ -7,7 +7,7 @@ import shlex
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import timedelta
@@ -221,17 +221,19 @@ def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: fl
         rows.append([name, found.plan.units.get(name, ""), *numbers])
     if rows:
         lines += [*table(["kept", "unit", "least", "middle", "largest"], rows, right="<<>>>"), ""]
-    reasons = {status: _most_frequent(reason for run, reason in found.reason.items()
-                                      if found.status[run] == status) for status in counts}
-    lines += [f"{runs} of {len(found)} runs {status}: {reasons[status]}"
+    reasons: dict[str, Counter[str]] = {}
+    for status, reason in zip(found.status, found.reason, strict=True):
+        reasons.setdefault(status, Counter()).update([reason] if reason else ())
+    lines += [f"{runs} of {len(found)} runs {status}: {_most_frequent(reasons[status])}"
               for status, runs in counts.items() if status != "done"]
-    if lacking := sum(found.status[run] == "done" for run in found.reason):
-        lines.append(f"{lacking} runs have missing results: {reasons['done']}")
+    if words := reasons.get("done"):
+        lines.append(f"{words.total()} runs have missing results: {_most_frequent(words)}")
     if missed:
-        failed = _most_frequent(name for run in missed for name in found.failed.get(run, ()))
-        lines.append(f"{len(missed)} of {len(found)} runs miss expectations: {failed}")
+        failed = Counter(name for run in missed for name in found.failed[run])
+        lines.append(f"{len(missed)} of {len(found)} runs miss expectations: "
+                     f"{_most_frequent(failed)}")
     if looks:
-        names = sorted({name for each in found.looks.values() for name in each})
+        names = sorted({name for each in found.looks for name in each})
         lines.append(f"{looks} runs have warnings: {', '.join(names)}")
     return console.finish({
         "directory": folder, "files": files, "runs": len(found), "counts": counts,
@@ -239,9 +241,8 @@ def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: fl
     }, [*lines, f"{folder}: {', '.join(files)}  ({seconds:.1f} s)"])
 
 
-def _most_frequent(words: Iterable[str]) -> str:
-    return "; ".join(f"{word} ({count})"
-                     for word, count in Counter(words).most_common(MAX_REASONS))
+def _most_frequent(words: Counter[str]) -> str:
+    return "; ".join(f"{word} ({count})" for word, count in words.most_common(MAX_REASONS))
 
 
 # -- searches ------------------------------------------------------------------------

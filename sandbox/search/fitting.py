@@ -19,14 +19,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.atomic_files import write_atomic
+from sandbox.atomic_files import write_csv
 from sandbox.errors import SandboxError
 from sandbox.figure import style
 from sandbox.figure.panels import Axis, Curve, Panel, save_panels
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
+from sandbox.scene.settings import Looked
 from sandbox.search.session import FOUND, RefusedError, Result, Session, results
-from sandbox.sweeps.job import ReadAt
 from sandbox.sweeps.spec import FitSearch
 from sandbox.sweeps.vary import Range
 from sandbox.values.units import factor_of
@@ -71,17 +71,12 @@ class Parameter:
     """The estimate of one path."""
 
     path: str
-    unit: str
-    """SI; empty for none."""
-    value: float
-    """SI."""
-    low: float
-    """Of the 95 % interval, SI."""
+    unit: str  # SI; empty for none
+    value: float  # SI
+    low: float  # of the 95 % interval, SI
     high: float
-    at_end: bool
-    """Whether it is at an end of its range: the best may lie beyond."""
-    halved: float
-    """The estimate at half the step, SI."""
+    at_end: bool  # whether it is at an end of its range: the best may lie beyond
+    halved: float  # the estimate at half the step, SI
 
 
 @dataclass(frozen=True, repr=False)
@@ -134,7 +129,7 @@ class Measurement(NamedTuple):
     """Measured numbers in a row, [m], and the results of a run that predict them."""
 
     units: dict[str, str]  # SI, by column
-    keep: dict[str, ReadAt]
+    keep: dict[str, Looked]
     time: Array  # [s]
     data: Array  # SI
     columns: Integers  # index of the column of each number
@@ -221,7 +216,7 @@ def _measurement(session: Session, path: Path, match: Mapping[str, str] | None) 
     names = list(pairs)
     return Measurement(
         {name: catalogue.find(quantity).unit for name, quantity in pairs.items()},
-        {f"{names[k]} @ {row}": ReadAt(quantity=pairs[names[k]], time=float(time[row]))
+        {f"{names[k]} @ {row}": Looked(of=pairs[names[k]], at=float(time[row]))
          for k, row in zip(places.tolist(), rows.tolist(), strict=True)},
         time[rows], values[places, rows], places)
 
@@ -243,14 +238,10 @@ class Estimate(NamedTuple):
 def estimate(
     model: Model, data: Array, columns: Integers, start: Array, *, noise: Array | None = None,
 ) -> Estimate:
-    """The maximum likelihood estimate.
+    """The maximum likelihood estimate, from quantiles ``start`` [p].
 
-    Args:
-        model: predicts the data, for many points at once.
-        data: [m].
-        columns: index of the column of each number, [m].
-        start: quantiles at which to start, [p].
-        noise: standard deviation of each column; estimated by default.
+    ``columns`` has the index of the column of each number in ``data``, [m]; ``noise`` the standard
+    deviation of each column, estimated by default.
     """
     from scipy.optimize import least_squares
 
@@ -402,11 +393,9 @@ def _write_comparison(directory: Path, measured: Measurement, residuals: Array) 
     """Write measured and fitted numbers as a table and a figure."""
     table = np.stack([measured.time, measured.data, measured.data + residuals], axis=1)
     columns = {name: table[measured.columns == k] for k, name in enumerate(measured.units)}
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([
+    write_csv(directory / COMPARED, [
         ("column", "time_s", "measured", "fitted"),
         *((name, *row) for name, rows in columns.items() for row in rows.tolist())])
-    write_atomic(directory / COMPARED, text.getvalue())
     panels = []
     for name, rows in list(columns.items())[:MAX_PANELS]:
         time, data, fitted = rows.T

@@ -48,10 +48,8 @@ class Influence:
     """The influence of a path on a result."""
 
     path: str
-    values: Mapping[str, float]
-    """By measure."""
-    halves: Mapping[str, float]
-    """Half of the 95 % interval by bootstrap, where there is one."""
+    values: Mapping[str, float]  # by measure
+    halves: Mapping[str, float]  # half of the 95 % interval by bootstrap, where there is one
 
 
 @dataclass(frozen=True, repr=False)

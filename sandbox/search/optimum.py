@@ -53,14 +53,11 @@ ROUNDING = 1e-9
 class Choice:
     """One run of an optimisation."""
 
-    values: Mapping[str, float | str]
-    """Of its paths, SI or text."""
-    objectives: Mapping[str, float]
-    """SI."""
+    values: Mapping[str, float | str]  # of its paths, SI or text
+    objectives: Mapping[str, float]  # SI
     excess: float
     """Distance beyond the limits of conditions, relative to these; 0 or less if all hold."""
-    halved: Mapping[str, float]
-    """The objectives at half the step."""
+    halved: Mapping[str, float]  # the objectives at half the step
 
 
 @dataclass(frozen=True, repr=False)

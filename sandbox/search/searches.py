@@ -26,15 +26,7 @@ def run_search(
     session: Session, out: str | os.PathLike[str] | None = None, workers: int | str = 0,
     on_row: Callable[[SweepRow], None] = lambda row: None,
 ) -> Found:
-    """Run a search whose kind is chosen.
-
-    Args:
-        session: the search.
-        out: a directory; runs that are finished in it are not repeated. Nowhere by default.
-        workers: number of processes, 0 for one for each processor; or the address of a Dask
-            scheduler.
-        on_row: called with each row that was run.
-    """
+    """Run a search whose kind is chosen; ``on_row`` is called with each row that was run."""
     session.out = None if out is None else output_path(out, "a search")
     session.workers, session.on_row = workers, on_row
     try:

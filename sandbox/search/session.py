@@ -31,7 +31,7 @@ from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import SearchSpec
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.table import draw_table, make_table
-from sandbox.sweeps.vary import Axis, Points, Range, number_of, values_at
+from sandbox.sweeps.vary import Points, Range, number_of, values_at
 from sandbox.sweeps.workers import make_workers
 from sandbox.values.messages import explain
 from sandbox.values.paths import JsonPath, path_text
@@ -102,7 +102,7 @@ class Session:
             source = replace(source, data={"audit": False, **source.data})
         self.source = source
         self.plan = make_plan(source, limits, folder=folder, name=name, search=True)
-        if STEP in self.plan.points.paths:
+        if STEP in self.plan.points.axes:
             raise SceneError([Problem("bad-search",
                                       f"a search does not vary {STEP}: it is halved to see whether "
                                       "the result depends on it")], source.name)
@@ -263,17 +263,14 @@ class Session:
     ) -> None:
         """Write the table of all points with its figure, and ``search.json``.
 
-        Args:
-            found: the result.
-            wanted: conditions: a column of the table, and colours of the figure.
-            line: the result on a path, for the figure.
-            more: further entries of the result.
+        Conditions are a column of the table, and colours of the figure; ``line`` is the result on a
+        path, for the figure; ``more`` are further entries of the result.
         """
         if self.out is None:
             return
         points = list(self._visited.values())
-        plan = replace(self.plan, job=self.job, points=Points([[
-            Axis(path, [point[path] for point in points]) for path in self.paths]]))
+        plan = replace(self.plan, job=self.job, points=Points([
+            {path: [point[path] for point in points] for path in self.paths}]))
         table = make_table(plan, self._log.rows())
         held = table.holds
         if wanted:

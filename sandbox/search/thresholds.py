@@ -59,12 +59,8 @@ def bisect(
     """The bracket, no wider than ``within``, to which halving the range from 0 to 1 leads.
 
     The middle and the middles of both halves are evaluated together, so that two halvings take the
-    time of one where there are three processors; the answers are those of plain bisection.
-
-    Returns:
-        low: one end; 0 if both ends of the range have the same answer.
-        high: the other end; then 1.
-        known: all answers by their fraction.
+    time of one where there are three processors. Also returns all answers by their fraction. If
+    both ends of the range have the same answer, they are the bracket.
     """
     low, high, known = 0.0, 1.0, dict[float, bool]()
     while not known or high - low > within:

@@ -33,7 +33,6 @@ from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.settings import Looked
-from sandbox.values.spec import Spec
 
 DONE, DIED = "done", "died"
 """Status of a run that reached its end, and of one whose worker processes died."""
@@ -58,10 +57,8 @@ Task = tuple[str, Point]
 class Bundle:
     """A scene file, or its data, with all files that it includes or draws from."""
 
-    name: str
-    """Name of the scene."""
-    main: str = ""
-    """Name of its file; empty for a scene given as data."""
+    name: str  # name of the scene
+    main: str = ""  # name of its file; empty for a scene given as data
     data: dict[str, Any] | None = None
     files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     """By name, relative to the folder of the scene."""
@@ -96,13 +93,9 @@ def make_bundle(
     scene: Path | Mapping[str, Any], overrides: Mapping[str, Any], limits: Limits, *,
     also: Iterable[Any] = (),
 ) -> tuple[Bundle, Loaded]:
-    """The bundle of a scene, and the scene with ``overrides``.
+    """The bundle of a scene file or its data, and the scene with ``overrides``.
 
-    Args:
-        scene: its file, or its data.
-        overrides: changes of the scene.
-        limits: of the scene.
-        also: later values of its paths, which may name further files beside it.
+    ``also`` are later values of its paths, which may name further files beside it.
     """
     loaded = read_scene(scene, overrides=overrides, limits=limits)
     if isinstance(scene, Mapping):
@@ -130,33 +123,15 @@ def _texts(value: Any) -> Iterator[str]:
             yield from _texts(each)
 
 
-class ReadAt(Spec):
-    """A quantity at an instant, interpolated linearly between samples.
-
-    Poses belong to the middle of a step, so that a run has no sample at its very ends: up to one
-    sample beyond them, values are extrapolated.
-    """
-
-    quantity: str
-    time: float
-    """[s]."""
-
-
-Keep = Looked | ReadAt | str
-"""A result: a statistic, a quantity at an instant, or an expression of earlier results."""
-
-
 @dataclass(frozen=True)
 class SweepJob:
     """All that a worker needs to run any point; plain data that can be sent anywhere."""
 
     bundle: Bundle
-    set: Mapping[str, Any]
-    """Changes of the scene in every run."""
-    keep: Mapping[str, Keep]
+    set: Mapping[str, Any]  # changes of the scene in every run
+    keep: Mapping[str, Looked | str]
     audited: bool = True
-    recordings: str = ""
-    """Directory for whole recordings, one in each run's id; empty for none."""
+    recordings: str = ""  # directory for whole recordings, one in each run's id; empty for none
     limits: Limits = field(default_factory=Limits)
 
     @property
@@ -182,18 +157,14 @@ def run_id(digest: str, values: Point) -> str:
 class SweepRow:
     """The outcome of one run."""
 
-    id: str
-    """See :func:`run_id`."""
-    status: str
-    """One of :data:`STATUSES`."""
-    reason: str = ""
-    """Why the run ended early, or which results have no value; empty otherwise."""
+    id: str  # see :func:`run_id`
+    status: str  # one of :data:`STATUSES`
+    reason: str = ""  # why the run ended early, or which results have no value; empty otherwise
     kept: Mapping[str, float | None] = field(default_factory=dict)
     """Results by name; None for one without a value."""
     holds: bool | None = None
     """Whether all expectations of the scene hold; None where it has none, or did not end."""
-    failed: tuple[str, ...] = ()
-    """Quantities whose expectations do not hold."""
+    failed: tuple[str, ...] = ()  # quantities whose expectations do not hold
     looks: tuple[str, ...] | None = None
     """Audit figures with a warning; None where the run was not audited."""
 
@@ -230,12 +201,6 @@ class Log:
     def rows(self) -> Iterator[SweepRow]:
         """The rows so far, in the order in which they were finished."""
         return read_rows(self.folder)
-
-    def clear(self) -> None:
-        """Remove all rows, before any is added."""
-        with output_errors(self.folder):
-            for path in row_files(self.folder):
-                path.unlink()
 
     def add(self, row: SweepRow) -> None:
         """Append a finished run."""

@@ -62,9 +62,8 @@ class Plan:
     @cached_property
     def units(self) -> dict[str, str]:
         """SI units of paths and results; empty for none."""
-        found = {axis.path: si_unit(unit_in(axis.written[0])
-                                    or _written_unit(self.loaded, axis.path))
-                 for axis in self.points.axes}
+        found = {path: si_unit(unit_in(values[0]) or _written_unit(self.loaded, path))
+                 for path, values in self.points.axes.items()}
         catalogue = Catalogue(self.loaded.mechanism)
         for name, keep in self.job.keep.items():
             quantity = keep.quantity if isinstance(keep, Looked) else ""
@@ -102,14 +101,9 @@ def make_plan(
     found: SceneSource, limits: Limits | None, *, folder: Path = Path(), name: str = "",
     search: bool = False,
 ) -> Plan:
-    """The plan of a study.
+    """The plan of a study whose file names are relative to a folder.
 
-    Args:
-        found: its data, and where they were written.
-        limits: of each run, and of their number.
-        folder: to which file names are relative.
-        name: of the study, if it has none.
-        search: whether it is a search, of which only the ends of all values are checked.
+    Of a ``search`` only the ends of all values are checked.
     """
     if not isinstance(found.data, dict):
         raise SceneError([Problem("bad-study",
@@ -135,14 +129,14 @@ class _Checks:
         self._refuse(*over(self.limits, "runs", len(points), "$.vary",
                            "the sweep has {count} runs"))
         durations = self._read_extremes(scene, spec, points)
-        if len(durations) == 1 or "run.duration" in points.paths:  # otherwise others may be longer
+        if len(durations) == 1 or "run.duration" in points.axes:  # otherwise others may be longer
             self.problems += [
                 Problem("bad-time", beyond, f'$.keep["{name}"]') for name, each in spec.keep.items()
                 if isinstance(each, Looked) and (beyond := each.past_end(max(durations)))]
         keep = self._results(spec, base, points)
         self._refuse()
         bundle, base = make_bundle(scene, spec.set, self.limits,
-                                   also=[axis.written for axis in points.axes])
+                                   also=points.axes.values())
         job = SweepJob(bundle, spec.set, keep, audited=spec.audit, limits=self.limits)
         return Plan(spec.model_copy(update={"name": spec.name or name}), job, points, base,
                     self.data)
@@ -255,7 +249,7 @@ class _Checks:
         self.problems += [Problem("duplicate-name",
                                   f"{quoted(name)} is another column of the table", "$.keep",
                                   allowed="another name")
-                          for name in found if name in (*COLUMNS, *points.paths)]
+                          for name in found if name in (*COLUMNS, *points.axes)]
         if len(found) > MAX_RESULTS:
             self.problems.append(Problem("limit-exceeded",
                                          f"{len(found)} quantities of each run would be kept",
@@ -265,16 +259,16 @@ class _Checks:
 
 def _extremes(points: Points) -> Iterator[int]:
     """Runs with the minimum and maximum of each path; of texts, the first of each."""
-    for axis in points.axes:
-        numbers = [number_of(value) for value in axis.written]
+    for path, values in points.axes.items():
+        numbers = [number_of(value) for value in values]
         if all(isinstance(number, float) for number in numbers):
             order = sorted(range(len(numbers)), key=numbers.__getitem__)
             wanted = [order[0], order[-1]]
         else:
-            first = {str(value): place for place, value in reversed(list(enumerate(axis.written)))}
+            first = {str(value): place for place, value in reversed(list(enumerate(values)))}
             wanted = list(first.values())[:MAX_TRIED_TEXTS]
         for place in wanted:
-            yield int((points.places[axis.path] == place).argmax())
+            yield int((points.places[path] == place).argmax())
 
 
 def study_file(word: str, limits: Limits | None = None) -> Path | None:

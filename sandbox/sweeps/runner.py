@@ -8,19 +8,17 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from sandbox.audit.audit import audit
 from sandbox.engine.inspect_control import Checked, control_problems
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SandboxError, SceneError
-from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import measured, verdicts, window
 from sandbox.scene.document import load_elements
 from sandbox.scene.read.load import Loaded, read_scene
-from sandbox.sweeps.job import DONE, ENDED, Keep, Point, ReadAt, SweepJob, SweepRow
+from sandbox.scene.settings import Looked
+from sandbox.sweeps.job import DONE, ENDED, Point, SweepJob, SweepRow
 from sandbox.values.expressions import parse_expression
 
 MAX_REASON = 500
@@ -72,50 +70,32 @@ class Runner:
 
 
 def read_results(
-    run: Recording, keep: Mapping[str, Keep], parameters: Mapping[str, float],
+    run: Recording, keep: Mapping[str, Looked | str], parameters: Mapping[str, float],
 ) -> tuple[dict[str, float | None], list[str]]:
     """Results of a run by name, and why some have no value."""
     found: dict[str, float | None] = {}
     missing: list[str] = []
-    curves: dict[str, Array] = {}
     for name, result in keep.items():
+        value = math.nan
         try:
             if isinstance(result, str):
-                value, why = _evaluate(result, parameters, found)
-            elif isinstance(result, ReadAt):
-                if result.quantity not in curves:  # a fit reads many instants of one quantity
-                    curves[result.quantity] = run[result.quantity]
-                value, why = _interpolate(run.time, curves[result.quantity], result.time)
+                expression = parse_expression(result)
+                names = expression.names
+                why = next((f"{each} has no value" for each in names
+                            if found.get(each, 0.0) is None), "")
+                values = {**parameters, **found}
+                if not why:
+                    value = float(expression.evaluate({each: values[each] for each in names}))
             else:
-                chosen, unreached = window(run, result)
-                value, why = (math.nan, unreached) if unreached else measured(
-                    run, result.quantity, result, chosen)
+                chosen, why = window(run, result)
+                if not why:
+                    value, why = measured(run, result.quantity, result, chosen)
         except (SandboxError, ArithmeticError, ValueError) as error:
-            value, why = math.nan, str(error)
+            why = str(error)
         found[name] = value if math.isfinite(value) else None
         if found[name] is None:
             missing.append(f"{name}: {why or 'no finite value'}")
     return found, missing
-
-
-def _interpolate(time: Array, values: Array, instant: float) -> tuple[float, str]:
-    """The value at an instant, or nan and the reason."""
-    beyond = time[1] - time[0] if len(time) > 1 else 0.0
-    if not time[0] - beyond <= instant <= time[-1] + beyond:
-        return math.nan, f"the run has no samples about {instant:g} s"
-    place = int(np.clip(np.searchsorted(time, instant), 1, len(time) - 1))
-    share = (instant - time[place - 1]) / (time[place] - time[place - 1])
-    return float((1 - share) * values[place - 1] + share * values[place]), ""
-
-
-def _evaluate(
-    text: str, parameters: Mapping[str, float], known: Mapping[str, float | None],
-) -> tuple[float, str]:
-    expression = parse_expression(text)
-    if missing := [name for name in expression.names if known.get(name, 0.0) is None]:
-        return math.nan, f"{missing[0]} has no value"
-    values = {**parameters, **known}
-    return float(expression.evaluate({name: values[name] for name in expression.names})), ""
 
 
 @contextmanager

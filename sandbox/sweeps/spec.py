@@ -19,7 +19,6 @@ from pydantic_core import PydanticCustomError
 from sandbox.scene.settings import STATISTICS, Looked
 from sandbox.sweeps.vary import (
     MAX_VALUES,
-    Axis,
     Distribution,
     Given,
     Points,
@@ -76,19 +75,6 @@ def parse_statistic(text: str) -> dict[str, Any]:
         found["over"] = window if len(ends) != 2 else [number_from(end.strip(), "time", {})
                                                        for end in ends]
     return found
-
-
-def statistic_text(statistic: Looked) -> str:
-    """The text of a statistic: the inverse of :func:`parse_statistic`."""
-    if statistic.at is not None:
-        return f"{statistic.quantity} {statistic.statistic}"
-    begin, end = statistic.over
-    text = f"{statistic.statistic} {statistic.quantity}"
-    if statistic.over == (0.0, None):
-        return text
-    if begin < 0 and end is None:
-        return f"{text} over last {-begin:g} s"
-    return f"{text} over {begin:g} s : {'end' if end is None else f'{end:g} s'}"
 
 
 def parse_result(text: str) -> tuple[str, str]:
@@ -361,9 +347,9 @@ class SweepSpec(Spec):
 
     def ends(self) -> Points:
         """Two points, at both ends of all ranges and lists, and in the tails of distributions."""
-        return Points([[Axis(path, values_at(values, TAILS if isinstance(values, Distribution)
-                                             else np.array([0.0, 1.0])))
-                        for path, values in self.over.items()]])
+        return Points([{path: values_at(values, TAILS if isinstance(values, Distribution)
+                                        else np.array([0.0, 1.0]))
+                        for path, values in self.over.items()}])
 
     def points(self) -> Points:
         """The points of all groups, which are nested."""

@@ -14,7 +14,7 @@ from typing import Any
 from sandbox.atomic_files import output_path
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
-from sandbox.sweeps.job import DONE, Log
+from sandbox.sweeps.job import DONE, Log, row_files
 from sandbox.sweeps.plan import Plan, plan_of, read_plan
 from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import parse_result
@@ -31,16 +31,11 @@ RECORDINGS = "runs"
 class Advance:
     """Progress of a sweep."""
 
-    total: int
-    """Different runs of the plan."""
-    before: int
-    """Runs that were finished before it began."""
-    done: int = 0
-    """Runs finished since."""
-    doubtful: int = 0
-    """Of these, runs that ended early or have warnings."""
-    seconds: float = 0.0
-    """Since it began."""
+    total: int  # different runs of the plan
+    before: int  # runs that were finished before it began
+    done: int = 0  # runs finished since
+    doubtful: int = 0  # of these, runs that ended early or have warnings
+    seconds: float = 0.0  # since it began
 
     @property
     def fraction(self) -> float:
@@ -55,20 +50,9 @@ def run_plan(
     plan: Plan, directory: Path | None, *, workers: int | str = 0, again: bool = False,
     progress: Progress = lambda at: None,
 ) -> SweepTable:
-    """Run the missing runs of a plan, and write its table.
+    """Run the missing runs of a plan, and write its table; arguments as of :func:`sweep`.
 
-    Args:
-        plan: the sweep.
-        directory: for rows and table; None for nowhere.
-        workers: number of processes, by default one for each processor; or the address of a Dask
-            scheduler.
-        again: repeat finished runs.
-        progress: called after each run.
-
-    Raises:
-        OutputError: the directory cannot be written, or another process uses it.
-        SandboxError: workers cannot start, or the cluster cannot be used.
-        KeyboardInterrupt: Ctrl-C; all finished runs are in the directory and its table.
+    After Ctrl-C all finished runs are in the directory and its table.
     """
     workers = check_workers(workers)  # before anything is written
     recorded = plan.spec.recordings
@@ -81,7 +65,8 @@ def run_plan(
     job = replace(plan.job, recordings=str(recordings)) if recorded else plan.job
     with Log(directory) as log:
         if again:
-            log.clear()
+            for path in row_files(log.folder):
+                path.unlink()
         done = {row.id for row in log.rows() if not recorded or row.status != DONE
                 or (recordings / row.id).is_dir()}
         runs = dict(zip(plan.ids, range(len(plan)), strict=True))

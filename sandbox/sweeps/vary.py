@@ -11,7 +11,6 @@ import math
 import re
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
@@ -336,27 +335,18 @@ def _refuse_constant(word: str) -> float:
 # -- points --------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Axis:
-    """A path and its values, as a scene file may hold them."""
-
-    path: str
-    written: Sequence[Override]
-
-
 class Points:
     """Points that are the product of dimensions, of which the last changes fastest.
 
-    Args:
-        dimensions: axes that vary together, with as many values each.
+    A dimension has paths that vary together, with as many values each, as a scene file may hold
+    them.
     """
 
-    def __init__(self, dimensions: Sequence[Sequence[Axis]]) -> None:
+    def __init__(self, dimensions: Sequence[Mapping[str, Sequence[Override]]]) -> None:
         self._dimensions = dimensions
-        self._shape = [len(axes[0].written) for axes in dimensions]
-        self.axes = tuple(axis for axes in dimensions for axis in axes)
-        self.paths = tuple(axis.path for axis in self.axes)
-        self.is_grid = all(len(axes) == 1 for axes in dimensions)
+        self._shape = [len(next(iter(each.values()))) for each in dimensions]
+        self.axes = {path: values for each in dimensions for path, values in each.items()}
+        self.is_grid = len(self.axes) == len(dimensions)
         """Whether every value of each path is combined with every value of the others."""
 
     def __len__(self) -> int:
@@ -366,21 +356,24 @@ class Points:
     def places(self) -> dict[str, Integers]:
         """The index of a path's value in each run, [n], by path."""
         found = np.unravel_index(np.arange(len(self)), self._shape)
-        return {axis.path: place for axes, place in zip(self._dimensions, found, strict=True)
-                for axis in axes}
+        return {path: place for each, place in zip(self._dimensions, found, strict=True)
+                for path in each}
 
     def __getitem__(self, run: int) -> dict[str, Override]:
         """The values of all paths in a run, from 0."""
-        return {axis.path: axis.written[self.places[axis.path][run]] for axis in self.axes}
+        return {path: values[self.places[path][run]] for path, values in self.axes.items()}
 
 
 def group_points(
     over: Mapping[str, Values], design: str, count: int, seed: int,
-) -> list[list[Axis]]:
+) -> list[dict[str, list[Override]]]:
     """The dimensions of a group of paths that vary by one design."""
     if design in ("grid", "paired"):
-        axes = [Axis(path, _even(values)) for path, values in over.items()]
-        return [[axis] for axis in axes] if design == "grid" else [axes]
+        axes = {path: values_at(values, (np.arange(len(values)) + 0.5) / len(values))
+                if isinstance(values, tuple) else
+                values_at(values, np.linspace(0.0, 1.0, getattr(values, "count", 1)), digits=15)
+                for path, values in over.items()}
+        return [{path: axis} for path, axis in axes.items()] if design == "grid" else [axes]
     rng = np.random.default_rng(seed)
     if design == "random":
         quantiles = rng.random((count, len(over)))
@@ -392,34 +385,22 @@ def group_points(
         with warnings.catch_warnings():  # Sobol's points are balanced for powers of two only
             warnings.simplefilter("ignore", UserWarning)
             quantiles = engine.random(count)
-    return [[Axis(path, values_at(values, quantiles[:, k]))
-             for k, (path, values) in enumerate(over.items())]]
+    return [{path: values_at(values, quantiles[:, k])
+             for k, (path, values) in enumerate(over.items())}]
 
 
-def _even(values: Values) -> list[Override]:
-    """The values of a list or a range, numbers rounded to 15 digits."""
-    if isinstance(values, tuple):
-        return [_plain(value) for value in values]
-    assert isinstance(values, Range)
-    numbers = values.at(np.linspace(0.0, 1.0, values.count or 1))
-    return _with_unit(np.array([float(f"{number:.15g}") for number in numbers]), values.unit)
-
-
-def values_at(values: Values, quantiles: Array) -> list[Override]:
+def values_at(values: Values, quantiles: Array, *, digits: int = 17) -> list[Override]:
     """Values of a path at quantiles from 0 to 1, [n], as a scene file may hold them."""
     if isinstance(values, tuple):
         places = np.minimum((quantiles * len(values)).astype(int), len(values) - 1)
         return [_plain(values[place]) for place in places]
-    return _with_unit(values.at(quantiles), values.unit)
+    numbers = [float(f"{number:.{digits}g}") for number in values.at(quantiles)]
+    return [f"{number!r} {values.unit}" if values.unit else number for number in numbers]
 
 
 def _plain(value: Any) -> Override:
     """A value of a list as JSON has it: pydantic makes tuples of lists."""
     return list(map(_plain, value)) if isinstance(value, tuple) else value
-
-
-def _with_unit(numbers: Array, unit: str) -> list[Override]:
-    return [f"{number!r} {unit}" if unit else number for number in numbers.tolist()]
 
 
 def number_of(written: Override) -> float | str:

@@ -39,14 +39,7 @@ CLUSTER_TASKS = 1000
 
 
 def make_workers(job: SweepJob, workers: int | str, stack: ExitStack) -> Processes:
-    """Start workers, which ``stack`` ends.
-
-    Args:
-        job: the work.
-        workers: number of processes, 0 for one for each processor; or the address of a Dask
-            scheduler, ``tcp://10.0.0.1:8786``, or its scheduler file.
-        stack: ends the workers.
-    """
+    """Start worker processes, or connect to a Dask scheduler; ``stack`` ends them."""
     count = check_workers(workers)
     return Cluster(job, count, stack) if isinstance(count, str) else Processes(job, count, stack)
 

@@ -38,8 +38,8 @@ def test_paired_paths_go_hand_in_hand_and_groups_are_nested():
     assert [tuple(found[run].values()) for run in range(6)] == [
         (1, "x", 10), (1, "x", 20), (1, "x", 30), (2, "y", 10), (2, "y", 20), (2, "y", 30)]
     assert not found.is_grid
-    for path, axis in zip(found.paths, found.axes, strict=True):
-        assert [axis.written[place] for place in found.places[path]] == [
+    for path, values in found.axes.items():
+        assert [values[place] for place in found.places[path]] == [
             found[run][path] for run in range(6)]
 
 
