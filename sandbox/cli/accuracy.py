@@ -113,13 +113,10 @@ def _refuse(loaded: Loaded, limits: Limits) -> None:
 @click.option("--at", "instants", multiple=True, type=float, metavar="SECONDS",
               help="Time of the sample; the last one by default. Repeatable.")
 @click.option("--near", metavar="LENGTH", callback=read_quantity("length"),
-              help="Maximum gap of a contact, as 10um; by default the gap that a step may leave "
-                   "(docs/audit.md).")
+              help="Maximum gap of a contact, as 10um; that of a step by default (docs/audit.md).")
 @click.option("--push", "pushed", metavar="BODY",
-              help="Also print the largest push at this body's centre of mass that balance allows, "
-                   "in 12 directions.")
-@file_option((".csv",), "A .csv file; contact_bounds.csv in the run's directory by default. "
-             "Repeatable.")
+              help="Also print the largest push at this body's centre of mass, in 12 directions.")
+@file_option((".csv",), "A .csv file; contact_bounds.csv in RUN by default. Repeatable.")
 @console_options()
 def bounds(
     run: str, instants: tuple[float, ...], near: float | None, pushed: str | None,

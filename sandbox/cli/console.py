@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import click
 
+from sandbox.atomic_files import json_text
 from sandbox.errors import (
     Interrupted,
     OutputError,
@@ -107,22 +108,10 @@ class Console:
         """
         if self.as_json:
             whole = {"status": code.name.lower(), "exit_code": int(code), **data}
-            self.document(json.dumps(plain_json(whole), indent=2, ensure_ascii=False,
-                                     allow_nan=False))
+            self.document(json_text(whole, indent=2))
         else:
             self.say(*lines)
         return code
-
-
-def plain_json(value: Any) -> Any:
-    """A value as JSON data: numbers that are not finite are None, paths are text."""
-    if isinstance(value, Mapping):
-        return {key: plain_json(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain_json(entry) for entry in value]
-    if isinstance(value, Path):
-        return str(value)
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _write(text: str, *, to_stderr: bool = False) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import json
 import math
 import re
 from pathlib import Path
@@ -18,7 +17,6 @@ from sandbox.cli.console import (
     Heartbeat,
     compilation_notices,
     first_of,
-    plain_json,
     table,
 )
 from sandbox.cli.options import (
@@ -47,7 +45,8 @@ MAX_STICKING = 4
 DIGITS = 10
 """Decimal places in the terminal [m, rad, N]."""
 STIFFNESS = {"x": "N/m", "y": "N/m", "turn": "N m/rad", "least": "N/m"}
-_VALUE = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.].*?)?\s*$")
+_NUMBER = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.:][^:]*?)?\s*"
+_ALONG = re.compile(rf"\s*([^=]+?)\s*={_NUMBER}:{_NUMBER}:\s*(\d+)\s*")
 
 
 class _Answer(NamedTuple):
@@ -85,37 +84,31 @@ def _read_range(
     """Path, first and last value, their unit and the count of ``PATH=FROM:TO:COUNT``."""
     if word is None:
         return None
-    path, equals, text = word.partition("=")
-    parts = text.split(":")
-    found = [_VALUE.match(part) for part in parts]
-    if not equals or len(parts) != 3 or not all(found) or not parts[2].strip().isdigit():
+    if (match := _ALONG.fullmatch(word)) is None:
         raise click.BadParameter(f"{word!r} is not of the form PATH=FROM:TO:COUNT, as in "
                                  "parameters.pull=0:10:21 or 'parameters.pull=0 N:10 N:21'",
                                  ctx, param)
-    (begin, one), (end, other) = (match.groups() for match in found[:2] if match)
+    path, begin, one, end, other, count = match.groups()
     if one and other and one != other:
         raise click.BadParameter(f"{one!r} and {other!r} are two units", ctx, param)
-    return path.strip(), float(begin), float(end), one or other or "", int(parts[2])
+    return path, float(begin), float(end), one or other or "", int(count)
 
 
 @click.command()
 @click.option("--from", "starts", multiple=True, metavar="PATH=VALUES", callback=_read_starts,
-              help="Start there instead of at the scene's own pose: JOINT.angle, BODY.x, BODY.y or "
-                   "BODY.angle, with values separated by commas, as in 'arm.angle=-30 deg,0,30 "
-                   "deg'. Several options: all combinations.")
+              help="Start there: values of JOINT.angle, BODY.x, BODY.y or BODY.angle, as in "
+                   "'arm.angle=-30 deg,0,30 deg'; by default the scene's pose. Several options: "
+                   "all combinations.")
 @click.option("--at", type=float, metavar="SECONDS",
-              help="Time whose values the drives have; by default the end of the scene.")
+              help="Time of the drives' values; the end of the scene by default.")
 @click.option("--stages", type=click.IntRange(min=1), metavar="N",
-              help="Steps in which the drives go there from their first values; by default 40, "
-                   "with dry friction 200.")
+              help="Steps of the slow load; by default 40, with dry friction 200.")
 @click.option("--along", metavar="PATH=FROM:TO:COUNT", callback=_read_range,
-              help="Follow equilibria along a value of the scene, as in "
-                   "'parameters.pull=0:10:21'.")
+              help="Follow equilibria along a value, as in 'parameters.pull=0:10:21'.")
 @click.option("--plot", "quantity", metavar="QUANTITY",
-              help="With --along, the quantity in the figure; by default the one that changes "
-                   "most.")
-@click.option("--body", metavar="NAME", help="Body whose stiffness is printed; by default the one "
-              "body with the role 'object' that moves freely.")
+              help="Quantity in the figure of --along; by default the one that changes most.")
+@click.option("--body", metavar="NAME",
+              help="Body whose stiffness is printed; by default the one free 'object'.")
 @click.option("--out", type=OUT, metavar="DIR",
               help="Directory of rest.json, rest.csv and rest.png; renders/rest/SCENE by default.")
 @takes_scene
@@ -132,7 +125,7 @@ def equilibrium(
     residual forces and stability, and the stiffness of a held object. Scenes
     that have no equilibrium are refused, with the reason.
     """
-    from sandbox.atomic_files import write_atomic, write_csv
+    from sandbox.atomic_files import json_text, write_atomic, write_csv
     from sandbox.engine.inspect import inspect
 
     for wrong, why in (
@@ -150,8 +143,7 @@ def equilibrium(
     found = _find(loaded.mechanism, starts, body, folder, console, how) if along is None else \
         _follow(scene, along, quantity, folder, console, how)
     whole = {"status": "done", "exit_code": int(Exit.DONE), "scene": name, **found.data}
-    write_atomic(folder / "rest.json", json.dumps(
-        plain_json(whole), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_atomic(folder / "rest.json", json_text(whole, indent=1) + "\n")
     write_csv(folder / "rest.csv", found.rows)
     files = [folder / "rest.json", folder / "rest.csv", *found.pictures]
     return console.finish({"scene": name, **found.data, "files": files}, [*found.lines, *files])

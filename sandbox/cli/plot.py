@@ -38,19 +38,17 @@ Records = list[dict[str, Any]]
 @click.option("--with", "others", multiple=True, metavar="RUN",
               help="Another run in the same figure, in another colour. Repeatable.")
 @click.option("--target", "targets", multiple=True, metavar="QUANTITY=VALUE", callback=read_pairs,
-              help="Target of a quantity, as in 'finger.mcp.angle=5deg', in place of that of a "
-                   "controller. Repeatable.")
-@click.option("--x", "across", metavar="QUANTITY", default="",
-              help="Plot against this quantity, in place of time.")
+              help="Target, as in 'finger.mcp.angle=5deg'; by default the controller's. "
+                   "Repeatable.")
+@click.option("--x", "across", metavar="QUANTITY", default="", help="Horizontal axis, not time.")
 @click.option("--from", "begin", metavar="TIME", callback=read_quantity("time"),
-              help="Start of the plot, as in '0.5s' or '200 ms'.")
-@click.option("--to", "end", metavar="TIME", callback=read_quantity("time"),
-              help="End of the plot.")
+              help="Start of the plot, as in '0.5s'; that of the run by default.")
+@click.option("--to", "end", metavar="TIME", callback=read_quantity("time"), help="End, likewise.")
 @click.option("--width", metavar="LENGTH", callback=read_quantity("length"),
               help="Width of the figure on paper, as in '85mm'; 120 mm by default.")
 @click.option("--no-title", "untitled", is_flag=True, help="Omit the scene's title.")
 @file_option((*PICTURES, ".csv"), "A figure (.png, .svg, .pdf) or the table of responses (.csv); "
-             "plot.png in the run's directory by default. Repeatable.")
+             "plot.png in RUN by default. Repeatable.")
 @console_options()
 def plot(
     run: str, quantities: tuple[str, ...], others: tuple[str, ...], targets: dict[str, str],

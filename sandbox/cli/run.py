@@ -55,15 +55,12 @@ AUDIT_PAGE = "docs/audit.md"
 
 
 @click.command()
-@click.option("--out", type=OUT, metavar="DIR",
-              help="Directory for the files; renders/<scene name> by default.")
-@click.option("--solver", type=click.Choice(["direct", "pymunk"]),
-              help="Solver; that of the scene's run by default.")
+@click.option("--out", type=OUT, metavar="DIR", help="Directory; renders/NAME by default.")
+@click.option("--solver", type=click.Choice(["direct", "pymunk"]), help="By default the scene's.")
 @click.option("--no-render", is_flag=True, help="Numbers only, no pictures.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")
-@click.option("--report", "writes_page", is_flag=True,
-              help="Also write report.html, a page that plays the run.")
+@click.option("--report", "writes_page", is_flag=True, help="Also write report.html.")
 @click.option("--audit", "lists_checks", is_flag=True, help="List all consistency checks.")
 @takes_scene
 @console_options()
@@ -131,7 +128,8 @@ class _Job:
     def write(self, recording: Recording, animation: str, writes_page: bool) -> None:
         """Save and draw in parallel, then put all files in place."""
         from sandbox.recording.new_run import PAGE
-        from sandbox.recording.store import save_data
+        from sandbox.recording.store import save_data, unfinished
+        from sandbox.samples.outcome import INTERRUPTED
 
         def save() -> None:
             with self._timed("save"):
@@ -156,9 +154,15 @@ class _Job:
                         write_page([recording], self.new.aside / PAGE, [FoundOut(
                             self.judged, self.checks, str(self.new.directory))])
                 self._save_summary(recording)
-            except BaseException as error:
+            except BaseException as error:  # keep the numbers, marked incomplete
                 saved.result()
-                self._keep_numbers(recording, error)
+                info = dataclasses.replace(
+                    recording.info, complete=False, reason=INTERRUPTED) \
+                    if isinstance(error, KeyboardInterrupt) else unfinished(recording.info)
+                kept = type(recording)(recording.mechanism, recording.arrays, info)
+                self.judged = self.checks = ()
+                self._save_summary(kept)
+                self._publish(kept, stopped=True)
                 raise
         self.new.publish()
 
@@ -181,19 +185,6 @@ class _Job:
         save_summary(recording, self.new.aside, parameters=self.loaded.scene.parameters,
                      derived=self.loaded.derived, verdicts=self.judged, wall_s=self.wall_s,
                      figures=self.checks)
-
-    def _keep_numbers(self, recording: Recording, error: BaseException) -> None:
-        """Save the numbers of a run that was stopped while drawing, marked incomplete."""
-        from sandbox.recording.store import unfinished
-        from sandbox.samples.outcome import INTERRUPTED
-
-        info = dataclasses.replace(
-            recording.info, complete=False, reason=INTERRUPTED) \
-            if isinstance(error, KeyboardInterrupt) else unfinished(recording.info)
-        kept = type(recording)(recording.mechanism, recording.arrays, info)
-        self.judged = self.checks = ()
-        self._save_summary(kept)
-        self._publish(kept, stopped=True)
 
     def _publish(self, recording: Recording, stopped: bool) -> dict[str, Any]:
         """Put an incomplete run in place and print where; its part of the JSON object."""
@@ -282,7 +273,7 @@ def _check_lines(checks: Sequence[Figure], solver: str, *, whole: bool) -> list[
 
 @click.command()
 @click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N",
-              help="Port to listen on; by default a free one.")
+              help="Port of the page; by default a free one.")
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
 @takes_scene
 def view(scene: Source, port: int, no_browser: bool) -> int:

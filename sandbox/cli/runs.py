@@ -115,7 +115,7 @@ def _read_size(
               help="A .gif or .mp4 film, a .png, .svg or .pdf still, or a directory for PNG "
                    "frames; RUN/animation.gif by default. Repeatable.")
 @click.option("--format", "ending", type=click.Choice(["gif", "mp4", "png", "svg", "pdf"]),
-              help="Of the file in RUN that is written without --out.")
+              help="Of the file in RUN that is written without --out; gif or png by default.")
 @click.option("--at", multiple=True, metavar="TIME",
               help="Draw a still at a time: '0.8s', 'start' or 'end'. Repeatable.")
 @click.option("--strip", is_flag=False, flag_value=0, type=click.IntRange(min=0), metavar="[N]",
@@ -125,15 +125,12 @@ def _read_size(
                    "still on paper '85mm' or '85mmx70mm'.")
 @click.option("--labels", type=click.Choice(["all", "scales", "none"]), default="all",
               show_default=True, help="All of title, time and legend, or only scales.")
-@click.option("--transparent", is_flag=True,
-              help="Transparent background; of stills, PNG frames and a GIF.")
+@click.option("--transparent", is_flag=True, help="Transparent background, except of MP4.")
 @click.option("--show", metavar="LAYERS",
-              help="Additional layers, as in 'traces,velocity'; '-contacts' hides one, 'all' shows "
-                   "every one.")
+              help="More layers, as in 'traces,velocity'; '-contacts' hides one; 'all'.")
 @click.option("--follow", metavar="BODY", help="Body that the view follows.")
 @click.option("--fit", "bodies", multiple=True, metavar="BODY",
-              help="Name or pattern of bodies or groups that the view is fitted to, as in "
-                   "'finger*'. Repeatable.")
+              help="Bodies or groups that the view is fitted to, as in 'finger*'. Repeatable.")
 @click.option("--fps", type=click.Choice(["20", "25", "50"]), help="Frames per second.")
 @click.option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
               help="Seconds of motion per second of film.")
@@ -195,8 +192,8 @@ def render(
 @click.option("--out", type=OUT, metavar="FILE",
               help="The page; report.html in the first run's directory by default.")
 @click.option("--plot", "plots", multiple=True, metavar="QUANTITY",
-              help="A quantity or pattern to plot first, such as 'finger.*.angle'; by default the "
-                   "meters of the view, then the expected quantities. Repeatable.")
+              help="Quantities to plot first, as in 'finger.*.angle'; by default the meters, then "
+                   "the expected quantities. Repeatable.")
 @console_options()
 def report_runs(
     runs: tuple[str, ...], out: Path | None, plots: tuple[str, ...], console: Console,

@@ -56,7 +56,8 @@ def new(name: str, out: Path | None) -> None:
     Included scenes and drawings are copied beside it. Nothing is overwritten.
     """
     from sandbox.scene.library import shipped_scenes
-    from sandbox.scene.read.load import read_scene
+    from sandbox.scene.read.limits import Limits
+    from sandbox.sweeps.job import make_bundle
 
     scenes = shipped_scenes()
     if name not in scenes:
@@ -65,14 +66,11 @@ def new(name: str, out: Path | None) -> None:
             + meant(name.removesuffix(".json"), scenes), param_hint="NAME")
     source, target = scenes[name], out or Path()
     target = target / source.name if target.is_dir() else target
-    whole = [source, *read_scene(source).files]
-    drawings = [scene.with_name(file) for scene in whole for file in re.findall(
-        r'"file": *"([^"]+\.(?:svg|dxf))"', scene.read_text(encoding="utf-8"), re.IGNORECASE)]
     missing = {}
-    for path, original in {target: source, **{target.parent / path.name: path
-                                              for path in (*whole[1:], *drawings)}}.items():
-        text = original.read_text(encoding="utf-8").replace(
-            '"$schema": "../scene.schema.json"', '"$schema": "./scene.schema.json"', 1)
+    for file, content in make_bundle(source, {}, Limits())[0].files.items():
+        path = target if file == source.name else target.parent / file
+        text = content.decode().replace('"$schema": "../scene.schema.json"',
+                                        '"$schema": "./scene.schema.json"', 1)
         if path == target or not path.is_file() or path.read_bytes() != text.encode():
             missing[path] = text
     for path in missing:
@@ -89,8 +87,7 @@ def new(name: str, out: Path | None) -> None:
               show_default=True, help="A model for MuJoCo, or a script in Python for pymunk.")
 @click.option("--out", type=OUT, metavar="FILE", help="File to write; stdout by default.")
 @click.option("--without", multiple=True, metavar="NAME",
-              help="Leave out an element and all that depends on it; patterns such as 'tree.*' "
-                   "too. Repeatable.")
+              help="Leave out elements and all that depends on them, as in 'tree.*'. Repeatable.")
 @takes_scene
 def export(scene: Source, form: str, out: Path | None, without: tuple[str, ...]) -> None:
     """Export SCENE as a MuJoCo model (MJCF), or as a Python script for pymunk.
@@ -119,8 +116,7 @@ def export(scene: Source, form: str, out: Path | None, without: tuple[str, ...])
 @click.command()
 @click.argument("scenes", metavar="SCENE...", nargs=-1, shell_complete=complete_scene)
 @click.option("--strict", is_flag=True, help="Let warnings fail the check.")
-@click.option("--expand", is_flag=True,
-              help="Print the one SCENE as plain elements, itself a scene.")
+@click.option("--expand", is_flag=True, help="Print the one SCENE as plain elements, a scene, too.")
 @click.option("--schema", is_flag=False, flag_value="scene", metavar="[KIND]",
               type=click.Choice(["scene", "study"]),
               help="Print the JSON Schema of scenes, for editors; 'study' for that of study files.")

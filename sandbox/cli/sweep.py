@@ -77,8 +77,7 @@ def _takes_study(
             *own,
             click.option("--out", type=OUT, metavar="DIR", help=directory),
             click.option("--workers", metavar="N|ADDRESS", callback=_read_workers,
-                         help="Processes, by default one per processor; or a Dask scheduler, as "
-                              "in tcp://10.0.0.1:8786."),
+                         help="Processes, by default one per processor; or a Dask scheduler."),
         ]):
             command = option(command)
         return command
@@ -307,20 +306,16 @@ SEARCHES: dict[str, tuple[str, list[Callable[[Any], Any]]]] = {
         "The condition is --where, or the expectations of the scene.", [
             _KEEP, _WHERE,
             click.option("--within", metavar="WIDTH", callback=read_quantity(None),
-                         help="Width of the bracket, as in '0.01 N'; a thousandth of the range by "
-                              "default.")]),
+                         help="Width of the bracket; a thousandth of the range by default.")]),
     "fit": (
         "The values with which the scene reproduces a measurement.\n\n"
         "With 95 % intervals, and the directions that the data do not determine.", [
             click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv",
-                         help="The measurement: a column 'time' [s], and columns of quantities, "
-                              "SI or as in 'x [mm]'."),
+                         help="Columns 'time' [s], and quantities in SI or as in 'x [mm]'."),
             click.option("--match", multiple=True, metavar="COLUMN=QUANTITY", callback=read_pairs,
-                         help="The quantity of a column, as in 'x=puck.x'; by default columns "
-                              "that have a quantity's name."),
+                         help="Quantity of a column, as in 'x=puck.x'; its name by default."),
             click.option("--noise", multiple=True, metavar="COLUMN=SIZE", callback=_read_noise,
-                         help="Standard deviation of a column, as in 'x=0.5 mm'; estimated by "
-                              "default.")]),
+                         help="Standard deviation, as in 'x=0.5 mm'; estimated by default.")]),
     "best": (
         "The values that minimise or maximise results.", [
             _KEEP,
@@ -333,17 +328,16 @@ SEARCHES: dict[str, tuple[str, list[Callable[[Any], Any]]]] = {
                          help="cmaes (the default for one goal over ranges), tpe (with conditions "
                               "or lists), gp, nsga2 (for several goals), random."),
             click.option("--runs", type=click.IntRange(min=1), default=200, show_default=True,
-                         help="Number of runs; a larger one continues the search."),
+                         help="Number of runs; more continue the search."),
             _SEED]),
     "sensitivity": (
         "The influence of each path on each result.", [
             _KEEP,
             click.option("--method", metavar="NAME", default="sobol", show_default=True,
-                         help="sobol (shares of the variance) or morris (screening of many "
-                              "paths)."),
+                         help="sobol (shares of the variance) or morris (screening)."),
             click.option("--count", type=click.IntRange(min=1), default=64, show_default=True,
-                         help="Base points, a power of 2, each with as many runs as there are "
-                              "paths and two more; or Morris' trajectories."),
+                         help="Base points, a power of 2, each with a run per path and two more; "
+                              "or Morris' trajectories."),
             _SEED])}
 """Help and options of each search; both have the names of a study file."""
 
@@ -411,14 +405,13 @@ def _search(
 
 def _own_directory(session: Session) -> Path:
     """The first directory of the question's name that has no runs of another question."""
-    from sandbox.atomic_files import write_atomic
-    from sandbox.search.session import plain_data
+    from sandbox.atomic_files import json_text, write_atomic
     from sandbox.sweeps.job import FOLDER, row_files
 
     kind, name = session.kind, safe_name(session.plan.name)
     options = {name: option for name, option in session.options.items() if name not in EXTENT}
-    question = json.dumps(plain_data([{**session.plan.written, "search": kind}, options]),
-                          sort_keys=True)
+    question = json_text([{**session.plan.written, "search": kind}, options], sort_keys=True,
+                         ensure_ascii=True)
     for number in count_from(1):
         folder = Path("searches", NAMES.get(kind, kind), f"{name}-{number}" if number > 1 else name)
         file = folder / QUESTION

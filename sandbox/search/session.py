@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import math
 import os
 import re
 import tempfile
@@ -19,7 +17,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from sandbox import __version__
-from sandbox.atomic_files import write_atomic
+from sandbox.atomic_files import json_text, write_atomic
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.figure.sweeps import FoundLine
 from sandbox.numeric import Array
@@ -280,14 +278,13 @@ class Session:
         if self.kind != "fit":  # it keeps whole curves, and has a figure of its own
             draw_table(table, self.out / FIGURE, held=held, found=line,
                        condition=" and ".join(each.text for each in wanted))
-        given = {name: option for name, option in plain_data(self.spec.model_dump()).items()
-                 if option not in (None, [], {}, "")}
-        write_atomic(self.out / RESULT, json.dumps({
+        given = {name: option for name, option in self.spec.model_dump().items()
+                 if option not in (None, (), {}, "")}
+        write_atomic(self.out / RESULT, json_text({
             "search": self.kind,
             "study": {**self.plan.written, "search": {self.kind: given}},
             "versions": {"sandbox": __version__}, "units": plan.units,
-            "found": plain_data(asdict(found) | more)},  # type: ignore[call-overload]
-            indent=2, ensure_ascii=False) + "\n")
+            "found": asdict(found) | more}, indent=2) + "\n")  # type: ignore[call-overload]
 
 
 def make_session(
@@ -330,14 +327,3 @@ def main_failure(rows: Iterable[SweepRow]) -> str:
     """Why most of these runs have no answer, after a colon; empty if all have one."""
     reasons = Counter(filter(None, map(failure_of, rows)))
     return f": {reasons.most_common(1)[0][0]}" if reasons else ""
-
-
-def plain_data(value: Any) -> Any:
-    """Data for JSON; null for what is not finite."""
-    if isinstance(value, Mapping):
-        return {str(key): plain_data(each) for key, each in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return plain_data(value.tolist())
-    if isinstance(value, list | tuple):
-        return [plain_data(each) for each in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -109,7 +109,7 @@ def make_bundle(
             paths += [path, *read_scene(path, limits=limits).files]
     found = {str(path.relative_to(folder) if path.is_relative_to(folder) else path.name):
              path.read_bytes() for path in paths}
-    for text in later.union(_texts([*map(json.loads, found.values()), overrides])):
+    for text in sorted(later.union(_texts([*map(json.loads, found.values()), overrides]))):
         if text.lower().endswith((".svg", ".dxf")) and (folder / text).is_file():
             found[text] = own_file(folder, text)
     return Bundle(loaded.mechanism.name, main=scene.name, files=found), loaded

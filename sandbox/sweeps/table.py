@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
 import os
 from collections.abc import Iterable
@@ -17,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from sandbox import __version__
-from sandbox.atomic_files import atomic_file, write_atomic, write_csv
+from sandbox.atomic_files import atomic_file, json_text, write_atomic, write_csv
 from sandbox.errors import SandboxError
 from sandbox.figure import style
 from sandbox.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
@@ -197,7 +196,7 @@ def write_spec(plan: Plan, directory: Path, **progress: Any) -> None:
             file = str(Path(file).resolve())
     data = {"study": dict(plan.written), "versions": {"sandbox": __version__},
             "scene_file": file, "units": plan.units, **progress}
-    write_atomic(directory / SPEC, json.dumps(data, indent=2, ensure_ascii=False) + "\n")
+    write_atomic(directory / SPEC, json_text(data, indent=2) + "\n")
 
 
 def draw_table(
