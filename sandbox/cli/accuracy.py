@@ -20,12 +20,13 @@ from sandbox.cli.console import (
     table,
 )
 from sandbox.cli.options import (
+    OUTPUT,
+    SCENE,
     Source,
-    console_options,
     file_option,
     read_quantity,
     refuse_blocking,
-    takes_scene,
+    takes,
 )
 from sandbox.cli.runs import open_run
 from sandbox.errors import Problem, SceneError
@@ -44,8 +45,7 @@ DIRECTIONS = 12
 
 
 @click.command()
-@takes_scene
-@console_options("json")
+@takes(*SCENE, "json")
 def converge(scene: Source, console: Console) -> int:
     """Check SCENE for convergence: run it at steps h, h/2, h/4.
 
@@ -117,7 +117,7 @@ def _refuse(loaded: Loaded, limits: Limits) -> None:
 @click.option("--push", "pushed", metavar="BODY",
               help="Also print the largest push at this body's centre of mass, in 12 directions.")
 @file_option((".csv",), "A .csv file; contact_bounds.csv in RUN by default. Repeatable.")
-@console_options()
+@takes(*OUTPUT)
 def bounds(
     run: str, instants: tuple[float, ...], near: float | None, pushed: str | None,
     files: tuple[Path, ...], console: Console,

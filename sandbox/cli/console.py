@@ -256,24 +256,38 @@ def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
 
 
 class Progress:
-    """Progress bar on stderr, as a context; call it with the fraction done, 0 to 1.
+    """Progress of a command on stderr, without ``--quiet``.
 
-    It appears after a second, on a terminal, without ``--quiet``.
+    Call it with the fraction done, 0 to 1, for a bar that appears after a second on a terminal; use
+    it as a context then. :meth:`note` prints lines of progress, for work of unknown length.
     """
 
     def __init__(self, label: str, console: Console) -> None:
-        self._label, self._shown = label, not console.quiet and sys.stderr.isatty()
+        self._label, self._console, self._terminal = label, console, sys.stderr.isatty()
         self._start = time.monotonic()
         self._bar: ProgressBar[int] | None = None
+        self._interval = self._next = BAR_AFTER if self._terminal else LINE_EVERY
+
+    @property
+    def seconds(self) -> float:
+        """Time since the start [s]."""
+        return time.monotonic() - self._start
 
     def __call__(self, fraction: float) -> None:
         """Draw the bar at a fraction, with the remaining time."""
-        if not self._shown or time.monotonic() - self._start < BAR_AFTER:
+        if not self._terminal or self._console.quiet or self.seconds < BAR_AFTER:
             return
         if self._bar is None:
             self._bar = click.progressbar(length=1000, label=self._label, file=sys.stderr)
             self._bar.render_progress()
         self._bar.update(round(1000 * min(max(fraction, 0.0), 1.0)) - self._bar.pos)
+
+    def note(self, line: str) -> None:
+        """Print a line if one is due: on a terminal after 1, 3, 7, … s, elsewhere every 30 s."""
+        if self.seconds >= self._next:
+            self._interval = min(2 * self._interval, LINE_EVERY)
+            self._next = self.seconds + self._interval
+            self._console.warn(line)
 
     def clear(self) -> None:
         """End the line of the bar."""
@@ -286,30 +300,6 @@ class Progress:
 
     def __exit__(self, *_error: object) -> None:
         self.clear()
-
-
-class Heartbeat:
-    """Prints a line of progress now and then, for work of unknown length.
-
-    On a terminal a line is due after 1, 3, 7, … s, elsewhere every :data:`LINE_EVERY` seconds.
-    """
-
-    def __init__(self, console: Console) -> None:
-        self._console, self._start = console, time.monotonic()
-        self._interval = BAR_AFTER if sys.stderr.isatty() else LINE_EVERY
-        self._next = self._interval
-
-    @property
-    def seconds(self) -> float:
-        """Time since the start [s]."""
-        return time.monotonic() - self._start
-
-    def __call__(self, line: str) -> None:
-        """Print a line if one is due."""
-        if self.seconds >= self._next:
-            self._interval = min(2 * self._interval, LINE_EVERY)
-            self._next = self.seconds + self._interval
-            self._console.warn(line)
 
 
 @contextlib.contextmanager

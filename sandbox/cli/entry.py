@@ -24,17 +24,22 @@ GROUPS = {
 """The commands by group, each with its module in this package."""
 COMMANDS = {name: module for group in GROUPS.values() for name, module in group.items()}
 ADVICE = {
+    "certify": "Use 'sandbox converge SCENE'.",
     "compare": "Use 'sandbox plot RUN --with RUN'.",
     "completion": "Use _SANDBOX_COMPLETE=bash_source sandbox (or zsh_source, fish_source).",
     "expand": "Use 'sandbox check SCENE --expand'.",
+    "push": "Use 'sandbox search threshold SCENE' for the force that moves the object.",
     "rest": "Use 'sandbox equilibrium SCENE'.",
     "schema": "Use 'sandbox check --schema'.",
-    "study": "Use 'sandbox sweep STUDY.json' or 'sandbox search STUDY.json'.",
+    "study": "Studies are scripts: run 'python docs/studies/guides.py' in a checkout.",
     "verify": "The validation cases are tests: run 'pytest tests/verification' in a checkout.",
     "search best": "Use 'sandbox search optimize SCENE' with --minimize or --maximize.",
+    "search robustness": "Use 'sandbox sweep SCENE' with a grid of two --vary.",
+    "--bare": "Use --labels none.",
     "--duration": "Use --set run.duration=TIME.",
     "--frames": "Use 'sandbox render RUN --out DIR'.",
     "--layers": "Use 'sandbox render RUN --show LAYERS'.",
+    "--scales": "Use --labels scales.",
     "--show": "Use 'sandbox render RUN --show LAYERS'.",
     "--step": "Use --set run.step=TIME.",
     "--steps": "Use --set run.step=TIME, or --limit steps=N for the limit.",

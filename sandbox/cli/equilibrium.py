@@ -14,21 +14,22 @@ import click
 from sandbox.cli.console import (
     Console,
     Exit,
-    Heartbeat,
+    Progress,
     compilation_notices,
     first_of,
     table,
 )
 from sandbox.cli.options import (
     OUT,
+    OUTPUT,
     RENDERS,
+    SCENE,
     Source,
-    console_options,
     prepare,
     read_pairs,
     refuse_blocking,
     safe_name,
-    takes_scene,
+    takes,
 )
 
 if TYPE_CHECKING:
@@ -111,8 +112,7 @@ def _read_range(
               help="Body whose stiffness is printed; by default the one free 'object'.")
 @click.option("--out", type=OUT, metavar="DIR",
               help="Directory of rest.json, rest.csv and rest.png; renders/rest/SCENE by default.")
-@takes_scene
-@console_options()
+@takes(*SCENE, *OUTPUT)
 def equilibrium(
     scene: Source, starts: list[dict[str, float]], at: float | None, stages: int | None,
     along: tuple[str, float, float, str, int] | None, quantity: str | None, body: str | None,
@@ -271,14 +271,15 @@ def _follow(
     def make(value: float) -> Mechanism:
         return scene.load({path: f"{value!r} {unit}" if unit else value}).mechanism
 
-    mechanism, beat = make(begin), Heartbeat(console)
+    mechanism, progress = make(begin), Progress("", console)
     known = Catalogue(mechanism)
     if quantity is not None and quantity not in known:
         error = UnknownQuantityError(quantity, known.near(quantity), known.lacking(quantity))
         raise click.BadParameter(str(error), param_hint="--plot")
     with compilation_notices(console):
-        branches = rest_along(make, begin, end, count, **how, heard=lambda points, value: beat(
-            f"{points} points of rest, now at {label} = {value:.6g}"))
+        branches = rest_along(
+            make, begin, end, count, **how, heard=lambda points, value: progress.note(
+                f"{points} points of rest, now at {label} = {value:.6g}"))
     rests = [stop.rest for branch in branches for stop in branch.stops]
     quantity = quantity or _moving_most(rests)
     of = rests[0].recording.unit(quantity)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.options import elements_option, title_of
+from sandbox.cli.options import takes, title_of
 from sandbox.codes import CODES
 from sandbox.wording import meant
 
@@ -53,7 +53,7 @@ class _Element(NamedTuple):
 
 @click.command()
 @click.argument("names", nargs=-1, metavar="[NAME]...")
-@elements_option
+@takes("elements")
 def explain(names: tuple[str, ...]) -> None:
     """Explain an element, a field, a quantity or a message.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sandbox.cli.console import Console, first_of, table
-from sandbox.cli.options import console_options, file_option, read_pairs, read_quantity
+from sandbox.cli.options import OUTPUT, file_option, read_pairs, read_quantity, takes
 from sandbox.cli.runs import matching, open_run, run_with
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ Records = list[dict[str, Any]]
 @click.option("--no-title", "untitled", is_flag=True, help="Omit the scene's title.")
 @file_option((*PICTURES, ".csv"), "A figure (.png, .svg, .pdf) or the table of responses (.csv); "
              "plot.png in RUN by default. Repeatable.")
-@console_options()
+@takes(*OUTPUT)
 def plot(
     run: str, quantities: tuple[str, ...], others: tuple[str, ...], targets: dict[str, str],
     across: str, begin: float | None, end: float | None, width: float | None, untitled: bool,

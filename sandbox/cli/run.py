@@ -29,12 +29,13 @@ from sandbox.cli.console import (
 )
 from sandbox.cli.options import (
     OUT,
+    OUTPUT,
     RENDERS,
+    SCENE,
     Source,
-    console_options,
     refuse_blocking,
     safe_name,
-    takes_scene,
+    takes,
 )
 from sandbox.cli.runs import files_of, write_page
 from sandbox.cli.scenes import inspection_data, inspection_lines
@@ -62,8 +63,7 @@ AUDIT_PAGE = "docs/audit.md"
               show_default=True, help="Of the animation.")
 @click.option("--report", "writes_page", is_flag=True, help="Also write report.html.")
 @click.option("--audit", "lists_checks", is_flag=True, help="List all consistency checks.")
-@takes_scene
-@console_options()
+@takes(*SCENE, *OUTPUT)
 def run(
     scene: Source, out: Path | None, solver: str | None, no_render: bool, animation: str,
     writes_page: bool, lists_checks: bool, console: Console,
@@ -275,7 +275,7 @@ def _check_lines(checks: Sequence[Figure], solver: str, *, whole: bool) -> list[
 @click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N",
               help="Port of the page; by default a free one.")
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
-@takes_scene
+@takes(*SCENE)
 def view(scene: Source, port: int, no_browser: bool) -> int:
     """Open SCENE in the browser: run, pause, pull bodies, move sliders.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sandbox.cli.console import Console, Progress
-from sandbox.cli.options import OUT, RENDERS, console_options, limit_option, safe_name, written
+from sandbox.cli.options import OUT, OUTPUT, RENDERS, safe_name, takes, written
 from sandbox.errors import OutputError
 from sandbox.wording import is_pattern, listed, or_near
 
@@ -134,8 +134,7 @@ def _read_size(
 @click.option("--fps", type=click.Choice(["20", "25", "50"]), help="Frames per second.")
 @click.option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
               help="Seconds of motion per second of film.")
-@limit_option
-@console_options("quiet")
+@takes("limit", "quiet")
 def render(
     run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...], strip: int | None,
     labels: str, fps: str | None, bodies: tuple[str, ...], limits: Limits, console: Console,
@@ -194,7 +193,7 @@ def render(
 @click.option("--plot", "plots", multiple=True, metavar="QUANTITY",
               help="Quantities to plot first, as in 'finger.*.angle'; by default the meters, then "
                    "the expected quantities. Repeatable.")
-@console_options()
+@takes(*OUTPUT)
 def report_runs(
     runs: tuple[str, ...], out: Path | None, plots: tuple[str, ...], console: Console,
 ) -> int:

@@ -13,12 +13,11 @@ from sandbox.atomic_files import write_atomic
 from sandbox.cli.console import Console, Exit, one_line, pages_line, problem_data
 from sandbox.cli.options import (
     OUT,
+    SCENE,
     Source,
     complete_scene,
-    console_options,
     refuse_blocking,
-    scene_options,
-    takes_scene,
+    takes,
     title_of,
 )
 from sandbox.errors import OutputError, Problem, SceneError
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from sandbox.scene.read.load import Loaded
 
 @click.command("list")
-@console_options("json")
+@takes("json")
 def list_scenes(console: Console) -> int:
     """List the scenes that come with sandbox, by topic."""
     from sandbox.scene.library import folder_of, scene_topics, shipped_scenes
@@ -88,7 +87,7 @@ def new(name: str, out: Path | None) -> None:
 @click.option("--out", type=OUT, metavar="FILE", help="File to write; stdout by default.")
 @click.option("--without", multiple=True, metavar="NAME",
               help="Leave out elements and all that depends on them, as in 'tree.*'. Repeatable.")
-@takes_scene
+@takes(*SCENE)
 def export(scene: Source, form: str, out: Path | None, without: tuple[str, ...]) -> None:
     """Export SCENE as a MuJoCo model (MJCF), or as a Python script for pymunk.
 
@@ -120,8 +119,7 @@ def export(scene: Source, form: str, out: Path | None, without: tuple[str, ...])
 @click.option("--schema", is_flag=False, flag_value="scene", metavar="[KIND]",
               type=click.Choice(["scene", "study"]),
               help="Print the JSON Schema of scenes, for editors; 'study' for that of study files.")
-@scene_options
-@console_options("json")
+@takes("set", "elements", "limit", "json")
 def check(
     scenes: tuple[str, ...], overrides: dict[str, Any], limits: Limits, strict: bool, expand: bool,
     schema: str | None, console: Console,

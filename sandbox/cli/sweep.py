@@ -11,24 +11,26 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import timedelta
+from functools import reduce
 from itertools import count as count_from
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.console import Console, Heartbeat, Progress, many_runs, table
+from sandbox.cli.console import Console, Progress, many_runs, table
 from sandbox.cli.entry import Commands
 from sandbox.cli.options import (
     OUT,
+    OUTPUT,
+    SCENE,
     Command,
     Source,
-    console_options,
     prepare,
     read_pairs,
     read_quantity,
     safe_name,
-    takes_scene,
+    takes,
     written,
 )
 from sandbox.errors import SandboxError, SceneError
@@ -69,20 +71,15 @@ def _takes_study(
     values: str, directory: str, *own: Callable[[Any], Any],
 ) -> Callable[[Command], Command]:
     """Give a command SCENE, ``--vary``, its own options, and those of all sweeps and searches."""
-    def give(command: Command) -> Command:
-        command = console_options()(takes_scene(command))
-        for option in reversed([
-            click.option("--vary", multiple=True, metavar="PATH=VALUES", callback=read_pairs,
-                         help=values),
-            *own,
-            click.option("--out", type=OUT, metavar="DIR", help=directory),
-            click.option("--workers", metavar="N|ADDRESS", callback=_read_workers,
-                         help="Processes, by default one per processor; or a Dask scheduler."),
-        ]):
-            command = option(command)
-        return command
-
-    return give
+    options = [
+        click.option("--vary", multiple=True, metavar="PATH=VALUES", callback=read_pairs,
+                     help=values),
+        *own,
+        click.option("--out", type=OUT, metavar="DIR", help=directory),
+        click.option("--workers", metavar="N|ADDRESS", callback=_read_workers,
+                     help="Processes, by default one per processor; or a Dask scheduler."),
+        takes(*SCENE, *OUTPUT)]
+    return lambda command: reduce(lambda made, option: option(made), reversed(options), command)
 
 
 _KEEP = click.option("--keep", multiple=True, metavar="RESULT",
@@ -188,15 +185,15 @@ def sweep(
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
     preload_figures()
-    beat = Heartbeat(console)
     with many_runs(folder, console), Progress("sweep", console) as bar:
         def advance(at: Advance) -> None:
             bar(at.fraction)
             if not sys.stderr.isatty() and at.done:
                 rate = at.done / at.seconds
                 left = timedelta(seconds=round((at.total - at.before - at.done) / rate))
-                beat(f"{at.before + at.done} of {at.total} runs, {rate:.3g} a second, {left} left"
-                     + (f", {at.doubtful} to look at" if at.doubtful else ""))
+                looks = f", {at.doubtful} to look at" if at.doubtful else ""
+                bar.note(f"{at.before + at.done} of {at.total} runs, {rate:.3g} a second, "
+                         f"{left} left{looks}")
 
         found = run_plan(plan, folder, workers=workers, again=again, progress=advance)
     return _report_sweep(found, folder, console, time.perf_counter() - began)
@@ -365,7 +362,7 @@ def _search(
     """Run a search and report the result; the exit code."""
     from sandbox.sweeps.processes import preload
 
-    began, new, beat = time.perf_counter(), 0, Heartbeat(console)
+    began, new, progress = time.perf_counter(), 0, Progress("", console)
     if isinstance(workers, int):
         preload()
     from sandbox.search.fitting import COMPARED
@@ -390,7 +387,7 @@ def _search(
     def count(_row: object) -> None:
         nonlocal new
         new += 1
-        beat(f"{new} runs, {new / beat.seconds:.3g} a second")
+        progress.note(f"{new} runs, {new / progress.seconds:.3g} a second")
 
     with many_runs(folder, console):
         found = run_search(session, folder, workers, count)

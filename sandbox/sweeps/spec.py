@@ -122,10 +122,6 @@ MAX_SEED = 2**32 - 1
 """The largest seed that all libraries take."""
 
 
-def _wrong_search(message: str, **context: str) -> PydanticCustomError:
-    return PydanticCustomError("bad-search", message, context)
-
-
 Texts = Annotated[
     tuple[str, ...], Field(max_length=100),
     BeforeValidator(lambda value: [value] if isinstance(value, str) else value,
@@ -176,11 +172,11 @@ class BestSearch(Spec):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if not self.least and not self.most:
-            raise _wrong_search("give a quantity to minimise or maximise",
-                                allowed='"least": ["spread"], "most": ["force"]')
+            raise wrong_study("give a quantity to minimise or maximise", code="bad-search",
+                              allowed='"least": ["spread"], "most": ["force"]')
         if both := sorted({*self.least} & {*self.most}):
-            raise _wrong_search("{name} cannot be minimised and maximised at once",
-                                name=quoted(both[0]))
+            raise wrong_study("{name} cannot be minimised and maximised at once", code="bad-search",
+                              name=quoted(both[0]))
         return self
 
 
@@ -199,8 +195,8 @@ class SensitivitySearch(Spec):
     def _check(self) -> Self:
         if self.method == "sobol" and self.count & (self.count - 1):
             below = 1 << (self.count.bit_length() - 1)
-            raise _wrong_search("Sobol's points are a power of 2, not {count}",
-                                count=str(self.count), allowed=f"{below}, {2 * below}")
+            raise wrong_study("Sobol's points are a power of 2, not {count}", code="bad-search",
+                              count=str(self.count), allowed=f"{below}, {2 * below}")
         return self
 
 
@@ -221,8 +217,9 @@ class SearchSpec(Spec):
         known = list(type(self).model_fields)
         given = [name for name in known if getattr(self, name) is not None]
         if len(given) != 1:
-            raise _wrong_search("a study is one search" + (f", not {' and '.join(given)}" if given
-                                                           else ""), allowed=", ".join(known))
+            raise wrong_study("a study is one search" + (f", not {' and '.join(given)}" if given
+                                                         else ""), code="bad-search",
+                              allowed=", ".join(known))
         return self
 
     @property

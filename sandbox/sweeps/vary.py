@@ -47,9 +47,11 @@ DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 _CALL = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*\(([^()]*)\)\s*")
 
 
-def wrong_study(message: str, **context: Any) -> PydanticCustomError:
+def wrong_study(
+    message: str, *, code: Literal["bad-study", "bad-search"] = "bad-study", **context: Any,
+) -> PydanticCustomError:
     """The error of a study that is wrong."""
-    return PydanticCustomError("bad-study", message, context)
+    return PydanticCustomError(code, message, context)
 
 
 def common_unit(values: list[float]) -> str:
