@@ -36,11 +36,7 @@ class SandboxError(Exception):
 
 
 def checked(code: str) -> str:
-    """Return a code of a diagnostic.
-
-    Raises:
-        KeyError: the table of codes does not have it.
-    """
+    """Return a code of a diagnostic; a KeyError if the table of codes does not have it."""
     if code not in CODES:
         raise KeyError(f"no diagnostic has the code {code!r}")
     return code
@@ -58,10 +54,7 @@ def _own_lines(trace: TracebackType | None) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Problem:
-    """A diagnostic: one thing that is wrong with an input, or questionable.
-
-    Callers that know the scene or file behind the input add a path, a line and a column.
-    """
+    """A diagnostic; callers that know the scene or its file add a path, a line and a column."""
 
     code: str  # its key in :data:`sandbox.codes.CODES`
     message: str  # what is wrong

@@ -20,10 +20,7 @@ MOST_HINTED = 50
 
 
 class WrongValueError(ValueError):
-    """A value that a scene cannot use: code, message, allowed values, a similar name.
-
-    It becomes a :class:`sandbox.errors.Problem` where its path is known.
-    """
+    """A value that a scene cannot use; a :class:`sandbox.errors.Problem` once it has a path."""
 
     def __init__(self, code: str, message: str, *, allowed: str = "", hint: str = "") -> None:
         super().__init__(code, message)
@@ -103,10 +100,7 @@ def quoted(value: object, *, most: int = 60) -> str:
 
 
 def counted(number: int, noun: str) -> str:
-    """A number and its noun: ``1 spring``, ``3 springs``.
-
-    ``noun`` may give the plural: ``"body|bodies"``; by default the plural adds an ``s``.
-    """
+    """A number and its noun, ``1 spring``; ``noun`` may give the plural, ``"body|bodies"``."""
     one, _, several = noun.partition("|")
     return f"{number} {one if number == 1 else several or f'{one}s'}"
 

@@ -55,10 +55,7 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 def _exit(code: int) -> NoReturn:
-    """End an interrupted process with ``code``.
-
-    After an interrupt within ``exec``, Python itself would end by the signal, whatever the code.
-    """
+    """End with ``code``: after an interrupt within ``exec``, Python would end by the signal."""
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError, AttributeError):  # full, closed, missing

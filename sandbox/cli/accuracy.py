@@ -198,11 +198,7 @@ def _pushes(evidence: Evidence, body: str, sample: int) -> dict[str, Any]:
 
 
 def _shown(part: Interval) -> tuple[str, str]:
-    """The force and its interval as text, without contradictions by rounding.
-
-    Values within the rounding error are 0, and an interval is widened to a force that is outside
-    it by rounding alone.
-    """
+    """The force and its interval as text, without contradictions by rounding."""
     low, high = part.low, part.high
     if not part.outside:
         low, high = min(low, part.force), max(high, part.force)

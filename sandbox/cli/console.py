@@ -102,10 +102,7 @@ class Console:
     def finish(
         self, data: Mapping[str, Any], lines: Iterable[object] = (), code: Exit = Exit.DONE,
     ) -> Exit:
-        """Print the result of a command, ``lines`` or with ``--json`` one object; its exit code.
-
-        In the object, infinite and missing numbers are null.
-        """
+        """Print the result of a command, ``lines`` or with ``--json`` one object; its exit code."""
         if self.as_json:
             whole = {"status": code.name.lower(), "exit_code": int(code), **data}
             self.document(json_text(whole, indent=2))
@@ -131,13 +128,7 @@ def _write(text: str, *, to_stderr: bool = False) -> None:
 def table(
     head: Sequence[str], rows: Sequence[Sequence[str]], *, right: str = "",
 ) -> list[str]:
-    r"""Format rows as columns two spaces apart; ``right`` marks right-aligned columns by ``>``.
-
-    >>> print(*table(["name", "N"], [["a", "1.5"], ["long", "10"]], right="<>"), sep="\n")
-    name    N
-    a     1.5
-    long   10
-    """
+    """Format rows as columns two spaces apart; ``right`` marks right-aligned columns by ``>``."""
     lines = [[printable(cell) for cell in line] for line in ([head] if head else []) + [*rows]]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     sides = right.ljust(len(widths), "<")

@@ -186,10 +186,7 @@ def _element_lines(each: _Element) -> list[str]:
 
 
 def example(each: _Element) -> str:
-    """An entry of this kind in the shipped scenes, as JSON; empty if there is none.
-
-    Of those that fit on a line the one with the most keys, otherwise the shortest.
-    """
+    """The longest entry of the shipped scenes on one line, or the shortest; empty for none."""
     from sandbox.scene.library import shipped_scenes
 
     keys = each.field_names()

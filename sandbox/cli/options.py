@@ -101,11 +101,7 @@ def _read_limits(ctx: click.Context, param: click.Parameter, words: Sequence[str
 
 
 def read_quantity(dimension: str | None) -> Callable[..., float | None]:
-    """A callback that reads a number with a unit of a dimension (any for None), in SI.
-
-    A plain number is in SI, but a length that is a whole number needs its unit. Lengths are 0 or
-    more.
-    """
+    """A callback that reads a number in SI, or with a unit; lengths are 0 or more."""
     def read(ctx: click.Context, param: click.Parameter, word: str | None) -> float | None:
         from sandbox.values.units import parse_quantity
 

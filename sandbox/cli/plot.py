@@ -142,10 +142,7 @@ def _led(recordings: Sequence[Recording], given: dict[str, float]) -> list[str]:
 
 
 def _responses(plotted: Sequence[Plotted], names: Sequence[str]) -> Records:
-    """How quantities follow their targets, if they have one, in each run; SI.
-
-    ``final`` is the mean over the end of the run.
-    """
+    """How quantities follow their targets in each run, and their mean at its end; SI."""
     from sandbox.samples.targets import controlled, ending, responses
 
     drives = {f"{name}.value" for one in plotted for name in controlled(one.run)}

@@ -224,10 +224,7 @@ def _finish(job: _Job, recording: Recording, problems: list[Problem], lists_chec
 
 
 def _expectation_lines(judged: Sequence[Verdict]) -> list[str]:
-    """A table of expectations, the reasons of failures, and the count.
-
-    Of more than :data:`MAX_ROWS` only those that failed are listed.
-    """
+    """A table of expectations (of many, those that failed), the reasons of failures, the count."""
     failed = [v for v in judged if not v.ok]
     listed = judged if len(judged) <= MAX_ROWS else failed
     rows = [[v.quantity, v.statistic, shown(v.value, ".6g"), v.allowed,

@@ -136,10 +136,7 @@ class Measurement(NamedTuple):
 
 
 def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
-    """Times [s] and columns [SI] of a CSV file, [n] each; nan for empty cells.
-
-    A name may have a unit in brackets: ``x [mm]``.
-    """
+    """Times [s] and columns [SI] such as ``x [mm]`` of a CSV file, [n]; nan for empty cells."""
     def bad(why: str, row: int = 0) -> BadDataError:
         return BadDataError(f"{path}{f', row {row}:' if row else ''} {why}", "data")
 
@@ -271,10 +268,7 @@ def estimate(
 
 
 def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[float, Array]]]:
-    """Half intervals of parameters, and directions that are not determined.
-
-    The covariance is (J^T J)^-1, from the singular values of the weighted Jacobian J.
-    """
+    """Half intervals and undetermined directions: (J^T J)^-1 from the singular values of J."""
     from scipy import stats
 
     _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
@@ -290,10 +284,7 @@ def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[flo
 
 
 def _differences(model: Model) -> Callable[[Array], tuple[Array, Array]]:
-    """A model and its Jacobian by central differences, whose runs are made together.
-
-    Both are needed at the same point one after the other: the last is kept.
-    """
+    """A model and its Jacobian by central differences; the last point is kept."""
     @lru_cache(maxsize=1)
     def differences(point: bytes) -> tuple[Array, Array]:
         at = np.frombuffer(point)

@@ -235,10 +235,7 @@ class Session:
         return make_workers(self.job, self.workers, self.stack)
 
     def rows(self, quantiles: Quantiles, *, halved: bool = False) -> list[SweepRow]:
-        """The rows at quantiles of the paths, [n, paths], in their order; or at half the step.
-
-        Only runs that the directory lacks are made.
-        """
+        """The rows at quantiles [n, paths], perhaps at half the step; only missing ones are run."""
         points, digest, known = self.points(quantiles), self.job.digest, self._known
         if halved:
             step = self.plan.loaded.mechanism.run.step / 2

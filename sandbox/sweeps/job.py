@@ -93,10 +93,7 @@ def make_bundle(
     scene: Path | Mapping[str, Any], overrides: Mapping[str, Any], limits: Limits, *,
     also: Iterable[Any] = (),
 ) -> tuple[Bundle, Loaded]:
-    """The bundle of a scene file or its data, and the scene with ``overrides``.
-
-    ``also`` are later values of its paths, which may name further files beside it.
-    """
+    """The bundle of a scene with all files that later values may name, and the scene itself."""
     loaded = read_scene(scene, overrides=overrides, limits=limits)
     if isinstance(scene, Mapping):
         data = json.loads(json.dumps(dict(scene)))

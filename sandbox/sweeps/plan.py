@@ -101,10 +101,7 @@ def make_plan(
     found: SceneSource, limits: Limits | None, *, folder: Path = Path(), name: str = "",
     search: bool = False,
 ) -> Plan:
-    """The plan of a study whose file names are relative to a folder.
-
-    Of a ``search`` only the ends of all values are checked.
-    """
+    """The plan of a study; of a search only the ends of all values are checked."""
     if not isinstance(found.data, dict):
         raise SceneError([Problem("bad-study",
                                   f"a study is an object {{…}}, not {kind_of(found.data)}", "$",
@@ -272,11 +269,7 @@ def _extremes(points: Points) -> Iterator[int]:
 
 
 def study_file(word: str, limits: Limits | None = None) -> Path | None:
-    """The study file that a word names; None for a scene.
-
-    A study has a key ``vary`` or ``search``, or its ``scene`` is a name, which no scene has: so a
-    file whose ``vary`` is misspelt is read as a study.
-    """
+    """The study file that a word names; None for a scene, whose ``scene`` is no name."""
     path = Path(word)
     if path.suffix != ".json" or not path.is_file():
         return None

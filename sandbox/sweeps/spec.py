@@ -49,10 +49,7 @@ NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
 
 
 def parse_statistic(text: str) -> dict[str, Any]:
-    """The object of ``"mean disc.x over last 0.2 s"`` or ``"disc.x at 0.5 s"``.
-
-    A quantity alone means its last sample.
-    """
+    """The object of ``"mean disc.x over last 0.2 s"`` or ``"disc.x at 0.5 s"``."""
     quantity, at, instant = text.strip().partition(" at ")
     if at:
         return {"quantity": quantity.strip(), "at": instant.strip()}

@@ -338,11 +338,7 @@ def _refuse_constant(word: str) -> float:
 
 
 class Points:
-    """Points that are the product of dimensions, of which the last changes fastest.
-
-    A dimension has paths that vary together, with as many values each, as a scene file may hold
-    them.
-    """
+    """The product of dimensions, each of paths that vary together; the last changes fastest."""
 
     def __init__(self, dimensions: Sequence[Mapping[str, Sequence[Override]]]) -> None:
         self._dimensions = dimensions
