@@ -9,14 +9,10 @@ from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 _WILD = re.compile(r"[*?\[]")
-MOST_NAMED = 8
-"""Names listed in a message; the rest is counted."""
-LONGEST = 100
-"""Characters of a name that are compared: the maximum length of a name."""
-MOST_COMPARED = 1_000
-"""Choices that are compared with a word; the rest is ignored."""
-MOST_HINTED = 50
-"""Problems of one kind that get a suggestion."""
+MOST_NAMED = 8  # names listed in a message; the rest is counted
+LONGEST = 100  # characters of a name that are compared: the maximum length of a name
+MOST_COMPARED = 1_000  # choices that are compared with a word; the rest is ignored
+MOST_HINTED = 50  # problems of one kind that get a suggestion
 
 
 class WrongValueError(ValueError):

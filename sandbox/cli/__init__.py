@@ -26,8 +26,7 @@ __all__ = ["main"]
 GC_THRESHOLDS = (100_000, 50, 100)
 """Importing and compiling make hundreds of thousands of objects that all stay; the default
 thresholds scan each batch of 700."""
-RETRY = 0.02
-"""Seconds until a Ctrl-C that came during an import is handled again."""
+RETRY = 0.02  # seconds until a Ctrl-C that came during an import is handled again
 
 
 def main(argv: Sequence[str] | None = None) -> None:

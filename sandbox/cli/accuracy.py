@@ -38,10 +38,8 @@ if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import Loaded
 
-MAX_NAMED = 4
-"""Forces outside their bounds that are named."""
-DIRECTIONS = 12
-"""Directions of a push, evenly spaced."""
+MAX_NAMED = 4  # forces outside their bounds that are named
+DIRECTIONS = 12  # directions of a push, evenly spaced
 
 
 @click.command()

@@ -36,17 +36,13 @@ from sandbox.wording import WrongValueError, printable
 if TYPE_CHECKING:
     from click._termui_impl import ProgressBar
 
-BAR_AFTER = 1.0
-"""Seconds before a progress bar appears."""
-LINE_EVERY = 30.0
-"""Longest time between two lines of progress [s]."""
-COMPILE_TIME = "10 to 30 s"
-"""Time that compiling takes; the docs quote it."""
+BAR_AFTER = 1.0  # seconds before a progress bar appears
+LINE_EVERY = 30.0  # longest time between two lines of progress [s]
+COMPILE_TIME = "10 to 30 s"  # time that compiling takes; the docs quote it
 COMPILING = f"Compiling the solver (first run of such a scene, {COMPILE_TIME}) …"
 NOT_CACHED = (f"Compiling the solver ({COMPILE_TIME}) in every run, since neither the installation "
               "nor the user's cache is writable. Set NUMBA_CACHE_DIR to a writable folder.")
-MAX_PAGES = 3
-"""Codes, elements, and pages that one line names."""
+MAX_PAGES = 3  # codes, elements, and pages that one line names
 REFERENCE = re.compile(r"docs/(?:elements|parts)\.md#(\w+)")
 """Places of the reference, which ``sandbox explain`` prints."""
 

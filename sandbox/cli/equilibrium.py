@@ -37,14 +37,10 @@ if TYPE_CHECKING:
     from sandbox.recording.recording import Recording
     from sandbox.scene.mechanism import Mechanism
 
-MAX_STARTS = 200
-"""Combinations of the values of ``--from``."""
-MAX_COLUMNS = 5
-"""Equilibria side by side in the terminal; files have all."""
-MAX_STICKING = 4
-"""Sticking contacts that are named."""
-DIGITS = 10
-"""Decimal places in the terminal [m, rad, N]."""
+MAX_STARTS = 200  # combinations of the values of ``--from``
+MAX_COLUMNS = 5  # equilibria side by side in the terminal; files have all
+MAX_STICKING = 4  # sticking contacts that are named
+DIGITS = 10  # decimal places in the terminal [m, rad, N]
 STIFFNESS = {"x": "N/m", "y": "N/m", "turn": "N m/rad", "least": "N/m"}
 _NUMBER = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.:][^:]*?)?\s*"
 _ALONG = re.compile(rf"\s*([^=]+?)\s*={_NUMBER}:{_NUMBER}:\s*(\d+)\s*")

@@ -18,12 +18,9 @@ from sandbox.wording import meant
 if TYPE_CHECKING:
     from sandbox.values.spec import Spec
 
-WIDTH = 100
-"""Of the text, in characters, or that of the terminal if it is narrower."""
-ONE_LINE = 90
-"""Characters of an example on one line."""
-TABLES = ("limits", "layers", "functions")
-"""Topics that are no element."""
+WIDTH = 100  # of the text, in characters, or that of the terminal if it is narrower
+ONE_LINE = 90  # characters of an example on one line
+TABLES = ("limits", "layers", "functions")  # topics that are no element
 EVERYDAY = {
     "play": "backlash", "hinge": "pin", "revolute": "pin", "slider": "slot", "prismatic": "slot",
     "cord": "tendons", "cable": "tendons", "string": "tendons", "pulley": "guides",

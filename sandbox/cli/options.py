@@ -39,8 +39,7 @@ class _Out(click.Path):
         return super().convert(value, param, ctx)
 
 
-OUT = _Out(path_type=Path)
-"""Type of every option ``--out``."""
+OUT = _Out(path_type=Path)  # type of every option ``--out``
 
 
 # -- values --------------------------------------------------------------------------

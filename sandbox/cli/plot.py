@@ -19,16 +19,14 @@ if TYPE_CHECKING:
     from sandbox.figure.signals import Plotted
     from sandbox.recording.recording import Recording
 
-PICTURES = (".png", ".svg", ".pdf")
-"""Suffixes of figures."""
+PICTURES = (".png", ".svg", ".pdf")  # suffixes of figures
 KINDS = {"meter": "meters", "drive": "drives", "tendon": "tendons", "joint": "joints",
          "spring": "springs", "load": "loads", "line": "lines", "valve": "valves",
          "group": "groups", "body": "bodies"}
 """Kinds of element, in the order in which they are listed."""
 MAX_NAMES, MAX_PAIRS, MAX_TRIED = 8, 6, 200
 """Listed elements of a kind; listed pairs of bodies that touched, and pairs that are examined."""
-MAX_CURVES = 12
-"""Curves of the pattern in an example."""
+MAX_CURVES = 12  # curves of the pattern in an example
 Records = list[dict[str, Any]]
 
 

@@ -49,10 +49,8 @@ if TYPE_CHECKING:
     from sandbox.scene.read.load import Loaded
     from sandbox.web.server import Server
 
-MAX_ROWS = 12
-"""Expectations that are all listed; of more, those that passed are only counted."""
-AUDIT_PAGE = "docs/audit.md"
-"""Explanation of the consistency checks."""
+MAX_ROWS = 12  # expectations that are all listed; of more, those that passed are only counted
+AUDIT_PAGE = "docs/audit.md"  # explanation of the consistency checks
 
 
 @click.command()

@@ -46,8 +46,7 @@ QUESTION = "asked.json"
 """The question of a directory in ``searches/``, which other questions do not use."""
 EXTENT = ("runs", "within", "count")
 """Options that extend a search, which then continues in the same directory."""
-NAMES = {"best": "optimize"}
-"""Commands whose names differ from those in study files."""
+NAMES = {"best": "optimize"}  # commands whose names differ from those in study files
 
 
 def _read_workers(ctx: click.Context, param: click.Parameter, word: str | None) -> int | str:
@@ -56,7 +55,7 @@ def _read_workers(ctx: click.Context, param: click.Parameter, word: str | None) 
 
     if word is None:
         return 0
-    if "://" in word or word.endswith(".json"):
+    if "://" in word:
         return word
     if not word.isdecimal() or int(word) < 1:
         raise click.BadParameter(f"{word!r} is neither a number of processes nor the address of a "

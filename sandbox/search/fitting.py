@@ -33,37 +33,24 @@ from sandbox.values.units import factor_of
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 COMPARED = "fit.csv"
-MAX_BYTES = 20_000_000
-"""Of a measurement's file."""
-MAX_NUMBERS = 2_000
-"""Measured numbers that are compared."""
-MAX_PANELS = 6
-"""Columns in the figure; all are in ``fit.csv``."""
-TIMES = ("time", "t", "time_s", "t_s")
-"""Names of the column of times."""
-STARTS = 8
-"""Points spread over the ranges; the fit starts at the best of them."""
+MAX_NUMBERS = 2_000  # measured numbers that are compared
+MAX_PANELS = 6  # columns in the figure; all are in ``fit.csv``
+TIMES = ("time", "t", "time_s", "t_s")  # names of the column of times
+STARTS = 8  # points spread over the ranges; the fit starts at the best of them
 DIFFERENCE = 1e-3
 """Half the distance of the two runs of a central difference, as a fraction of the range."""
-SLOPE = 1e-5
-"""Of quantiles: half the distance at which the slope of a path's value is computed."""
-MAX_ROUNDS = 8
-"""Repetitions with newly estimated noise."""
-SETTLED = 0.02
-"""Relative change of the noise at which repetitions end."""
-TOLERANCE = 1e-8
-"""Relative decrease of the sum of squares at which the optimisation ends."""
-RANK = 1e-9
-"""Relative singular value of the Jacobian below which a direction is not determined."""
+SLOPE = 1e-5  # of quantiles: half the distance at which the slope of a path's value is computed
+MAX_ROUNDS = 8  # repetitions with newly estimated noise
+SETTLED = 0.02  # relative change of the noise at which repetitions end
+TOLERANCE = 1e-8  # relative decrease of the sum of squares at which the optimisation ends
+RANK = 1e-9  # relative singular value of the Jacobian below which a direction is not determined
 UNCERTAIN = 0.5
 """Half of a 95 % interval, in ranges, beyond which data do not determine a direction."""
 CORRELATED = 3.0
 """Standard errors of the correlation of neighbouring residuals that are no noise."""
-SAME = 0.25
-"""Of half an interval: change of the parameters at half the step that is accepted."""
+SAME = 0.25  # of half an interval: change of the parameters at half the step that is accepted
 _UNIT = re.compile(r"\s*(.*?)\s*\[([^\[\]]+)\]\s*")
-Model = Callable[[Array], Array]
-"""Quantiles [n, p] to predicted numbers [n, m]."""
+Model = Callable[[Array], Array]  # quantiles [n, p] to predicted numbers [n, m]
 
 
 @dataclass(frozen=True)
@@ -141,8 +128,6 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
         return BadDataError(f"{path}{f', row {row}:' if row else ''} {why}", "data")
 
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise bad(f"has more than {MAX_BYTES} bytes")
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise BadDataError(f"there is no file {path}", "data") from None

@@ -29,18 +29,14 @@ MEASURES: dict[str, dict[str, tuple[str, str]]] = {
 """Measures of each method, with SALib's names of value and interval. ``first`` is the share of the
 variance by the path alone, ``total`` with all interactions. ``mu_star`` is the mean size of the
 change over the path's range, ``sigma`` its standard deviation from place to place."""
-RANKED = {"sobol": "total", "morris": "mu_star"}
-"""The measure by which paths are ordered."""
+RANKED = {"sobol": "total", "morris": "mu_star"}  # the measure by which paths are ordered
 WORDS = {
     "first": "by itself", "total": "with all that it does together with others",
     "mu_star": "mean size of the change (mu_star)",
     "sigma": "how much it differs from place to place (sigma)"}
-LEVELS = 4
-"""Of Morris' grid."""
-CHECKED = 32
-"""Points that are repeated at half the step."""
-SAME = 0.05
-"""Of the standard deviation of a result: change at half the step that is accepted."""
+LEVELS = 4  # of Morris' grid
+CHECKED = 32  # points that are repeated at half the step
+SAME = 0.05  # of the standard deviation of a result: change at half the step that is accepted
 
 
 @dataclass(frozen=True)

@@ -33,20 +33,16 @@ from sandbox.sweeps.spec import BestSearch
 from sandbox.sweeps.vary import Distribution, number_of
 from sandbox.wording import quoted
 
-PACKAGES = {"cmaes": "cmaes", "gp": "torch"}
-"""What a sampler needs besides optuna."""
-BATCH = 10
-"""Runs per batch, independent of the number of workers."""
+PACKAGES = {"cmaes": "cmaes", "gp": "torch"}  # what a sampler needs besides optuna
+BATCH = 10  # runs per batch, independent of the number of workers
 SIGMA = 0.3
 """Standard deviation of the first points of CMA-ES, in ranges (Hansen, The CMA Evolution
 Strategy: A Tutorial, 2016)."""
-CHECKED = 5
-"""The best so many runs are repeated at half the step."""
+CHECKED = 5  # the best so many runs are repeated at half the step
 SAME, ALIKE = 0.05, 1e-3
 """Of the standard deviation of all runs that meet the conditions: change of a value at half the
 step that is accepted, and distance to another run that counts as equal."""
-ROUNDING = 1e-9
-"""Of the largest value: smaller spreads are rounding."""
+ROUNDING = 1e-9  # of the largest value: smaller spreads are rounding
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,8 @@ from sandbox.sweeps.job import DONE
 from sandbox.sweeps.spec import ThresholdSearch
 from sandbox.sweeps.vary import Range
 
-WITHIN = 1e-3
-"""Default width of the bracket, as a fraction of the range."""
-NARROWEST = 1e-9
-"""Of the range: narrower brackets are rounding."""
+WITHIN = 1e-3  # default width of the bracket, as a fraction of the range
+NARROWEST = 1e-9  # of the range: narrower brackets are rounding
 
 
 @dataclass(frozen=True, repr=False)

@@ -41,16 +41,12 @@ ENDED: dict[type[SandboxError], str] = {
     ControllerFailed: "failed"}
 """Status of a run by the error that ended it."""
 STATUSES = (DONE, *ENDED.values(), DIED)
-STEP = "run.step"
-"""Path of the time step, which searches halve to check their result."""
-FOLDER = "rows"
-"""Folder of the rows in the directory of a sweep."""
+STEP = "run.step"  # path of the time step, which searches halve to check their result
+FOLDER = "rows"  # folder of the rows in the directory of a sweep
 Override = str | float | int | bool | list[Any] | dict[str, Any] | None
 """A value as ``--set`` takes it."""
-Point = Mapping[str, Override]
-"""The values of the varied paths in a run."""
-Task = tuple[str, Point]
-"""Id of a run, and the values of its paths."""
+Point = Mapping[str, Override]  # the values of the varied paths in a run
+Task = tuple[str, Point]  # id of a run, and the values of its paths
 
 
 @dataclass(frozen=True)

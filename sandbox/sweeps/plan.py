@@ -30,7 +30,6 @@ from sandbox.wording import WrongValueError, is_pattern, kind_of, listed, near, 
 
 COLUMNS = ("run", "id", "status", "reason", "met", "holds", "failed", "looks", "seed")
 """Columns of a table besides values and results."""
-MAX_RESULTS = 2_000
 MAX_TRIED_TEXTS = 20
 """Different texts of one path with which the scene is read before anything runs."""
 
@@ -247,10 +246,6 @@ class _Checks:
                                   f"{quoted(name)} is another column of the table", "$.keep",
                                   allowed="another name")
                           for name in found if name in (*COLUMNS, *points.axes)]
-        if len(found) > MAX_RESULTS:
-            self.problems.append(Problem("limit-exceeded",
-                                         f"{len(found)} quantities of each run would be kept",
-                                         "$.keep", allowed=f"at most {MAX_RESULTS}"))
         return found
 
 

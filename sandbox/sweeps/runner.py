@@ -21,8 +21,7 @@ from sandbox.scene.settings import Looked
 from sandbox.sweeps.job import DONE, ENDED, Point, SweepJob, SweepRow
 from sandbox.values.expressions import parse_expression
 
-MAX_REASON = 500
-"""Characters of a reason that a row keeps."""
+MAX_REASON = 500  # characters of a reason that a row keeps
 
 
 class Runner:

@@ -115,8 +115,7 @@ Sampler = Literal["cmaes", "tpe", "gp", "nsga2", "random"]
 """Samplers of an optimisation: CMA-ES (Hansen and Ostermeier, Evol. Comput. 9 (2001) 159),
 tree-structured Parzen estimators (Bergstra et al., 2011), a Gaussian process, NSGA-II (Deb et al.,
 IEEE Trans. Evol. Comput. 6 (2002) 182), random."""
-MAX_SEED = 2**32 - 1
-"""The largest seed that all libraries take."""
+MAX_SEED = 2**32 - 1  # the largest seed that all libraries take
 
 
 Texts = Annotated[

@@ -23,8 +23,7 @@ from sandbox.sweeps.workers import make_workers
 from sandbox.values.paths import path_text
 from sandbox.wording import WrongValueError, quoted
 
-RECORDINGS = "runs"
-"""Folder of whole recordings."""
+RECORDINGS = "runs"  # folder of whole recordings
 
 
 @dataclass(frozen=True)

@@ -27,12 +27,8 @@ from sandbox.sweeps.vary import Distribution, Range, Values, number_of
 from sandbox.wording import counted, listed, or_near
 
 CSV, PARQUET, SPEC, FIGURE = "table.csv", "table.parquet", "sweep.json", "sweep.png"
-ROW_GROUP = 50_000
-"""Rows of a row group of a Parquet file."""
-MET = "met"
-"""Column of a search: whether its condition holds."""
-MISSING = ""
-"""Status of a run that was not done yet."""
+MET = "met"  # column of a search: whether its condition holds
+MISSING = ""  # status of a run that was not done yet
 
 
 @dataclass
@@ -147,7 +143,7 @@ class SweepTable:
             list(map(str, values)) if len({type(v) for v in values if v is not None}) > 1
             else values, types.get(name)) for name, values in columns.items()})
         with atomic_file(directory / PARQUET) as part:
-            parquet.write_table(found, part, row_group_size=ROW_GROUP)
+            parquet.write_table(found, part)
 
 
 def preload() -> None:

@@ -32,8 +32,7 @@ from sandbox.values.spec import Spec
 from sandbox.values.units import Measured, dimension_of, factor_of, parse_quantity, units_of
 from sandbox.wording import WrongValueError, near, quoted
 
-MAX_VALUES = 1_000_000
-"""Values of one path."""
+MAX_VALUES = 1_000_000  # values of one path
 TEXTS = ('"2:8:60" (from:to:count), "1:100:20:log", "1, 2, 5", "[1, 2, 5]", '
          '"normal(3 N, 0.2 N)", "2:8" with a count of points')
 """Examples of the texts that :func:`parse_values` reads."""

@@ -30,12 +30,9 @@ from sandbox.sweeps.job import DIED, Point, SweepJob, SweepRow, Task
 from sandbox.sweeps.processes import check_workers, preload
 from sandbox.wording import quoted
 
-ATTEMPTS = 2
-"""Worker processes that one run may end."""
-CONNECT_TIMEOUT = 10.0
-"""Seconds in which a Dask scheduler must answer, and have a worker."""
-CLUSTER_TASKS = 1000
-"""Runs that are at a cluster at a time."""
+ATTEMPTS = 2  # worker processes that one run may end
+CONNECT_TIMEOUT = 10.0  # seconds in which a Dask scheduler must answer, and have a worker
+CLUSTER_TASKS = 1000  # runs that are at a cluster at a time
 
 
 def make_workers(job: SweepJob, workers: int | str, stack: ExitStack) -> Processes:
@@ -173,12 +170,9 @@ class Cluster(Processes):
         except ImportError:
             raise SandboxError("a cluster needs Dask: pip install "
                                "'sandbox-mechanics[cluster]'", code="missing-package") from None
-        key = "scheduler_file" if address.endswith(".json") else "address"
         try:
-            if key == "scheduler_file" and not Path(address).is_file():
-                raise FileNotFoundError("there is no such file")  # Dask would wait for it
             client = stack.enter_context(distributed.Client(
-                **{key: address}, timeout=CONNECT_TIMEOUT, set_as_default=False))
+                address, timeout=CONNECT_TIMEOUT, set_as_default=False))
             client.wait_for_workers(1, timeout=CONNECT_TIMEOUT)
         except (OSError, ValueError, TimeoutError) as error:
             raise self._unusable(
