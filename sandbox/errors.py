@@ -100,6 +100,12 @@ class Problem:
         return (f"{self.line}:{self.column}: {severity}{self.path}"
                 f"{f': {self.element}' if named else ''}")
 
+    def at(self, source: str) -> str:
+        """``file:line:col: path: message``, or ``error: message`` without a place."""
+        if source := self.file or source:
+            return f"{source}:{self}"
+        return str(self) if self.path else f"error{self}"
+
     def __str__(self) -> str:
         allowed = f" Allowed: {self.allowed}." if self.allowed else ""
         hint = f" Did you mean {self.hint}?" if self.hint else ""
@@ -121,8 +127,7 @@ class SceneError(SandboxError):
         self.code = self.problems[0].code
 
     def __str__(self) -> str:
-        return "\n".join(f"{source}:{problem}" if (source := problem.file or self.source)
-                         else str(problem) for problem in self.problems)
+        return "\n".join(problem.at(self.source) for problem in self.problems)
 
 
 class OutputError(SandboxError):

@@ -172,7 +172,7 @@ def report(error: BaseException, console: Console, **more: Any) -> Exit:
     if isinstance(error, click.UsageError) and error.ctx is not None:
         console.error(*error.ctx.get_usage().splitlines(),
                       f"Try '{error.ctx.command_path} --help' for help.", "")
-    console.error(*(one_line(problem, source) for problem in problems))
+    console.error(*(problem.at(source) for problem in problems))
     if code != Exit.INTERRUPTED:
         console.warn(*pages_line(problems))
     return code
@@ -221,14 +221,6 @@ def see(*codes: str, fields: Iterable[str] = ()) -> list[str]:
         match = REFERENCE.fullmatch(page)
         (words if match else pages).append(match[1] if match else page)
     return [", ".join([f"see 'sandbox explain {' '.join(words)}'", *pages])] if words else []
-
-
-def one_line(problem: Problem, source: str = "") -> str:
-    """``file:line:col: path: message``, or ``error: message`` without a place."""
-    source = problem.file or source
-    if not source and not problem.path:
-        return f"error{problem}"  # the place is empty
-    return f"{source}:{problem}" if source else str(problem)
 
 
 def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:

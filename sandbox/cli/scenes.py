@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sandbox.atomic_files import write_atomic
-from sandbox.cli.console import Console, Exit, one_line, pages_line, problem_data
+from sandbox.cli.console import Console, Exit, pages_line, problem_data
 from sandbox.cli.options import (
     OUT,
     SCENE,
@@ -174,7 +174,7 @@ def report_of(source: Source, console: Console) -> dict[str, Any]:
     except SceneError as error:
         report |= {"ok": False, "errors": [problem_data(problem, error.source)
                                            for problem in error.problems]}
-        lines = [*(one_line(problem, error.source) for problem in error.problems), *lines]
+        lines = [*(problem.at(error.source) for problem in error.problems), *lines]
         others = [*error.problems, *others]
     if lines:
         console.warn(*lines)
@@ -194,7 +194,7 @@ def inspection_lines(problems: list[Problem], loaded: Loaded) -> list[str]:
         groups.setdefault(re.sub(r"(?<=[A-Za-z_])\d+", "#", str(problem)), []).append(problem)
     placed = loaded.placed(first for first, *_ in groups.values())
     return [
-        f"{one_line(first, loaded.name)}{f' (and so for {others} more)' if others else ''}"
+        f"{first.at(loaded.name)}{f' (and so for {others} more)' if others else ''}"
         for first, others in zip(placed, (len(group) - 1 for group in groups.values()), strict=True)
     ]
 

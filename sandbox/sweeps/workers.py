@@ -27,7 +27,7 @@ from sandbox import __version__
 from sandbox.engine.compiling import on_compiling, report_worker_compilation
 from sandbox.errors import SandboxError
 from sandbox.sweeps.job import DIED, Point, SweepJob, SweepRow, Task
-from sandbox.sweeps.processes import check_workers, preload
+from sandbox.sweeps.processes import preload
 from sandbox.wording import quoted
 
 ATTEMPTS = 2  # worker processes that one run may end
@@ -37,8 +37,9 @@ CLUSTER_TASKS = 1000  # runs that are at a cluster at a time
 
 def make_workers(job: SweepJob, workers: int | str, stack: ExitStack) -> Processes:
     """Start worker processes, or connect to a Dask scheduler; ``stack`` ends them."""
-    count = check_workers(workers)
-    return Cluster(job, count, stack) if isinstance(count, str) else Processes(job, count, stack)
+    if isinstance(workers, str):
+        return Cluster(job, workers, stack)
+    return Processes(job, workers, stack)
 
 
 class Processes:
