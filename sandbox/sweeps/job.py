@@ -28,7 +28,7 @@ from sandbox.errors import (
     SceneError,
     SimulationDiverged,
 )
-from sandbox.scene.document import element_files
+from sandbox.scene.document import element_files, load_elements
 from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
@@ -70,6 +70,11 @@ class Bundle:
             for name in sorted(files):
                 total.update(f"{name}\0{len(files[name])}\0".encode() + files[name])
         return total.hexdigest()
+
+    def register(self) -> None:
+        """Register the elements of files in this process."""
+        for path, source in self.elements.items():
+            load_elements(Path(path), source)
 
     @contextmanager
     def unpacked(self) -> Iterator[Path | dict[str, Any]]:

@@ -16,7 +16,7 @@ from concurrent.futures import (
     wait,
 )
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from importlib import import_module
 from itertools import islice
 from multiprocessing.connection import wait as wait_for_sentinel
@@ -131,15 +131,14 @@ def _broken(future: Future[SweepRow]) -> bool:
 
 
 _worker: dict[str, Any] = {}
-"""State of a worker process: its runner, and the queue for notices of compilation."""
+"""State of a worker process: its job and scene, and the queue for notices of compilation."""
 
 
 def _start_worker(job: SweepJob, scene: Path | dict[str, Any], notices: Any) -> None:
-    from sandbox.sweeps.runner import Runner  # loads the engine
-
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent
     threading.Thread(target=_exit_with_parent, daemon=True).start()
-    _worker.update(run=Runner(job, scene), notices=notices)
+    job.bundle.register()
+    _worker.update(job=job, scene=scene, notices=notices)
 
 
 def _exit_with_parent() -> None:
@@ -150,13 +149,19 @@ def _exit_with_parent() -> None:
 
 
 def _prepare() -> None:
-    with on_compiling(lambda: _worker["notices"].put(None), _worker["notices"].put):
-        _worker["run"].prepare()
+    """Compile the kernels that the scene needs into the cache."""
+    from sandbox.engine.simulation import Simulation
+    from sandbox.sweeps.runner import load_scene  # loads the engine
+
+    with on_compiling(lambda: _worker["notices"].put(None), _worker["notices"].put), \
+            suppress(Exception):  # each run reports the problems of its scene
+        Simulation(load_scene(_worker["job"], _worker["scene"], {})[1])
 
 
 def _run(id: str, values: Point) -> SweepRow:
-    row: SweepRow = _worker["run"](id, values)
-    return row
+    from sandbox.sweeps.runner import run_point
+
+    return run_point(_worker["job"], _worker["scene"], id, values)
 
 
 class Cluster(Processes):
@@ -205,10 +210,11 @@ class Cluster(Processes):
 
 
 def _run_remote(id: str, values: Point, job: SweepJob) -> SweepRow:
-    from sandbox.sweeps.runner import make_runner  # loads the engine
+    from sandbox.sweeps.runner import run_point  # loads the engine
 
-    with make_runner(job) as run:
-        return run(id, values)
+    job.bundle.register()
+    with job.bundle.unpacked() as scene:
+        return run_point(job, scene, id, values)
 
 
 def _version() -> str:
