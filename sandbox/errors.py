@@ -30,9 +30,9 @@ class SandboxError(Exception):
 
     def _render_traceback_(self) -> list[str]:
         """Return the traceback that IPython shows: lines outside the package, and the message."""
-        led = [*_own_lines(self.__traceback__),
-               *(_own_lines(self.__cause__.__traceback__) if self.__cause__ else ())]
-        return [*dict.fromkeys(led), f"{type(self).__name__}: {self}"]
+        lines = [*_own_lines(self.__traceback__),
+                 *(_own_lines(self.__cause__.__traceback__) if self.__cause__ else ())]
+        return [*dict.fromkeys(lines), f"{type(self).__name__}: {self}"]
 
 
 def checked(code: str) -> str:

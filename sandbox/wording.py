@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import itertools
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from typing import Any
 
 _WILD = re.compile(r"[*?\[]")
@@ -106,13 +106,6 @@ class Count(int):
 
     def __format__(self, noun: str) -> str:
         return counted(int(self), noun) if noun else str(int(self))
-
-
-def told_of(thing: object, lines: Sequence[str]) -> str:
-    """The ``repr`` of a result: its class and its first line."""
-    first = lines[0].strip() if lines else "nothing"
-    first = first if len(first) <= 100 else f"{first[:100]}…"
-    return f"<{type(thing).__name__}: {first}>"
 
 
 def printable(text: str) -> str:

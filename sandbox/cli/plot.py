@@ -76,7 +76,7 @@ def plot(
             raise click.UsageError("name the quantities to plot; 'sandbox plot RUN' lists them")
         return console.finish({"quantities": _described(first)}, _listing(first, run))
     given = _target_values(targets, recordings)
-    names = matching(quantities, recordings, option="QUANTITY") or _led(recordings, given)
+    names = matching(quantities, recordings, option="QUANTITY") or _targeted(recordings, given)
     if across:
         run_with(across, recordings, option="--x")
     labels = next((found for found in ([run.mechanism.name for run in recordings],
@@ -127,13 +127,13 @@ def _target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str
     return found
 
 
-def _led(recordings: Sequence[Recording], given: dict[str, float]) -> list[str]:
-    """The quantities with a target, and the drives of the controllers that lead them there."""
+def _targeted(recordings: Sequence[Recording], given: dict[str, float]) -> list[str]:
+    """The quantities with a target, and the drives of their controllers."""
     from sandbox.samples.targets import controlled, led
 
     names = [*(name for run in recordings for name in led(run)), *given]
     if not names:
-        raise click.UsageError("no controller of these runs leads a quantity to a target: "
+        raise click.UsageError("no controller of these runs has a target: "
                                "name the quantities to compare")
     drives = [f"{name}.value" for run in recordings for name in controlled(run)]
     return list(dict.fromkeys([*names, *drives]))

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 DESIGNS = ("grid", "paired", "latin_hypercube", "sobol", "halton", "random")
 MAX_REASONS = 5
-QUESTION = "asked.json"
+QUESTION = "question.json"
 """The question of a directory in ``searches/``, which other questions do not use."""
 EXTENT = ("runs", "within", "count")
 """Options that extend a search, which then continues in the same directory."""

@@ -11,6 +11,7 @@ from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from textwrap import shorten
 from typing import Any, TypeVar
 
 import numpy as np
@@ -34,7 +35,7 @@ from sandbox.sweeps.workers import make_workers
 from sandbox.values.messages import explain
 from sandbox.values.paths import JsonPath, path_text
 from sandbox.values.units import parse_quantity, unfit
-from sandbox.wording import WrongValueError, listed, or_near, quoted, told_of
+from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 RESULT, FIGURE, FOUND = "search.json", "search.png", "found.png"
 Scene = str | os.PathLike[str] | Mapping[str, Any]
@@ -60,7 +61,7 @@ class Result:
     certificate: str
 
     def __repr__(self) -> str:
-        return told_of(self, self.lines)
+        return f"<{type(self).__name__}: {shorten(self.lines[0], 100, placeholder='…')}>"
 
     @property
     def lines(self) -> list[str]:
