@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import timedelta
-from functools import reduce
+from functools import partial, reduce
 from itertools import count as count_from
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -338,22 +338,6 @@ SEARCHES: dict[str, tuple[str, list[Callable[[Any], Any]]]] = {
 """Help and options of each search; both have the names of a study file."""
 
 
-def _add_search(kind: str, about: str, options: list[Callable[[Any], Any]]) -> None:
-    @_takes_study(
-        "Values of a path: a range, 'parameters.pull=2 N:8 N', with ':log' for even ratios; a list "
-        "or a distribution, 'normal(3 N, 0.2 N)', where the search takes them.",
-        "Directory of the results and finished runs; by default searches/KIND/NAME, with a number "
-        "for another question.", *options)
-    def run(**given: Any) -> int:
-        return _search(kind, **given)
-
-    search.command(NAMES.get(kind, kind), help=about)(run)
-
-
-for _kind, _about in SEARCHES.items():
-    _add_search(_kind, *_about)
-
-
 def _search(
     kind: str, scene: Source, *, vary: dict[str, str], keep: tuple[str, ...] = (),
     out: Path | None, workers: int | str, console: Console, **options: Any,
@@ -418,3 +402,11 @@ def _own_directory(session: Session) -> Path:
         if file.read_text(encoding="utf-8", errors="replace").strip() == question:
             return folder
     raise AssertionError("numbers do not end")
+
+
+for _kind, (_about, _options) in SEARCHES.items():
+    search.command(NAMES.get(_kind, _kind), help=_about)(_takes_study(
+        "Values of a path: a range, 'parameters.pull=2 N:8 N', with ':log' for even ratios; a list "
+        "or a distribution, 'normal(3 N, 0.2 N)', where the search takes them.",
+        "Directory of the results and finished runs; by default searches/KIND/NAME, with a number "
+        "for another question.", *_options)(partial(_search, _kind)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -61,8 +61,17 @@ class Plan:
     @cached_property
     def units(self) -> dict[str, str]:
         """SI units of paths and results; empty for none."""
-        found = {path: si_unit(unit_in(values[0]) or _written_unit(self.loaded, path))
-                 for path, values in self.points.axes.items()}
+        found = {}
+        for path, values in self.points.axes.items():
+            unit, written = unit_in(values[0]), self.loaded.origins.source.data
+            for step in () if unit else parse_path(path):  # by default that in the scene file
+                if isinstance(written, dict):
+                    written = written.get(str(step))
+                elif isinstance(written, list):
+                    written = written[step] if isinstance(step, int) and step < len(written) else \
+                        next((each for each in written
+                              if isinstance(each, dict) and each.get("name") == step), None)
+            found[path] = si_unit(unit or unit_in(written))
         catalogue = Catalogue(self.loaded.mechanism)
         for name, keep in self.job.keep.items():
             quantity = keep.quantity if isinstance(keep, Looked) else ""
@@ -70,19 +79,6 @@ class Plan:
                 "s" if quantity == TIME else ""
             found[name] = "" if unit == "1" else unit
         return found
-
-
-def _written_unit(base: Loaded, path: str) -> str:
-    """The unit of a path's value in the scene file; empty for none."""
-    value = base.origins.source.data
-    for step in parse_path(path):
-        if isinstance(value, dict):
-            value = value.get(str(step))
-        elif isinstance(value, list):
-            value = value[step] if isinstance(step, int) and step < len(value) else next(
-                (each for each in value if isinstance(each, dict) and each.get("name") == step),
-                None)
-    return unit_in(value)
 
 
 def read_plan(source: str | os.PathLike[str], limits: Limits | None = None) -> Plan:
@@ -178,8 +174,17 @@ class _Checks:
         self, scene: Path | dict[str, Any], spec: SweepSpec, points: Points,
     ) -> set[float]:
         """Durations [s] of runs at the first point, and with the extreme values of each path."""
-        durations, problems = set[float](), dict[str, Problem]()
-        for run in sorted({0, *_extremes(points)}):
+        runs, durations, problems = {0}, set[float](), dict[str, Problem]()
+        for path, written in points.axes.items():
+            numbers = [number_of(value) for value in written]
+            if all(isinstance(number, float) for number in numbers):
+                order = sorted(range(len(numbers)), key=numbers.__getitem__)
+                wanted = [order[0], order[-1]]
+            else:  # of texts, the first of each
+                first = {str(value): place for place, value in reversed([*enumerate(written)])}
+                wanted = [*first.values()][:MAX_TRIED_TEXTS]
+            runs.update(int((points.places[path] == place).argmax()) for place in wanted)
+        for run in sorted(runs):
             values = points[run]
             try:
                 durations.add(read_scene(scene, overrides={**spec.set, **values},
@@ -247,20 +252,6 @@ class _Checks:
                                   allowed="another name")
                           for name in found if name in (*COLUMNS, *points.axes)]
         return found
-
-
-def _extremes(points: Points) -> Iterator[int]:
-    """Runs with the minimum and maximum of each path; of texts, the first of each."""
-    for path, values in points.axes.items():
-        numbers = [number_of(value) for value in values]
-        if all(isinstance(number, float) for number in numbers):
-            order = sorted(range(len(numbers)), key=numbers.__getitem__)
-            wanted = [order[0], order[-1]]
-        else:
-            first = {str(value): place for place, value in reversed(list(enumerate(values)))}
-            wanted = list(first.values())[:MAX_TRIED_TEXTS]
-        for place in wanted:
-            yield int((points.places[path] == place).argmax())
 
 
 def study_file(word: str, limits: Limits | None = None) -> Path | None:

@@ -282,27 +282,20 @@ def parse_values(text: str) -> Any:
         except ValueError as error:
             raise WrongValueError("invalid-json",
                                   f"{quoted(text)} is not JSON: {error}", allowed=TEXTS) from None
-    if ":" in text:
-        return _parse_range(text)
     if not text:
         raise WrongValueError("bad-study", "there are no values", allowed=TEXTS)
-    return [_parse_value(part) for part in text.split(",")]
-
-
-def _parse_range(text: str) -> dict[str, Any]:
+    if ":" not in text:
+        return [_parse_value(part) for part in text.split(",")]
     first, last, *more = (part.strip() for part in text.split(":"))
     found: dict[str, Any] = {"from": _parse_value(first), "to": _parse_value(last)}
     if more and more[-1] in ("log", "linear"):
         found["scale"] = more.pop()
     if len(more) > 1:
         raise WrongValueError("bad-study", f"{quoted(text)} has too many parts", allowed=TEXTS)
-    if more:
-        try:
-            found["count"] = int(more[0])
-        except ValueError:
-            raise WrongValueError("bad-study", f"{quoted(more[0])} is not a whole number",
-                                  allowed=TEXTS, hint=near(more[0], ["log"])) from None
-    return found
+    if more and not more[0].isdecimal():
+        raise WrongValueError("bad-study", f"{quoted(more[0])} is not a whole number",
+                              allowed=TEXTS, hint=near(more[0], ["log"]))
+    return found | ({"count": int(more[0])} if more else {})
 
 
 def _parse_distribution(name: str, inside: str) -> dict[str, Any]:
