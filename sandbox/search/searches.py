@@ -37,7 +37,11 @@ def run_search(
 
 
 class Shared(TypedDict, total=False):
-    """Arguments of all searches."""
+    """Arguments of all searches.
+
+    Each raises a :class:`sandbox.SceneError` with every problem of the study or its scene, and a
+    :class:`sandbox.OutputError` if the directory cannot be written.
+    """
 
     vary: Mapping[str, Any]
     """Ranges, ``"2 N:8 N"``, by path; lists and distributions where the search takes them. Without
@@ -94,9 +98,7 @@ def threshold(
             ``limits``: see :class:`Shared`.
 
     Raises:
-        SceneError: every problem of the study or its scene.
         SandboxError: both ends of the range have the same answer; a run has none.
-        OutputError: the directory cannot be written.
     """
     return cast("ThresholdFound", _run(scene, "threshold", shared, where=where, within=within))
 
@@ -116,9 +118,7 @@ def fit(
         shared: ``vary`` (ranges), ``set``, ``out``, ``workers``, ``limits``: see :class:`Shared`.
 
     Raises:
-        SceneError: every problem of the study or its scene.
         SandboxError: data that cannot be used, a run without an answer.
-        OutputError: the directory cannot be written.
     """
     return cast("Fitted", _run(scene, "fit", {"keep": [], **shared}, data=data,
                                match=match, noise=noise))
@@ -143,9 +143,7 @@ def best(
             see :class:`Shared`.
 
     Raises:
-        SceneError: every problem of the study or its scene.
         SandboxError: no run meets the conditions; a package is not installed.
-        OutputError: the directory cannot be written.
     """
     return cast("Chosen", _run(scene, "best", shared, least=least, most=most, where=where,
                                sampler=sampler, runs=runs, seed=seed))
@@ -166,9 +164,7 @@ def sensitivity(
             see :class:`Shared`.
 
     Raises:
-        SceneError: every problem of the study or its scene.
         SandboxError: too few runs have an answer; SALib is not installed.
-        OutputError: the directory cannot be written.
     """
     return cast("Sensitivity", _run(scene, "sensitivity", shared, method=method, count=count,
                                     seed=seed))

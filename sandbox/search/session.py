@@ -24,7 +24,7 @@ from sandbox.figure.sweeps import FoundLine
 from sandbox.numeric import Array
 from sandbox.scene.read.limits import Limits, over
 from sandbox.scene.read.source import SceneSource, read_source
-from sandbox.sweeps.job import DONE, STEP, Log, Point, SweepRow, run_id
+from sandbox.sweeps.job import STEP, Log, Point, SweepRow, run_id
 from sandbox.sweeps.plan import make_plan
 from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import SearchSpec
@@ -316,12 +316,7 @@ def results(rows: Sequence[SweepRow], names: Iterable[str]) -> Array:
     return np.array([[row.kept.get(name) for name in names] for row in rows], dtype=float)
 
 
-def failure_of(row: SweepRow) -> str:
-    """Why a run has no answer."""
-    return f"{row.status}: {row.reason}" if row.status != DONE else row.reason
-
-
 def main_failure(rows: Iterable[SweepRow]) -> str:
     """Why most of these runs have no answer, after a colon; empty if all have one."""
-    reasons = Counter(filter(None, map(failure_of, rows)))
+    reasons = Counter(filter(None, (row.failure for row in rows)))
     return f": {reasons.most_common(1)[0][0]}" if reasons else ""

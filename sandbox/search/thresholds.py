@@ -9,7 +9,7 @@ import numpy as np
 
 from sandbox.errors import SandboxError
 from sandbox.figure.sweeps import FoundLine
-from sandbox.search.session import RefusedError, Result, Session, failure_of
+from sandbox.search.session import RefusedError, Result, Session
 from sandbox.sweeps.job import DONE
 from sandbox.sweeps.spec import ThresholdSearch
 from sandbox.sweeps.vary import Range
@@ -105,7 +105,7 @@ def find_threshold(session: Session, options: ThresholdSearch) -> ThresholdFound
                     if value is not None)
             if holds is None:
                 raise SandboxError(f"with {path} = {point[path]} the run does not decide "
-                                   f"{condition}: {failure_of(row)}", code="no-answer")
+                                   f"{condition}: {row.failure}", code="no-answer")
             found.append(holds)
         return found
 

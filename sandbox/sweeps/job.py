@@ -166,6 +166,11 @@ class SweepRow:
     looks: tuple[str, ...] | None = None
     """Audit figures with a warning; None where the run was not audited."""
 
+    @property
+    def failure(self) -> str:
+        """Why it has no answer."""
+        return self.reason if self.status == DONE else f"{self.status}: {self.reason}"
+
     def to_json(self) -> bytes:
         """A line of JSON."""
         return json.dumps(asdict(self), allow_nan=False).encode() + b"\n"

@@ -200,13 +200,9 @@ class SearchSpec(Spec):
     """One search; the study defines which paths vary and which results are kept."""
 
     threshold: ThresholdSearch | None = None
-    """The value of one path at which a condition begins or ceases to hold."""
     fit: FitSearch | None = None
-    """The values with which the scene reproduces a measurement."""
     best: BestSearch | None = None
-    """The values that minimise or maximise results."""
     sensitivity: SensitivitySearch | None = None
-    """The influence of each path on each result."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:
