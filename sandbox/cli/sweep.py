@@ -186,7 +186,7 @@ def sweep(
     preload_figures()
     with many_runs(folder, console), Progress("sweep", console) as bar:
         def advance(at: Advance) -> None:
-            bar(at.fraction)
+            bar(at.done / max(at.total - at.before, 1))
             if not sys.stderr.isatty() and at.done:
                 rate = at.done / at.seconds
                 left = timedelta(seconds=round((at.total - at.before - at.done) / rate))

@@ -36,11 +36,6 @@ class Advance:
     doubtful: int = 0  # of these, runs that ended early or have warnings
     seconds: float = 0.0  # since it began
 
-    @property
-    def fraction(self) -> float:
-        """Fraction of the missing runs that are finished."""
-        return self.done / max(self.total - self.before, 1)
-
 
 Progress = Callable[[Advance], None]
 
