@@ -107,4 +107,9 @@ def test_explain_has_every_element_and_quantity(sandbox):
     assert "backlash is a field of joints.gear" in sandbox("explain", "backlash").out
     assert "(joint: rod, rope)" in " ".join(sandbox("explain", "tension").out.split())
     assert "recorded_bytes" in sandbox("explain", "limits").out
+    assert "backlash is a field" in sandbox("explain", "play").out
+    several = " ".join(sandbox("explain", "winch", "clip", "unknown-key").out.split())
+    assert "winch is a shipped scene: Winch" in several
+    assert "clip(x, low, high)" in several
+    assert "unknown-key The element has no such key." in several
     assert "velocity" in sandbox("explain", "layers").out
