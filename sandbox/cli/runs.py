@@ -131,9 +131,10 @@ def _read_size(
 @click.option("--follow", metavar="BODY", help="Body that the view follows.")
 @click.option("--fit", "bodies", multiple=True, metavar="BODY",
               help="Bodies or groups that the view is fitted to, as in 'finger*'. Repeatable.")
-@click.option("--fps", type=click.Choice(["20", "25", "50"]), help="Frames per second.")
+@click.option("--fps", type=click.Choice(["20", "25", "50"]),
+              help="Frames per second; the view's by default.")
 @click.option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
-              help="Seconds of motion per second of film.")
+              help="Seconds of motion per second of film; the view's by default.")
 @takes("limit", "quiet")
 def render(
     run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...], strip: int | None,
