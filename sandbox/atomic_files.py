@@ -8,12 +8,16 @@ unlocked one is stale: the next write into the same directory removes it.
 from __future__ import annotations
 
 import contextlib
+import csv
 import errno
+import json
+import math
 import os
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from sandbox.errors import OutputError
 from sandbox.wording import quoted
@@ -76,6 +80,30 @@ def write_atomic(path: Path, text: str) -> None:
     """Write a text in UTF-8, with the same bytes on every platform."""
     with atomic_file(path) as temporary:
         temporary.write_bytes(text.encode())
+
+
+def json_text(value: Any, **options: Any) -> str:
+    """A value as JSON: null for numbers that are not finite; arrays are lists, paths are text."""
+    return json.dumps(_plain(value), allow_nan=False, **{"ensure_ascii": False, **options})
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, Path):
+        return str(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def write_csv(path: Path, rows: Iterable[Iterable[Any]]) -> None:
+    """Write rows as CSV in UTF-8, with the same bytes on every platform."""
+    with atomic_file(path) as temporary, \
+            temporary.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows(rows)
 
 
 def temporary_path(

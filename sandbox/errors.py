@@ -30,17 +30,13 @@ class SandboxError(Exception):
 
     def _render_traceback_(self) -> list[str]:
         """Return the traceback that IPython shows: lines outside the package, and the message."""
-        led = [*_own_lines(self.__traceback__),
-               *(_own_lines(self.__cause__.__traceback__) if self.__cause__ else ())]
-        return [*dict.fromkeys(led), f"{type(self).__name__}: {self}"]
+        lines = [*_own_lines(self.__traceback__),
+                 *(_own_lines(self.__cause__.__traceback__) if self.__cause__ else ())]
+        return [*dict.fromkeys(lines), f"{type(self).__name__}: {self}"]
 
 
 def checked(code: str) -> str:
-    """Return a code of a diagnostic.
-
-    Raises:
-        KeyError: the table of codes does not have it.
-    """
+    """Return a code of a diagnostic; a KeyError if the table of codes does not have it."""
     if code not in CODES:
         raise KeyError(f"no diagnostic has the code {code!r}")
     return code
@@ -58,35 +54,20 @@ def _own_lines(trace: TracebackType | None) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Problem:
-    """A diagnostic: one thing that is wrong with an input, or questionable.
+    """A diagnostic; callers that know the scene or its file add a path, a line and a column."""
 
-    Callers that know the scene or file behind the input add a path, a line and a column.
-    """
-
-    code: str
-    """Its key in :data:`sandbox.codes.CODES`."""
-    message: str
-    """What is wrong."""
-    path: str = "$"
-    """JSON path in the input, such as ``$.bodies[0].mass``."""
-    line: int = 0
-    """From 1; 0 if unknown or not in a file."""
-    column: int = 0
-    """From 1; 0 if unknown."""
-    allowed: str = ""
-    """The values that are allowed."""
-    hint: str = ""
-    """A similar name that exists."""
-    key: bool = False
-    """Whether the key at ``path`` is wrong, not its value."""
-    file: str = ""
-    """The included file, if the problem is not in the main file."""
-    element: str = ""
-    """Name of the element, shown after its path."""
-    advice: str = ""
-    """What to do, or the consequence."""
-    fields: str = ""
-    """Page that lists the fields of the element, such as ``docs/parts.md#leaf``."""
+    code: str  # its key in :data:`sandbox.codes.CODES`
+    message: str  # what is wrong
+    path: str = "$"  # JSON path in the input, such as ``$.bodies[0].mass``
+    line: int = 0  # from 1; 0 if unknown or not in a file
+    column: int = 0  # from 1; 0 if unknown
+    allowed: str = ""  # the values that are allowed
+    hint: str = ""  # a similar name that exists
+    key: bool = False  # whether the key at ``path`` is wrong, not its value
+    file: str = ""  # the included file, if the problem is not in the main file
+    element: str = ""  # name of the element, shown after its path
+    advice: str = ""  # what to do, or the consequence
+    fields: str = ""  # page that lists the fields of the element, such as ``docs/parts.md#leaf``
     severity: Literal["error", "warning"] = "error"
     """Errors are invalid input and end each command with exit code 2."""
 
@@ -119,6 +100,12 @@ class Problem:
         return (f"{self.line}:{self.column}: {severity}{self.path}"
                 f"{f': {self.element}' if named else ''}")
 
+    def at(self, source: str) -> str:
+        """``file:line:col: path: message``, or ``error: message`` without a place."""
+        if source := self.file or source:
+            return f"{source}:{self}"
+        return str(self) if self.path else f"error{self}"
+
     def __str__(self) -> str:
         allowed = f" Allowed: {self.allowed}." if self.allowed else ""
         hint = f" Did you mean {self.hint}?" if self.hint else ""
@@ -140,8 +127,7 @@ class SceneError(SandboxError):
         self.code = self.problems[0].code
 
     def __str__(self) -> str:
-        return "\n".join(f"{source}:{problem}" if (source := problem.file or self.source)
-                         else str(problem) for problem in self.problems)
+        return "\n".join(problem.at(self.source) for problem in self.problems)
 
 
 class OutputError(SandboxError):

@@ -22,13 +22,8 @@ Records = NDArray[Any]
 
 
 def connected_components(links: Flags) -> list[Integers]:
-    """Groups of connected nodes of a graph, each in ascending order.
-
-    Importing ``scipy.sparse.csgraph`` for this would delay each start by 0.4 s.
-
-    Args:
-        links: symmetric adjacency matrix, [n, n].
-    """
+    """Groups of connected nodes, ascending, of a symmetric adjacency matrix [n, n]."""
+    # importing scipy.sparse.csgraph would delay each start by 0.4 s
     open_nodes = np.ones(len(links), dtype=bool)
     found = []
     for node in range(len(links)):

@@ -5,25 +5,18 @@ from __future__ import annotations
 import difflib
 import itertools
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from typing import Any
 
 _WILD = re.compile(r"[*?\[]")
-MOST_NAMED = 8
-"""Names listed in a message; the rest is counted."""
-LONGEST = 100
-"""Characters of a name that are compared: the maximum length of a name."""
-MOST_COMPARED = 1_000
-"""Choices that are compared with a word; the rest is ignored."""
-MOST_HINTED = 50
-"""Problems of one kind that get a suggestion."""
+MOST_NAMED = 8  # names listed in a message; the rest is counted
+LONGEST = 100  # characters of a name that are compared: the maximum length of a name
+MOST_COMPARED = 1_000  # choices that are compared with a word; the rest is ignored
+MOST_HINTED = 50  # problems of one kind that get a suggestion
 
 
 class WrongValueError(ValueError):
-    """A value that a scene cannot use: code, message, allowed values, a similar name.
-
-    It becomes a :class:`sandbox.errors.Problem` where its path is known.
-    """
+    """A value that a scene cannot use; a :class:`sandbox.errors.Problem` once it has a path."""
 
     def __init__(self, code: str, message: str, *, allowed: str = "", hint: str = "") -> None:
         super().__init__(code, message)
@@ -41,9 +34,9 @@ def near(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     return quoted(found) if found else ""
 
 
-def meant(word: str, choices: Iterable[str]) -> str:
+def meant(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     """A suggestion as a sentence, `` Did you mean 'mass'?``, or ``""``."""
-    hint = near(word, choices)
+    hint = near(word, choices, cutoff=cutoff)
     return f" Did you mean {hint}?" if hint else ""
 
 
@@ -103,10 +96,7 @@ def quoted(value: object, *, most: int = 60) -> str:
 
 
 def counted(number: int, noun: str) -> str:
-    """A number and its noun: ``1 spring``, ``3 springs``.
-
-    ``noun`` may give the plural: ``"body|bodies"``; by default the plural adds an ``s``.
-    """
+    """A number and its noun, ``1 spring``; ``noun`` may give the plural, ``"body|bodies"``."""
     one, _, several = noun.partition("|")
     return f"{number} {one if number == 1 else several or f'{one}s'}"
 
@@ -116,13 +106,6 @@ class Count(int):
 
     def __format__(self, noun: str) -> str:
         return counted(int(self), noun) if noun else str(int(self))
-
-
-def told_of(thing: object, lines: Sequence[str]) -> str:
-    """The ``repr`` of a result: its class and its first line."""
-    first = lines[0].strip() if lines else "nothing"
-    first = first if len(first) <= 100 else f"{first[:100]}…"
-    return f"<{type(thing).__name__}: {first}>"
 
 
 def printable(text: str) -> str:

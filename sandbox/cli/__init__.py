@@ -26,16 +26,15 @@ __all__ = ["main"]
 GC_THRESHOLDS = (100_000, 50, 100)
 """Importing and compiling make hundreds of thousands of objects that all stay; the default
 thresholds scan each batch of 700."""
-RETRY = 0.02
-"""Seconds until a Ctrl-C that came during an import is handled again."""
+RETRY = 0.02  # seconds until a Ctrl-C that came during an import is handled again
 
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Run a command of ``argv`` (by default the process's own) and exit with its code.
 
     Garbage collection is rare in a process that ends with its command. Warnings of libraries are
-    off unless ``SANDBOX_DEBUG`` is set. A program that calls this and continues has to undo both
-    (``gc.set_threshold``, ``gc.unfreeze``, ``warnings.resetwarnings``), and the handler of Ctrl-C.
+    off unless ``SANDBOX_DEBUG`` is set. A program that calls this and continues has to undo both,
+    and the handler of Ctrl-C.
     """
     gc.set_threshold(*GC_THRESHOLDS)
     if not os.environ.get("SANDBOX_DEBUG"):
@@ -55,11 +54,7 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 def _exit(code: int) -> NoReturn:
-    """End an interrupted process with ``code``.
-
-    Python itself would end by the signal, whatever the code, if the interrupt once passed
-    through an ``exec`` of a text, as dataclasses and compilers have them.
-    """
+    """End with ``code``: after an interrupt within ``exec``, Python would end by the signal."""
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError, AttributeError):  # full, closed, missing

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,32 +20,30 @@ from sandbox.cli.console import (
     table,
 )
 from sandbox.cli.options import (
+    OUTPUT,
+    SCENE,
     Source,
-    console_options,
     file_option,
     read_quantity,
     refuse_blocking,
-    takes_scene,
+    takes,
 )
 from sandbox.cli.runs import open_run
 from sandbox.errors import Problem, SceneError
 from sandbox.wording import or_near
 
 if TYPE_CHECKING:
-    from sandbox.audit.bounds import Bounds, Interval
+    from sandbox.audit.bounds import Interval
     from sandbox.audit.evidence import Evidence
     from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import Loaded
 
-MAX_NAMED = 4
-"""Forces outside their bounds that are named."""
-DIRECTIONS = 12
-"""Directions of a push, evenly spaced."""
+MAX_NAMED = 4  # forces outside their bounds that are named
+DIRECTIONS = 12  # directions of a push, evenly spaced
 
 
 @click.command()
-@takes_scene
-@console_options("json")
+@takes(*SCENE, "json")
 def converge(scene: Source, console: Console) -> int:
     """Check SCENE for convergence: run it at steps h, h/2, h/4.
 
@@ -82,10 +80,10 @@ def converge(scene: Source, console: Console) -> int:
     return console.finish({
         "scene": loaded.mechanism.name, "steps": found.steps, "certified": found.certified,
         "conclusion": found.conclusion, "advice": found.advice,
-        "quantities": [{**dataclasses.asdict(trust), "certified": trust.certified}
+        "quantities": [{**asdict(trust), "certified": trust.certified}
                        for trust in found.quantities],
         "looks": [{"runs": look.runs, **vars(look.figure)} for look in found.looks],
-        "diverged": [dataclasses.asdict(each) for each in found.diverged],
+        "diverged": [asdict(each) for each in found.diverged],
     }, lines, Exit.DIVERGED if found.diverged else Exit.DONE if found.certified else Exit.FAILED)
 
 
@@ -103,7 +101,7 @@ def _refuse(loaded: Loaded, limits: Limits) -> None:
     finest = refined(mechanism, 4)
     if problems := (check_limits(finest, limits)
                     or list(look_over(finest).estimate.beyond(limits))):
-        raise SceneError([dataclasses.replace(
+        raise SceneError([replace(
             problem, message=f"{problem.message} (of the run at a quarter of the step)")
             for problem in problems], loaded.name)
 
@@ -113,14 +111,11 @@ def _refuse(loaded: Loaded, limits: Limits) -> None:
 @click.option("--at", "instants", multiple=True, type=float, metavar="SECONDS",
               help="Time of the sample; the last one by default. Repeatable.")
 @click.option("--near", metavar="LENGTH", callback=read_quantity("length"),
-              help="Maximum gap of a contact, as 10um; by default the gap that a step may leave "
-                   "(docs/audit.md).")
+              help="Maximum gap of a contact, as 10um; that of a step by default (docs/audit.md).")
 @click.option("--push", "pushed", metavar="BODY",
-              help="Also print the largest push at this body's centre of mass that balance allows, "
-                   "in 12 directions.")
-@file_option((".csv",), "A .csv file; contact_bounds.csv in the run's directory by default. "
-             "Repeatable.")
-@console_options()
+              help="Also print the largest push at this body's centre of mass, in 12 directions.")
+@file_option((".csv",), "A .csv file; contact_bounds.csv in RUN by default. Repeatable.")
+@takes(*OUTPUT)
 def bounds(
     run: str, instants: tuple[float, ...], near: float | None, pushed: str | None,
     files: tuple[Path, ...], console: Console,
@@ -160,7 +155,7 @@ def bounds(
         for one in each:
             data.append({"time": float(time[sample]), "body": names[one.body],
                          "other": names[one.other]})
-            for kind, part in _parts(one).items():
+            for kind, part in (("normal", one.normal), ("tangential", one.tangential)):
                 decided = part.high - part.low <= sum(part.allowed)
                 data[-1][kind] = {"force": part.force, "low": part.low, "high": part.high,
                                   "tolerance": max(part.allowed), "decided": decided,
@@ -184,34 +179,24 @@ def bounds(
     return code
 
 
-def _parts(one: Bounds) -> dict[str, Interval]:
-    return {"normal": one.normal, "tangential": one.tangential}
-
-
 def _pushes(evidence: Evidence, body: str, sample: int) -> dict[str, Any]:
     """The largest push of a body in each direction [N] in a sample, as JSON data."""
     from sandbox.audit.bounds import push_limits
 
-    names = [each.name for each in evidence.run.mechanism.bodies]
-    if body not in names:
-        raise click.BadParameter(f"there is no body {body!r}{or_near(body, names)}",
-                                 param_hint="--push")
-    if evidence.run.mechanism.bodies[names.index(body)].motion != "dynamic":
-        raise click.BadParameter(f"{body!r} does not move freely: no push moves it",
-                                 param_hint="--push")
+    bodies = {each.name: each for each in evidence.run.mechanism.bodies}
+    if body not in bodies or bodies[body].motion != "dynamic":
+        why = f"{body!r} does not move freely: no push moves it" if body in bodies else \
+            f"there is no body {body!r}{or_near(body, bodies)}"
+        raise click.BadParameter(why, param_hint="--push")
     angles = [360 * k / DIRECTIONS for k in range(DIRECTIONS)]
-    found = push_limits(evidence, names.index(body), [math.radians(each) for each in angles],
+    found = push_limits(evidence, [*bodies].index(body), [math.radians(each) for each in angles],
                         sample)
     return {"time": float(evidence.run.time[sample]), "body": body, "direction_deg": angles,
             "force": found.tolist()}
 
 
 def _shown(part: Interval) -> tuple[str, str]:
-    """The force and its interval as text, without contradictions by rounding.
-
-    Values within the rounding error are 0, and an interval is widened to a force that is outside
-    it by rounding alone.
-    """
+    """The force and its interval as text, without contradictions by rounding."""
     low, high = part.low, part.high
     if not part.outside:
         low, high = min(low, part.force), max(high, part.force)

@@ -1,8 +1,8 @@
 """Output of the commands: results to stdout, notices and errors to stderr; exit codes.
 
-Titles, reasons and file names may come from an untrusted scene. All output is printed line by
-line, and :func:`sandbox.wording.printable` escapes control characters, so that a scene cannot
-move the cursor or forge a line. Exceptions become messages, never a traceback.
+Titles, reasons and file names may come from an untrusted scene: lines are printed with control
+characters escaped, so that no scene can move the cursor or forge a line. Exceptions become
+messages, never a traceback.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import contextlib
 import json
 import math
 import os
+import re
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -21,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import click
 
+from sandbox.atomic_files import json_text
 from sandbox.errors import (
     Interrupted,
     OutputError,
@@ -34,34 +36,26 @@ from sandbox.wording import WrongValueError, printable
 if TYPE_CHECKING:
     from click._termui_impl import ProgressBar
 
-BAR_AFTER = 1.0
-"""Seconds before a progress bar appears."""
-LINE_EVERY = 30.0
-"""Longest time between two lines of progress [s]."""
-COMPILE_TIME = "10 to 30 s"
-"""Time that compiling takes; the docs quote it."""
+BAR_AFTER = 1.0  # seconds before a progress bar appears
+LINE_EVERY = 30.0  # longest time between two lines of progress [s]
+COMPILE_TIME = "10 to 30 s"  # time that compiling takes; the docs quote it
 COMPILING = f"Compiling the solver (first run of such a scene, {COMPILE_TIME}) …"
 NOT_CACHED = (f"Compiling the solver ({COMPILE_TIME}) in every run, since neither the installation "
               "nor the user's cache is writable. Set NUMBA_CACHE_DIR to a writable folder.")
-MAX_PAGES = 3
-"""Pages about codes, and pages about fields, that one line names."""
+MAX_PAGES = 3  # codes, elements, and pages that one line names
+REFERENCE = re.compile(r"docs/(?:elements|parts)\.md#(\w+)")
+"""Places of the reference, which ``sandbox explain`` prints."""
 
 
 class Exit(IntEnum):
     """Exit codes of every ``sandbox`` command."""
 
-    DONE = 0
-    """Done, and every expectation passed."""
-    FAILED = 1
-    """An expectation failed."""
-    INPUT = 2
-    """The input is wrong: a scene, an option, a file, a directory."""
-    DIVERGED = 3
-    """The simulation diverged."""
-    BUG = 70
-    """Internal error (EX_SOFTWARE of sysexits.h)."""
-    INTERRUPTED = 130
-    """Ctrl-C (128 + SIGINT)."""
+    DONE = 0  # and every expectation passed
+    FAILED = 1  # an expectation failed
+    INPUT = 2  # the input is wrong: a scene, an option, a file, a directory
+    DIVERGED = 3  # the simulation diverged
+    BUG = 70  # internal error (EX_SOFTWARE of sysexits.h)
+    INTERRUPTED = 130  # Ctrl-C (128 + SIGINT)
 
 
 class StdoutError(OutputError):
@@ -70,24 +64,17 @@ class StdoutError(OutputError):
 
 @dataclass(frozen=True)
 class Console:
-    """Output of one command.
+    """Output of one command."""
 
-    ``as_json`` reserves stdout for one JSON object; ``quiet`` suppresses all but errors and
-    documents.
-    """
-
-    as_json: bool = False
-    quiet: bool = False
-
-    @property
-    def shows_progress(self) -> bool:
-        """Whether a progress bar may be drawn, because stderr is a terminal."""
-        return not self.quiet and sys.stderr.isatty()
+    as_json: bool = False  # reserves stdout for one JSON object
+    quiet: bool = False  # suppresses all but errors and documents
 
     def say(self, *lines: object) -> None:
         """Print lines to stdout; to stderr with ``--json``, nothing with ``--quiet``."""
-        if not self.quiet:
-            _write(_joined(lines), to_stderr=self.as_json)
+        if self.as_json:
+            self.warn(*map(str, lines))
+        elif not self.quiet:
+            _write("\n".join(printable(str(line)) for line in lines))
 
     def warn(self, *lines: str) -> None:
         """Print lines to stderr, unless quiet."""
@@ -96,7 +83,7 @@ class Console:
 
     def error(self, *lines: str) -> None:
         """Print errors to stderr."""
-        _write(_joined(lines), to_stderr=True)
+        _write("\n".join(map(printable, lines)), to_stderr=True)
 
     def document(self, text: str) -> None:
         """Print a whole file to stdout; characters that cannot be printed are escaped."""
@@ -111,32 +98,13 @@ class Console:
     def finish(
         self, data: Mapping[str, Any], lines: Iterable[object] = (), code: Exit = Exit.DONE,
     ) -> Exit:
-        """Print the result of a command, ``lines`` or with ``--json`` one object; its exit code.
-
-        In the object, infinite and missing numbers are null.
-        """
+        """Print the result of a command, ``lines`` or with ``--json`` one object; its exit code."""
         if self.as_json:
             whole = {"status": code.name.lower(), "exit_code": int(code), **data}
-            self.document(json.dumps(plain_json(whole), indent=2, ensure_ascii=False,
-                                     allow_nan=False))
+            self.document(json_text(whole, indent=2))
         else:
             self.say(*lines)
         return code
-
-
-def plain_json(value: Any) -> Any:
-    """A value as JSON data: numbers that are not finite are None, paths are text."""
-    if isinstance(value, Mapping):
-        return {key: plain_json(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain_json(entry) for entry in value]
-    if isinstance(value, Path):
-        return str(value)
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _joined(lines: Sequence[object]) -> str:
-    return "\n".join(printable(str(line)) for line in lines)
 
 
 def _write(text: str, *, to_stderr: bool = False) -> None:
@@ -156,13 +124,7 @@ def _write(text: str, *, to_stderr: bool = False) -> None:
 def table(
     head: Sequence[str], rows: Sequence[Sequence[str]], *, right: str = "",
 ) -> list[str]:
-    r"""Format rows as columns two spaces apart; ``right`` marks right-aligned columns by ``>``.
-
-    >>> print(*table(["name", "N"], [["a", "1.5"], ["long", "10"]], right="<>"), sep="\n")
-    name    N
-    a     1.5
-    long   10
-    """
+    """Format rows as columns two spaces apart; ``right`` marks right-aligned columns by ``>``."""
     lines = [[printable(cell) for cell in line] for line in ([head] if head else []) + [*rows]]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     sides = right.ljust(len(widths), "<")
@@ -188,16 +150,13 @@ def first_of(names: Sequence[str], most: int) -> str:
 
 
 def guard(work: Callable[[], int], console: Console) -> int:
-    """Run a command; its exit code, or that of the error it raised.
-
-    An unwritable stdout is reported on stderr, with ``--json`` too.
-    """
+    """Run a command; its exit code, or that of the error it raised."""
     try:
         try:
             return work()
-        except StdoutError:
-            raise
         except (Exception, KeyboardInterrupt) as error:
+            if isinstance(error, StdoutError):
+                raise
             return report(error, console)
     except StdoutError as error:
         return report(error, Console())
@@ -213,7 +172,7 @@ def report(error: BaseException, console: Console, **more: Any) -> Exit:
     if isinstance(error, click.UsageError) and error.ctx is not None:
         console.error(*error.ctx.get_usage().splitlines(),
                       f"Try '{error.ctx.command_path} --help' for help.", "")
-    console.error(*(one_line(problem, source) for problem in problems))
+    console.error(*(problem.at(source) for problem in problems))
     if code != Exit.INTERRUPTED:
         console.warn(*pages_line(problems))
     return code
@@ -221,7 +180,7 @@ def report(error: BaseException, console: Console, **more: Any) -> Exit:
 
 def _problems(error: BaseException) -> tuple[Exit, list[Problem]]:
     """The exit code of an error, and its problems."""
-    code = Exit.INPUT
+    code, name, text = Exit.INPUT, "internal-error", ""
     match error:
         case SceneError():
             return code, error.problems
@@ -232,44 +191,36 @@ def _problems(error: BaseException) -> tuple[Exit, list[Problem]]:
                 code = Exit.INTERRUPTED
             return code, [Problem(error.code, line, "") for line in str(error).splitlines() or [""]]
         case KeyboardInterrupt() | click.Abort():
-            return Exit.INTERRUPTED, [Problem("interrupted", "interrupted", "")]
+            code, name, text = Exit.INTERRUPTED, "interrupted", "interrupted"
         case click.ClickException():
-            cause = error.__cause__ or error.__context__
+            cause, text = error.__cause__ or error.__context__, error.format_message()
             name = cause.code if isinstance(cause, SandboxError | WrongValueError) else "bad-option"
-            found = Problem(name, error.format_message(), "")
         case MemoryError():
-            found = Problem("out-of-memory", "not enough memory for this", "")
+            name, text = "out-of-memory", "not enough memory for this"
         case OSError():
             where = f"{error.filename}: " if error.filename else ""
-            found = Problem("cannot-write", f"{where}{error.strerror or error}", "")
+            name, text = "cannot-write", f"{where}{error.strerror or error}"
         case RecursionError():
-            found = Problem("limit-exceeded", "nested too deeply", "")
+            name, text = "limit-exceeded", "nested too deeply"
         case _:
             code, first = Exit.BUG, (str(error).splitlines() or [""])[0][:200]
-            found = Problem("internal-error", f"internal error ({type(error).__name__}: {first}); "
-                            "please report it with the scene (SANDBOX_DEBUG=1 shows the traceback)",
-                            "")
-    return code, [found]
+            text = (f"internal error ({type(error).__name__}: {first}); please report it with the "
+                    "scene (SANDBOX_DEBUG=1 shows the traceback)")
+    return code, [Problem(name, text, "")]
 
 
 def pages_line(problems: Sequence[Problem]) -> list[str]:
-    """The line that names the pages of the docs about some problems, or none."""
+    """The line that names the explanations of some problems, or none."""
     return see(*(each.code for each in problems), fields=[each.fields for each in problems])
 
 
 def see(*codes: str, fields: Iterable[str] = ()) -> list[str]:
-    """The line that names the pages of the docs about some codes and fields, or none."""
-    pages = [f"docs/messages.md#{code}" for code in dict.fromkeys(codes)][:MAX_PAGES]
-    pages += list(filter(None, dict.fromkeys(fields)))[:MAX_PAGES]
-    return [f"see {', '.join(pages)}"] if pages else []
-
-
-def one_line(problem: Problem, source: str = "") -> str:
-    """``file:line:col: path: message``, or ``error: message`` without a place."""
-    source = problem.file or source
-    if not source and not problem.path:
-        return f"error{problem}"  # the place is empty
-    return f"{source}:{problem}" if source else str(problem)
+    """The line that names the explanations of some codes and fields, or none."""
+    words, pages = [*dict.fromkeys(codes)][:MAX_PAGES], list[str]()
+    for page in [*filter(None, dict.fromkeys(fields))][:MAX_PAGES]:
+        match = REFERENCE.fullmatch(page)
+        (words if match else pages).append(match[1] if match else page)
+    return [", ".join([f"see 'sandbox explain {' '.join(words)}'", *pages])] if words else []
 
 
 def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
@@ -284,24 +235,38 @@ def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
 
 
 class Progress:
-    """Progress bar on stderr that appears after a second; call it with the fraction done, 0 to 1.
+    """Progress of a command on stderr, without ``--quiet``.
 
-    Use it as a context. Without a terminal, or with ``--quiet``, nothing is drawn.
+    Call it with the fraction done, 0 to 1, for a bar that appears after a second on a terminal; use
+    it as a context then. :meth:`note` prints lines of progress, for work of unknown length.
     """
 
     def __init__(self, label: str, console: Console) -> None:
-        self._label, self._shown = label, console.shows_progress
+        self._label, self._console, self._terminal = label, console, sys.stderr.isatty()
         self._start = time.monotonic()
         self._bar: ProgressBar[int] | None = None
+        self._interval = self._next = BAR_AFTER if self._terminal else LINE_EVERY
+
+    @property
+    def seconds(self) -> float:
+        """Time since the start [s]."""
+        return time.monotonic() - self._start
 
     def __call__(self, fraction: float) -> None:
         """Draw the bar at a fraction, with the remaining time."""
-        if not self._shown or time.monotonic() - self._start < BAR_AFTER:
+        if not self._terminal or self._console.quiet or self.seconds < BAR_AFTER:
             return
         if self._bar is None:
             self._bar = click.progressbar(length=1000, label=self._label, file=sys.stderr)
             self._bar.render_progress()
         self._bar.update(round(1000 * min(max(fraction, 0.0), 1.0)) - self._bar.pos)
+
+    def note(self, line: str) -> None:
+        """Print a line if one is due: on a terminal after 1, 3, 7, … s, elsewhere every 30 s."""
+        if self.seconds >= self._next:
+            self._interval = min(2 * self._interval, LINE_EVERY)
+            self._next = self.seconds + self._interval
+            self._console.warn(line)
 
     def clear(self) -> None:
         """End the line of the bar."""
@@ -316,30 +281,6 @@ class Progress:
         self.clear()
 
 
-class Heartbeat:
-    """Prints a line of progress now and then, for work of unknown length.
-
-    On a terminal a line is due after 1, 3, 7, … s, elsewhere every :data:`LINE_EVERY` seconds.
-    """
-
-    def __init__(self, console: Console) -> None:
-        self._console, self._start = console, time.monotonic()
-        self._interval = BAR_AFTER if sys.stderr.isatty() else LINE_EVERY
-        self._next = self._interval
-
-    @property
-    def seconds(self) -> float:
-        """Time since the start [s]."""
-        return time.monotonic() - self._start
-
-    def __call__(self, line: str) -> None:
-        """Print a line if one is due."""
-        if self.seconds >= self._next:
-            self._interval = min(2 * self._interval, LINE_EVERY)
-            self._next = self.seconds + self._interval
-            self._console.warn(line)
-
-
 @contextlib.contextmanager
 def compilation_notices(console: Console) -> Iterator[None]:
     """Print a line before and after the solver is compiled, with a progress bar on a terminal."""
@@ -352,7 +293,7 @@ def compilation_notices(console: Console) -> Iterator[None]:
 
     def ended(seconds: float) -> None:
         bar.clear()
-        console.warn(_compiled(seconds))
+        _compiled(seconds, console)
 
     with (_worker_notices(console), Progress("Compiling", console) as bar,
           on_compiling(began, ended, bar)):
@@ -375,8 +316,8 @@ def _worker_notices(console: Console) -> contextlib.AbstractContextManager[None]
     from sandbox.engine.compiling import on_compiling
 
     return on_compiling(lambda: console.warn(COMPILING),
-                        lambda seconds: console.warn(_compiled(seconds)), in_workers=True)
+                        lambda seconds: _compiled(seconds, console), in_workers=True)
 
 
-def _compiled(seconds: float) -> str:
-    return f"Compiled in {seconds:.0f} s" if seconds >= 1 else f"Compiled in {seconds:.1g} s"
+def _compiled(seconds: float, console: Console) -> None:
+    console.warn(f"Compiled in {seconds:{'.0f' if seconds >= 1 else '.1g'}} s")

@@ -23,38 +23,32 @@ GROUPS = {
 }
 """The commands by group, each with its module in this package."""
 COMMANDS = {name: module for group in GROUPS.values() for name, module in group.items()}
-REMOVED = {
+ADVICE = {
     "certify": "Use 'sandbox converge SCENE'.",
     "compare": "Use 'sandbox plot RUN --with RUN'.",
     "completion": "Use _SANDBOX_COMPLETE=bash_source sandbox (or zsh_source, fish_source).",
     "expand": "Use 'sandbox check SCENE --expand'.",
-    "push": "Search for the force that moves the object with 'sandbox search threshold SCENE'.",
+    "push": "Use 'sandbox search threshold SCENE' for the force that moves the object.",
     "rest": "Use 'sandbox equilibrium SCENE'.",
-    "robustness": "Use 'sandbox sweep SCENE --vary …' with a grid of values.",
     "schema": "Use 'sandbox check --schema'.",
     "study": "Studies are scripts: run 'python docs/studies/guides.py' in a checkout.",
     "verify": "The validation cases are tests: run 'pytest tests/verification' in a checkout.",
     "search best": "Use 'sandbox search optimize SCENE' with --minimize or --maximize.",
-    "search robustness": "Use 'sandbox sweep SCENE' with two --vary: on a grid it draws a map of "
-                         "where the expectations of the scene hold.",
-    "--bare": "Use --labels none.",
-    "--centre": "Use --fit, or set view.centre in the scene.",
-    "--figure": "Name the quantities.",
+    "search robustness": "Use 'sandbox sweep SCENE' with a grid of two --vary.",
+    "--duration": "Use --set run.duration=TIME.",
     "--frames": "Use 'sandbox render RUN --out DIR'.",
-    "--meter": "Set view.meters in the scene.",
-    "--no-audit": "Every run is checked.",
-    "--scales": "Use --labels scales.",
+    "--layers": "Use 'sandbox render RUN --show LAYERS'.",
     "--show": "Use 'sandbox render RUN --show LAYERS'.",
-    "--width": "Use --fit, or set view.width in the scene.",
+    "--step": "Use --set run.step=TIME.",
+    "--steps": "Use --set run.step=TIME, or --limit steps=N for the limit.",
 }
-"""Commands, searches and options of earlier versions, and what replaces each."""
+"""Commands and options that do not exist, and the ones to use."""
 
 
 class Commands(click.Group):
-    """A group that names the replacement of a former command, and suggests similar names."""
+    """A group that suggests similar names for unknown commands."""
 
-    noun = "command"
-    nouns = "Commands"
+    noun, nouns = "command", "Commands"
 
     def resolve_command(
         self, ctx: click.Context, args: list[str],
@@ -62,8 +56,8 @@ class Commands(click.Group):
         """Find the command that words name; unknown ones are refused."""
         word, known = args[0], self.list_commands(ctx)
         if word not in known and not word.startswith("-") and not ctx.resilient_parsing:
-            former = " ".join([*ctx.command_path.split()[1:], word])
-            advice = f" {REMOVED[former]}" if former in REMOVED else \
+            full = " ".join([*ctx.command_path.split()[1:], word])
+            advice = f" {ADVICE[full]}" if full in ADVICE else \
                 f"{meant(word, known)} {self.nouns}: {', '.join(known)}."
             raise click.UsageError(f"There is no {self.noun} {word!r}.{advice}", ctx)
         return super().resolve_command(ctx, args)
@@ -111,19 +105,16 @@ def invoke(words: Sequence[str]) -> int:
         try:
             code = commands.main(list(words), prog_name="sandbox", standalone_mode=False)
         except click.NoSuchOption as error:
-            raise _replaced(error) from None
+            name, known = error.option_name, [opt for param in (
+                error.ctx.command.params if error.ctx else ()) for opt in param.opts]
+            advice = f" {ADVICE[name]}" if name in ADVICE else meant(name, known, cutoff=0.75)
+            if name.startswith("--max-"):
+                limit = name.removeprefix("--max-").replace("-", "_")
+                advice = f" Use --limit {limit}=VALUE."
+            raise click.UsageError(f"There is no option {name!r}.{advice}", error.ctx) from None
         return code if isinstance(code, int) else Exit.DONE
 
     if os.environ.get("SANDBOX_DEBUG"):
         return work()
     return guard(work, Console(as_json="--json" in words,
                                quiet=not {"--quiet", "-q"}.isdisjoint(words)))
-
-
-def _replaced(error: click.NoSuchOption) -> click.UsageError:
-    """The error, with the option that replaces the one of an earlier version."""
-    name, advice = error.option_name, REMOVED.get(error.option_name, "")
-    if name.startswith("--max-"):
-        limit = name.removeprefix("--max-").replace("-", "_")
-        advice = f"Use --limit {limit}=VALUE."
-    return click.UsageError(f"No such option {name!r}. {advice}", error.ctx) if advice else error

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
+import contextlib
 import itertools
-import json
 import math
 import re
 from pathlib import Path
@@ -16,22 +14,22 @@ import click
 from sandbox.cli.console import (
     Console,
     Exit,
-    Heartbeat,
+    Progress,
     compilation_notices,
     first_of,
-    plain_json,
     table,
 )
 from sandbox.cli.options import (
     OUT,
+    OUTPUT,
     RENDERS,
+    SCENE,
     Source,
-    console_options,
     prepare,
     read_pairs,
     refuse_blocking,
     safe_name,
-    takes_scene,
+    takes,
 )
 
 if TYPE_CHECKING:
@@ -39,28 +37,22 @@ if TYPE_CHECKING:
     from sandbox.recording.recording import Recording
     from sandbox.scene.mechanism import Mechanism
 
-MAX_STARTS = 200
-"""Combinations of the values of ``--from``."""
-MAX_COLUMNS = 5
-"""Equilibria side by side in the terminal; files have all."""
-MAX_STICKING = 4
-"""Sticking contacts that are named."""
-DIGITS = 10
-"""Decimal places in the terminal [m, rad, N]."""
+MAX_STARTS = 200  # combinations of the values of ``--from``
+MAX_COLUMNS = 5  # equilibria side by side in the terminal; files have all
+MAX_STICKING = 4  # sticking contacts that are named
+DIGITS = 10  # decimal places in the terminal [m, rad, N]
 STIFFNESS = {"x": "N/m", "y": "N/m", "turn": "N m/rad", "least": "N/m"}
-_VALUE = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.].*?)?\s*$")
+_NUMBER = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.:][^:]*?)?\s*"
+_ALONG = re.compile(rf"\s*([^=]+?)\s*={_NUMBER}:{_NUMBER}:\s*(\d+)\s*")
 
 
 class _Answer(NamedTuple):
     """Results of the command."""
 
-    data: dict[str, Any]
-    """For JSON."""
-    rows: list[list[str]]
-    """For CSV, the header first."""
+    data: dict[str, Any]  # for JSON
+    rows: list[list[str]]  # for CSV, the header first
     pictures: list[Path]
-    lines: list[str]
-    """For the terminal."""
+    lines: list[str]  # for the terminal
 
 
 def _read_starts(
@@ -89,41 +81,34 @@ def _read_range(
     """Path, first and last value, their unit and the count of ``PATH=FROM:TO:COUNT``."""
     if word is None:
         return None
-    path, equals, text = word.partition("=")
-    parts = text.split(":")
-    found = [_VALUE.match(part) for part in parts]
-    if not equals or len(parts) != 3 or not all(found) or not parts[2].strip().isdigit():
+    if (match := _ALONG.fullmatch(word)) is None:
         raise click.BadParameter(f"{word!r} is not of the form PATH=FROM:TO:COUNT, as in "
                                  "parameters.pull=0:10:21 or 'parameters.pull=0 N:10 N:21'",
                                  ctx, param)
-    (begin, one), (end, other) = (match.groups() for match in found[:2] if match)
+    path, begin, one, end, other, count = match.groups()
     if one and other and one != other:
         raise click.BadParameter(f"{one!r} and {other!r} are two units", ctx, param)
-    return path.strip(), float(begin), float(end), one or other or "", int(parts[2])
+    return path, float(begin), float(end), one or other or "", int(count)
 
 
 @click.command()
 @click.option("--from", "starts", multiple=True, metavar="PATH=VALUES", callback=_read_starts,
-              help="Start there instead of at the scene's own pose: JOINT.angle, BODY.x, BODY.y or "
-                   "BODY.angle, with values separated by commas, as in 'arm.angle=-30 deg,0,30 "
-                   "deg'. Several options: all combinations.")
+              help="Start there: values of JOINT.angle, BODY.x, BODY.y or BODY.angle, as in "
+                   "'arm.angle=-30 deg,0,30 deg'; by default the scene's pose. Several options: "
+                   "all combinations.")
 @click.option("--at", type=float, metavar="SECONDS",
-              help="Time whose values the drives have; by default the end of the scene.")
+              help="Time of the drives' values; the end of the scene by default.")
 @click.option("--stages", type=click.IntRange(min=1), metavar="N",
-              help="Steps in which the drives go there from their first values; by default 40, "
-                   "with dry friction 200.")
+              help="Steps of the slow load; by default 40, with dry friction 200.")
 @click.option("--along", metavar="PATH=FROM:TO:COUNT", callback=_read_range,
-              help="Follow equilibria along a value of the scene, as in "
-                   "'parameters.pull=0:10:21'.")
+              help="Follow equilibria along a value, as in 'parameters.pull=0:10:21'.")
 @click.option("--plot", "quantity", metavar="QUANTITY",
-              help="With --along, the quantity in the figure; by default the one that changes "
-                   "most.")
-@click.option("--body", metavar="NAME", help="Body whose stiffness is printed; by default the one "
-              "body with the role 'object' that moves freely.")
+              help="Quantity in the figure of --along; by default the one that changes most.")
+@click.option("--body", metavar="NAME",
+              help="Body whose stiffness is printed; by default the one free 'object'.")
 @click.option("--out", type=OUT, metavar="DIR",
               help="Directory of rest.json, rest.csv and rest.png; renders/rest/SCENE by default.")
-@takes_scene
-@console_options()
+@takes(*SCENE, *OUTPUT)
 def equilibrium(
     scene: Source, starts: list[dict[str, float]], at: float | None, stages: int | None,
     along: tuple[str, float, float, str, int] | None, quantity: str | None, body: str | None,
@@ -136,16 +121,15 @@ def equilibrium(
     residual forces and stability, and the stiffness of a held object. Scenes
     that have no equilibrium are refused, with the reason.
     """
-    from sandbox.atomic_files import write_atomic
+    from sandbox.atomic_files import json_text, write_atomic, write_csv
     from sandbox.engine.inspect import inspect
 
-    if along is not None and starts:
-        raise click.UsageError("--along starts from the scene's pose; omit --from.")
-    if along is not None and body is not None:
-        raise click.UsageError("--body gives the stiffness of one equilibrium; omit --along or "
-                               "--body.")
-    if along is None and quantity is not None:
-        raise click.UsageError("--plot needs --along.")
+    for wrong, why in (
+            (along and starts, "--along starts from the scene's pose; omit --from."),
+            (along and body, "--body is for one equilibrium; omit --along or --body."),
+            (quantity and not along, "--plot needs --along.")):
+        if wrong:
+            raise click.UsageError(why)
     loaded = scene.load()
     name = loaded.mechanism.name
     refuse_blocking(inspect(loaded.mechanism), loaded)
@@ -154,12 +138,9 @@ def equilibrium(
     how = {"at": at, "stages": stages}
     found = _find(loaded.mechanism, starts, body, folder, console, how) if along is None else \
         _follow(scene, along, quantity, folder, console, how)
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(found.rows)
     whole = {"status": "done", "exit_code": int(Exit.DONE), "scene": name, **found.data}
-    write_atomic(folder / "rest.json", json.dumps(
-        plain_json(whole), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    write_atomic(folder / "rest.csv", text.getvalue())
+    write_atomic(folder / "rest.json", json_text(whole, indent=1) + "\n")
+    write_csv(folder / "rest.csv", found.rows)
     files = [folder / "rest.json", folder / "rest.csv", *found.pictures]
     return console.finish({"scene": name, **found.data, "files": files}, [*found.lines, *files])
 
@@ -185,27 +166,27 @@ def _find(
     with compilation_notices(console):
         found = rest(Checked(mechanism), starts=starts, **how)
     rests, several = found.rests, len(found.rests) > 1
-    stiffness = [_stiffness(each, body) for each in rests]
     rows = [["quantity", "unit", *(f"rest_{i}" for i in range(1, len(rests) + 1))],
             *([name, unit, *(f"{each[name]:.12g}" for each in rests)]
               for name, unit in _units(rests).items())]
-    pictures = []
+    pictures, data, lines = [], [], _lines(found)
     for i, each in enumerate(rests, 1):
         pictures.append(folder / (f"rest_{i}.png" if several else "rest.png"))
         save_picture(_titled(each, i if several else 0), pictures[-1])
-    lines = _lines(found)
-    for i, values in enumerate(stiffness, 1):
-        if values is not None:
-            x, y, turn, least = ("rigid" if math.isinf(value) else f"{value:.5g} {unit}"
-                                 for value, unit in zip(values, STIFFNESS.values(), strict=True))
-            of = f" in rest {i}" if several else ""
-            lines.append(f"stiffness of {body}{of}: {x} along x, {y} along y, {turn} in turn; "
-                         f"{least} at least")
+        data.append({**_data(each), "stiffness": None})
+        with contextlib.suppress(ArithmeticError):  # it is unknown
+            if body and not each.untold:
+                values = [float(value) for value in each.stiffness(body).stiffness()]
+                data[-1]["stiffness"] = {"body": body, **dict(zip(STIFFNESS, values, strict=True))}
+                x, y, turn, least = (
+                    "rigid" if math.isinf(value) else f"{value:.5g} {unit}"
+                    for value, unit in zip(values, STIFFNESS.values(), strict=True))
+                of = f" in rest {i}" if several else ""
+                lines.append(f"stiffness of {body}{of}: {x} along x, {y} along y, {turn} in turn; "
+                             f"{least} at least")
     lines += [*found.remarks, *(f"no rest{start}: {why}" for start, why in found.failed)]
     return _Answer({
-        "rests": [{**_data(each), "stiffness": values and {
-            "body": body, **dict(zip(STIFFNESS, values, strict=True))}}
-            for each, values in zip(rests, stiffness, strict=True)],
+        "rests": data,
         "failed": [{"from": start.removeprefix(" from "), "reason": why}
                    for start, why in found.failed],
         "remarks": found.remarks}, rows, pictures, lines)
@@ -227,28 +208,15 @@ def _data(rest: AtRest) -> dict[str, Any]:
                            for name, unit in _units([rest]).items()}}
 
 
-def _stiffness(rest: AtRest, body: str) -> list[float] | None:
-    """Of a body, along x, y, in rotation and the least; None where it is unknown."""
-    if not body or rest.untold:
-        return None
-    try:
-        return [float(value) for value in rest.stiffness(body).stiffness()]
-    except ArithmeticError:
-        return None
-
-
 def _titled(rest: AtRest, number: int) -> Recording:
     """A recording whose title has the number of several equilibria, and the stability."""
-    from sandbox.recording.recording import Recording
-
-    mechanism = rest.recording.mechanism
+    run, mechanism = rest.recording, rest.recording.mechanism
     stability = rest.stability if rest.stability != "not told" else ""
     if not number and stability != "unstable":
-        return rest.recording
+        return run
     words = ", ".join(filter(None, (f"rest {number}" if number else "", stability))).capitalize()
     title = f"{words}: {mechanism.title or mechanism.name}"
-    return Recording(mechanism.model_copy(update={"title": title}), rest.recording.arrays,
-                     rest.recording.info)
+    return type(run)(mechanism.model_copy(update={"title": title}), run.arrays, run.info)
 
 
 def _lines(found: RestFound) -> list[str]:
@@ -299,14 +267,15 @@ def _follow(
     def make(value: float) -> Mechanism:
         return scene.load({path: f"{value!r} {unit}" if unit else value}).mechanism
 
-    mechanism, beat = make(begin), Heartbeat(console)
+    mechanism, progress = make(begin), Progress("", console)
     known = Catalogue(mechanism)
     if quantity is not None and quantity not in known:
         error = UnknownQuantityError(quantity, known.near(quantity), known.lacking(quantity))
         raise click.BadParameter(str(error), param_hint="--plot")
     with compilation_notices(console):
-        branches = rest_along(make, begin, end, count, **how, heard=lambda points, value: beat(
-            f"{points} points of rest, now at {label} = {value:.6g}"))
+        branches = rest_along(
+            make, begin, end, count, **how, heard=lambda points, value: progress.note(
+                f"{points} points of rest, now at {label} = {value:.6g}"))
     rests = [stop.rest for branch in branches for stop in branch.stops]
     quantity = quantity or _moving_most(rests)
     of = rests[0].recording.unit(quantity)

@@ -11,31 +11,30 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.options import elements_option
+from sandbox.cli.options import takes, title_of
+from sandbox.codes import CODES
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
     from sandbox.values.spec import Spec
 
-WIDTH = 100
-"""Of the text, in characters, or that of the terminal if it is narrower."""
-ONE_LINE = 90
-"""Characters of an example on one line."""
-TABLES = ("limits", "layers")
-"""Topics that are no element."""
+WIDTH = 100  # of the text, in characters, or that of the terminal if it is narrower
+ONE_LINE = 90  # characters of an example on one line
+TABLES = ("limits", "layers", "functions")  # topics that are no element
+EVERYDAY = {
+    "play": "backlash", "hinge": "pin", "revolute": "pin", "slider": "slot", "prismatic": "slot",
+    "cord": "tendons", "cable": "tendons", "string": "tendons", "pulley": "guides",
+    "wire": "tendons", "damper": "springs", "clamp": "weld", "weight": "mass"}
+"""Common words, and the names that scenes have for them."""
 
 
 class _Element(NamedTuple):
     """An element of a scene, and where it is written."""
 
-    topic: str
-    """Heading of the reference."""
-    name: str
-    """Such as ``drives.motor`` or ``tendons.guides``."""
-    key: str
-    """Key under which it stands; empty if there are several."""
-    tag: str
-    """Its ``type``, or empty."""
+    topic: str  # heading of the reference
+    name: str  # such as ``drives.motor`` or ``tendons.guides``
+    key: str  # under which it stands; empty if there are several
+    tag: str  # its ``type``, or empty
     model: type[Spec]
 
     def names(self) -> set[str]:
@@ -44,46 +43,61 @@ class _Element(NamedTuple):
         ends = {".".join(parts[i:]) for i in range(len(parts))}
         return (ends | {self.key, self.model.__name__.lower()}) - {""}
 
+    def field_names(self) -> set[str]:
+        """Its fields."""
+        return {field.alias or key for key, field in self.model.model_fields.items()}
+
 
 @click.command()
-@click.argument("name", required=False)
-@elements_option
-def explain(name: str | None) -> None:
-    """Explain an element, a field group or a quantity.
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@takes("elements")
+def explain(names: tuple[str, ...]) -> None:
+    """Explain an element, a field, a quantity or a message.
 
     NAME is an element such as pin or drives.motor, a list such as joints, a
-    block such as run, expect or finger, a quantity such as tension, or limits or
-    layers. Prints fields with units and defaults, an example, and the recorded
-    quantities. Without NAME lists all by topic.
+    block such as run, expect or finger, a field, a quantity such as tension, the code
+    of a message, a shipped scene, or limits, layers or functions. Prints fields with
+    units and defaults, an example, and the recorded quantities. Without NAME lists
+    all by topic.
     """
-    Console().say(*(_overview() if name is None else _explained(name)))
+    blocks = [_explained(name) for name in names] or [_overview()]
+    Console().say(*[line for block in blocks for line in ("", *block)][1:])
 
 
 def _explained(name: str) -> list[str]:
-    """The text about a name."""
+    """The text about a name: all things that have it."""
+    from sandbox.scene.library import shipped_scenes
     from sandbox.scene.reference import quantity_rows, summary
+    from sandbox.values.expressions import FUNCTIONS
 
     word = name.strip().lower()
-    if word in TABLES:
-        return _table(word)
-    all_elements, all_rows = list(elements()), list(quantity_rows())
+    word = EVERYDAY.get(word, word)
+    all_elements, all_rows, scenes = [*elements()], [*quantity_rows()], shipped_scenes()
     found = [each for each in all_elements if word in each.names()]
     found = [each for each in found if each.name == word] or found
-    rows = [row for row in all_rows if word in (row.name, f"{row.element}.{row.name}")]
-    if not found and not rows:
-        owners = [each.name for each in all_elements
-                  if word in {field.alias or key for key, field in each.model.model_fields.items()}]
-        if owners:
-            return [f"{word} is a field of {', '.join(owners)}. 'sandbox explain {owners[0]}' "
-                    "prints it."]
+    blocks = [_element_lines(found[0]) if len(found) == 1 else
+              _definitions([(each.name, summary(each.model)) for each in found])]
+    blocks.append(_quantities([(row.name, row.unit, f"{row.about} ({row.owner})")
+                               for row in all_rows
+                               if word in (row.name, f"{row.element}.{row.name}")]))
+    if word in TABLES or word in FUNCTIONS:
+        blocks.append(_table("functions" if word in FUNCTIONS else word))
+    if word in CODES:
+        about, page = CODES[word]
+        blocks.append(_definitions([(word, f"{about} See docs/{page}.")]))
+    owners = [each.name for each in all_elements if word in each.field_names()]
+    if owners and not found:
+        blocks.append([f"{word} is a field of {', '.join(owners)}. 'sandbox explain {owners[0]}' "
+                       "prints it."])
+    if word in scenes:
+        blocks.append([f"{word} is a shipped scene: {title_of(scenes[word])}. 'sandbox run {word}' "
+                       "runs it."])
+    if not any(blocks):
         known = [*TABLES, *(each for element in all_elements for each in sorted(element.names())),
-                 *(row.name for row in all_rows)]
+                 *(row.name for row in all_rows), *FUNCTIONS, *EVERYDAY, *CODES]
         raise click.BadParameter(f"there is no element or quantity {name!r}.{meant(word, known)} "
                                  "'sandbox explain' lists them.", param_hint="NAME")
-    lines = _element_lines(found[0]) if len(found) == 1 else \
-        _definitions([(each.name, summary(each.model)) for each in found])
-    about = _quantities([(row.name, row.unit, f"{row.about} ({row.owner})") for row in rows])
-    return [*lines, *([""] if lines and about else []), *about]
+    return [line for block in blocks if block for line in ("", *block)][1:]
 
 
 def _overview() -> list[str]:
@@ -100,7 +114,8 @@ def _overview() -> list[str]:
     return [*_definitions([(topic, ", ".join(names)) for topic, names in topics.items()]),
             "", "Quantities",
             *_definitions([(owner, ", ".join(names)) for owner, names in quantities.items()]),
-            "", f"Also: {', '.join(TABLES)}. 'sandbox explain NAME' prints one."]
+            "", f"Also: {', '.join(TABLES)}, fields, scenes and codes of messages. "
+            "'sandbox explain NAME' prints one."]
 
 
 def elements() -> Iterator[_Element]:
@@ -155,31 +170,23 @@ def _element_lines(each: _Element) -> list[str]:
     if text := example(each):
         lines += ["", "Example", *(f"  {line}" for line in text.splitlines())]
     one = NAMED[each.key].one if each.key in NAMED and each.name.startswith(each.key) else ""
-    recorded = [row for row in quantity_rows() if one and row.element == one and (
-        not kinds_of(one) or any(kind.split()[0] == each.tag
-                                for kind in recorded_by(one, row.name)))]
-    if recorded:
-        lines += ["", "Quantities", *_quantities([
-            (row.name, _unit_of(row.unit, each.tag),
-             row.about + (" (of an object)" if row.owner == "object" else ""))
-            for row in recorded])]
-    return lines
-
-
-def _unit_of(units: str, tag: str) -> str:
-    """The unit for a kind of element, of units such as ``N m (pin); N (slot)``."""
-    return next((unit for unit, kinds in re.findall(r"([^;(]+) \(([^)]*)\)", units)
-                 if tag in kinds.split(", ")), units).strip()
+    recorded = []
+    for quantity in quantity_rows():
+        if one and quantity.element == one and (not kinds_of(one) or any(
+                kind.split()[0] == each.tag for kind in recorded_by(one, quantity.name))):
+            # of units such as ``N m (pin); N (slot)`` that of this kind
+            unit = next((unit for unit, kinds in re.findall(r"([^;(]+) \(([^)]*)\)", quantity.unit)
+                         if each.tag in kinds.split(", ")), quantity.unit).strip()
+            recorded.append((quantity.name, unit, quantity.about + (
+                " (of an object)" if quantity.owner == "object" else "")))
+    return [*lines, *(["", "Quantities", *_quantities(recorded)] if recorded else [])]
 
 
 def example(each: _Element) -> str:
-    """An entry of this kind in the shipped scenes, as JSON; empty if there is none.
-
-    Of those that fit on a line the one with the most keys, otherwise the shortest.
-    """
+    """The longest entry of the shipped scenes on one line, or the shortest; empty for none."""
     from sandbox.scene.library import shipped_scenes
 
-    keys = {field.alias or name for name, field in each.model.model_fields.items()}
+    keys = each.field_names()
     found: list[dict[str, Any]] = []
     waiting = [json.loads(path.read_text(encoding="utf-8"))
                for path in shipped_scenes().values()] if each.key else []
@@ -200,19 +207,28 @@ def example(each: _Element) -> str:
 
 
 def _table(word: str) -> list[str]:
-    """The limits of scenes, or the layers of pictures."""
+    """The limits of scenes, the layers of pictures, or the functions of expressions."""
     from sandbox.scene.layers import LAYERS
     from sandbox.scene.read.limits import Limits
     from sandbox.scene.reference import docstrings
+    from sandbox.values.expressions import CONSTANTS, FUNCTIONS
 
     if word == "limits":
         described = docstrings(Limits)
         return ["Limits of a scene; --limit NAME=VALUE changes one.", "", *_definitions([
             (f"  {each.name}", f"{each.default}. {' '.join(described[each.name].split())}")
             for each in fields(Limits)])]
-    return ["Layers of pictures; --show of 'sandbox render' and view.show select them.", "",
-            *_definitions([(f"  {name}", ("" if layer.default else "(not by default) ")
-                            + layer.about) for name, layer in LAYERS.items()])]
+    if word == "layers":
+        return ["Layers of pictures; --show of 'sandbox render' and view.show select them.", "",
+                *_definitions([(f"  {name}", ("" if layer.default else "(not by default) ")
+                                + layer.about) for name, layer in LAYERS.items()])]
+    arguments = {1: "x", 2: "y, x", 3: "x, low, high", None: "a, b, …"}
+    return ["Functions of expressions, as in '=2 * sin(pi * t)'; scenes add tables.", "",
+            *_definitions([
+                ("  functions", ", ".join(f"{name}({arguments[each.arguments]})"
+                                          for name, each in FUNCTIONS.items())),
+                ("  constants", ", ".join(CONSTANTS)),
+                ("  choice", "a if condition else b; and, or, not, <, <=, >, >=, ==, !=")])]
 
 
 def _quantities(rows: list[tuple[str, str, str]]) -> list[str]:

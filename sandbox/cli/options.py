@@ -39,8 +39,7 @@ class _Out(click.Path):
         return super().convert(value, param, ctx)
 
 
-OUT = _Out(path_type=Path)
-"""Type of every option ``--out``."""
+OUT = _Out(path_type=Path)  # type of every option ``--out``
 
 
 # -- values --------------------------------------------------------------------------
@@ -101,11 +100,7 @@ def _read_limits(ctx: click.Context, param: click.Parameter, words: Sequence[str
 
 
 def read_quantity(dimension: str | None) -> Callable[..., float | None]:
-    """A callback that reads a number with a unit of a dimension (any for None), in SI.
-
-    A plain number is in SI, but a length that is a whole number needs its unit. Lengths are 0 or
-    more.
-    """
+    """A callback that reads a number in SI, or with a unit; lengths are 0 or more."""
     def read(ctx: click.Context, param: click.Parameter, word: str | None) -> float | None:
         from sandbox.values.units import parse_quantity
 
@@ -130,38 +125,6 @@ def _read_elements(ctx: click.Context, param: click.Parameter, paths: Sequence[P
 
         for path in paths:
             ctx.call_on_close(load_elements(path))
-
-
-elements_option = click.option(
-    "--elements", multiple=True, metavar="FILE", is_eager=True,
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    callback=_read_elements, expose_value=False,
-    help="Run a Python file that registers elements of your own. Repeatable.")
-limit_option = click.option(
-    "--limit", "limits", multiple=True, metavar="NAME=VALUE", callback=_read_limits,
-    help="Change a limit, as in 'steps=5e6'; 'sandbox explain limits' lists them. Repeatable.")
-_set_option = click.option(
-    "--set", "overrides", multiple=True, metavar="PATH=VALUE", callback=_read_overrides,
-    help="Change the scene, as in 'parameters.pull=20 N' or 'run.step=1e-3'. Repeatable.")
-_OUTPUT = {
-    "json": click.option("--json", "as_json", is_flag=True,
-                         help="Print one JSON object and nothing else."),
-    "quiet": click.option("--quiet", "-q", is_flag=True, help="Print errors only."),
-}
-
-
-def console_options(*names: str) -> Callable[[Command], Command]:
-    """Give a command the options ``--json`` and ``--quiet``, or one of them, as a ``console``."""
-    def give(command: Command) -> Command:
-        @functools.wraps(command)
-        def run(*, as_json: bool = False, quiet: bool = False, **options: Any) -> Any:
-            return command(console=Console(as_json, quiet), **options)
-
-        for name in reversed(names or tuple(_OUTPUT)):
-            run = _OUTPUT[name](run)
-        return run
-
-    return give
 
 
 # -- scenes --------------------------------------------------------------------------
@@ -221,18 +184,44 @@ def complete_scene(
     return [*named, CompletionItem(incomplete, type="file")]
 
 
-def scene_options(command: Command) -> Command:
-    """Options of all commands that load scenes: ``--set``, ``--elements`` and ``--limit``."""
-    return _set_option(elements_option(limit_option(command)))
+SCENE, OUTPUT = ("scene", "set", "elements", "limit"), ("json", "quiet")
+"""Names of the options of a command that loads a scene, and of one that prints results."""
+_SHARED: dict[str, Callable[[Command], Command]] = {
+    "scene": click.argument("scene", shell_complete=complete_scene),
+    "set": click.option(
+        "--set", "overrides", multiple=True, metavar="PATH=VALUE", callback=_read_overrides,
+        help="Change the scene, as in 'parameters.pull=20 N' or 'run.step=1e-3'. Repeatable."),
+    "elements": click.option(
+        "--elements", multiple=True, metavar="FILE", is_eager=True,
+        type=click.Path(exists=True, dir_okay=False, path_type=Path),
+        callback=_read_elements, expose_value=False,
+        help="Run a Python file that registers elements of your own. Repeatable."),
+    "limit": click.option(
+        "--limit", "limits", multiple=True, metavar="NAME=VALUE", callback=_read_limits,
+        help="Change a limit, as in 'steps=5e6'; 'sandbox explain limits' lists them. Repeatable."),
+    "json": click.option("--json", "as_json", is_flag=True,
+                         help="Print one JSON object and nothing else."),
+    "quiet": click.option("--quiet", "-q", is_flag=True, help="Print errors only."),
+}
 
 
-def takes_scene(command: Command) -> Command:
-    """Give a command the argument SCENE and its options, as one :class:`Source` ``scene``."""
-    @functools.wraps(command)
-    def run(scene: str, overrides: dict[str, Any], limits: Limits, **options: Any) -> Any:
-        return command(scene=Source(scene, overrides, limits), **options)
+def takes(*names: str) -> Callable[[Command], Command]:
+    """Give a command shared options: SCENE as a :class:`Source`, OUTPUT as a ``console``."""
+    def give(command: Command) -> Command:
+        @functools.wraps(command)
+        def run(**given: Any) -> Any:
+            if "scene" in names:
+                given["scene"] = Source(*map(given.pop, ("scene", "overrides", "limits")))
+            if {*OUTPUT} & {*names}:
+                given["console"] = Console(given.pop("as_json", False), given.pop("quiet", False))
+            return command(**given)
 
-    return click.argument("scene", shell_complete=complete_scene)(scene_options(run))
+        made: Command = run
+        for name in reversed(names):
+            made = _SHARED[name](made)
+        return made
+
+    return give
 
 
 # -- directories ---------------------------------------------------------------------

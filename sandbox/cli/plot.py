@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import shlex
 from collections.abc import Iterator, Sequence
@@ -14,23 +12,21 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sandbox.cli.console import Console, first_of, table
-from sandbox.cli.options import console_options, file_option, read_pairs, read_quantity
+from sandbox.cli.options import OUTPUT, file_option, read_pairs, read_quantity, takes
 from sandbox.cli.runs import matching, open_run, run_with
 
 if TYPE_CHECKING:
     from sandbox.figure.signals import Plotted
     from sandbox.recording.recording import Recording
 
-PICTURES = (".png", ".svg", ".pdf")
-"""Suffixes of figures."""
+PICTURES = (".png", ".svg", ".pdf")  # suffixes of figures
 KINDS = {"meter": "meters", "drive": "drives", "tendon": "tendons", "joint": "joints",
          "spring": "springs", "load": "loads", "line": "lines", "valve": "valves",
          "group": "groups", "body": "bodies"}
 """Kinds of element, in the order in which they are listed."""
 MAX_NAMES, MAX_PAIRS, MAX_TRIED = 8, 6, 200
 """Listed elements of a kind; listed pairs of bodies that touched, and pairs that are examined."""
-MAX_CURVES = 12
-"""Curves of the pattern in an example."""
+MAX_CURVES = 12  # curves of the pattern in an example
 Records = list[dict[str, Any]]
 
 
@@ -40,20 +36,18 @@ Records = list[dict[str, Any]]
 @click.option("--with", "others", multiple=True, metavar="RUN",
               help="Another run in the same figure, in another colour. Repeatable.")
 @click.option("--target", "targets", multiple=True, metavar="QUANTITY=VALUE", callback=read_pairs,
-              help="Target of a quantity, as in 'finger.mcp.angle=5deg', in place of that of a "
-                   "controller. Repeatable.")
-@click.option("--x", "across", metavar="QUANTITY", default="",
-              help="Plot against this quantity, in place of time.")
+              help="Target, as in 'finger.mcp.angle=5deg'; by default the controller's. "
+                   "Repeatable.")
+@click.option("--x", "across", metavar="QUANTITY", default="", help="Horizontal axis, not time.")
 @click.option("--from", "begin", metavar="TIME", callback=read_quantity("time"),
-              help="Start of the plot, as in '0.5s' or '200 ms'.")
-@click.option("--to", "end", metavar="TIME", callback=read_quantity("time"),
-              help="End of the plot.")
+              help="Start of the plot, as in '0.5s'; that of the run by default.")
+@click.option("--to", "end", metavar="TIME", callback=read_quantity("time"), help="End, likewise.")
 @click.option("--width", metavar="LENGTH", callback=read_quantity("length"),
               help="Width of the figure on paper, as in '85mm'; 120 mm by default.")
 @click.option("--no-title", "untitled", is_flag=True, help="Omit the scene's title.")
 @file_option((*PICTURES, ".csv"), "A figure (.png, .svg, .pdf) or the table of responses (.csv); "
-             "plot.png in the run's directory by default. Repeatable.")
-@console_options()
+             "plot.png in RUN by default. Repeatable.")
+@takes(*OUTPUT)
 def plot(
     run: str, quantities: tuple[str, ...], others: tuple[str, ...], targets: dict[str, str],
     across: str, begin: float | None, end: float | None, width: float | None, untitled: bool,
@@ -67,7 +61,7 @@ def plot(
     compares runs, by default in the quantities that controllers lead to targets,
     and prints overshoot, settling time, errors and effort. Nothing is simulated.
     """
-    from sandbox.atomic_files import write_atomic
+    from sandbox.atomic_files import write_csv
     from sandbox.figure.signals import Plotted, Window, draw
     from sandbox.figure.style import save_figure
     from sandbox.recording.new_run import made
@@ -82,14 +76,16 @@ def plot(
             raise click.UsageError("name the quantities to plot; 'sandbox plot RUN' lists them")
         return console.finish({"quantities": _described(first)}, _listing(first, run))
     given = _target_values(targets, recordings)
-    names = matching(quantities, recordings, option="QUANTITY") or _led(recordings, given)
-    idle = _idle(names, quantities, recordings) if others else []
-    names = [name for name in names if name not in idle]
+    names = matching(quantities, recordings, option="QUANTITY") or _targeted(recordings, given)
     if across:
         run_with(across, recordings, option="--x")
+    labels = next((found for found in ([run.mechanism.name for run in recordings],
+                                       [path.name for path, _ in opened])
+                   if len(set(found)) == len(found) and all(found)),
+                  [str(path) for path, _ in opened])
     plotted = [Plotted(label, each, {name: goal for name, goal in targets_of(each, given).items()
                                      if name in names})
-               for label, each in zip(_labels(opened), recordings, strict=True)]
+               for label, each in zip(labels, recordings, strict=True)]
     # settling and effort refer to a whole run over time
     responses: Records = [] if restricted else _responses(plotted, names)
     efforts: Records = _efforts(plotted) if others and not restricted else []
@@ -99,23 +95,21 @@ def plot(
             file.suffix.lower() in PICTURES for file in files) else None
     for file in files:
         if file.suffix.lower() == ".csv":
-            write_atomic(file, _csv_text(responses, efforts))
+            write_csv(file, _csv_rows(responses, efforts))
         else:
             save_figure(drawing, file)
         made(file)
-    lines = _response_table(responses) if any(row["response"] for row in responses) else []
-    lines += ["", *_effort_table(efforts)] if efforts else []
-    lines += [f"left out, 0 in all runs: {', '.join(idle)}"] if idle else []
 
     def of(label: str, records: Records) -> Records:
         return [{key: value for key, value in row.items() if key != "run"}
                 for row in records if row["run"] == label]
 
-    return console.finish({"run": directory, "files": files, "left_out": idle, "runs": [
+    return console.finish({"run": directory, "files": files, "runs": [
         {"run": one.label, "directory": path, "title": one.run.mechanism.title,
          "complete": one.run.complete, "quantities": of(one.label, responses),
          "drives": of(one.label, efforts)}
-        for (path, _), one in zip(opened, plotted, strict=True)]}, [*lines, *files])
+        for (path, _), one in zip(opened, plotted, strict=True)]},
+        [*_tables(responses, efforts), *files])
 
 
 def _target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str, float]:
@@ -133,48 +127,20 @@ def _target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str
     return found
 
 
-def _labels(opened: Sequence[tuple[Path, Recording]]) -> list[str]:
-    """Names of the runs: their scenes, or their directories where these are equal."""
-    for found in ([run.mechanism.name for _, run in opened], [path.name for path, _ in opened]):
-        if len(set(found)) == len(found) and all(found):
-            return found
-    return [str(path) for path, _ in opened]
-
-
-def _led(recordings: Sequence[Recording], given: dict[str, float]) -> list[str]:
-    """The quantities with a target, and the drives of the controllers that lead them there."""
+def _targeted(recordings: Sequence[Recording], given: dict[str, float]) -> list[str]:
+    """The quantities with a target, and the drives of their controllers."""
     from sandbox.samples.targets import controlled, led
 
     names = [*(name for run in recordings for name in led(run)), *given]
     if not names:
-        raise click.UsageError("no controller of these runs leads a quantity to a target: "
+        raise click.UsageError("no controller of these runs has a target: "
                                "name the quantities to compare")
     drives = [f"{name}.value" for run in recordings for name in controlled(run)]
     return list(dict.fromkeys([*names, *drives]))
 
 
-def _idle(
-    names: Sequence[str], quantities: Sequence[str], recordings: Sequence[Recording],
-) -> list[str]:
-    """Quantities found by a pattern that are 0 in all runs; never all of the names."""
-    import numpy as np
-
-    from sandbox.web.packing import NOTHING
-
-    having = {name: [run for run in recordings if name in run] for name in names}
-    sizes = {name: max(float(np.nanmax(np.abs(run[name]), initial=0.0)) for run in runs)
-             for name, runs in having.items()}
-    units = {name: runs[0].unit(name) for name, runs in having.items()}
-    found = [name for name in names if name not in quantities and sizes[name] <= NOTHING * max(
-        size for other, size in sizes.items() if units[other] == units[name])]
-    return found if len(found) < len(names) else []
-
-
 def _responses(plotted: Sequence[Plotted], names: Sequence[str]) -> Records:
-    """How quantities follow their targets, if they have one, in each run; SI.
-
-    ``final`` is the mean over the end of the run.
-    """
+    """How quantities follow their targets in each run, and their mean at its end; SI."""
     from sandbox.samples.targets import controlled, ending, responses
 
     drives = {f"{name}.value" for one in plotted for name in controlled(one.run)}
@@ -203,47 +169,40 @@ def _efforts(plotted: Sequence[Plotted]) -> Records:
             for drive in drives for one in plotted if drive in controlled(one.run)]
 
 
-def _response_table(responses: Records) -> list[str]:
-    """A row for each run and quantity; angles in degrees."""
+def _tables(responses: Records, efforts: Records) -> list[str]:
+    """A row for each run and quantity, angles in degrees; and for each run and controlled drive."""
     from sandbox.figure.style import number, shown_as
 
-    rows = []
+    lines, rows = list[str](), []
     for row in responses:
         shown, r = shown_as(row["unit"]), row["response"]
-        cells = ["-"] * 5 if r is None else [
-            number(shown.factor * r["target"]), number(r["overshoot"], 3), number(r["settling"]),
-            f"{shown.factor * r['steady_error']:+.3g}", f"{shown.factor * r['iae']:.4g}"]
         rows.append([row["quantity"], row["run"], shown.unit, number(shown.factor * row["final"]),
-                     *cells])
-    return table(["quantity", "run", "unit", "end", "target", "overshoot %", "settling s",
-                  "steady error", "IAE"], rows, right="<<<>>>>>>")
+                     *(["-"] * 5 if r is None else [
+                         number(shown.factor * r["target"]), number(r["overshoot"], 3),
+                         number(r["settling"]), f"{shown.factor * r['steady_error']:+.3g}",
+                         f"{shown.factor * r['iae']:.4g}"])])
+    if any(row["response"] for row in responses):
+        lines += table(["quantity", "run", "unit", "end", "target", "overshoot %", "settling s",
+                        "steady error", "IAE"], rows, right="<<<>>>>>>")
+    if efforts:
+        lines += ["", *table(
+            ["drive", "run", "unit", "total variation", "peak", "largest rate /s"],
+            [[row["drive"], row["run"], row["unit"], number(row["variation"]), number(row["peak"]),
+              f"{row['rate']:.4g}"] for row in efforts], right="<<<>>>")]
+    return lines
 
 
-def _effort_table(efforts: Records) -> list[str]:
-    """A row for each run and controlled drive."""
-    from sandbox.figure.style import number
-
-    rows = [[row["drive"], row["run"], row["unit"], number(row["variation"]), number(row["peak"]),
-             f"{row['rate']:.4g}"] for row in efforts]
-    return table(["drive", "run", "unit", "total variation", "peak", "largest rate /s"], rows,
-                 right="<<<>>>")
-
-
-def _csv_text(responses: Records, efforts: Records) -> str:
-    """One number a line: run, name, measure, value, unit; SI. What never happens is empty."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(["run", "name", "measure", "value", "unit"])
+def _csv_rows(responses: Records, efforts: Records) -> Iterator[tuple[str, ...]]:
+    """One number a line, SI; empty for what never happens."""
+    yield "run", "name", "measure", "value", "unit"
     for row in [*responses, *efforts]:
         name, unit = row.get("quantity") or row["drive"], row["unit"]
         units = {"overshoot": "%", "settling": "s", "iae": f"{unit} s", "rate": f"{unit}/s"}
         measures = row.get("response") or {
             key: value for key, value in row.items() if isinstance(value, float)}
         for measure, value in measures.items():
-            writer.writerow([row["run"], name, measure,
-                             f"{value:.12g}" if math.isfinite(value) else "",
-                             units.get(measure, unit)])
-    return out.getvalue()
+            yield (row["run"], name, measure, f"{value:.12g}" if math.isfinite(value) else "",
+                   units.get(measure, unit))
 
 
 # -- the quantities of a run ---------------------------------------------------------
@@ -313,7 +272,7 @@ def _examples(run: Recording, pairs: list[str]) -> Iterator[list[str]]:
 
 
 def _rows(rows: list[tuple[str, str, str]]) -> list[str]:
-    return [f"  {line}" for line in table([], [
+    return ["  " + line for line in table([], [
         (name, "" if unit == "1" else unit, about) for name, unit, about in rows])]
 
 

@@ -29,12 +29,13 @@ from sandbox.cli.console import (
 )
 from sandbox.cli.options import (
     OUT,
+    OUTPUT,
     RENDERS,
+    SCENE,
     Source,
-    console_options,
     refuse_blocking,
     safe_name,
-    takes_scene,
+    takes,
 )
 from sandbox.cli.runs import files_of, write_page
 from sandbox.cli.scenes import inspection_data, inspection_lines
@@ -48,25 +49,19 @@ if TYPE_CHECKING:
     from sandbox.scene.read.load import Loaded
     from sandbox.web.server import Server
 
-MAX_ROWS = 12
-"""Expectations that are all listed; of more, those that passed are only counted."""
-AUDIT_PAGE = "docs/audit.md"
-"""Explanation of the consistency checks."""
+MAX_ROWS = 12  # expectations that are all listed; of more, those that passed are only counted
+AUDIT_PAGE = "docs/audit.md"  # explanation of the consistency checks
 
 
 @click.command()
-@click.option("--out", type=OUT, metavar="DIR",
-              help="Directory for the files; renders/<scene name> by default.")
-@click.option("--solver", type=click.Choice(["direct", "pymunk"]),
-              help="Solver; that of the scene's run by default.")
+@click.option("--out", type=OUT, metavar="DIR", help="Directory; renders/NAME by default.")
+@click.option("--solver", type=click.Choice(["direct", "pymunk"]), help="By default the scene's.")
 @click.option("--no-render", is_flag=True, help="Numbers only, no pictures.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")
-@click.option("--report", "writes_page", is_flag=True,
-              help="Also write report.html, a page that plays the run.")
+@click.option("--report", "writes_page", is_flag=True, help="Also write report.html.")
 @click.option("--audit", "lists_checks", is_flag=True, help="List all consistency checks.")
-@takes_scene
-@console_options()
+@takes(*SCENE, *OUTPUT)
 def run(
     scene: Source, out: Path | None, solver: str | None, no_render: bool, animation: str,
     writes_page: bool, lists_checks: bool, console: Console,
@@ -78,54 +73,38 @@ def run(
     expectations of the scene that passed and failed, and the warnings of the
     consistency checks. Exits 1 if an expectation failed.
     """
+    from sandbox.engine.inspect_control import Checked
+    from sandbox.engine.simulate import simulate
     from sandbox.recording.new_run import writing
 
     loaded = scene.load({} if solver is None else {"run.solver": solver})
-    problems = _look_at(scene, loaded, console)
-    directory = out or RENDERS / safe_name(loaded.mechanism.name)
-    with writing(directory) as new:
-        job = _Job(scene, loaded, new, console, "" if no_render else animation, writes_page)
-        try:
-            recording = job.simulate()
-        except RunEnded as error:
-            return job.keep(error)
-        job.write(recording)
-    return _finish(job, recording, problems, lists_checks)
-
-
-def _look_at(scene: Source, loaded: Loaded, console: Console) -> list[Problem]:
-    """Inspect a scene and print the warnings."""
     problems = scene.inspect(loaded).problems
     refuse_blocking(problems, loaded)
     console.warn(*inspection_lines(problems, loaded), *pages_line(problems))
-    return problems
+    with writing(out or RENDERS / safe_name(loaded.mechanism.name)) as new:
+        job = _Job(scene, loaded, new, console)
+        try:
+            with compilation_notices(console), Progress("Simulating", console) as progress:
+                recording = simulate(Checked(loaded.mechanism), progress=progress,
+                                     recorded_bytes=scene.limits.recorded_bytes)
+        except RunEnded as error:
+            return job.keep(error)
+        job.wall_s |= recording.info.wall
+        job.write(recording, "" if no_render else animation, writes_page)
+    return _finish(job, recording, problems, lists_checks)
 
 
 @dataclasses.dataclass
 class _Job:
-    """A run in progress."""
+    """A run whose files are written."""
 
     scene: Source
     loaded: Loaded
     new: NewRun
     console: Console
-    animation: str
-    """``gif``, ``mp4`` or empty."""
-    writes_page: bool
     judged: Sequence[Verdict] = ()
     checks: Sequence[Figure] = ()
-    wall_s: dict[str, float] = dataclasses.field(default_factory=dict)
-    """Duration of each phase [s]."""
-
-    def simulate(self) -> Recording:
-        from sandbox.engine.inspect_control import Checked
-        from sandbox.engine.simulate import simulate
-
-        with compilation_notices(self.console), Progress("Simulating", self.console) as progress:
-            recording = simulate(Checked(self.loaded.mechanism), progress=progress,
-                                 recorded_bytes=self.scene.limits.recorded_bytes)
-        self.wall_s |= recording.info.wall
-        return recording
+    wall_s: dict[str, float] = dataclasses.field(default_factory=dict)  # duration of each phase
 
     def keep(self, error: RunEnded) -> int:
         """Save what was recorded before a run ended early, marked incomplete; its exit code."""
@@ -137,18 +116,18 @@ class _Job:
         if recording is not None:
             save_data(recording, self.new.aside)
             try:
-                self._judge(recording)
-            except KeyboardInterrupt:  # a second Ctrl-C: leave it out
-                pass
+                with contextlib.suppress(KeyboardInterrupt):  # a second Ctrl-C: leave it out
+                    self._judge(recording)
             finally:
                 self._save_summary(recording)
                 more |= self._publish(recording, not isinstance(error, SimulationDiverged))
         return report(error, self.console, **more)
 
-    def write(self, recording: Recording) -> None:
+    def write(self, recording: Recording, animation: str, writes_page: bool) -> None:
         """Save and draw in parallel, then put all files in place."""
         from sandbox.recording.new_run import PAGE
-        from sandbox.recording.store import save_data
+        from sandbox.recording.store import save_data, unfinished
+        from sandbox.samples.outcome import INTERRUPTED
 
         def save() -> None:
             with self._timed("save"):
@@ -157,25 +136,31 @@ class _Job:
         with ThreadPoolExecutor(max_workers=1) as beside:
             saved = beside.submit(save)
             try:
-                if self.animation:
+                if animation:
                     from sandbox.picture.film import render
 
                     with self._timed("draw"), Progress("Drawing", self.console) as progress:
-                        render(recording, self.new.aside / f"animation.{self.animation}",
+                        render(recording, self.new.aside / f"animation.{animation}",
                                progress=progress, most_frames=self.scene.limits.frames)
                 saved.result()
                 with self._timed("audit"):
                     self._judge(recording)
-                if self.writes_page:
+                if writes_page:
                     from sandbox.web.page import FoundOut
 
                     with self._timed("report"):
                         write_page([recording], self.new.aside / PAGE, [FoundOut(
                             self.judged, self.checks, str(self.new.directory))])
                 self._save_summary(recording)
-            except BaseException as error:
+            except BaseException as error:  # keep the numbers, marked incomplete
                 saved.result()
-                self._keep_numbers(recording, error)
+                info = dataclasses.replace(
+                    recording.info, complete=False, reason=INTERRUPTED) \
+                    if isinstance(error, KeyboardInterrupt) else unfinished(recording.info)
+                kept = type(recording)(recording.mechanism, recording.arrays, info)
+                self.judged = self.checks = ()
+                self._save_summary(kept)
+                self._publish(kept, stopped=True)
                 raise
         self.new.publish()
 
@@ -198,19 +183,6 @@ class _Job:
         save_summary(recording, self.new.aside, parameters=self.loaded.scene.parameters,
                      derived=self.loaded.derived, verdicts=self.judged, wall_s=self.wall_s,
                      figures=self.checks)
-
-    def _keep_numbers(self, recording: Recording, error: BaseException) -> None:
-        """Save the numbers of a run that was stopped while drawing, marked incomplete."""
-        from sandbox.recording.store import unfinished
-        from sandbox.samples.outcome import INTERRUPTED
-
-        info = dataclasses.replace(
-            recording.info, complete=False, reason=INTERRUPTED) \
-            if isinstance(error, KeyboardInterrupt) else unfinished(recording.info)
-        kept = type(recording)(recording.mechanism, recording.arrays, info)
-        self.judged = self.checks = ()
-        self._save_summary(kept)
-        self._publish(kept, stopped=True)
 
     def _publish(self, recording: Recording, stopped: bool) -> dict[str, Any]:
         """Put an incomplete run in place and print where; its part of the JSON object."""
@@ -250,10 +222,7 @@ def _finish(job: _Job, recording: Recording, problems: list[Problem], lists_chec
 
 
 def _expectation_lines(judged: Sequence[Verdict]) -> list[str]:
-    """A table of expectations, the reasons of failures, and the count.
-
-    Of more than :data:`MAX_ROWS` only those that failed are listed.
-    """
+    """A table of expectations (of many, those that failed), the reasons of failures, the count."""
     failed = [v for v in judged if not v.ok]
     listed = judged if len(judged) <= MAX_ROWS else failed
     rows = [[v.quantity, v.statistic, shown(v.value, ".6g"), v.allowed,
@@ -299,9 +268,9 @@ def _check_lines(checks: Sequence[Figure], solver: str, *, whole: bool) -> list[
 
 @click.command()
 @click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N",
-              help="Port to listen on; by default a free one.")
+              help="Port of the page; by default a free one.")
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
-@takes_scene
+@takes(*SCENE)
 def view(scene: Source, port: int, no_browser: bool) -> int:
     """Open SCENE in the browser: run, pause, pull bodies, move sliders.
 

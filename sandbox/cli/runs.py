@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sandbox.cli.console import Console, Progress
-from sandbox.cli.options import OUT, RENDERS, console_options, limit_option, safe_name, written
+from sandbox.cli.options import OUT, OUTPUT, RENDERS, safe_name, takes, written
 from sandbox.errors import OutputError
 from sandbox.wording import is_pattern, listed, or_near
 
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from sandbox.recording.recording import Recording
     from sandbox.scene.read.limits import Limits
     from sandbox.web.page import FoundOut
-
-AUTO = ""
-"""Value of ``--strip`` without a number."""
 
 
 def files_of(directory: Path) -> list[str]:
@@ -99,16 +96,6 @@ def matching(patterns: Sequence[str], runs: Sequence[Recording], *, option: str)
 # -- pictures ------------------------------------------------------------------------
 
 
-def _read_strip(ctx: click.Context, param: click.Parameter, word: str | None) -> bool | int:
-    """Read ``--strip``: an integer, True without one, False without the option."""
-    if not word:
-        return word == AUTO
-    try:
-        return int(word)
-    except ValueError:
-        raise click.BadParameter(f"{word!r} is not a valid integer", ctx, param) from None
-
-
 def _read_size(
     ctx: click.Context, param: click.Parameter, word: str | None,
 ) -> tuple[int, int] | str | None:
@@ -128,32 +115,29 @@ def _read_size(
               help="A .gif or .mp4 film, a .png, .svg or .pdf still, or a directory for PNG "
                    "frames; RUN/animation.gif by default. Repeatable.")
 @click.option("--format", "ending", type=click.Choice(["gif", "mp4", "png", "svg", "pdf"]),
-              help="Of the file in RUN that is written without --out.")
+              help="Of the file in RUN that is written without --out; gif or png by default.")
 @click.option("--at", multiple=True, metavar="TIME",
               help="Draw a still at a time: '0.8s', 'start' or 'end'. Repeatable.")
-@click.option("--strip", is_flag=False, flag_value=AUTO, callback=_read_strip, metavar="[N]",
+@click.option("--strip", is_flag=False, flag_value=0, type=click.IntRange(min=0), metavar="[N]",
               help="Draw N moments side by side (5 without N), or those of --at.")
 @click.option("--size", callback=_read_size, metavar="WxH",
               help="Pixels of the picture; '2x' for twice the size of the scene's view; of a "
                    "still on paper '85mm' or '85mmx70mm'.")
 @click.option("--labels", type=click.Choice(["all", "scales", "none"]), default="all",
               show_default=True, help="All of title, time and legend, or only scales.")
-@click.option("--transparent", is_flag=True,
-              help="Transparent background; of stills, PNG frames and a GIF.")
+@click.option("--transparent", is_flag=True, help="Transparent background, except of MP4.")
 @click.option("--show", metavar="LAYERS",
-              help="Additional layers, as in 'traces,velocity'; '-contacts' hides one, 'all' shows "
-                   "every one.")
+              help="More layers, as in 'traces,velocity'; '-contacts' hides one; 'all'.")
 @click.option("--follow", metavar="BODY", help="Body that the view follows.")
 @click.option("--fit", "bodies", multiple=True, metavar="BODY",
-              help="Name or pattern of bodies or groups that the view is fitted to, as in "
-                   "'finger*'. Repeatable.")
-@click.option("--fps", type=click.Choice(["20", "25", "50"]), help="Frames per second.")
+              help="Bodies or groups that the view is fitted to, as in 'finger*'. Repeatable.")
+@click.option("--fps", type=click.Choice(["20", "25", "50"]),
+              help="Frames per second; the view's by default.")
 @click.option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
-              help="Seconds of motion per second of film.")
-@limit_option
-@console_options("quiet")
+              help="Seconds of motion per second of film; the view's by default.")
+@takes("limit", "quiet")
 def render(
-    run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...], strip: bool | int,
+    run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...], strip: int | None,
     labels: str, fps: str | None, bodies: tuple[str, ...], limits: Limits, console: Console,
     **view: Any,
 ) -> None:
@@ -171,11 +155,18 @@ def render(
                                "sets the format")
     directory = run_directory(run)
     recording = Recording.load(directory)
-    paths = outs or (directory / _file_name(ending, at, strip),)
-    wrong = []
+    if strip is not None:
+        name = f"strip.{ending or 'png'}"
+    elif len(at) == 1:
+        name = f"still_{''.join(at[0].split())}.{ending or 'png'}"
+    elif at or ending in ("png", "svg", "pdf"):
+        name = f"still{'' if at else '_end'}.{ending or 'png'}"
+    else:
+        name = f"animation.{ending or 'gif'}"
+    paths, wrong = outs or (directory / name,), []
     for path in paths:  # all are checked before the first is drawn
         try:
-            is_still(path, at=bool(at), strip=strip is not False, size=view["size"],
+            is_still(path, at=bool(at), strip=strip is not None, size=view["size"],
                      transparent=view["transparent"])
         except OutputError as error:
             wrong.append(str(error))
@@ -183,24 +174,14 @@ def render(
         raise OutputError("\n".join(wrong), code="bad-picture")
     for path in paths:
         with Progress("Drawing", console) as progress:
-            files = draw(recording, path, at=at or None, strip=strip, bare=labels == "none",
+            files = draw(recording, path, at=at or None,
+                         strip=False if strip is None else strip or True, bare=labels == "none",
                          scales=labels == "scales", fps=None if fps is None else int(fps),
                          bodies=bodies or None, progress=progress, most_frames=limits.frames,
                          **view)
         for file in files:
             made(file)
             console.say(file)
-
-
-def _file_name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> str:
-    """The file in the directory of a run that is written without ``--out``."""
-    if strip is not False:
-        return f"strip.{ending or 'png'}"
-    if len(at) == 1:
-        return f"still_{''.join(at[0].split())}.{ending or 'png'}"
-    if at or ending in ("png", "svg", "pdf"):
-        return f"still{'' if at else '_end'}.{ending or 'png'}"
-    return f"animation.{ending or 'gif'}"
 
 
 # -- pages ---------------------------------------------------------------------------
@@ -211,9 +192,9 @@ def _file_name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> st
 @click.option("--out", type=OUT, metavar="FILE",
               help="The page; report.html in the first run's directory by default.")
 @click.option("--plot", "plots", multiple=True, metavar="QUANTITY",
-              help="A quantity or pattern to plot first, such as 'finger.*.angle'; by default the "
-                   "meters of the view, then the expected quantities. Repeatable.")
-@console_options()
+              help="Quantities to plot first, as in 'finger.*.angle'; by default the meters, then "
+                   "the expected quantities. Repeatable.")
+@takes(*OUTPUT)
 def report_runs(
     runs: tuple[str, ...], out: Path | None, plots: tuple[str, ...], console: Console,
 ) -> int:
@@ -228,13 +209,10 @@ def report_runs(
 
     if len(runs) > MOST_RUNS:
         raise click.UsageError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
-    opened = [open_run(word, console) for word in runs]
-    seen: dict[Path, Path] = {}
-    for directory, _ in opened:
-        if (first := seen.setdefault(directory.resolve(), directory)) is not directory:
-            also = "" if first == directory else f", as {str(first)!r} too"
-            raise click.UsageError(f"the run in {str(directory)!r} is given twice{also}")
-    directories, recordings = zip(*opened, strict=True)
+    directories, recordings = zip(*(open_run(word, console) for word in runs), strict=True)
+    for k, directory in enumerate(directories):
+        if directory.resolve() in [each.resolve() for each in directories[:k]]:
+            raise click.UsageError(f"the run in {str(directory)!r} is given twice")
     path = out or directories[0]
     path = path / PAGE if path.is_dir() else path
     if path.suffix.lower() not in (".html", ".htm"):

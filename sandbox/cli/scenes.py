@@ -10,26 +10,25 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sandbox.atomic_files import write_atomic
-from sandbox.cli.console import Console, Exit, one_line, pages_line, problem_data
+from sandbox.cli.console import Console, Exit, pages_line, problem_data
 from sandbox.cli.options import (
     OUT,
+    SCENE,
     Source,
     complete_scene,
-    console_options,
     refuse_blocking,
-    scene_options,
-    takes_scene,
+    takes,
     title_of,
 )
 from sandbox.errors import OutputError, Problem, SceneError
-from sandbox.wording import listed, meant, quoted
+from sandbox.wording import meant, quoted
 
 if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import Loaded
 
 @click.command("list")
-@console_options("json")
+@takes("json")
 def list_scenes(console: Console) -> int:
     """List the scenes that come with sandbox, by topic."""
     from sandbox.scene.library import folder_of, scene_topics, shipped_scenes
@@ -56,7 +55,8 @@ def new(name: str, out: Path | None) -> None:
     Included scenes and drawings are copied beside it. Nothing is overwritten.
     """
     from sandbox.scene.library import shipped_scenes
-    from sandbox.scene.read.load import read_scene
+    from sandbox.scene.read.limits import Limits
+    from sandbox.sweeps.job import make_bundle
 
     scenes = shipped_scenes()
     if name not in scenes:
@@ -65,13 +65,11 @@ def new(name: str, out: Path | None) -> None:
             + meant(name.removesuffix(".json"), scenes), param_hint="NAME")
     source, target = scenes[name], out or Path()
     target = target / source.name if target.is_dir() else target
-    whole = [source, *read_scene(source).files]
-    beside = [*whole[1:], *(path for scene in whole for path in _drawings(scene))]
     missing = {}
-    for path, original in {target: source, **{target.parent / path.name: path
-                                              for path in beside}}.items():
-        text = original.read_text(encoding="utf-8").replace(
-            '"$schema": "../scene.schema.json"', '"$schema": "./scene.schema.json"', 1)
+    for file, content in make_bundle(source, {}, Limits())[0].files.items():
+        path = target if file == source.name else target.parent / file
+        text = content.decode().replace('"$schema": "../scene.schema.json"',
+                                        '"$schema": "./scene.schema.json"', 1)
         if path == target or not path.is_file() or path.read_bytes() != text.encode():
             missing[path] = text
     for path in missing:
@@ -83,38 +81,13 @@ def new(name: str, out: Path | None) -> None:
     Console().say(*(f"wrote {path}" for path in missing), f"next: sandbox run {target}")
 
 
-def _drawings(scene: Path) -> list[Path]:
-    """The drawing files that a shipped scene names; they lie beside it."""
-    found, waiting = set(), [json.loads(scene.read_text(encoding="utf-8"))]
-    while waiting:
-        entry = waiting.pop()
-        if isinstance(entry, dict) and entry.get("type") == "drawing":
-            found.add(scene.with_name(entry["file"]))
-        if isinstance(entry, (dict, list)):
-            waiting += entry.values() if isinstance(entry, dict) else entry
-    return sorted(found)
-
-
-def _read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
-    """Check the name of a format."""
-    from sandbox.export import FORMATS
-
-    if word not in FORMATS:
-        raise click.BadParameter(
-            f"{quoted(word)} is no format to export to.{meant(word, FORMATS)} "
-            f"Allowed: {listed(FORMATS)}.", ctx, param)
-    return word
-
-
 @click.command()
-@click.option("--format", "--to", "form", metavar="FORMAT", default="mjcf", show_default=True,
-              callback=_read_format,
-              help="Format: mjcf, a model for MuJoCo, or pymunk, a script in Python.")
+@click.option("--format", "--to", "form", type=click.Choice(["mjcf", "pymunk"]), default="mjcf",
+              show_default=True, help="A model for MuJoCo, or a script in Python for pymunk.")
 @click.option("--out", type=OUT, metavar="FILE", help="File to write; stdout by default.")
 @click.option("--without", multiple=True, metavar="NAME",
-              help="Leave out an element and all that depends on it; patterns such as 'tree.*' "
-                   "too. Repeatable.")
-@takes_scene
+              help="Leave out elements and all that depends on them, as in 'tree.*'. Repeatable.")
+@takes(*SCENE)
 def export(scene: Source, form: str, out: Path | None, without: tuple[str, ...]) -> None:
     """Export SCENE as a MuJoCo model (MJCF), or as a Python script for pymunk.
 
@@ -139,20 +112,14 @@ def export(scene: Source, form: str, out: Path | None, without: tuple[str, ...])
         console.warn(f"left out: {', '.join(made.left_out)}")
 
 
-FINDING = ("code", "severity", "element", "message", "advice", "path", "line", "column")
-"""Fields of a warning in JSON."""
-
-
 @click.command()
 @click.argument("scenes", metavar="SCENE...", nargs=-1, shell_complete=complete_scene)
 @click.option("--strict", is_flag=True, help="Let warnings fail the check.")
-@click.option("--expand", is_flag=True,
-              help="Print the one SCENE as plain elements, itself a scene.")
+@click.option("--expand", is_flag=True, help="Print the one SCENE as plain elements, a scene, too.")
 @click.option("--schema", is_flag=False, flag_value="scene", metavar="[KIND]",
               type=click.Choice(["scene", "study"]),
               help="Print the JSON Schema of scenes, for editors; 'study' for that of study files.")
-@scene_options
-@console_options("json")
+@takes("set", "elements", "limit", "json")
 def check(
     scenes: tuple[str, ...], overrides: dict[str, Any], limits: Limits, strict: bool, expand: bool,
     schema: str | None, console: Console,
@@ -207,7 +174,7 @@ def report_of(source: Source, console: Console) -> dict[str, Any]:
     except SceneError as error:
         report |= {"ok": False, "errors": [problem_data(problem, error.source)
                                            for problem in error.problems]}
-        lines = [*(one_line(problem, error.source) for problem in error.problems), *lines]
+        lines = [*(problem.at(error.source) for problem in error.problems), *lines]
         others = [*error.problems, *others]
     if lines:
         console.warn(*lines)
@@ -227,12 +194,13 @@ def inspection_lines(problems: list[Problem], loaded: Loaded) -> list[str]:
         groups.setdefault(re.sub(r"(?<=[A-Za-z_])\d+", "#", str(problem)), []).append(problem)
     placed = loaded.placed(first for first, *_ in groups.values())
     return [
-        f"{one_line(first, loaded.name)}{f' (and so for {others} more)' if others else ''}"
+        f"{first.at(loaded.name)}{f' (and so for {others} more)' if others else ''}"
         for first, others in zip(placed, (len(group) - 1 for group in groups.values()), strict=True)
     ]
 
 
 def inspection_data(problems: list[Problem], loaded: Loaded) -> list[dict[str, Any]]:
     """Warnings with their places, as JSON data."""
-    return [{**{name: getattr(problem, name) for name in FINDING},
+    names = ("code", "severity", "element", "message", "advice", "path", "line", "column")
+    return [{**{name: getattr(problem, name) for name in names},
              "file": problem.file or loaded.name} for problem in loaded.placed(problems)]

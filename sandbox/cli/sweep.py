@@ -7,51 +7,46 @@ import shlex
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import timedelta
+from functools import partial, reduce
 from itertools import count as count_from
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.console import Console, Heartbeat, Progress, many_runs, table
+from sandbox.cli.console import Console, Progress, many_runs, table
 from sandbox.cli.entry import Commands
 from sandbox.cli.options import (
     OUT,
+    OUTPUT,
+    SCENE,
     Command,
     Source,
-    console_options,
     prepare,
     read_pairs,
     read_quantity,
     safe_name,
-    takes_scene,
+    takes,
     written,
 )
 from sandbox.errors import SandboxError, SceneError
 
 if TYPE_CHECKING:
-    from sandbox.errors import Problem
-    from sandbox.search.searches import Search
-    from sandbox.sweeps.plan import Plan
+    from sandbox.search.session import Session
     from sandbox.sweeps.sweep import Advance
     from sandbox.sweeps.table import SweepTable
 
 DESIGNS = ("grid", "paired", "latin_hypercube", "sobol", "halton", "random")
-SWEEPS, SEARCHES = Path("sweeps"), Path("searches")
 MAX_REASONS = 5
-QUESTION = "asked.json"
+QUESTION = "question.json"
 """The question of a directory in ``searches/``, which other questions do not use."""
 EXTENT = ("runs", "within", "count")
 """Options that extend a search, which then continues in the same directory."""
-NAMES = {"best": "optimize"}
-"""Commands whose names differ from those in study files."""
-
-
-# -- options -------------------------------------------------------------------------
+NAMES = {"best": "optimize"}  # commands whose names differ from those in study files
 
 
 def _read_workers(ctx: click.Context, param: click.Parameter, word: str | None) -> int | str:
@@ -60,40 +55,40 @@ def _read_workers(ctx: click.Context, param: click.Parameter, word: str | None) 
 
     if word is None:
         return 0
-    if "://" in word or word.endswith(".json"):
+    if "://" in word:
         return word
-    try:
-        number = int(word)
-        if number < 1:
-            raise ValueError
-        check_workers(number)
-    except ValueError:
+    if not word.isdecimal() or int(word) < 1:
         raise click.BadParameter(f"{word!r} is neither a number of processes nor the address of a "
-                                 "Dask scheduler, as in tcp://10.0.0.1:8786", ctx, param) from None
+                                 "Dask scheduler, as in tcp://10.0.0.1:8786", ctx, param)
+    try:
+        return check_workers(int(word))
     except SandboxError as error:
         raise click.BadParameter(str(error), ctx, param) from None
-    return number
 
 
 def _takes_study(
     values: str, directory: str, *own: Callable[[Any], Any],
 ) -> Callable[[Command], Command]:
     """Give a command SCENE, ``--vary``, its own options, and those of all sweeps and searches."""
-    def give(command: Command) -> Command:
-        command = console_options()(takes_scene(command))
-        for option in reversed([
-            click.option("--vary", multiple=True, metavar="PATH=VALUES", callback=read_pairs,
-                         help=values),
-            *own,
-            click.option("--out", type=OUT, metavar="DIR", help=directory),
-            click.option("--workers", metavar="N|ADDRESS", callback=_read_workers,
-                         help="Processes, one for each processor by default; or the address of a "
-                              "Dask scheduler, as in tcp://10.0.0.1:8786."),
-        ]):
-            command = option(command)
-        return command
+    options = [
+        click.option("--vary", multiple=True, metavar="PATH=VALUES", callback=read_pairs,
+                     help=values),
+        *own,
+        click.option("--out", type=OUT, metavar="DIR", help=directory),
+        click.option("--workers", metavar="N|ADDRESS", callback=_read_workers,
+                     help="Processes, by default one per processor; or a Dask scheduler."),
+        takes(*SCENE, *OUTPUT)]
+    return lambda command: reduce(lambda made, option: option(made), reversed(options), command)
 
-    return give
+
+_KEEP = click.option("--keep", multiple=True, metavar="RESULT",
+                     help="A result of each run: 'max disc.x over last 0.2 s', 'tip=final tip.x', "
+                          "'ratio==tip / pull', a quantity for its last value. By default those "
+                          "of the expectations.")
+_WHERE = click.option("--where", multiple=True, metavar="CONDITION",
+                      help="A condition on results: 'slip < 1 mm'. Several must all hold.")
+_SEED = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
+                     help="Of random points.")
 
 
 def _is_study(scene: Source, defined: Collection[str]) -> bool:
@@ -116,6 +111,8 @@ def _problems_at_options(
     vary: Mapping[str, str], keep: Sequence[str], example: str,
 ) -> Iterator[None]:
     """Report problems of a study made of options at these options."""
+    from sandbox.values.paths import parse_path
+
     if not vary:
         raise click.BadParameter(f"nothing is varied: add --vary '{example}', or give a study "
                                  "file.", param_hint="--vary")
@@ -124,23 +121,18 @@ def _problems_at_options(
     except SceneError as error:
         if error.source:
             raise
-        raise SceneError([_at_option(each, vary, keep) for each in error.problems]) from None
-
-
-def _at_option(problem: Problem, vary: Mapping[str, str], keep: Sequence[str]) -> Problem:
-    from sandbox.values.paths import parse_path
-
-    head, *steps = (*parse_path(problem.path), "", "") if problem.path.startswith("$") else ("",)
-    if head not in ("vary", "keep", "set", "design", "count", "seed"):
-        return problem
-    word = ""
-    if head == "vary":
-        word = next((f"{step}={vary[str(step)]}" for step in steps if step in vary), "")
-    elif head == "keep":
-        word = next((text for text in keep if steps[0] in (text, text.partition("=")[0].strip())),
-                    "")
-    return replace(problem, path=f"--{head} {shlex.quote(word)}" if word else f"--{head}",
-                   fields="")
+        problems = []
+        for each in error.problems:
+            head, *steps = parse_path(each.path) if each.path.startswith("$") else ("",)
+            if head in ("vary", "keep", "set", "design", "count", "seed"):
+                names = {f"{path}={values}": (path,) for path, values in vary.items()} \
+                    if head == "vary" else {text: (text, text.partition("=")[0].strip())
+                                            for text in keep if head == "keep"}
+                word = next((text for text, known in names.items() if {*known} & {*steps}), "")
+                each = replace(each, path=f"--{head} {shlex.quote(word) if word else ''}".rstrip(),
+                               fields="")
+            problems.append(each)
+        raise SceneError(problems) from None
 
 
 # -- sweeps --------------------------------------------------------------------------
@@ -148,23 +140,18 @@ def _at_option(problem: Problem, vary: Mapping[str, str], keep: Sequence[str]) -
 
 @click.command()
 @_takes_study(
-    "Values of a path: from:to:count, as in 'parameters.pull=2 N:8 N:7', ':log' behind it for even "
-    "ratios; a list, '1,2,5'; a distribution, 'normal(3 N, 0.2 N)'; from:to, of designs with a "
-    "count. Several make a grid.",
+    "Values of a path: from:to:count, as in 'parameters.pull=2 N:8 N:7', with ':log' even ratios; "
+    "a list, '1,2,5'; a distribution, 'normal(3 N, 0.2 N)'; from:to, of designs with a count. "
+    "Several make a grid.",
     "Directory of the table, and of finished runs; sweeps/NAME by default.",
-    click.option("--keep", multiple=True, metavar="RESULT",
-                 help="A result of each run: 'max disc.x over last 0.2 s', 'tip=final tip.x', "
-                      "'ratio==tip / pull'; a quantity alone means its last value. By default "
-                      "those of the scene's expectations."),
+    _KEEP,
     click.option("--design", type=click.Choice(DESIGNS), help="Arrangement of the points; a grid "
                  "by default, random where there is a distribution, else latin_hypercube."),
     click.option("--count", type=click.IntRange(min=1), metavar="N",
                  help="Number of points, of designs other than grid and paired."),
-    click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
-                 help="Of random points."))
+    _SEED)
 @click.option("--recordings", is_flag=True, help="Keep the whole recording of each run, too.")
-@click.option("--no-audit", is_flag=True, help="Do not audit runs, which takes as long as running "
-              "them.")
+@click.option("--no-audit", is_flag=True, help="Do not audit runs; this halves the time.")
 @click.option("--again", is_flag=True, help="Repeat finished runs.")
 def sweep(
     scene: Source, out: Path | None, workers: int | str, again: bool, console: Console,
@@ -182,39 +169,33 @@ def sweep(
     began = time.perf_counter()
     if isinstance(workers, int):
         preload()
-    from sandbox.sweeps.sweep import run_plan
+    from sandbox.sweeps.plan import plan_of, read_plan
+    from sandbox.sweeps.sweep import run_plan, study_data
     from sandbox.sweeps.table import preload as preload_figures
 
-    plan = _plan(scene, options)
-    folder = out or SWEEPS / safe_name(plan.name)
+    if _is_study(scene, {*options, "overrides"}):
+        plan = read_plan(scene.word, scene.limits)
+    else:
+        audit = not options.pop("no_audit")
+        with _problems_at_options(options["vary"], options["keep"], "parameters.pull=2:8:7"):
+            plan = plan_of(study_data(scene.word, set=scene.overrides, audit=audit, **options),
+                           scene.limits)
+    folder = out or Path("sweeps", safe_name(plan.name))
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
     preload_figures()
-    beat = Heartbeat(console)
     with many_runs(folder, console), Progress("sweep", console) as bar:
         def advance(at: Advance) -> None:
-            bar(at.fraction)
+            bar(at.done / max(at.total - at.before, 1))
             if not sys.stderr.isatty() and at.done:
                 rate = at.done / at.seconds
                 left = timedelta(seconds=round((at.total - at.before - at.done) / rate))
-                beat(f"{at.before + at.done} of {at.total} runs, {rate:.3g} a second, {left} left"
-                     + (f", {at.doubtful} to look at" if at.doubtful else ""))
+                looks = f", {at.doubtful} to look at" if at.doubtful else ""
+                bar.note(f"{at.before + at.done} of {at.total} runs, {rate:.3g} a second, "
+                         f"{left} left{looks}")
 
         found = run_plan(plan, folder, workers=workers, again=again, progress=advance)
     return _report_sweep(found, folder, console, time.perf_counter() - began)
-
-
-def _plan(scene: Source, options: dict[str, Any]) -> Plan:
-    """The plan of a study file, or of a scene and the options of the command."""
-    from sandbox.sweeps.plan import plan_of, read_plan
-    from sandbox.sweeps.sweep import study_data
-
-    if _is_study(scene, {*options, "overrides"}):
-        return read_plan(scene.word, scene.limits)
-    audit = not options.pop("no_audit")
-    with _problems_at_options(options["vary"], options["keep"], "parameters.pull=2:8:7"):
-        return plan_of(study_data(scene.word, set=scene.overrides, audit=audit, **options),
-                       scene.limits)
 
 
 def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: float) -> int:
@@ -235,17 +216,19 @@ def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: fl
         rows.append([name, found.plan.units.get(name, ""), *numbers])
     if rows:
         lines += [*table(["kept", "unit", "least", "middle", "largest"], rows, right="<<>>>"), ""]
-    reasons = {status: _most_frequent(reason for run, reason in found.reason.items()
-                                      if found.status[run] == status) for status in counts}
-    lines += [f"{runs} of {len(found)} runs {status}: {reasons[status]}"
+    reasons: dict[str, Counter[str]] = {}
+    for status, reason in zip(found.status, found.reason, strict=True):
+        reasons.setdefault(status, Counter()).update([reason] if reason else ())
+    lines += [f"{runs} of {len(found)} runs {status}: {_most_frequent(reasons[status])}"
               for status, runs in counts.items() if status != "done"]
-    if lacking := sum(found.status[run] == "done" for run in found.reason):
-        lines.append(f"{lacking} runs have missing results: {reasons['done']}")
+    if words := reasons.get("done"):
+        lines.append(f"{words.total()} runs have missing results: {_most_frequent(words)}")
     if missed:
-        failed = _most_frequent(name for run in missed for name in found.failed.get(run, ()))
-        lines.append(f"{len(missed)} of {len(found)} runs miss expectations: {failed}")
+        failed = Counter(name for run in missed for name in found.failed[run])
+        lines.append(f"{len(missed)} of {len(found)} runs miss expectations: "
+                     f"{_most_frequent(failed)}")
     if looks:
-        names = sorted({name for each in found.looks.values() for name in each})
+        names = sorted({name for each in found.looks for name in each})
         lines.append(f"{looks} runs have warnings: {', '.join(names)}")
     return console.finish({
         "directory": folder, "files": files, "runs": len(found), "counts": counts,
@@ -253,9 +236,8 @@ def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: fl
     }, [*lines, f"{folder}: {', '.join(files)}  ({seconds:.1f} s)"])
 
 
-def _most_frequent(words: Iterable[str]) -> str:
-    return "; ".join(f"{word} ({count})"
-                     for word, count in Counter(words).most_common(MAX_REASONS))
+def _most_frequent(words: Counter[str]) -> str:
+    return "; ".join(f"{word} ({count})" for word, count in words.most_common(MAX_REASONS))
 
 
 # -- searches ------------------------------------------------------------------------
@@ -264,33 +246,32 @@ def _most_frequent(words: Iterable[str]) -> str:
 class _Searches(Commands):
     """Runs the search of a study file, too."""
 
-    noun = "search"
-    nouns = "Searches"
+    noun, nouns = "search", "Searches"
 
     def resolve_command(
         self, ctx: click.Context, args: list[str],
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args[0] not in self.commands and (kind := _kind_of(args[0], ctx)):
+        if args[0] not in self.commands and args[0].endswith(".json"):
+            kind = _kind_of(args[0], ctx)
             return kind, self.commands[kind], args
         return super().resolve_command(ctx, args)
 
 
 def _kind_of(word: str, ctx: click.Context) -> str:
-    """The command of the search in a study file; empty for a word that names no file."""
+    """The command of the search in a study file."""
     from sandbox.scene.read.source import read_source
-    from sandbox.search.searches import FINDERS, read_search
+    from sandbox.search.searches import FINDERS
+    from sandbox.search.session import read_session
     from sandbox.sweeps.plan import study_file
 
     file = study_file(word)
-    if not word.endswith(".json"):
-        return ""
     found = read_source(file).data.get("search") if file else None
     if found is None:
         raise click.UsageError(
             f"{word} is not a search: write 'sandbox search optimize {word}', or add a key "
             f"\"search\" to the study file ({', '.join(search.list_commands(ctx))}).", ctx)
     kind = next((name for name in FINDERS if isinstance(found, dict) and name in found), "")
-    kind = kind or read_search(word).kind  # reports what is wrong with it
+    kind = kind or read_session(word).kind  # reports what is wrong with it
     return NAMES.get(kind, kind)
 
 
@@ -315,67 +296,46 @@ def _read_noise(
     return {name: read(ctx, param, text) for name, text in read_pairs(ctx, param, words).items()}
 
 
-def _add_search(kind: str, about: str, *options: Callable[[Any], Any]) -> None:
-    """Add a search, whose options have the names of a study file."""
-    @_takes_study(
-        "Values of a path: a range, 'parameters.pull=2 N:8 N', with ':log' for even ratios; for a "
-        "fit also a list or a distribution, 'normal(3 N, 0.2 N)'.",
-        "Directory of the results and finished runs; by default searches/KIND/NAME, with a number "
-        "for another question.", *options)
-    def run(**given: Any) -> int:
-        return _search(kind, **given)
-
-    search.command(NAMES.get(kind, kind), help=about)(run)
-
-
-_KEEP = click.option("--keep", multiple=True, metavar="RESULT",
-                     help="A result of each run: 'slip=max disc.x', 'ratio==tip / pull'; as of "
-                          "'sandbox sweep'.")
-_WHERE = click.option("--where", multiple=True, metavar="CONDITION",
-                      help="A condition on results: 'slip < 1 mm'. Several must all hold.")
-_SEED = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
-                     help="Of random points.")
-_add_search(
-    "threshold",
-    "The value at which a condition begins or ceases to hold.\n\n"
-    "The condition is --where, or the expectations of the scene.",
-    _KEEP, _WHERE,
-    click.option("--within", metavar="WIDTH", callback=read_quantity(None),
-                 help="Width of the bracket, as in '0.01 N'; a thousandth of the range by "
-                      "default."))
-_add_search(
-    "fit",
-    "The values with which the scene reproduces a measurement.\n\n"
-    "With 95 % intervals, and the directions that the data do not determine.",
-    click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv",
-                 help="The measurement: a column 'time' [s], and columns of quantities, SI or as "
-                      "in 'x [mm]'."),
-    click.option("--match", multiple=True, metavar="COLUMN=QUANTITY", callback=read_pairs,
-                 help="The quantity of a column, as in 'x=puck.x'; by default columns that have a "
-                      "quantity's name."),
-    click.option("--noise", multiple=True, metavar="COLUMN=SIZE", callback=_read_noise,
-                 help="Standard deviation of a column, as in 'x=0.5 mm'; estimated by default."))
-_add_search(
-    "best",
-    "The values that minimise or maximise results.",
-    _KEEP,
-    click.option("--minimize", "least", multiple=True, metavar="NAME",
-                 help="A result to minimise. Several goals have several solutions."),
-    click.option("--maximize", "most", multiple=True, metavar="NAME",
-                 help="A result to maximise."), _WHERE,
-    click.option("--sampler", metavar="NAME", help="cmaes (the default for one goal over ranges), "
-                 "tpe (with conditions or lists), gp, nsga2 (for several goals), random."),
-    click.option("--runs", type=click.IntRange(min=1), default=200, show_default=True,
-                 help="Number of runs; a larger one continues the search."), _SEED)
-_add_search(
-    "sensitivity",
-    "The influence of each path on each result.",
-    _KEEP,
-    click.option("--method", metavar="NAME", default="sobol", show_default=True,
-                 help="sobol (shares of the variance) or morris (screening of many paths)."),
-    click.option("--count", type=click.IntRange(min=1), default=64, show_default=True,
-                 help="Base points, a power of 2, each with as many runs as there are paths and "
-                      "two more; or Morris' trajectories."), _SEED)
+SEARCHES: dict[str, tuple[str, list[Callable[[Any], Any]]]] = {
+    "threshold": (
+        "The value at which a condition begins or ceases to hold.\n\n"
+        "The condition is --where, or the expectations of the scene.", [
+            _KEEP, _WHERE,
+            click.option("--within", metavar="WIDTH", callback=read_quantity(None),
+                         help="Width of the bracket; a thousandth of the range by default.")]),
+    "fit": (
+        "The values with which the scene reproduces a measurement.\n\n"
+        "With 95 % intervals, and the directions that the data do not determine.", [
+            click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv",
+                         help="Columns 'time' [s], and quantities in SI or as in 'x [mm]'."),
+            click.option("--match", multiple=True, metavar="COLUMN=QUANTITY", callback=read_pairs,
+                         help="Quantity of a column, as in 'x=puck.x'; its name by default."),
+            click.option("--noise", multiple=True, metavar="COLUMN=SIZE", callback=_read_noise,
+                         help="Standard deviation, as in 'x=0.5 mm'; estimated by default.")]),
+    "best": (
+        "The values that minimise or maximise results.", [
+            _KEEP,
+            click.option("--minimize", "least", multiple=True, metavar="NAME",
+                         help="A result to minimise. Several goals have several solutions."),
+            click.option("--maximize", "most", multiple=True, metavar="NAME",
+                         help="A result to maximise."),
+            _WHERE,
+            click.option("--sampler", metavar="NAME",
+                         help="cmaes (the default for one goal over ranges), tpe (with conditions "
+                              "or lists), gp, nsga2 (for several goals), random."),
+            click.option("--runs", type=click.IntRange(min=1), default=200, show_default=True,
+                         help="Number of runs; more continue the search."),
+            _SEED]),
+    "sensitivity": (
+        "The influence of each path on each result.", [
+            _KEEP,
+            click.option("--method", metavar="NAME", default="sobol", show_default=True,
+                         help="sobol (shares of the variance) or morris (screening)."),
+            click.option("--count", type=click.IntRange(min=1), default=64, show_default=True,
+                         help="Base points, a power of 2, each with a run per path and two more; "
+                              "or Morris' trajectories."),
+            _SEED])}
+"""Help and options of each search; both have the names of a study file."""
 
 
 def _search(
@@ -385,36 +345,35 @@ def _search(
     """Run a search and report the result; the exit code."""
     from sandbox.sweeps.processes import preload
 
-    began, new, beat = time.perf_counter(), 0, Heartbeat(console)
+    began, new, progress = time.perf_counter(), 0, Progress("", console)
     if isinstance(workers, int):
         preload()
     from sandbox.search.fitting import COMPARED
-    from sandbox.search.searches import Search, read_search
-    from sandbox.search.session import FIGURE, FOUND, RESULT, Where, make_question
+    from sandbox.search.searches import run_search
+    from sandbox.search.session import FIGURE, FOUND, RESULT, make_session, read_session
     from sandbox.sweeps.table import CSV, PARQUET
 
     if _is_study(scene, ("vary", "keep", "overrides")):
-        chosen = read_search(scene.word, scene.limits)
-        chosen.require(kind)
-        _is_study(scene, chosen.options or {})
+        session = read_session(scene.word, scene.limits)
+        _is_study(scene, session.options if session.in_file == kind else ())
     else:
         with _problems_at_options(vary, keep, "parameters.pull=2 N:8 N"):
-            chosen = Search(make_question(scene.word, vary=vary, keep=list(keep) or None,
-                                          set=scene.overrides, limits=scene.limits))
-    beside = {name: None if value == {} else value for name, value in options.items()
-              if name not in (chosen.options or {})}
-    if beside.get("data", "") is None:
+            session = make_session(scene.word, vary=vary, keep=list(keep) or None,
+                                   set=scene.overrides, limits=scene.limits)
+    if not session.in_file and options.get("data", "") is None:
         raise click.BadParameter("name the file with the measured data.", param_hint="--data")
-    folder = out or _own_directory(chosen, kind, beside)
+    session.choose(kind, **{name: None if value == {} else value
+                            for name, value in options.items()})
+    folder = out or _own_directory(session)
     prepare(folder)
 
     def count(_row: object) -> None:
         nonlocal new
         new += 1
-        beat(f"{new} runs, {new / beat.seconds:.3g} a second")
+        progress.note(f"{new} runs, {new / progress.seconds:.3g} a second")
 
     with many_runs(folder, console):
-        found = chosen.run(Where(folder, workers, count), kind=kind, **beside)
+        found = run_search(session, folder, workers, count)
     seconds = time.perf_counter() - began
     files = written(folder, (RESULT, CSV, PARQUET, COMPARED, FIGURE, FOUND))
     result = json.loads((folder / RESULT).read_text(encoding="utf-8"))["found"]
@@ -424,20 +383,17 @@ def _search(
     }, [*found.lines, f"{folder}: {', '.join(files)}  ({new} new runs, {seconds:.1f} s)"])
 
 
-def _own_directory(chosen: Search, kind: str, beside: Mapping[str, Any]) -> Path:
+def _own_directory(session: Session) -> Path:
     """The first directory of the question's name that has no runs of another question."""
-    from sandbox.atomic_files import write_atomic
-    from sandbox.search.session import plain_data
+    from sandbox.atomic_files import json_text, write_atomic
     from sandbox.sweeps.job import FOLDER, row_files
 
-    options = {name: str(option) if isinstance(option, Path) else option
-               for name, option in {**beside, **(chosen.options or {})}.items()
-               if name not in EXTENT}
-    question = json.dumps(plain_data([{**chosen.question.study, "search": kind}, options]),
-                          sort_keys=True)
-    name = safe_name(chosen.question.name)
+    kind, name = session.kind, safe_name(session.plan.name)
+    options = {name: option for name, option in session.options.items() if name not in EXTENT}
+    question = json_text([{**session.plan.written, "search": kind}, options], sort_keys=True,
+                         ensure_ascii=True)
     for number in count_from(1):
-        folder = SEARCHES / NAMES.get(kind, kind) / (f"{name}-{number}" if number > 1 else name)
+        folder = Path("searches", NAMES.get(kind, kind), f"{name}-{number}" if number > 1 else name)
         file = folder / QUESTION
         if not file.is_file() or not any(row_files(folder / FOLDER)):
             prepare(folder)
@@ -446,3 +402,11 @@ def _own_directory(chosen: Search, kind: str, beside: Mapping[str, Any]) -> Path
         if file.read_text(encoding="utf-8", errors="replace").strip() == question:
             return folder
     raise AssertionError("numbers do not end")
+
+
+for _kind, (_about, _options) in SEARCHES.items():
+    search.command(NAMES.get(_kind, _kind), help=_about)(_takes_study(
+        "Values of a path: a range, 'parameters.pull=2 N:8 N', with ':log' for even ratios; a list "
+        "or a distribution, 'normal(3 N, 0.2 N)', where the search takes them.",
+        "Directory of the results and finished runs; by default searches/KIND/NAME, with a number "
+        "for another question.", *_options)(partial(_search, _kind)))

@@ -12,54 +12,45 @@ import io
 import math
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.atomic_files import write_atomic
+from sandbox.atomic_files import write_csv
 from sandbox.errors import SandboxError
 from sandbox.figure import style
 from sandbox.figure.panels import Axis, Curve, Panel, save_panels
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
-from sandbox.search.session import FOUND, Question, RefusedError, Result, Session, check_unit
-from sandbox.sweeps.job import Keep, ReadAt
+from sandbox.scene.settings import Looked
+from sandbox.search.session import FOUND, RefusedError, Result, Session, results
 from sandbox.sweeps.spec import FitSearch
 from sandbox.sweeps.vary import Range
 from sandbox.values.units import factor_of
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 COMPARED = "fit.csv"
-MAX_BYTES = 20_000_000
-"""Of a measurement's file."""
-MAX_NUMBERS = 2_000
-"""Measured numbers that are compared."""
-MAX_PANELS = 6
-"""Columns in the figure; all are in ``fit.csv``."""
-TIMES = ("time", "t", "time_s", "t_s")
-"""Names of the column of times."""
-STARTS = 8
-"""Points spread over the ranges; the fit starts at the best of them."""
+MAX_NUMBERS = 2_000  # measured numbers that are compared
+MAX_PANELS = 6  # columns in the figure; all are in ``fit.csv``
+TIMES = ("time", "t", "time_s", "t_s")  # names of the column of times
+STARTS = 8  # points spread over the ranges; the fit starts at the best of them
 DIFFERENCE = 1e-3
 """Half the distance of the two runs of a central difference, as a fraction of the range."""
-MAX_ROUNDS = 8
-"""Repetitions with newly estimated noise."""
-SETTLED = 0.02
-"""Relative change of the noise at which repetitions end."""
-TOLERANCE = 1e-8
-"""Relative decrease of the sum of squares at which the optimisation ends."""
-RANK = 1e-9
-"""Relative singular value of the Jacobian below which a direction is not determined."""
+SLOPE = 1e-5  # of quantiles: half the distance at which the slope of a path's value is computed
+MAX_ROUNDS = 8  # repetitions with newly estimated noise
+SETTLED = 0.02  # relative change of the noise at which repetitions end
+TOLERANCE = 1e-8  # relative decrease of the sum of squares at which the optimisation ends
+RANK = 1e-9  # relative singular value of the Jacobian below which a direction is not determined
 UNCERTAIN = 0.5
 """Half of a 95 % interval, in ranges, beyond which data do not determine a direction."""
 CORRELATED = 3.0
 """Standard errors of the correlation of neighbouring residuals that are no noise."""
-SAME = 0.25
-"""Of half an interval: change of the parameters at half the step that is accepted."""
+SAME = 0.25  # of half an interval: change of the parameters at half the step that is accepted
 _UNIT = re.compile(r"\s*(.*?)\s*\[([^\[\]]+)\]\s*")
-Model = Callable[[Array], Array]
-"""Quantiles [n, p] to predicted numbers [n, m]."""
+Model = Callable[[Array], Array]  # quantiles [n, p] to predicted numbers [n, m]
 
 
 @dataclass(frozen=True)
@@ -67,17 +58,12 @@ class Parameter:
     """The estimate of one path."""
 
     path: str
-    unit: str
-    """SI; empty for none."""
-    value: float
-    """SI."""
-    low: float
-    """Of the 95 % interval, SI."""
+    unit: str  # SI; empty for none
+    value: float  # SI
+    low: float  # of the 95 % interval, SI
     high: float
-    at_end: bool
-    """Whether it is at an end of its range: the best may lie beyond."""
-    halved: float
-    """The estimate at half the step, SI."""
+    at_end: bool  # whether it is at an end of its range: the best may lie beyond
+    halved: float  # the estimate at half the step, SI
 
 
 @dataclass(frozen=True, repr=False)
@@ -120,43 +106,38 @@ class Fitted(Result):
 # -- measurements --------------------------------------------------------------------
 
 
-class BadDataError(SandboxError):
+class BadDataError(RefusedError):
     """A measurement that cannot be used."""
 
     code = "bad-measurements"
 
 
-@dataclass(frozen=True)
-class Measurement:
+class Measurement(NamedTuple):
     """Measured numbers in a row, [m], and the results of a run that predict them."""
 
-    units: Mapping[str, str]
-    """SI, by column."""
-    keep: Mapping[str, Keep]
-    time: Array
-    """[s]."""
-    data: Array
-    """SI."""
-    columns: Integers
-    """Index of the column of each number."""
+    units: dict[str, str]  # SI, by column
+    keep: dict[str, Looked]
+    time: Array  # [s]
+    data: Array  # SI
+    columns: Integers  # index of the column of each number
 
 
 def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
-    """Times [s] and columns [SI] of a CSV file, [n] each; nan for empty cells.
+    """Times [s] and columns [SI] such as ``x [mm]`` of a CSV file, [n]; nan for empty cells."""
+    def bad(why: str, row: int = 0) -> BadDataError:
+        return BadDataError(f"{path}{f', row {row}:' if row else ''} {why}", "data")
 
-    A name may have a unit in brackets: ``x [mm]``.
-    """
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise BadDataError(f"{path} has more than {MAX_BYTES} bytes")
         text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise BadDataError(f"there is no file {path}", "data") from None
     except (OSError, UnicodeDecodeError) as error:
         why = getattr(error, "strerror", "") or "it is not UTF-8 text"
-        raise BadDataError(f"{path} cannot be read: {why}") from None
+        raise bad(f"cannot be read: {why}") from None
     head, *rows = [row for row in csv.reader(io.StringIO(text))
                    if any(cell.strip() for cell in row)] or [[]]
     if not rows:
-        raise BadDataError(f"{path} has no measurements: expected a line of names, then numbers")
+        raise bad("has no measurements: expected a line of names, then numbers")
     names, factors = [], []
     for cell in head:
         match = _UNIT.fullmatch(cell)
@@ -164,36 +145,34 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
         try:
             factors.append(factor_of(match[2].strip(), None) if match else 1.0)
         except WrongValueError as error:
-            raise BadDataError(f"{path}, row 1: {error}") from None
+            raise bad(str(error), 1) from None
     time = next((k for k, name in enumerate(names) if name.lower() in TIMES), None)
     if time is None:
-        raise BadDataError(f"{path} has no column of times (allowed: {', '.join(TIMES)}; it has "
-                           f"{listed(names)})")
+        raise bad(f"has no column of times (allowed: {', '.join(TIMES)}; it has {listed(names)})")
     if len(set(names)) < len(names):
-        raise BadDataError(f"{path} has two columns with the same name")
+        raise bad("has two columns with the same name")
     cells = np.empty((len(rows), len(names)))
-    for number, row in enumerate(rows):
+    for number, row in enumerate(rows, 2):
         if len(row) != len(names):
-            raise BadDataError(f"{path}, row {number + 2}: {len(row)} cells under {len(names)} "
-                               "names")
+            raise bad(f"{len(row)} cells under {len(names)} names", number)
         for k, cell in enumerate(row):
             try:
-                cells[number, k] = factors[k] * (float(cell) if cell.strip() else math.nan)
+                value = factors[k] * float(cell) if cell.strip() else math.nan
             except ValueError:
-                cells[number, k] = math.inf
-            if math.isinf(cells[number, k]):
-                raise BadDataError(f"{path}, row {number + 2}: {quoted(cell)} is no number")
+                value = math.inf
+            if math.isinf(value):
+                raise bad(f"{quoted(cell)} is no number", number)
+            cells[number - 2, k] = value
     if np.isnan(cells[:, time]).any():
-        raise BadDataError(f"{path}: a row has no time")
+        raise bad("has a row without a time")
     return cells[:, time], {name: cells[:, k] for k, name in enumerate(names) if k != time}
 
 
-def _measurement(
-    question: Question, path: Path, match: Mapping[str, str] | None,
-) -> Measurement:
+def _measurement(session: Session, path: Path, match: Mapping[str, str] | None) -> Measurement:
     """The numbers of a file that a run predicts."""
     time, columns = read_columns(path)
-    catalogue = Catalogue(question.plan.loaded.mechanism)
+    mechanism = session.plan.loaded.mechanism
+    catalogue = Catalogue(mechanism)
     pairs = match if match is not None else {name: name for name in columns if name in catalogue}
     if not pairs:
         raise RefusedError(f"no column of {path} has the name of a quantity: assign one, as in "
@@ -206,41 +185,34 @@ def _measurement(
             hint = catalogue.near(quantity)
             raise RefusedError(f"no run has the quantity {quoted(quantity)}"
                                f"{f'; did you mean {quoted(hint)}?' if hint else ''}")
-    found = [(k, f"{name} @ {row}", quantity, float(time[row]), float(columns[name][row]))
-             for k, (name, quantity) in enumerate(pairs.items())
-             for row in np.flatnonzero(np.isfinite(columns[name])).tolist()]
-    if not found:
+    values = np.stack([columns[name] for name in pairs])
+    places, rows = np.nonzero(np.isfinite(values))
+    if not len(rows):
         raise BadDataError(f"{path} has no number in {listed(list(pairs))}")
-    if len(found) > MAX_NUMBERS:
-        raise BadDataError(f"{path} has {len(found)} numbers to be compared (allowed: at most "
+    if len(rows) > MAX_NUMBERS:
+        raise BadDataError(f"{path} has {len(rows)} numbers to be compared (allowed: at most "
                            f"{MAX_NUMBERS}); leave every other line out, or more")
-    end = question.plan.loaded.mechanism.run.duration
-    if not (time.min() >= 0 and time.max() <= end + 1e-9):
+    if not (time.min() >= 0 and time.max() <= mechanism.run.duration + 1e-9):
         raise BadDataError(f"{path} has times from {time.min():g} to {time.max():g} s, the run "
-                           f"from 0 to {end:g} s")
-    places, names, quantities, times, data = zip(*found, strict=True)
+                           f"from 0 to {mechanism.run.duration:g} s")
+    names = list(pairs)
     return Measurement(
         {name: catalogue.find(quantity).unit for name, quantity in pairs.items()},
-        {name: ReadAt(quantity=quantity, time=at)
-         for name, quantity, at in zip(names, quantities, times, strict=True)},
-        np.array(times), np.array(data), np.array(places, dtype=np.int64))
+        {f"{names[k]} @ {row}": Looked(of=pairs[names[k]], at=float(time[row]))
+         for k, row in zip(places.tolist(), rows.tolist(), strict=True)},
+        time[rows], values[places, rows], places)
 
 
 # -- estimation ----------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Estimate:
+class Estimate(NamedTuple):
     """Parameters as quantiles of their ranges."""
 
-    quantiles: Array
-    """[p]."""
-    noise: Array
-    """Standard deviation of each column, SI."""
-    residuals: Array
-    """Model less data, [m]."""
-    halves: Array
-    """Half of each 95 % interval, in ranges, [p]; infinite where nothing is determined."""
+    quantiles: Array  # [p]
+    noise: Array  # standard deviation of each column, SI
+    residuals: Array  # model less data, [m]
+    halves: Array  # half of each 95 % interval, in ranges, [p]; inf where nothing is determined
     blind: list[tuple[float, Array]]
     """Directions that are not determined: half of the 95 % interval, and a unit vector [p]."""
 
@@ -248,14 +220,10 @@ class Estimate:
 def estimate(
     model: Model, data: Array, columns: Integers, start: Array, *, noise: Array | None = None,
 ) -> Estimate:
-    """The maximum likelihood estimate.
+    """The maximum likelihood estimate, from quantiles ``start`` [p].
 
-    Args:
-        model: predicts the data, for many points at once.
-        data: [m].
-        columns: index of the column of each number, [m].
-        start: quantiles at which to start, [p].
-        noise: standard deviation of each column; estimated by default.
+    ``columns`` has the index of the column of each number in ``data``, [m]; ``noise`` the standard
+    deviation of each column, estimated by default.
     """
     from scipy.optimize import least_squares
 
@@ -285,15 +253,12 @@ def estimate(
 
 
 def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[float, Array]]]:
-    """Half intervals of parameters, and directions that are not determined.
-
-    The covariance is (J^T J)^-1, from the singular values of the weighted Jacobian J.
-    """
+    """Half intervals and undetermined directions: (J^T J)^-1 from the singular values of J."""
     from scipy import stats
 
     _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
     known = values > RANK * values[0] if values[0] > 0 else np.zeros(len(values), bool)
-    factor = float(stats.t.ppf(0.975, freedom) if math.isfinite(freedom) else stats.norm.ppf(0.975))
+    factor = float(stats.t.ppf(0.975, freedom))
     halves = np.where(known, factor / np.where(known, values, 1.0), np.inf)
     with np.errstate(invalid="ignore"):
         parts = np.where(np.abs(rows) > (0.0 if known.all() else 1e-6),
@@ -304,45 +269,23 @@ def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[flo
 
 
 def _differences(model: Model) -> Callable[[Array], tuple[Array, Array]]:
-    """A model and its Jacobian by central differences, whose runs are made together.
+    """A model and its Jacobian by central differences; the last point is kept."""
+    @lru_cache(maxsize=1)
+    def differences(point: bytes) -> tuple[Array, Array]:
+        at = np.frombuffer(point)
+        steps = DIFFERENCE * np.eye(len(at))
+        low, high = np.clip(at - steps, 0, 1), np.clip(at + steps, 0, 1)
+        found = model(np.concatenate([at[None], low, high]))
+        if not np.isfinite(found).all():
+            raise SandboxError("a run on the way has no values", code="no-answer")
+        middle, low_values, high_values = np.split(found, [1, 1 + len(at)])
+        return middle[0], ((high_values - low_values) / np.diagonal(high - low)[:, None]).T
 
-    Both are needed at the same point one after the other: the last is kept.
-    """
-    last: dict[bytes, tuple[Array, Array]] = {}
-
-    def differences(at: Array) -> tuple[Array, Array]:
-        if at.tobytes() not in last:
-            steps = DIFFERENCE * np.eye(len(at))
-            low, high = np.clip(at - steps, 0, 1), np.clip(at + steps, 0, 1)
-            found = model(np.concatenate([at[None], low, high]))
-            if not np.isfinite(found).all():
-                raise SandboxError("a run on the way has no values", code="no-answer")
-            middle, low_values, high_values = np.split(found, [1, 1 + len(at)])
-            width = np.diagonal(high - low)[:, None]
-            last.clear()
-            last[at.tobytes()] = middle[0], ((high_values - low_values) / width).T
-        return last[at.tobytes()]
-
-    return differences
+    return lambda at: differences(at.tobytes())
 
 
 def _spreads(data: Array, columns: Integers) -> Array:
     return np.array([np.std(data[columns == k]) or 1.0 for k in range(columns.max() + 1)])
-
-
-def _correlations(residuals: Array, columns: Integers) -> dict[int, float]:
-    """Columns whose neighbouring residuals correlate, and by how much; empty for pure noise.
-
-    The correlation of n independent numbers has a standard error of 1 / sqrt(n).
-    """
-    found = {}
-    for k in range(columns.max() + 1):
-        about = residuals[columns == k] - residuals[columns == k].mean()
-        if len(about) > 10 and (total := float(about @ about)) > 0:
-            correlation = float(about[1:] @ about[:-1]) / total
-            if correlation * math.sqrt(len(about)) > CORRELATED:
-                found[k] = correlation
-    return found
 
 
 # -- the search ----------------------------------------------------------------------
@@ -350,38 +293,38 @@ def _correlations(residuals: Array, columns: Integers) -> dict[int, float]:
 
 def find_fit(session: Session, options: FitSearch) -> Fitted:
     """The values of paths with which the scene reproduces a measurement, and their uncertainty."""
-    question, noise = session.question, options.noise
-    if others := [path for path, each in question.over.items() if not isinstance(each, Range)]:
+    noise = options.noise
+    if others := [path for path, each in session.over.items() if not isinstance(each, Range)]:
         raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "
                            f"{quoted(others[0])} has none")
-    measured = _measurement(question, Path(options.data), options.match)
+    measured = _measurement(session, Path(options.data), options.match)
     if noise is not None and set(noise) != set(measured.units):
         raise RefusedError("give the noise of each column, or of none: "
-                           f"{listed(list(measured.units))}")
+                           f"{listed(list(measured.units))}", "noise")
     for name, size in (noise or {}).items():
-        check_unit(size, measured.units[name], f"the noise of {name}")
+        session.check_unit(size, measured.units[name], f"the noise of {name}", "noise")
     sizes = None if noise is None else np.array([noise[name] for name in measured.units])
-    session.keep(measured.keep)
+    session.job = replace(session.job, keep={**session.job.keep, **measured.keep})
 
     def model(quantiles: Array, *, halved: bool = False) -> Array:
-        return session.values(list(measured.keep), quantiles, halved=halved)
+        return results(session.rows(quantiles, halved=halved), measured.keep)
 
-    found = estimate(model, measured.data, measured.columns, _start(model, question, measured),
+    found = estimate(model, measured.data, measured.columns, _start(model, session, measured),
                      noise=sizes)
     again = estimate(lambda quantiles: model(quantiles, halved=True), measured.data,
                      measured.columns, found.quantiles, noise=found.noise)
     fitted = _fitted(session, measured, found, again)
-    session.write("fit", options, fitted)
+    session.write(fitted)
     if session.out:
         _write_comparison(session.out, measured, found.residuals)
     return fitted
 
 
-def _start(model: Model, question: Question, measured: Measurement) -> Array:
+def _start(model: Model, session: Session, measured: Measurement) -> Array:
     """The best of some points spread over the ranges."""
     from scipy.stats import qmc
 
-    count = len(question.paths)
+    count = len(session.paths)
     points = np.vstack([np.full(count, 0.5),
                         qmc.Halton(count, scramble=False).random(STARTS + 1)[1:]])
     spread = _spreads(measured.data, measured.columns)[measured.columns]
@@ -392,40 +335,43 @@ def _start(model: Model, question: Question, measured: Measurement) -> Array:
     return np.asarray(points[int(np.nanargmin(misfit))])
 
 
-def _fitted(
-    session: Session, measured: Measurement, found: Estimate, again: Estimate,
-) -> Fitted:
-    question, names = session.question, list(measured.units)
-    values, halved = question.numbers(np.stack([found.quantiles, again.quantiles])).tolist()
-    halves = np.abs(question.slopes(found.quantiles) * found.halves).tolist()
+def _fitted(session: Session, measured: Measurement, found: Estimate, again: Estimate) -> Fitted:
+    values, halved = session.numbers(np.stack([found.quantiles, again.quantiles])).tolist()
+    ends = np.clip([found.quantiles - SLOPE, found.quantiles + SLOPE], 0, 1)
+    low, high = session.numbers(ends)
+    halves = np.abs((high - low) / (ends[1] - ends[0]) * found.halves).tolist()
     parameters = tuple(Parameter(
-        path, question.unit(path), values[k], values[k] - halves[k], values[k] + halves[k],
+        path, session.unit(path), values[k], values[k] - halves[k], values[k] + halves[k],
         min(found.quantiles[k], 1 - found.quantiles[k]) < 1e-6, halved[k])
-        for k, path in enumerate(question.paths))
+        for k, path in enumerate(session.paths))
     known = np.isfinite(found.halves)
-    moved = np.abs(again.quantiles - found.quantiles)[known] / np.maximum(
-        found.halves[known], 1e-300)
-    worst = float(moved.max(initial=0.0))
+    worst = float((np.abs(again.quantiles - found.quantiles)[known] / np.maximum(
+        found.halves[known], 1e-300)).max(initial=0.0))
+    remarks, residuals = [], found.residuals
+    for k, name in enumerate(measured.units):
+        about = residuals[measured.columns == k] - residuals[measured.columns == k].mean()
+        if len(about) > 10 and (total := float(about @ about)) > 0:
+            correlation = float(about[1:] @ about[:-1]) / total
+            # that of n independent numbers has a standard error of 1 / sqrt(n)
+            if correlation * math.sqrt(len(about)) > CORRELATED:
+                remarks.append(f"the residuals of {name} are not random (neighbours correlate by "
+                               f"{correlation:.2f}): the model is incomplete, and intervals are "
+                               "too narrow")
     return Fitted(
-        parameters, dict(zip(names, found.noise.tolist(), strict=True)),
-        tuple((half, dict(zip(question.paths, row.tolist(), strict=True)))
+        parameters, dict(zip(measured.units, found.noise.tolist(), strict=True)),
+        tuple((half, dict(zip(session.paths, row.tolist(), strict=True)))
               for half, row in found.blind),
         len(measured.data), session.count, bool(known.any()) and worst <= SAME,
-        f"no parameter moves by more than {worst:.2g} of half its interval",
-        tuple(f"the residuals of {names[k]} are not random (neighbours correlate by "
-              f"{correlation:.2f}): the model is incomplete, and intervals are too narrow"
-              for k, correlation in _correlations(found.residuals, measured.columns).items()))
+        f"no parameter moves by more than {worst:.2g} of half its interval", tuple(remarks))
 
 
 def _write_comparison(directory: Path, measured: Measurement, residuals: Array) -> None:
     """Write measured and fitted numbers as a table and a figure."""
     table = np.stack([measured.time, measured.data, measured.data + residuals], axis=1)
     columns = {name: table[measured.columns == k] for k, name in enumerate(measured.units)}
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([
+    write_csv(directory / COMPARED, [
         ("column", "time_s", "measured", "fitted"),
         *((name, *row) for name, rows in columns.items() for row in rows.tolist())])
-    write_atomic(directory / COMPARED, text.getvalue())
     panels = []
     for name, rows in list(columns.items())[:MAX_PANELS]:
         time, data, fitted = rows.T

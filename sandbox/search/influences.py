@@ -19,14 +19,7 @@ from sandbox.errors import SandboxError
 from sandbox.figure.style import shown_as
 from sandbox.figure.sweeps import InfluenceBars, draw_influences
 from sandbox.numeric import Array
-from sandbox.search.session import (
-    FOUND,
-    RefusedError,
-    Result,
-    Session,
-    main_failure,
-    value_of,
-)
+from sandbox.search.session import FOUND, RefusedError, Result, Session, main_failure, results
 from sandbox.sweeps.spec import MAX_SEED, TAILS, SensitivitySearch
 from sandbox.sweeps.vary import Distribution
 
@@ -36,18 +29,14 @@ MEASURES: dict[str, dict[str, tuple[str, str]]] = {
 """Measures of each method, with SALib's names of value and interval. ``first`` is the share of the
 variance by the path alone, ``total`` with all interactions. ``mu_star`` is the mean size of the
 change over the path's range, ``sigma`` its standard deviation from place to place."""
-RANKED = {"sobol": "total", "morris": "mu_star"}
-"""The measure by which paths are ordered."""
+RANKED = {"sobol": "total", "morris": "mu_star"}  # the measure by which paths are ordered
 WORDS = {
     "first": "by itself", "total": "with all that it does together with others",
     "mu_star": "mean size of the change (mu_star)",
     "sigma": "how much it differs from place to place (sigma)"}
-LEVELS = 4
-"""Of Morris' grid."""
-CHECKED = 32
-"""Points that are repeated at half the step."""
-SAME = 0.05
-"""Of the standard deviation of a result: change at half the step that is accepted."""
+LEVELS = 4  # of Morris' grid
+CHECKED = 32  # points that are repeated at half the step
+SAME = 0.05  # of the standard deviation of a result: change at half the step that is accepted
 
 
 @dataclass(frozen=True)
@@ -55,10 +44,8 @@ class Influence:
     """The influence of a path on a result."""
 
     path: str
-    values: Mapping[str, float]
-    """By measure."""
-    halves: Mapping[str, float]
-    """Half of the 95 % interval by bootstrap, where there is one."""
+    values: Mapping[str, float]  # by measure
+    halves: Mapping[str, float]  # half of the 95 % interval by bootstrap, where there is one
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,8 +79,7 @@ class Sensitivity(Result):
 
 def find_sensitivity(session: Session, options: SensitivitySearch) -> Sensitivity:
     """The influence of each path on each result."""
-    question, method, count = session.question, options.method, options.count
-    paths, names = question.paths, list(question.kept)
+    method, count, paths, names = options.method, options.count, session.paths, list(session.kept)
     if len(paths) < 2:
         raise RefusedError("influences need two paths or more")
     if not names:
@@ -115,45 +101,41 @@ def find_sensitivity(session: Session, options: SensitivitySearch) -> Sensitivit
         sample = sampler.sample(problem, count, **given)
     quantiles = sample.copy()
     if method == "morris":  # its grid has the ends, where a distribution may be infinite
-        for path in question.of_kind(Distribution):
+        for path in session.of_kind(Distribution):
             column = paths.index(path)
             quantiles[:, column] = TAILS[0] + (TAILS[1] - TAILS[0]) * sample[:, column]
     rows = session.rows(quantiles)
-    values = np.array([[value_of(row, name) for name in names] for row in rows])
+    values = results(rows, names)
     sound = np.repeat(np.isfinite(values).all(axis=1).reshape(-1, size).all(axis=1), size)
     if sound.sum() < 4 * size:
         raise SandboxError(f"too few runs have an answer: {int(sound.sum())} of {len(values)} "
                            f"can be used{main_failure(rows)}", code="no-answer")
-    influences: dict[str, tuple[Influence, ...]] = {}
-    for k, name in enumerate(names):
-        influences[name], result = (), values[sound, k]
+    influences = dict.fromkeys(names, tuple[Influence, ...]())
+    for name, result in zip(names, values[sound].T, strict=True):
         if np.ptp(result) > 1e-12 * np.abs(result).max(initial=0.0):
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 measured = analyzer.analyze(
-                    problem, *[sample[sound]] * (method == "morris"), result, **given)
-            influences[name] = _ranked(paths, method, measured)
+                    problem, *[sample[sound]] * (method == "morris"), result.copy(), **given)
+            influences[name] = tuple(sorted((Influence(
+                path, {word: float(measured[value][k])
+                       for word, (value, _) in MEASURES[method].items()},
+                {word: float(measured[half][k])
+                 for word, (_, half) in MEASURES[method].items() if half})
+                for k, path in enumerate(paths)),
+                key=lambda each: -each.values[RANKED[method]]))
     found = Sensitivity(method, influences, len(values), int((~sound).sum()),
                         *_check(session, quantiles, values))
-    session.write("sensitivity", options, found)
+    session.write(found)
     if session.out:
         _draw(session, found)
     return found
 
 
-def _ranked(paths: tuple[str, ...], method: str, measured: Any) -> tuple[Influence, ...]:
-    measures = MEASURES[method]
-    found = [Influence(
-        path, {word: float(measured[value][k]) for word, (value, _) in measures.items()},
-        {word: float(measured[half][k]) for word, (_, half) in measures.items() if half})
-        for k, path in enumerate(paths)]
-    return tuple(sorted(found, key=lambda each: -each.values[RANKED[method]]))
-
-
 def _check(session: Session, quantiles: Array, values: Array) -> tuple[bool, str]:
     """Whether results are the same at half the step, and details."""
     places = np.unique(np.linspace(0, len(quantiles) - 1, CHECKED).astype(int))
-    again = session.values(list(session.question.kept), quantiles[places], halved=True)
+    again = results(session.rows(quantiles[places], halved=True), session.kept)
     before, spread = values[places], np.nanstd(values, axis=0)
     both = np.isfinite(before) & np.isfinite(again)
     change = np.sqrt(np.mean(np.where(
@@ -161,19 +143,18 @@ def _check(session: Session, quantiles: Array, values: Array) -> tuple[bool, str
     worst = float(change.max())
     alike = bool((np.isfinite(before) == np.isfinite(again)).all())
     return alike and worst <= SAME, (
-        f"{len(places)} of the runs change by {100 * worst:.2g} % of the spread of what is kept"
+        f"{len(places)} of the runs change by {100 * worst:.2g} % of the spread of the results"
         + ("" if alike else ", and some have an answer at one step only"))
 
 
 def _draw(session: Session, found: Sensitivity) -> None:
     """Draw bars with their intervals, a panel for each result."""
     assert session.out is not None
-    question, measures = session.question, MEASURES[found.method]
-    panels = []
+    measures, panels = MEASURES[found.method], []
     for name, many in found.influences.items():
         factor, label = 1.0, "share of the variance"
         if found.method == "morris":
-            how = shown_as(question.kept[name],
+            how = shown_as(session.kept[name],
                            np.array([each.values["mu_star"] for each in many]))
             factor, label = how.factor, f"change over a path's range [{how.unit or '1'}]"
         panels.append(InfluenceBars(
@@ -182,4 +163,4 @@ def _draw(session: Session, found: Sensitivity) -> None:
             {word: factor * np.array([each.halves[word] for each in many])
              for word, (_, half) in measures.items() if many and half}, label))
     draw_influences(session.out / FOUND, panels, {word: WORDS[word] for word in measures},
-                    f"{question.name}: what matters")
+                    f"{session.plan.name}: influence of the paths")

@@ -21,47 +21,39 @@ from sandbox.figure.sweeps import SweepColumn, draw_front
 from sandbox.numeric import Array
 from sandbox.search.session import (
     FOUND,
+    Condition,
     RefusedError,
     Result,
     Session,
-    check_result,
     main_failure,
-    parse_conditions,
-    value_of,
+    results,
 )
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.spec import BestSearch
 from sandbox.sweeps.vary import Distribution, number_of
 from sandbox.wording import quoted
 
-PACKAGES = {"cmaes": "cmaes", "gp": "torch"}
-"""What a sampler needs besides optuna."""
-BATCH = 10
-"""Runs per batch, independent of the number of workers."""
+PACKAGES = {"cmaes": "cmaes", "gp": "torch"}  # what a sampler needs besides optuna
+BATCH = 10  # runs per batch, independent of the number of workers
 SIGMA = 0.3
 """Standard deviation of the first points of CMA-ES, in ranges (Hansen, The CMA Evolution
 Strategy: A Tutorial, 2016)."""
-CHECKED = 5
-"""The best so many runs are repeated at half the step."""
+CHECKED = 5  # the best so many runs are repeated at half the step
 SAME, ALIKE = 0.05, 1e-3
 """Of the standard deviation of all runs that meet the conditions: change of a value at half the
 step that is accepted, and distance to another run that counts as equal."""
-ROUNDING = 1e-9
-"""Of the largest value: smaller spreads are rounding."""
+ROUNDING = 1e-9  # of the largest value: smaller spreads are rounding
 
 
 @dataclass(frozen=True)
 class Choice:
     """One run of an optimisation."""
 
-    values: Mapping[str, float | str]
-    """Of its paths, SI or text."""
-    objectives: Mapping[str, float]
-    """SI."""
+    values: Mapping[str, float | str]  # of its paths, SI or text
+    objectives: Mapping[str, float]  # SI
     excess: float
     """Distance beyond the limits of conditions, relative to these; 0 or less if all hold."""
-    halved: Mapping[str, float]
-    """The objectives at half the step."""
+    halved: Mapping[str, float]  # the objectives at half the step
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,27 +93,40 @@ class Chosen(Result):
 
 
 def find_best(session: Session, options: BestSearch) -> Chosen:
-    """The best points under conditions."""
-    question = session.question
-    if random := question.of_kind(Distribution):
+    """The best points under conditions.
+
+    By default one goal over several ranges has the sampler CMA-ES. It only ranks points that
+    violate conditions behind all others: where the best lies at a limit, its distribution collapses
+    too early, as that of TPE does not.
+    """
+    if random := session.of_kind(Distribution):
         raise RefusedError(f"{quoted(random[0])} has a distribution: an optimisation varies "
                            "ranges and lists")
     goals = {**dict.fromkeys(options.least, "least"), **dict.fromkeys(options.most, "most")}
-    for name in goals:
-        check_result(name, question.kept)
-    trials = _Trials(session, options, goals)
+    for kind in ("least", "most"):
+        for k, name in enumerate(getattr(options, kind)):
+            session.check_result(name, kind, k)
+    wanted, lists = session.conditions(options.where), bool(session.of_kind(tuple))
+    sampler = options.sampler or (
+        "nsga2" if len(goals) > 1 else
+        "tpe" if wanted or lists or len(session.paths) == 1 else "cmaes")
+    if sampler == "cmaes" and (len(goals) > 1 or lists):
+        raise RefusedError("cmaes optimises one goal over ranges; nsga2, tpe, gp, random take "
+                           + ("several" if len(goals) > 1 else "lists"))
+    trials = _Trials(session, goals, wanted, _study(sampler, len(goals), options.seed),
+                     ranked=sampler == "cmaes")
     session.check_runs(options.runs)
     trials.run(options.runs)
     found = trials.chosen()
-    session.write("best", options, found, wanted=trials.wanted)
+    session.write(found, wanted=wanted)
     if session.out and len(goals) > 1:
         front = np.array([[*each.objectives.values()] for each in found.best])
         draw_front(
             session.out / FOUND,
-            [SweepColumn(name, question.kept[name], found.history[:, k])
+            [SweepColumn(name, session.kept[name], found.history[:, k])
              for k, name in enumerate(goals)], goals,
             (found.history[:, None] == front[None]).all(axis=2).any(axis=1),
-            f"{question.name}: {len(found.best)} of {found.runs} runs of which none is "
+            f"{session.plan.name}: {len(found.best)} of {found.runs} runs of which none is "
             "better in all")
     return found
 
@@ -149,52 +154,50 @@ def _study(sampler: str, goals: int, seed: int) -> Any:
 
 
 class _Trials:
-    """Optuna's trials and their runs; goals to maximise have their sign changed.
+    """Optuna's trials and their runs; goals to maximise have their sign changed."""
 
-    By default one goal over several ranges has the sampler CMA-ES. It only ranks points that
-    violate conditions behind all others: where the best lies at a limit, its distribution collapses
-    too early, as that of TPE does not.
-    """
-
-    def __init__(self, session: Session, options: BestSearch, goals: Mapping[str, str]) -> None:
-        question = session.question
-        self.wanted = parse_conditions(options.where, question.kept)
-        lists = bool(question.of_kind(tuple))
-        sampler = options.sampler or (
-            "nsga2" if len(goals) > 1 else
-            "tpe" if self.wanted or lists or len(question.paths) == 1 else "cmaes")
-        self._ranked = sampler == "cmaes"
-        if self._ranked and (len(goals) > 1 or lists):
-            raise RefusedError("cmaes optimises one goal over ranges; nsga2, tpe, gp, random take "
-                               + ("several" if len(goals) > 1 else "lists"))
-        self._session, self._question, self._goals = session, question, goals
-        self._study = _study(sampler, len(goals), options.seed)
+    def __init__(
+        self, session: Session, goals: Mapping[str, str], wanted: Sequence[Condition], study: Any,
+        *, ranked: bool,
+    ) -> None:
+        self._session, self._goals, self._wanted = session, goals, wanted
+        self._study, self._ranked = study, ranked
         self._signs = np.array([1.0 if goal == "least" else -1.0 for goal in goals.values()])
-        self._quantiles = np.empty((0, len(question.paths)))
-        self._costs = np.empty((0, len(goals)))
-        """Less is better; nan for a run without an answer."""
+        self._quantiles = np.empty((0, len(session.paths)))
+        self._costs = np.empty((0, len(goals)))  # less is better; nan for a run without an answer
         self._excess = np.empty(0)
         self._failed: list[SweepRow] = []
 
     def run(self, runs: int) -> None:
-        """Ask for points, run them and report the results, until there are so many."""
+        """Suggest points, run them and report the results to Optuna, until there are so many."""
+        failed = import_module("optuna").trial.TrialState.FAIL
         while len(self._costs) < runs:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 trials = [self._study.ask() for _ in range(min(BATCH, runs - len(self._costs)))]
-                quantiles = np.array([[self._suggest(trial, path) for path in self._question.paths]
+                quantiles = np.array([[self._suggest(trial, path) for path in self._session.paths]
                                       for trial in trials])
             rows = self._session.rows(quantiles)
             costs, excess = self._judge(rows)
-            self._failed += [row for row, cost in zip(rows, costs, strict=True)
-                             if np.isnan(cost).any()]
             self._quantiles = np.vstack([self._quantiles, quantiles])
             self._costs = np.vstack([self._costs, costs])
             self._excess = np.append(self._excess, excess)
-            self._tell(trials, costs, excess)
+            worst = np.nanmax(np.where(self._excess[:, None] <= 0, self._costs, np.nan),
+                              initial=0.0) if self._ranked else 0.0
+            for trial, row, cost, beyond in zip(trials, rows, costs, excess, strict=True):
+                if np.isnan(cost).any():
+                    self._failed.append(row)
+                    self._study.tell(trial, state=failed)
+                elif self._ranked:  # behind all that hold, ordered by the distance (Deb, 2000)
+                    self._study.tell(trial, float(cost[0]) if beyond <= 0 else
+                                     float(worst) + 1.0 + float(beyond))
+                else:
+                    if self._wanted:
+                        trial.set_constraint("conditions", float(beyond))
+                    self._study.tell(trial, cost.tolist())
 
     def _suggest(self, trial: Any, path: str) -> float:
-        values = self._question.over[path]
+        values = self._session.over[path]
         if not isinstance(values, tuple):
             return float(trial.suggest_float(path, 0.0, 1.0))
         place = trial.suggest_categorical(path, list(range(len(values))))
@@ -202,28 +205,14 @@ class _Trials:
 
     def _judge(self, rows: Sequence[SweepRow]) -> tuple[Array, Array]:
         """Costs [n, goals], and relative distances beyond the conditions [n]."""
-        costs = np.array([[value_of(row, name) for name in self._goals] for row in rows])
-        excess = np.array([max((each.excess(value_of(row, each.name)) / (abs(each.limit) or 1.0)
-                                for each in self.wanted), default=0.0) for row in rows])
+        costs = results(rows, self._goals)
+        excess = np.zeros(len(rows)) if not self._wanted else np.max([
+            each.excess(results(rows, [each.name])[:, 0]) / (abs(each.limit) or 1.0)
+            for each in self._wanted], axis=0)
         bad = np.array([row.status != DONE for row in rows]) | np.isnan(costs).any(axis=1) | \
             np.isnan(excess)
         costs[bad], excess[bad] = np.nan, np.inf
         return costs * self._signs, excess
-
-    def _tell(self, trials: Sequence[Any], costs: Array, excess: Array) -> None:
-        failed = import_module("optuna").trial.TrialState.FAIL
-        worst = np.nanmax(np.where(self._excess[:, None] <= 0, self._costs, np.nan),
-                          initial=0.0) if self._ranked else 0.0
-        for trial, cost, beyond in zip(trials, costs, excess, strict=True):
-            if np.isnan(cost).any():
-                self._study.tell(trial, state=failed)
-            elif self._ranked:  # behind all that hold, ordered by the distance (Deb, 2000)
-                self._study.tell(trial, float(cost[0]) if beyond <= 0 else
-                                 float(worst) + 1.0 + float(beyond))
-            else:
-                if self.wanted:
-                    trial.set_constraint("conditions", float(beyond))
-                self._study.tell(trial, cost.tolist())
 
     def chosen(self) -> Chosen:
         """The best runs, repeated at half the step."""
@@ -235,30 +224,29 @@ class _Trials:
                 f"{100 * beyond:.3g} % of its limit" if math.isfinite(beyond) else
                 f"no run of {len(self._excess)} has an answer{main_failure(self._failed)}",
                 code="no-answer")
-        single = len(self._goals) == 1
+        single, session = len(self._goals) == 1, self._session
         order = sound[np.argsort(self._costs[sound, 0], kind="stable")]
         _, first = np.unique(self._quantiles[order], axis=0, return_index=True)
         order = order[np.sort(first)]
         best = order[:1] if single else order[_front(self._costs[order])]
         again = order[:CHECKED] if single else best
-        costs, excess = self._judge(self._session.rows(self._quantiles[again], halved=True))
-        spread = np.maximum(np.std(self._costs[sound], axis=0),
-                            ROUNDING * np.abs(self._costs[sound]).max(axis=0))
-        same, detail = _compare(self._costs[again] / np.maximum(spread, 1e-300),
-                                costs / np.maximum(spread, 1e-300), excess, single=single)
-        points = self._question.points(self._quantiles[best])
+        costs, excess = self._judge(session.rows(self._quantiles[again], halved=True))
+        spread = np.maximum(np.maximum(
+            np.std(self._costs[sound], axis=0),
+            ROUNDING * np.abs(self._costs[sound]).max(axis=0)), 1e-300)
+        same, detail = _compare(self._costs[again] / spread, costs / spread, excess, single=single)
         choices = tuple(Choice(
             {path: value if isinstance(value := number_of(written), float) else str(value)
              for path, written in point.items()},
             dict(zip(self._goals, (self._costs[run] * self._signs).tolist(), strict=True)),
             float(self._excess[run]),
             dict(zip(self._goals, (cost * self._signs).tolist(), strict=True)))
-            for run, point, cost in zip(best, points, costs, strict=False))
+            for run, point, cost in zip(best, session.points(self._quantiles[best]), costs,
+                                        strict=False))
         history = np.where(self._excess[:, None] <= 0, self._costs * self._signs, np.nan)
-        return Chosen(choices, dict(self._goals),
-                      {**{path: self._question.unit(path) for path in self._question.paths},
-                       **self._question.kept}, len(self._costs),
-                      len(self._failed), same, detail, history)
+        units = {path: session.unit(path) for path in session.paths} | session.kept
+        return Chosen(choices, dict(self._goals), units, len(self._costs), len(self._failed), same,
+                      detail, history)
 
 
 def _front(costs: Array) -> Array:
@@ -270,24 +258,20 @@ def _front(costs: Array) -> Array:
 def _compare(before: Array, after: Array, excess: Array, *, single: bool) -> tuple[bool, str]:
     """Whether the best runs are the best at half the step, too, and details.
 
-    Args:
-        before: their costs, relative to the spread of all, [n, goals], the best first.
-        after: the same at half the step.
-        excess: at half the step, [n].
-        single: whether there is one goal.
+    Costs [n, goals] are relative to their spread, the best first; ``excess`` [n] is at half the
+    step.
     """
     if not (excess <= 0).all():
         return False, (f"{int((~(excess <= 0)).sum())} of the best {len(excess)} fail a condition "
                        "or have no answer there")
     change = float(np.abs(after - before).max())
-    detail = f"values change by up to {100 * change:.2g} % of the spread of all that hold"
     if single:
         first = int(np.argmin(after[:, 0]))
         best = float(after[0, 0] - after[first, 0]) <= ALIKE
-        return best and change <= SAME, (
-            f"of the best {len(before)} "
-            + ("the first is best there, too" if best else f"the {first + 1}. is best there")
-            + f"; {detail}")
-    kept = len(_front(after))
-    return kept == len(before) and change <= SAME, (
-        f"{kept} of {len(before)} are such there, too; {detail}")
+        which = f"of the best {len(before)} " + (
+            "the first is best there, too" if best else f"the {first + 1}. is best there")
+    else:
+        kept = len(_front(after))
+        best, which = kept == len(before), f"{kept} of {len(before)} are such there, too"
+    return best and change <= SAME, (
+        f"{which}; values change by up to {100 * change:.2g} % of the spread of all that hold")

@@ -28,12 +28,11 @@ from sandbox.errors import (
     SceneError,
     SimulationDiverged,
 )
-from sandbox.scene.document import element_files
+from sandbox.scene.document import element_files, load_elements
 from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.settings import Looked
-from sandbox.values.spec import Spec
 
 DONE, DIED = "done", "died"
 """Status of a run that reached its end, and of one whose worker processes died."""
@@ -42,26 +41,20 @@ ENDED: dict[type[SandboxError], str] = {
     ControllerFailed: "failed"}
 """Status of a run by the error that ended it."""
 STATUSES = (DONE, *ENDED.values(), DIED)
-STEP = "run.step"
-"""Path of the time step, which searches halve to check their result."""
-FOLDER = "rows"
-"""Folder of the rows in the directory of a sweep."""
+STEP = "run.step"  # path of the time step, which searches halve to check their result
+FOLDER = "rows"  # folder of the rows in the directory of a sweep
 Override = str | float | int | bool | list[Any] | dict[str, Any] | None
 """A value as ``--set`` takes it."""
-Point = Mapping[str, Override]
-"""The values of the varied paths in a run."""
-Task = tuple[str, Point]
-"""Id of a run, and the values of its paths."""
+Point = Mapping[str, Override]  # the values of the varied paths in a run
+Task = tuple[str, Point]  # id of a run, and the values of its paths
 
 
 @dataclass(frozen=True)
 class Bundle:
     """A scene file, or its data, with all files that it includes or draws from."""
 
-    name: str
-    """Name of the scene."""
-    main: str = ""
-    """Name of its file; empty for a scene given as data."""
+    name: str  # name of the scene
+    main: str = ""  # name of its file; empty for a scene given as data
     data: dict[str, Any] | None = None
     files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     """By name, relative to the folder of the scene."""
@@ -77,6 +70,11 @@ class Bundle:
             for name in sorted(files):
                 total.update(f"{name}\0{len(files[name])}\0".encode() + files[name])
         return total.hexdigest()
+
+    def register(self) -> None:
+        """Register the elements of files in this process."""
+        for path, source in self.elements.items():
+            load_elements(Path(path), source)
 
     @contextmanager
     def unpacked(self) -> Iterator[Path | dict[str, Any]]:
@@ -96,14 +94,7 @@ def make_bundle(
     scene: Path | Mapping[str, Any], overrides: Mapping[str, Any], limits: Limits, *,
     also: Iterable[Any] = (),
 ) -> tuple[Bundle, Loaded]:
-    """The bundle of a scene, and the scene with ``overrides``.
-
-    Args:
-        scene: its file, or its data.
-        overrides: changes of the scene.
-        limits: of the scene.
-        also: later values of its paths, which may name further files beside it.
-    """
+    """The bundle of a scene with all files that later values may name, and the scene itself."""
     loaded = read_scene(scene, overrides=overrides, limits=limits)
     if isinstance(scene, Mapping):
         data = json.loads(json.dumps(dict(scene)))
@@ -116,7 +107,7 @@ def make_bundle(
             paths += [path, *read_scene(path, limits=limits).files]
     found = {str(path.relative_to(folder) if path.is_relative_to(folder) else path.name):
              path.read_bytes() for path in paths}
-    for text in later.union(_texts([*map(json.loads, found.values()), overrides])):
+    for text in sorted(later.union(_texts([*map(json.loads, found.values()), overrides]))):
         if text.lower().endswith((".svg", ".dxf")) and (folder / text).is_file():
             found[text] = own_file(folder, text)
     return Bundle(loaded.mechanism.name, main=scene.name, files=found), loaded
@@ -130,33 +121,15 @@ def _texts(value: Any) -> Iterator[str]:
             yield from _texts(each)
 
 
-class ReadAt(Spec):
-    """A quantity at an instant, interpolated linearly between samples.
-
-    Poses belong to the middle of a step, so that a run has no sample at its very ends: up to one
-    sample beyond them, values are extrapolated.
-    """
-
-    quantity: str
-    time: float
-    """[s]."""
-
-
-Keep = Looked | ReadAt | str
-"""A result: a statistic, a quantity at an instant, or an expression of earlier results."""
-
-
 @dataclass(frozen=True)
 class SweepJob:
     """All that a worker needs to run any point; plain data that can be sent anywhere."""
 
     bundle: Bundle
-    set: Mapping[str, Any]
-    """Changes of the scene in every run."""
-    keep: Mapping[str, Keep]
+    set: Mapping[str, Any]  # changes of the scene in every run
+    keep: Mapping[str, Looked | str]
     audited: bool = True
-    recordings: str = ""
-    """Directory for whole recordings, one in each run's id; empty for none."""
+    recordings: str = ""  # directory for whole recordings, one in each run's id; empty for none
     limits: Limits = field(default_factory=Limits)
 
     @property
@@ -182,20 +155,21 @@ def run_id(digest: str, values: Point) -> str:
 class SweepRow:
     """The outcome of one run."""
 
-    id: str
-    """See :func:`run_id`."""
-    status: str
-    """One of :data:`STATUSES`."""
-    reason: str = ""
-    """Why the run ended early, or which results have no value; empty otherwise."""
+    id: str  # see :func:`run_id`
+    status: str  # one of :data:`STATUSES`
+    reason: str = ""  # why the run ended early, or which results have no value; empty otherwise
     kept: Mapping[str, float | None] = field(default_factory=dict)
     """Results by name; None for one without a value."""
     holds: bool | None = None
     """Whether all expectations of the scene hold; None where it has none, or did not end."""
-    failed: tuple[str, ...] = ()
-    """Quantities whose expectations do not hold."""
+    failed: tuple[str, ...] = ()  # quantities whose expectations do not hold
     looks: tuple[str, ...] | None = None
     """Audit figures with a warning; None where the run was not audited."""
+
+    @property
+    def failure(self) -> str:
+        """Why it has no answer."""
+        return self.reason if self.status == DONE else f"{self.status}: {self.reason}"
 
     def to_json(self) -> bytes:
         """A line of JSON."""
@@ -230,12 +204,6 @@ class Log:
     def rows(self) -> Iterator[SweepRow]:
         """The rows so far, in the order in which they were finished."""
         return read_rows(self.folder)
-
-    def clear(self) -> None:
-        """Remove all rows, before any is added."""
-        with output_errors(self.folder):
-            for path in row_files(self.folder):
-                path.unlink()
 
     def add(self, row: SweepRow) -> None:
         """Append a finished run."""

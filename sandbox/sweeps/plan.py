@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,6 @@ from sandbox.wording import WrongValueError, is_pattern, kind_of, listed, near, 
 
 COLUMNS = ("run", "id", "status", "reason", "met", "holds", "failed", "looks", "seed")
 """Columns of a table besides values and results."""
-MAX_RESULTS = 2_000
 MAX_TRIED_TEXTS = 20
 """Different texts of one path with which the scene is read before anything runs."""
 
@@ -42,10 +41,8 @@ class Plan:
     spec: SweepSpec
     job: SweepJob
     points: Points
-    loaded: Loaded
-    """The scene with what ``set`` changes, without varied values."""
-    written: Mapping[str, Any]
-    """The study as it was written."""
+    loaded: Loaded  # the scene with the changes of ``set``, without varied values
+    written: Mapping[str, Any]  # the study as it was written
 
     @property
     def name(self) -> str:
@@ -64,9 +61,17 @@ class Plan:
     @cached_property
     def units(self) -> dict[str, str]:
         """SI units of paths and results; empty for none."""
-        found = {axis.path: si_unit(unit_in(axis.written[0])
-                                    or _written_unit(self.loaded, axis.path))
-                 for axis in self.points.axes}
+        found = {}
+        for path, values in self.points.axes.items():
+            unit, written = unit_in(values[0]), self.loaded.origins.source.data
+            for step in () if unit else parse_path(path):  # by default that in the scene file
+                if isinstance(written, dict):
+                    written = written.get(str(step))
+                elif isinstance(written, list):
+                    written = written[step] if isinstance(step, int) and step < len(written) else \
+                        next((each for each in written
+                              if isinstance(each, dict) and each.get("name") == step), None)
+            found[path] = si_unit(unit or unit_in(written))
         catalogue = Catalogue(self.loaded.mechanism)
         for name, keep in self.job.keep.items():
             quantity = keep.quantity if isinstance(keep, Looked) else ""
@@ -74,19 +79,6 @@ class Plan:
                 "s" if quantity == TIME else ""
             found[name] = "" if unit == "1" else unit
         return found
-
-
-def _written_unit(base: Loaded, path: str) -> str:
-    """The unit of a path's value in the scene file; empty for none."""
-    value = base.origins.source.data
-    for step in parse_path(path):
-        if isinstance(value, dict):
-            value = value.get(str(step))
-        elif isinstance(value, list):
-            value = value[step] if isinstance(step, int) and step < len(value) else next(
-                (each for each in value if isinstance(each, dict) and each.get("name") == step),
-                None)
-    return unit_in(value)
 
 
 def read_plan(source: str | os.PathLike[str], limits: Limits | None = None) -> Plan:
@@ -104,15 +96,7 @@ def make_plan(
     found: SceneSource, limits: Limits | None, *, folder: Path = Path(), name: str = "",
     search: bool = False,
 ) -> Plan:
-    """The plan of a study.
-
-    Args:
-        found: its data, and where they were written.
-        limits: of each run, and of their number.
-        folder: to which file names are relative.
-        name: of the study, if it has none.
-        search: whether it is a search, of which only the ends of all values are checked.
-    """
+    """The plan of a study; of a search only the ends of all values are checked."""
     if not isinstance(found.data, dict):
         raise SceneError([Problem("bad-study",
                                   f"a study is an object {{…}}, not {kind_of(found.data)}", "$",
@@ -120,103 +104,100 @@ def make_plan(
     return _Checks(found, limits or Limits(), search).plan(folder, name)
 
 
-@dataclass
 class _Checks:
     """The checks of a study, and the problems that they found so far."""
 
-    found: SceneSource
-    limits: Limits
-    search: bool
-    problems: list[Problem] = field(default_factory=list)
+    def __init__(self, found: SceneSource, limits: Limits, search: bool) -> None:
+        self.found, self.data, self.limits, self.search = found, found.data, limits, search
+        self.problems: list[Problem] = []
 
     def plan(self, folder: Path, name: str) -> Plan:
-        data = self.found.data
         scene = self._scene(folder)
-        overrides = data.get("set", {})
+        overrides = self.data.get("set", {})
         base = read_scene(scene, overrides=overrides if isinstance(overrides, dict) else {},
                           limits=self.limits)
         spec = self._spec(base)
         points = spec.ends() if self.search else spec.points()
-        self.problems += over(self.limits, "runs", len(points), "$.vary",
-                              "the sweep has {count} runs")
-        self._refuse()
+        self._refuse(*over(self.limits, "runs", len(points), "$.vary",
+                           "the sweep has {count} runs"))
         durations = self._read_extremes(scene, spec, points)
-        if len(durations) == 1 or "run.duration" in points.paths:  # otherwise others may be longer
+        if len(durations) == 1 or "run.duration" in points.axes:  # otherwise others may be longer
             self.problems += [
                 Problem("bad-time", beyond, f'$.keep["{name}"]') for name, each in spec.keep.items()
                 if isinstance(each, Looked) and (beyond := each.past_end(max(durations)))]
         keep = self._results(spec, base, points)
         self._refuse()
         bundle, base = make_bundle(scene, spec.set, self.limits,
-                                   also=[axis.written for axis in points.axes])
+                                   also=points.axes.values())
         job = SweepJob(bundle, spec.set, keep, audited=spec.audit, limits=self.limits)
-        return Plan(spec.model_copy(update={"name": spec.name or name}), job, points, base, data)
+        return Plan(spec.model_copy(update={"name": spec.name or name}), job, points, base,
+                    self.data)
 
-    def _refuse(self) -> None:
-        if self.problems:
+    def _refuse(self, *problems: Problem) -> None:
+        """Report all problems so far, with their places."""
+        if found := [*self.problems, *problems]:
             raise SceneError([each if each.file else replace(
-                each, line=line, column=column) for each in self.problems
+                each, line=line, column=column) for each in found
                 for line, column in [self.found.where(parse_path(each.path), key=each.key)]],
-                self.found.name)
+                self.found.name) from None
 
     def _scene(self, folder: Path) -> Path | dict[str, Any]:
         """The file of the scene, or its data."""
-        named = self.found.data.get("scene")
+        named = self.data.get("scene")
         if isinstance(named, dict):
             return named
         if not isinstance(named, str) or not named.strip():
-            self.problems.append(Problem(
+            self._refuse(Problem(
                 "missing-key",
                 "the study names no scene", "$.scene" if named else "$",
                 allowed='"scene": a file in the same folder, the name of a shipped scene, or a '
                         "scene"))
-            self._refuse()
         try:
             return find_scene(folder / str(named) if str(named).endswith(".json") else str(named))
         except SceneError as error:
-            self.problems += [replace(each, path="$.scene") for each in error.problems]
-            self._refuse()
+            self._refuse(*(replace(each, path="$.scene") for each in error.problems))
             raise
 
     def _spec(self, base: Loaded) -> SweepSpec:
-        data = self.found.data
         try:
-            return SweepSpec.model_validate(data, context={
+            return SweepSpec.model_validate(self.data, context={
                 "parameters": base.scene.parameters, "search": self.search})
         except ValidationError as error:
-            self.problems += explain(error, data, SweepSpec)
-            if "search" in data and all(each["type"] == UNCOUNTED for each in error.errors()):
-                self.problems = [Problem("bad-study",
-                                         "the study is a search, whose ranges have no points of "
-                                         "their own: 'sandbox search' runs it", "$.search",
-                                         key=True)]
-            self._refuse()
+            if "search" in self.data and all(each["type"] == UNCOUNTED for each in error.errors()):
+                self._refuse(Problem("bad-study",
+                                     "the study is a search, whose ranges have no points of "
+                                     "their own: 'sandbox search' runs it", "$.search", key=True))
+            self._refuse(*explain(error, self.data, SweepSpec))
             raise
 
     def _read_extremes(
         self, scene: Path | dict[str, Any], spec: SweepSpec, points: Points,
     ) -> set[float]:
-        """Read the scene at the first point, and with the extreme values of each path.
-
-        Returns:
-            durations of these runs [s].
-        """
-        seen, durations = set[str](), set[float]()
-        for run in sorted({0, *_extremes(points)}):
+        """Durations [s] of runs at the first point, and with the extreme values of each path."""
+        runs, durations, problems = {0}, set[float](), dict[str, Problem]()
+        for path, written in points.axes.items():
+            numbers = [number_of(value) for value in written]
+            if all(isinstance(number, float) for number in numbers):
+                order = sorted(range(len(numbers)), key=numbers.__getitem__)
+                wanted = [order[0], order[-1]]
+            else:  # of texts, the first of each
+                first = {str(value): place for place, value in reversed([*enumerate(written)])}
+                wanted = [*first.values()][:MAX_TRIED_TEXTS]
+            runs.update(int((points.places[path] == place).argmax()) for place in wanted)
+        for run in sorted(runs):
             values = points[run]
             try:
                 durations.add(read_scene(scene, overrides={**spec.set, **values},
                                          limits=self.limits).mechanism.run.duration)
             except SceneError as error:
-                self.problems += [self._of_point(each, values, spec) for each in error.problems
-                                  if each.message not in seen]
-                seen.update(each.message for each in error.problems)
-        self._refuse()
+                for each in error.problems:
+                    problems.setdefault(each.message, self._of_point(each, values, spec))
+        self._refuse(*problems.values())
         return durations
 
     def _of_point(self, problem: Problem, values: Point, spec: SweepSpec) -> Problem:
         """A problem of the scene at one point, placed at the path that causes it."""
-        several = isinstance(self.found.data.get("vary"), list)
+        several = isinstance(self.data.get("vary"), list)
         place = next((
             f'{f"$.vary[{k}].over" if several else "$.vary"}["{path}"]'
             for k, group in enumerate(spec.vary) for path in group.over
@@ -230,12 +211,27 @@ class _Checks:
         self, spec: SweepSpec, base: Loaded, points: Points,
     ) -> dict[str, Looked | str]:
         """Results by name, patterns expanded; by default those of the scene's expectations."""
-        catalogue = Catalogue(base.mechanism)
+        catalogue, parameters = Catalogue(base.mechanism), base.scene.parameters
+        fields = set(Looked.model_fields)
+        expected: dict[str, Looked | str] = {
+            f"{each.statistic} {each.quantity}": Looked.model_validate(
+                each.model_dump(include=fields, exclude_defaults=True))
+            for each in base.mechanism.expect if isinstance(each, Expect)}
         found: dict[str, Looked | str] = {}
-        for name, each in (spec.keep or _expected(base)).items():
+        for name, each in (spec.keep or expected).items():
             path = f'$.keep["{name}"]'
             if isinstance(each, str):
-                self._check_expression(each, {*base.scene.parameters, *found}, path)
+                try:
+                    unknown = parse_expression(each).names - {*parameters, *found}
+                except WrongValueError as error:
+                    self.problems.append(Problem.of(error, path))
+                    unknown = frozenset()
+                known = sorted({*parameters, *found})
+                self.problems += [Problem(
+                    "name-not-found", f"unknown name {quoted(one)} in an expression", path,
+                    hint=near(one, known),
+                    allowed=f"parameters and the quantities kept before it: {listed(known)}")
+                    for one in sorted(unknown)]
                 found[name] = each
                 continue
             pattern = each.quantity
@@ -254,54 +250,12 @@ class _Checks:
         self.problems += [Problem("duplicate-name",
                                   f"{quoted(name)} is another column of the table", "$.keep",
                                   allowed="another name")
-                          for name in found if name in (*COLUMNS, *points.paths)]
-        if len(found) > MAX_RESULTS:
-            self.problems.append(Problem("limit-exceeded",
-                                         f"{len(found)} quantities of each run would be kept",
-                                         "$.keep", allowed=f"at most {MAX_RESULTS}"))
+                          for name in found if name in (*COLUMNS, *points.axes)]
         return found
-
-    def _check_expression(self, text: str, known: set[str], path: str) -> None:
-        try:
-            names = parse_expression(text).names
-        except WrongValueError as error:
-            self.problems.append(Problem.of(error, path))
-            return
-        self.problems += [Problem(
-            "name-not-found",
-            f"unknown name {quoted(name)} in an expression", path, hint=near(name, known),
-            allowed=f"parameters and the quantities kept before it: {listed(sorted(known))}")
-            for name in sorted(names - known)]
-
-
-def _extremes(points: Points) -> Iterator[int]:
-    """Runs with the least and largest value of each path; of texts, the first of each."""
-    for axis in points.axes:
-        numbers = [number_of(value) for value in axis.written]
-        if all(isinstance(number, float) for number in numbers):
-            order = sorted(range(len(numbers)), key=numbers.__getitem__)
-            wanted = [order[0], order[-1]]
-        else:
-            first = {str(value): place for place, value in reversed(list(enumerate(axis.written)))}
-            wanted = list(first.values())[:MAX_TRIED_TEXTS]
-        for place in wanted:
-            yield int((points.places[axis.path] == place).argmax())
-
-
-def _expected(base: Loaded) -> dict[str, Looked | str]:
-    """The statistics that the scene's expectations compare."""
-    fields = set(Looked.model_fields)
-    return {f"{each.statistic} {each.quantity}": Looked.model_validate(
-        each.model_dump(include=fields, exclude_defaults=True)) for each in base.mechanism.expect
-        if isinstance(each, Expect)}
 
 
 def study_file(word: str, limits: Limits | None = None) -> Path | None:
-    """The study file that a word names; None for a scene.
-
-    A study has a key ``vary`` or ``search``, or its ``scene`` is a name, which no scene has: so a
-    file whose ``vary`` is misspelt is read as a study.
-    """
+    """The study file that a word names; None for a scene, whose ``scene`` is no name."""
     path = Path(word)
     if path.suffix != ".json" or not path.is_file():
         return None

@@ -9,10 +9,8 @@ from multiprocessing.context import BaseContext
 
 from sandbox.errors import SandboxError
 
-MAX_PER_PROCESSOR = 4
-"""Worker processes for each processor; each needs some 200 MB."""
-LOADED = "sandbox.sweeps.runner"
-"""The module that worker processes need; it loads the engine."""
+MAX_PER_PROCESSOR = 4  # worker processes for each processor; each needs some 200 MB
+LOADED = "sandbox.sweeps.runner"  # the module that worker processes need; it loads the engine
 
 
 def processors() -> int:

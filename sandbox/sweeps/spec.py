@@ -19,7 +19,6 @@ from pydantic_core import PydanticCustomError
 from sandbox.scene.settings import STATISTICS, Looked
 from sandbox.sweeps.vary import (
     MAX_VALUES,
-    Axis,
     Distribution,
     Given,
     Points,
@@ -50,10 +49,7 @@ NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
 
 
 def parse_statistic(text: str) -> dict[str, Any]:
-    """The object of ``"mean disc.x over last 0.2 s"`` or ``"disc.x at 0.5 s"``.
-
-    A quantity alone means its last sample.
-    """
+    """The object of ``"mean disc.x over last 0.2 s"`` or ``"disc.x at 0.5 s"``."""
     quantity, at, instant = text.strip().partition(" at ")
     if at:
         return {"quantity": quantity.strip(), "at": instant.strip()}
@@ -76,19 +72,6 @@ def parse_statistic(text: str) -> dict[str, Any]:
         found["over"] = window if len(ends) != 2 else [number_from(end.strip(), "time", {})
                                                        for end in ends]
     return found
-
-
-def statistic_text(statistic: Looked) -> str:
-    """The text of a statistic: the inverse of :func:`parse_statistic`."""
-    if statistic.at is not None:
-        return f"{statistic.quantity} {statistic.statistic}"
-    begin, end = statistic.over
-    text = f"{statistic.statistic} {statistic.quantity}"
-    if statistic.over == (0.0, None):
-        return text
-    if begin < 0 and end is None:
-        return f"{text} over last {-begin:g} s"
-    return f"{text} over {begin:g} s : {'end' if end is None else f'{end:g} s'}"
 
 
 def parse_result(text: str) -> tuple[str, str]:
@@ -132,12 +115,7 @@ Sampler = Literal["cmaes", "tpe", "gp", "nsga2", "random"]
 """Samplers of an optimisation: CMA-ES (Hansen and Ostermeier, Evol. Comput. 9 (2001) 159),
 tree-structured Parzen estimators (Bergstra et al., 2011), a Gaussian process, NSGA-II (Deb et al.,
 IEEE Trans. Evol. Comput. 6 (2002) 182), random."""
-MAX_SEED = 2**32 - 1
-"""The largest seed that all libraries take."""
-
-
-def _wrong_search(message: str, **context: str) -> PydanticCustomError:
-    return PydanticCustomError("bad-search", message, context)
+MAX_SEED = 2**32 - 1  # the largest seed that all libraries take
 
 
 Texts = Annotated[
@@ -190,11 +168,11 @@ class BestSearch(Spec):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if not self.least and not self.most:
-            raise _wrong_search("give a quantity to minimise or maximise",
-                                allowed='"least": ["spread"], "most": ["force"]')
+            raise wrong_study("give a quantity to minimise or maximise", code="bad-search",
+                              allowed='"least": ["spread"], "most": ["force"]')
         if both := sorted({*self.least} & {*self.most}):
-            raise _wrong_search("{name} cannot be minimised and maximised at once",
-                                name=quoted(both[0]))
+            raise wrong_study("{name} cannot be minimised and maximised at once", code="bad-search",
+                              name=quoted(both[0]))
         return self
 
 
@@ -213,8 +191,8 @@ class SensitivitySearch(Spec):
     def _check(self) -> Self:
         if self.method == "sobol" and self.count & (self.count - 1):
             below = 1 << (self.count.bit_length() - 1)
-            raise _wrong_search("Sobol's points are a power of 2, not {count}",
-                                count=str(self.count), allowed=f"{below}, {2 * below}")
+            raise wrong_study("Sobol's points are a power of 2, not {count}", code="bad-search",
+                              count=str(self.count), allowed=f"{below}, {2 * below}")
         return self
 
 
@@ -222,21 +200,18 @@ class SearchSpec(Spec):
     """One search; the study defines which paths vary and which results are kept."""
 
     threshold: ThresholdSearch | None = None
-    """The value of one path at which a condition begins or ceases to hold."""
     fit: FitSearch | None = None
-    """The values with which the scene reproduces a measurement."""
     best: BestSearch | None = None
-    """The values that minimise or maximise results."""
     sensitivity: SensitivitySearch | None = None
-    """The influence of each path on each result."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         known = list(type(self).model_fields)
         given = [name for name in known if getattr(self, name) is not None]
         if len(given) != 1:
-            raise _wrong_search("a study is one search" + (f", not {' and '.join(given)}" if given
-                                                           else ""), allowed=", ".join(known))
+            raise wrong_study("a study is one search" + (f", not {' and '.join(given)}" if given
+                                                         else ""), code="bad-search",
+                              allowed=", ".join(known))
         return self
 
     @property
@@ -273,40 +248,36 @@ class Varying(Spec):
     def _check(self, info: ValidationInfo) -> Self:
         if (info.context or {}).get("search"):  # it chooses its points itself
             return self
-        design = self.chosen_design
-        if design in EXPLICIT:
-            self._check_explicit(design)
-        elif self.count is None:
-            raise wrong_study("a design {design} needs a count of points", design=quoted(design))
-        for path, each in self.over.items():
-            if design not in EXPLICIT and isinstance(each, Range) and each.count is not None:
-                raise wrong_study(
-                    "{path} has its own count {own}, but a design {design} chooses {count} points "
-                    "for all paths together", path=quoted(path), own=each.count,
-                    design=quoted(design), count=self.count,
-                    allowed='the range without its count; or a group in a study file: '
-                            '"vary": [{"over": {…}}, {"over": {…}, "count": …}]')
-        return self
-
-    def _check_explicit(self, design: Design) -> None:
-        if self.count is not None:
+        design, lengths = self.chosen_design, dict[str, int]()
+        explicit = design in EXPLICIT
+        if explicit and self.count is not None:
             raise wrong_study("a design {design} has no count: its lists and spans give the number "
                               "of points", design=quoted(design))
-        lengths = {}
+        if not explicit and self.count is None:
+            raise wrong_study("a design {design} needs a count of points", design=quoted(design))
         for path, each in self.over.items():
-            if isinstance(each, Distribution):
+            own, named = each.count if isinstance(each, Range) else None, quoted(path)
+            if not explicit and own is not None:
+                raise wrong_study(
+                    "{path} has its own count {own}, but a design {design} chooses {count} points "
+                    "for all paths together", path=named, own=own, design=quoted(design),
+                    count=self.count,
+                    allowed='the range without its count; or a group in a study file: '
+                            '"vary": [{"over": {…}}, {"over": {…}, "count": …}]')
+            if explicit and isinstance(each, Distribution):
                 raise wrong_study(
                     "{path} has a distribution, whose numbers a design {design} cannot choose",
-                    path=quoted(path), design=quoted(design), allowed=", ".join(
-                        name for name in get_args(Design) if name not in EXPLICIT))
-            if isinstance(each, Range) and each.count is None:
+                    path=named, design=quoted(design),
+                    allowed=", ".join(each for each in get_args(Design) if each not in EXPLICIT))
+            if explicit and isinstance(each, Range) and own is None:
                 raise PydanticCustomError(
                     UNCOUNTED, "{path} has no count: give it a count, or give a design and a count "
-                               "for all paths", {"path": quoted(path)})
-            lengths[quoted(path)] = each.count if isinstance(each, Range) else len(each)
+                               "for all paths", {"path": named})
+            lengths[named] = len(each) if isinstance(each, tuple) else own or 0
         if design == "paired" and len({*lengths.values()}) > 1:
             raise wrong_study("paired paths have as many values each: {lengths}",
                               lengths=", ".join(f"{path} {n}" for path, n in lengths.items()))
+        return self
 
 
 class SweepSpec(Spec):
@@ -365,9 +336,9 @@ class SweepSpec(Spec):
 
     def ends(self) -> Points:
         """Two points, at both ends of all ranges and lists, and in the tails of distributions."""
-        return Points([[Axis(path, values_at(values, TAILS if isinstance(values, Distribution)
-                                             else np.array([0.0, 1.0])))
-                        for path, values in self.over.items()]])
+        return Points([{path: values_at(values, TAILS if isinstance(values, Distribution)
+                                        else np.array([0.0, 1.0]))
+                        for path, values in self.over.items()}])
 
     def points(self) -> Points:
         """The points of all groups, which are nested."""

@@ -14,38 +14,27 @@ from typing import Any
 from sandbox.atomic_files import output_path
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
-from sandbox.sweeps.job import DONE, Log
+from sandbox.sweeps.job import DONE, Log, row_files
 from sandbox.sweeps.plan import Plan, plan_of, read_plan
 from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import parse_result
 from sandbox.sweeps.table import SweepTable, make_table, write_spec
-from sandbox.sweeps.workers import Evaluator
+from sandbox.sweeps.workers import make_workers
 from sandbox.values.paths import path_text
 from sandbox.wording import WrongValueError, quoted
 
-RECORDINGS = "runs"
-"""Folder of whole recordings."""
+RECORDINGS = "runs"  # folder of whole recordings
 
 
 @dataclass(frozen=True)
 class Advance:
     """Progress of a sweep."""
 
-    total: int
-    """Different runs of the plan."""
-    before: int
-    """Runs that were finished before it began."""
-    done: int = 0
-    """Runs finished since."""
-    doubtful: int = 0
-    """Of these, runs that ended early or have warnings."""
-    seconds: float = 0.0
-    """Since it began."""
-
-    @property
-    def fraction(self) -> float:
-        """Fraction of the missing runs that are finished."""
-        return self.done / max(self.total - self.before, 1)
+    total: int  # different runs of the plan
+    before: int  # runs that were finished before it began
+    done: int = 0  # runs finished since
+    doubtful: int = 0  # of these, runs that ended early or have warnings
+    seconds: float = 0.0  # since it began
 
 
 Progress = Callable[[Advance], None]
@@ -55,20 +44,9 @@ def run_plan(
     plan: Plan, directory: Path | None, *, workers: int | str = 0, again: bool = False,
     progress: Progress = lambda at: None,
 ) -> SweepTable:
-    """Run the missing runs of a plan, and write its table.
+    """Run the missing runs of a plan, and write its table; arguments as of :func:`sweep`.
 
-    Args:
-        plan: the sweep.
-        directory: for rows and table; None for nowhere.
-        workers: number of processes, by default one for each processor; or the address of a Dask
-            scheduler.
-        again: repeat finished runs.
-        progress: called after each run.
-
-    Raises:
-        OutputError: the directory cannot be written, or another process uses it.
-        SandboxError: workers cannot start, or the cluster cannot be used.
-        KeyboardInterrupt: Ctrl-C; all finished runs are in the directory and its table.
+    After Ctrl-C all finished runs are in the directory and its table.
     """
     workers = check_workers(workers)  # before anything is written
     recorded = plan.spec.recordings
@@ -81,20 +59,21 @@ def run_plan(
     job = replace(plan.job, recordings=str(recordings)) if recorded else plan.job
     with Log(directory) as log:
         if again:
-            log.clear()
+            for path in row_files(log.folder):
+                path.unlink()
         done = {row.id for row in log.rows() if not recorded or row.status != DONE
                 or (recordings / row.id).is_dir()}
-        tasks = dict(zip(plan.ids, range(len(plan)), strict=True))
-        missing = [run for id, run in tasks.items() if id not in done]
+        runs = dict(zip(plan.ids, range(len(plan)), strict=True))
+        missing = [run for id, run in runs.items() if id not in done]
         if isinstance(workers, int):  # no more processes than runs
             workers = min(workers, len(missing))
-        began, at = time.perf_counter(), Advance(len(tasks), len(tasks) - len(missing))
+        began, at = time.perf_counter(), Advance(len(runs), len(runs) - len(missing))
         ended = "interrupted"
         try:
             with ExitStack() as stack:
-                evaluator = Evaluator(job, log, stack, workers=workers)
-                for row in evaluator.run((plan.ids[run], plan.points[run]) for run in missing) \
-                        if missing else ():
+                tasks = ((plan.ids[run], plan.points[run]) for run in missing)
+                for row in make_workers(job, workers, stack).results(tasks) if missing else ():
+                    log.add(row)
                     at = replace(at, done=at.done + 1, seconds=time.perf_counter() - began,
                                  doubtful=at.doubtful + (row.status != DONE or bool(row.looks)))
                     progress(at)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import json
+import itertools
 import math
 import os
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -17,25 +16,19 @@ from typing import Any
 import numpy as np
 
 from sandbox import __version__
-from sandbox.atomic_files import atomic_file, write_atomic
+from sandbox.atomic_files import atomic_file, json_text, write_atomic, write_csv
 from sandbox.errors import SandboxError
 from sandbox.figure import style
 from sandbox.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 from sandbox.numeric import Array, Flags
-from sandbox.scene.settings import Looked
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.plan import Plan
-from sandbox.sweeps.spec import statistic_text
 from sandbox.sweeps.vary import Distribution, Range, Values, number_of
 from sandbox.wording import counted, listed, or_near
 
 CSV, PARQUET, SPEC, FIGURE = "table.csv", "table.parquet", "sweep.json", "sweep.png"
-ROW_GROUP = 50_000
-"""Rows of a row group of a Parquet file."""
-MET = "met"
-"""Column of a search: whether its condition holds."""
-MISSING = ""
-"""Status of a run that was not done yet."""
+MET = "met"  # column of a search: whether its condition holds
+MISSING = ""  # status of a run that was not done yet
 
 
 @dataclass
@@ -50,10 +43,9 @@ class SweepTable:
     """Empty for a run that was not done yet."""
     holds: Array
     """1 or 0, or nan for a run without expectations."""
-    reason: dict[int, str] = field(default_factory=dict)
-    """By number of the run, as the next two."""
-    failed: dict[int, tuple[str, ...]] = field(default_factory=dict)
-    looks: dict[int, tuple[str, ...]] = field(default_factory=dict)
+    reason: list[str]
+    failed: list[tuple[str, ...]]
+    looks: list[tuple[str, ...]]
     met: Array | None = None
     """Of a search with a condition: 1 or 0, or nan where it is unknown."""
 
@@ -77,18 +69,16 @@ class SweepTable:
     @property
     def doubtful(self) -> Flags:
         """Whether the audit of each run has warnings, [n]."""
-        flags = np.zeros(len(self), dtype=bool)
-        flags[list(self.looks)] = True
-        return flags
+        return np.array([bool(each) for each in self.looks], dtype=bool)
 
     @cached_property
     def varied(self) -> dict[str, list[float | str]]:
         """Values of each path, SI or text, [n]."""
         points = self.plan.points
         found: dict[str, list[float | str]] = {}
-        for axis in points.axes:
-            numbers = [number_of(value) for value in axis.written]
-            found[axis.path] = [numbers[place] for place in points.places[axis.path].tolist()]
+        for path, values in points.axes.items():
+            numbers = [number_of(value) for value in values]
+            found[path] = [numbers[place] for place in points.places[path].tolist()]
         return found
 
     def __getitem__(self, name: str) -> Any:
@@ -109,18 +99,17 @@ class SweepTable:
 
     def columns(self) -> dict[str, list[Any]]:
         """All columns in their order, as plain lists; None for no value."""
-        n = len(self)
         return {
-            "run": list(range(n)), "id": self.ids, **self.varied,
+            "run": list(range(len(self))), "id": self.ids, **self.varied,
             **{name: [None if math.isnan(value) else value for value in values.tolist()]
                for name, values in self.kept.items()},
             "status": self.status,
-            "reason": [self.reason.get(run, "") for run in range(n)],
+            "reason": self.reason,
             **({} if self.met is None else {MET: _flags(self.met)}),
             "holds": _flags(self.holds),
-            "failed": [" ".join(self.failed.get(run, ())) for run in range(n)],
-            "looks": [" ".join(self.looks.get(run, ())) for run in range(n)],
-            "seed": [self.plan.spec.seed] * n,
+            "failed": list(map(" ".join, self.failed)),
+            "looks": list(map(" ".join, self.looks)),
+            "seed": [self.plan.spec.seed] * len(self),
         }
 
     def to_pandas(self) -> Any:
@@ -142,24 +131,19 @@ class SweepTable:
     def write(self, directory: Path) -> None:
         """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed."""
         columns = self.columns()
-        with atomic_file(directory / CSV) as part, part.open("w", encoding="utf-8",
-                                                               newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(columns)
-            writer.writerows(map(_cell, cells) for cells in zip(*columns.values(), strict=True))
+        write_csv(directory / CSV, itertools.chain([columns], (
+            map(_cell, cells) for cells in zip(*columns.values(), strict=True))))
         try:
             pyarrow, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
         except ImportError:
             return
-        plain = {name: list(map(str, values)) if len({type(v) for v in values if v is not None}) > 1
-                 else values for name, values in columns.items()}
-        schema = pyarrow.schema([pyarrow.field(
-            name, pyarrow.float64() if name in self.kept else
-            pyarrow.bool_() if name in ("holds", MET) else pyarrow.infer_type(values),
-            metadata={"unit": self.plan.units.get(name, "")}) for name, values in plain.items()])
+        types = {**dict.fromkeys(self.kept, pyarrow.float64()),
+                 **dict.fromkeys(("holds", MET), pyarrow.bool_())}
+        found = pyarrow.table({name: pyarrow.array(
+            list(map(str, values)) if len({type(v) for v in values if v is not None}) > 1
+            else values, types.get(name)) for name, values in columns.items()})
         with atomic_file(directory / PARQUET) as part:
-            parquet.write_table(pyarrow.table(plain, schema=schema), part,
-                                row_group_size=ROW_GROUP)
+            parquet.write_table(found, part)
 
 
 def preload() -> None:
@@ -186,17 +170,12 @@ def make_table(plan: Plan, rows: Iterable[SweepRow]) -> SweepTable:
     for run, id in enumerate(plan.ids):
         runs.setdefault(id, []).append(run)  # equal points have equal ids
     table = SweepTable(plan, {name: np.full(n, np.nan) for name in plan.job.keep}, plan.ids,
-                       [MISSING] * n, np.full(n, np.nan))
+                       [MISSING] * n, np.full(n, np.nan), [""] * n, [()] * n, [()] * n)
     for row in rows:
         for run in runs.get(row.id, ()):
-            table.status[run] = row.status
+            table.status[run], table.reason[run] = row.status, row.reason
             table.holds[run] = np.nan if row.holds is None else row.holds
-            if row.reason:
-                table.reason[run] = row.reason
-            if row.failed:
-                table.failed[run] = row.failed
-            if row.looks:
-                table.looks[run] = row.looks
+            table.failed[run], table.looks[run] = row.failed, row.looks or ()
             for name, number in row.kept.items():
                 if number is not None and name in table.kept:
                     table.kept[name][run] = number
@@ -213,7 +192,7 @@ def write_spec(plan: Plan, directory: Path, **progress: Any) -> None:
             file = str(Path(file).resolve())
     data = {"study": dict(plan.written), "versions": {"sandbox": __version__},
             "scene_file": file, "units": plan.units, **progress}
-    write_atomic(directory / SPEC, json.dumps(data, indent=2, ensure_ascii=False) + "\n")
+    write_atomic(directory / SPEC, json_text(data, indent=2) + "\n")
 
 
 def draw_table(
@@ -222,15 +201,8 @@ def draw_table(
 ) -> None:
     """Draw results over varied paths, without runs that were not done yet.
 
-    On a grid of two paths, a map shows where the expectations of the scene hold.
-
-    Args:
-        table: of the runs.
-        path: the file.
-        held: 1 of runs whose condition holds, else 0, or nan where it is not known, [n]; by
-            default of the scene's expectations.
-        condition: the condition in words.
-        found: result of a search.
+    On a grid of two paths, a map shows where the expectations of the scene hold; ``held`` [n] and
+    ``condition`` replace them. ``found`` is the result of a search.
     """
     plan, over = table.plan, table.plan.spec.over
     grid = plan.points.is_grid and not any(
@@ -245,8 +217,10 @@ def draw_table(
     for name, keep in plan.job.keep.items():
         if isinstance(keep, str):
             meanings[name] = keep.lstrip().removeprefix("=").strip()
-        elif isinstance(keep, Looked) and keep.quantity not in name:
-            meanings[name] = statistic_text(keep)
+        elif keep.quantity not in name:
+            (begin, end), what = keep.over, f"{keep.statistic} {keep.quantity}"
+            meanings[name] = what if keep.over == (0.0, None) else (
+                f"{what} over {begin:g}:{'end' if end is None else f'{end:g}'} s")
     draw_sweep(path, SweepDrawing(
         [_varied_column(table, name, over[name], here) for name in table.varied], kept,
         failed=~table.done[here], doubtful=table.doubtful[here], grid=grid,

@@ -10,10 +10,9 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -33,17 +32,25 @@ from sandbox.values.spec import Spec
 from sandbox.values.units import Measured, dimension_of, factor_of, parse_quantity, units_of
 from sandbox.wording import WrongValueError, near, quoted
 
-MAX_VALUES = 1_000_000
-"""Values of one path."""
+MAX_VALUES = 1_000_000  # values of one path
 TEXTS = ('"2:8:60" (from:to:count), "1:100:20:log", "1, 2, 5", "[1, 2, 5]", '
          '"normal(3 N, 0.2 N)", "2:8" with a count of points')
 """Examples of the texts that :func:`parse_values` reads."""
+DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "uniform": (("from", "to"), ()), "log_uniform": (("from", "to"), ()),
+    "normal": (("mean", "std"), ("from", "to")), "log_normal": (("median", "sigma"), ()),
+    "triangular": (("from", "peak", "to"), ()), "exponential": (("mean",), ()),
+    "scipy": (("name",), ("shapes", "loc", "scale")),
+}
+"""Required and optional arguments of each distribution."""
 _CALL = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*\(([^()]*)\)\s*")
 
 
-def wrong_study(message: str, **context: Any) -> PydanticCustomError:
+def wrong_study(
+    message: str, *, code: Literal["bad-study", "bad-search"] = "bad-study", **context: Any,
+) -> PydanticCustomError:
     """The error of a study that is wrong."""
-    return PydanticCustomError("bad-study", message, context)
+    return PydanticCustomError(code, message, context)
 
 
 def common_unit(values: list[float]) -> str:
@@ -133,63 +140,64 @@ class Distribution(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        kind = DISTRIBUTIONS[self.distribution]
-        given = {key for key in FIELDS if getattr(self, key) not in (None, ())}
-        if missing := [key for key in kind.required if key not in given]:
-            raise wrong_study("a {kind} distribution needs {keys}", kind=self.distribution,
-                              keys=" and ".join(map(_shown, missing)))
-        if unknown := sorted(given - {*kind.required, *kind.optional}):
-            raise wrong_study(
-                "a {kind} distribution has no {key}", kind=self.distribution,
-                key=_shown(unknown[0]),
-                allowed=", ".join(map(_shown, (*kind.required, *kind.optional))))
-        if self.from_ is not None and self.to is not None and self.from_ >= self.to:
-            raise wrong_study("'from' must be less than 'to'")
-        for key in ("std", "sigma", "median", "scale", *kind.positive):
-            if (value := getattr(self, key)) is not None and not value > 0:
-                raise wrong_study("{key} must be greater than 0", key=key.rstrip("_"))
-        self._frozen()
+        kind, arguments = self.distribution, self._arguments
+        required, optional = DISTRIBUTIONS[kind]
+        if missing := [quoted(key) for key in required if key not in arguments]:
+            raise wrong_study("a {kind} distribution needs {keys}", kind=kind,
+                              keys=" and ".join(missing))
+        if unknown := sorted(arguments.keys() - {*required, *optional}):
+            raise wrong_study("a {kind} distribution has no {key}", kind=kind,
+                              key=quoted(unknown[0]),
+                              allowed=", ".join(map(quoted, (*required, *optional))))
+        with np.errstate(all="ignore"):
+            middle = self.at(np.array([0.5]))
+        if not np.isfinite(middle).all():
+            raise wrong_study("a {kind} distribution has no values with {arguments}", kind=kind,
+                              arguments=", ".join(f"{key} = {value}"
+                                                  for key, value in arguments.items()))
         return self
 
     @property
-    def _numbers(self) -> dict[str, float]:
-        """Arguments with a unit."""
-        return {key: value for key in FIELDS if key != "sigma"
-                and isinstance(value := getattr(self, key), float)}
+    def _arguments(self) -> dict[str, Any]:
+        """The given arguments, by the names in a file; quantities in SI."""
+        return {key.rstrip("_"): value for key in type(self).model_fields
+                if key != "distribution" and (value := getattr(self, key)) not in (None, ())}
 
     @property
     def unit(self) -> str:
         """The unit in which it was written; empty for none."""
-        return common_unit(list(self._numbers.values()))
-
-    def _frozen(self) -> Any:
-        """The frozen distribution [unit] of scipy.stats."""
-        from scipy import stats
-
-        known: dict[str, Any] = {key: in_unit(value, self.unit)
-                                 for key, value in self._numbers.items()}
-        known |= {key: value for key in ("sigma", "name", "shapes")
-                  if (value := getattr(self, key)) not in (None, ())}
-        return DISTRIBUTIONS[self.distribution].make(stats, **known)
+        return common_unit([value for key, value in self._arguments.items()
+                            if isinstance(value, float) and key != "sigma"])
 
     def at(self, quantiles: Array) -> Array:
         """Numbers [unit] at quantiles from 0 to 1, [n]; the ends are moved inside by rounding."""
-        least = np.finfo(float).eps / 2
-        return np.asarray(self._frozen().ppf(np.clip(quantiles, least, 1 - least)), dtype=float)
+        from scipy import stats
 
-
-def _normal(
-    stats: Any, mean: float, std: float, from_: float = -math.inf, to: float = math.inf,
-) -> Any:
-    if math.isinf(from_) and math.isinf(to):
-        return stats.norm(mean, std)
-    return stats.truncnorm((from_ - mean) / std, (to - mean) / std, mean, std)
-
-
-def _triangular(stats: Any, from_: float, peak: float, to: float) -> Any:
-    if not from_ <= peak <= to:
-        raise wrong_study("'peak' lies from 'from' to 'to'")
-    return stats.triang((peak - from_) / (to - from_), from_, to - from_)
+        unit = self.unit
+        known: Any = {key: np.float64(in_unit(value, unit))
+                      if isinstance(value, float) and key != "sigma" else value
+                      for key, value in self._arguments.items()}
+        low, high = known.get("from", -math.inf), known.get("to", math.inf)
+        match self.distribution:
+            case "uniform":
+                found = stats.uniform(low, high - low)
+            case "log_uniform":
+                found = stats.loguniform(low, high)
+            case "normal" if math.isinf(low) and math.isinf(high):
+                found = stats.norm(known["mean"], known["std"])
+            case "normal":
+                mean, std = known["mean"], known["std"]
+                found = stats.truncnorm((low - mean) / std, (high - mean) / std, mean, std)
+            case "log_normal":
+                found = stats.lognorm(known["sigma"], 0, known["median"])
+            case "triangular":
+                found = stats.triang((known["peak"] - low) / (high - low), low, high - low)
+            case "exponential":
+                found = stats.expon(0, known["mean"])
+            case "scipy":
+                found = _scipy(stats, **known)
+        inside = np.finfo(float).eps / 2
+        return np.asarray(found.ppf(np.clip(quantiles, inside, 1 - inside)), dtype=float)
 
 
 def _scipy(
@@ -204,39 +212,7 @@ def _scipy(
     if len(shapes) != found.numargs:
         raise wrong_study("{name} has {count} shape parameters ({which}), not {given}", name=name,
                           count=found.numargs, which=found.shapes or "none", given=len(shapes))
-    frozen = found(*shapes, loc=loc, scale=scale)
-    if not math.isfinite(frozen.ppf(0.5)):
-        raise wrong_study("{name} has no values with these shape parameters", name=name)
-    return frozen
-
-
-class _Kind(NamedTuple):
-    """Arguments of a distribution, and what makes it of scipy.stats and these."""
-
-    required: tuple[str, ...]
-    optional: tuple[str, ...]
-    make: Callable[..., Any]
-    positive: tuple[str, ...] = ()
-    """Arguments that must be positive, besides those that always are."""
-
-
-DISTRIBUTIONS = {
-    "uniform": _Kind(("from_", "to"), (),
-                     lambda stats, from_, to: stats.uniform(from_, to - from_)),
-    "log_uniform": _Kind(("from_", "to"), (),
-                         lambda stats, from_, to: stats.loguniform(from_, to), ("from_",)),
-    "normal": _Kind(("mean", "std"), ("from_", "to"), _normal),
-    "log_normal": _Kind(("median", "sigma"), (),
-                        lambda stats, median, sigma: stats.lognorm(sigma, 0, median)),
-    "triangular": _Kind(("from_", "peak", "to"), (), _triangular),
-    "exponential": _Kind(("mean",), (), lambda stats, mean: stats.expon(0, mean), ("mean",)),
-    "scipy": _Kind(("name",), ("shapes", "loc", "scale"), _scipy),
-}
-FIELDS = tuple(key for key in Distribution.model_fields if key != "distribution")
-
-
-def _shown(key: str) -> str:
-    return f"'{key.rstrip('_')}'"
+    return found(*shapes, loc=loc, scale=scale)
 
 
 def _check_list(values: Any, info: ValidationInfo) -> Any:
@@ -306,35 +282,27 @@ def parse_values(text: str) -> Any:
         except ValueError as error:
             raise WrongValueError("invalid-json",
                                   f"{quoted(text)} is not JSON: {error}", allowed=TEXTS) from None
-    if ":" in text:
-        return _parse_range(text)
     if not text:
         raise WrongValueError("bad-study", "there are no values", allowed=TEXTS)
-    return [_parse_value(part) for part in text.split(",")]
-
-
-def _parse_range(text: str) -> dict[str, Any]:
+    if ":" not in text:
+        return [_parse_value(part) for part in text.split(",")]
     first, last, *more = (part.strip() for part in text.split(":"))
     found: dict[str, Any] = {"from": _parse_value(first), "to": _parse_value(last)}
     if more and more[-1] in ("log", "linear"):
         found["scale"] = more.pop()
     if len(more) > 1:
         raise WrongValueError("bad-study", f"{quoted(text)} has too many parts", allowed=TEXTS)
-    if more:
-        try:
-            found["count"] = int(more[0])
-        except ValueError:
-            raise WrongValueError("bad-study", f"{quoted(more[0])} is not a whole number",
-                                  allowed=TEXTS, hint=near(more[0], ["log"])) from None
-    return found
+    if more and not more[0].isdecimal():
+        raise WrongValueError("bad-study", f"{quoted(more[0])} is not a whole number",
+                              allowed=TEXTS, hint=near(more[0], ["log"]))
+    return found | ({"count": int(more[0])} if more else {})
 
 
 def _parse_distribution(name: str, inside: str) -> dict[str, Any]:
     if name not in DISTRIBUTIONS:
         raise WrongValueError("bad-study", f"there is no distribution {quoted(name)}",
                               allowed=", ".join(DISTRIBUTIONS), hint=near(name, DISTRIBUTIONS))
-    kind = DISTRIBUTIONS[name]
-    keys = [key.rstrip("_") for key in (*kind.required, *kind.optional)]
+    keys = [key for group in DISTRIBUTIONS[name] for key in group]
     found: dict[str, Any] = {"distribution": name}
     for place, part in enumerate(filter(None, (each.strip() for each in inside.split(",")))):
         key, equals, value = (each.strip() for each in part.partition("="))
@@ -361,27 +329,14 @@ def _refuse_constant(word: str) -> float:
 # -- points --------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Axis:
-    """A path and its values, as a scene file may hold them."""
-
-    path: str
-    written: Sequence[Override]
-
-
 class Points:
-    """Points that are the product of dimensions, of which the last changes fastest.
+    """The product of dimensions, each of paths that vary together; the last changes fastest."""
 
-    Args:
-        dimensions: axes that vary together, with as many values each.
-    """
-
-    def __init__(self, dimensions: Sequence[Sequence[Axis]]) -> None:
+    def __init__(self, dimensions: Sequence[Mapping[str, Sequence[Override]]]) -> None:
         self._dimensions = dimensions
-        self._shape = [len(axes[0].written) for axes in dimensions]
-        self.axes = tuple(axis for axes in dimensions for axis in axes)
-        self.paths = tuple(axis.path for axis in self.axes)
-        self.is_grid = all(len(axes) == 1 for axes in dimensions)
+        self._shape = [len(next(iter(each.values()))) for each in dimensions]
+        self.axes = {path: values for each in dimensions for path, values in each.items()}
+        self.is_grid = len(self.axes) == len(dimensions)
         """Whether every value of each path is combined with every value of the others."""
 
     def __len__(self) -> int:
@@ -391,21 +346,24 @@ class Points:
     def places(self) -> dict[str, Integers]:
         """The index of a path's value in each run, [n], by path."""
         found = np.unravel_index(np.arange(len(self)), self._shape)
-        return {axis.path: place for axes, place in zip(self._dimensions, found, strict=True)
-                for axis in axes}
+        return {path: place for each, place in zip(self._dimensions, found, strict=True)
+                for path in each}
 
     def __getitem__(self, run: int) -> dict[str, Override]:
         """The values of all paths in a run, from 0."""
-        return {axis.path: axis.written[self.places[axis.path][run]] for axis in self.axes}
+        return {path: values[self.places[path][run]] for path, values in self.axes.items()}
 
 
 def group_points(
     over: Mapping[str, Values], design: str, count: int, seed: int,
-) -> list[list[Axis]]:
+) -> list[dict[str, list[Override]]]:
     """The dimensions of a group of paths that vary by one design."""
     if design in ("grid", "paired"):
-        axes = [Axis(path, _even(values)) for path, values in over.items()]
-        return [[axis] for axis in axes] if design == "grid" else [axes]
+        axes = {path: values_at(values, (np.arange(len(values)) + 0.5) / len(values))
+                if isinstance(values, tuple) else
+                values_at(values, np.linspace(0.0, 1.0, getattr(values, "count", 1)), digits=15)
+                for path, values in over.items()}
+        return [{path: axis} for path, axis in axes.items()] if design == "grid" else [axes]
     rng = np.random.default_rng(seed)
     if design == "random":
         quantiles = rng.random((count, len(over)))
@@ -417,34 +375,22 @@ def group_points(
         with warnings.catch_warnings():  # Sobol's points are balanced for powers of two only
             warnings.simplefilter("ignore", UserWarning)
             quantiles = engine.random(count)
-    return [[Axis(path, values_at(values, quantiles[:, k]))
-             for k, (path, values) in enumerate(over.items())]]
+    return [{path: values_at(values, quantiles[:, k])
+             for k, (path, values) in enumerate(over.items())}]
 
 
-def _even(values: Values) -> list[Override]:
-    """The values of a list or a range, numbers rounded to 15 digits."""
-    if isinstance(values, tuple):
-        return [_plain(value) for value in values]
-    assert isinstance(values, Range)
-    numbers = values.at(np.linspace(0.0, 1.0, values.count or 1))
-    return _with_unit(np.array([float(f"{number:.15g}") for number in numbers]), values.unit)
-
-
-def values_at(values: Values, quantiles: Array) -> list[Override]:
+def values_at(values: Values, quantiles: Array, *, digits: int = 17) -> list[Override]:
     """Values of a path at quantiles from 0 to 1, [n], as a scene file may hold them."""
     if isinstance(values, tuple):
         places = np.minimum((quantiles * len(values)).astype(int), len(values) - 1)
         return [_plain(values[place]) for place in places]
-    return _with_unit(values.at(quantiles), values.unit)
+    numbers = [float(f"{number:.{digits}g}") for number in values.at(quantiles)]
+    return [f"{number!r} {values.unit}" if values.unit else number for number in numbers]
 
 
 def _plain(value: Any) -> Override:
     """A value of a list as JSON has it: pydantic makes tuples of lists."""
     return list(map(_plain, value)) if isinstance(value, tuple) else value
-
-
-def _with_unit(numbers: Array, unit: str) -> list[Override]:
-    return [f"{number!r} {unit}" if unit else number for number in numbers.tolist()]
 
 
 def number_of(written: Override) -> float | str:

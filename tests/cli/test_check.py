@@ -36,7 +36,7 @@ def test_a_warning_has_its_place_and_fails_with_strict(sandbox, scene):
     message = f"{path}:1:352: warning: $.joints[0]: rope: not assembled at t = 0"
     assert looked.err.startswith(message)
     assert ran.err.startswith(message)
-    assert looked.pages == "see docs/messages.md#not-assembled\n"
+    assert looked.pages == "see 'sandbox explain not-assembled'\n"
     assert sandbox("check", path, "--strict").code == 2
     output = sandbox("check", path, "nothere.json", "--json")
     good, bad = json.loads(output.out)["scenes"]
@@ -59,7 +59,7 @@ def test_an_error_has_its_place_in_text_and_json(sandbox, scene):
                        "code": "coincident-points",
                        "fields": f"{ELEMENTS}#tendon"}
     assert sandbox("check", scene(tendons=[CABLE], gravty=[0, 1])).pages == (
-        f"see docs/messages.md#unknown-key, {ELEMENTS}#scene\n")
+        "see 'sandbox explain unknown-key scene'\n")
 
 
 def test_warnings_of_copies_and_of_included_scenes_have_places(sandbox, scene, tmp_path):

@@ -7,7 +7,7 @@ import json
 import pytest
 
 import sandbox as package
-from sandbox.cli.entry import COMMANDS, REMOVED
+from sandbox.cli.entry import ADVICE, COMMANDS
 from sandbox.cli.explain import elements, example
 from sandbox.elements.quantities import QUANTITIES
 from sandbox.scene.library import shipped_scenes
@@ -28,9 +28,11 @@ def test_help_fits_on_a_screen_and_every_command_helps(sandbox):
 
 @pytest.mark.parametrize(("words", "message"), [
     (["rnu"], "Did you mean 'run'?"),
-    *([name.split(), advice] for name, advice in REMOVED.items() if name[0] != "-"),
+    *([name.split(), advice] for name, advice in ADVICE.items() if name[0] != "-"),
     (["check", "x", "--max-recorded-bytes", "9"], "Use --limit recorded_bytes=VALUE."),
     (["run", "x", "--frames"], "Use 'sandbox render RUN --out DIR'."),
+    (["run", "x", "--no-rnder"], "Did you mean '--no-render'?"),
+    (["run", "x", "--seed"], "There is no option '--seed'.\n"),
     (["check", "x", "--limit", "stesp=9"], "Did you mean 'steps'? Limits: file_bytes, "),
     (["check", "x", "--limit", "steps=many"], "steps=many is not a valid positive integer"),
     (["check", "x", "--limit", "steps=0"], "steps=0 is not a valid positive integer"),
@@ -105,4 +107,9 @@ def test_explain_has_every_element_and_quantity(sandbox):
     assert "backlash is a field of joints.gear" in sandbox("explain", "backlash").out
     assert "(joint: rod, rope)" in " ".join(sandbox("explain", "tension").out.split())
     assert "recorded_bytes" in sandbox("explain", "limits").out
+    assert "backlash is a field" in sandbox("explain", "play").out
+    several = " ".join(sandbox("explain", "winch", "clip", "unknown-key").out.split())
+    assert "winch is a shipped scene: Winch" in several
+    assert "clip(x, low, high)" in several
+    assert "unknown-key The element has no such key." in several
     assert "velocity" in sandbox("explain", "layers").out

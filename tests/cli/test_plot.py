@@ -56,7 +56,6 @@ def test_quantities_of_one_run(runs):
     (["controlled", "k1.value", "--out", "x.bmp"], "does not end in one of .png"),
     (["controlled", "k1.value", "--target", "k1.value"], "quantity=value"),
     (["controlled", "k1.value", "--target", "finger.mcp.angle=5mm"], "unit of length"),
-    (["controlled", "--figure", "finger-control"], "Name the quantities."),
     (["elsewhere/free", "--with", "elsewhere/free"], "name the quantities to compare"),
 ])
 def test_wrong_words(runs, words, message):

@@ -65,7 +65,6 @@ def test_stills_and_strips(sandbox, saved):
     (["--fps", "30"], "25"),
     (["--show", "velocty"], "did you mean 'velocity'"),
     (["--max-frames", "9"], "Use --limit frames=VALUE."),
-    (["--bare"], "Use --labels none."),
 ])
 def test_wrong_pictures(sandbox, saved, words, message):
     output = sandbox("render", saved, *words)

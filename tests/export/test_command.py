@@ -13,7 +13,7 @@ from sandbox.cli.entry import invoke
 @pytest.mark.parametrize(("words", "told"), [
     (["shape_change"], "swelling: MuJoCo has no counterpart of a changing radius; "
                        "--without swelling leaves it out"),
-    (["single_finger", "--format", "mjfc"], "Did you mean 'mjcf'? Allowed: 'mjcf', 'pymunk'."),
+    (["single_finger", "--format", "mjfc"], "'mjfc' is not one of 'mjcf', 'pymunk'."),
     (["single_finger", "--without", "finger.tendn"], "Did you mean 'finger.tendon'?"),
     (["single_finger", "--out", "/dev/null/place.xml"],
      "cannot write /dev/null/place.xml: Not a directory"),

@@ -1,6 +1,6 @@
 """A puck that is pushed for a while, and workers without processes."""
 
-from sandbox.sweeps.runner import make_runner
+from sandbox.sweeps.runner import run_point
 
 PUCK = {
     "name": "puck", "gravity": [0, 0], "parameters": {"push": "2 N", "m": "1 kg"},
@@ -20,6 +20,6 @@ class InProcess:
         self._job = job
 
     def results(self, tasks):
-        with make_runner(self._job) as run:
+        with self._job.bundle.unpacked() as scene:
             for id, values in tasks:
-                yield run(id, values)
+                yield run_point(self._job, scene, id, values)

@@ -100,7 +100,7 @@ def test_command_line_errors_quote_the_option(
     assert invoke([*words[:place], "puck.json", *words[place:]]) == 2
     fragment, page = capsys.readouterr().err.splitlines()
     assert fragment.startswith(reported)
-    assert page.startswith("see docs/messages.md#")
+    assert page.startswith("see 'sandbox explain ")
 
 
 def test_failed_expectations_are_counted(tmp_path, capsys):
