@@ -1,10 +1,9 @@
 """Figures of sweeps and searches.
 
-One varied path: curves over it, or, of random samples, points with a distribution beside them.
-A grid of two paths: a curve for each value of a path with few values, otherwise a map of each
-quantity that differs between runs. Anything else: each quantity over each path. Ticks or crosses
-mark unfinished runs, rings mark runs with a warning of the audit, orange points mark runs that
-fail a condition. Searches: sensitivities, fronts of several goals, branches of equilibria.
+One varied path: curves over it, or, of random samples, points with a histogram. A grid of two
+paths: a curve for each value of a path with few values, otherwise a map of each quantity. Anything
+else: each quantity over each path. Ticks or crosses mark unfinished runs, rings mark runs with a
+warning of the audit, orange points mark runs that fail a condition.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,8 +21,7 @@ from sandbox.figure.panels import Axis, Curve, Custom, Mark, Panel, Upright, sav
 from sandbox.numeric import Array, Flags
 
 MAX_QUANTITIES, MAX_PAIRS, MAX_PATHS = 12, 6, 20
-"""Quantities, and pairs of goals, of one figure; a note says how many more there are. Paths of a
-panel of sensitivities."""
+"""Quantities, and pairs of goals, of one figure; paths of a panel of sensitivities."""
 PANEL, MAP, CELL, MAX_COLUMNS = 34.0, 46.0, 24.0, 6
 """Height of a panel, of a map, of a panel of a matrix [mm]; columns of a matrix."""
 ROW, FRONT, BRANCHES = 7.5, 56.0, 60.0
@@ -75,10 +72,12 @@ class SweepColumn:
         if self.texts:
             return values, Axis(label, words=self.texts)
         places = np.unique(values[np.isfinite(values)])
-        if 0 < len(places) <= max_ticks and (self.log or _distinct(places)):
-            return values, Axis(label, self.log, places.tolist(),
-                                [style.number(place, DIGITS) for place in places])
-        return values, Axis(label, self.log)
+        words = [style.number(place, DIGITS) for place in places[:max_ticks]]
+        if not 0 < len(places) <= max_ticks or not (self.log or (
+                np.allclose(np.array(words, dtype=float), places, rtol=ROUNDING, atol=0)
+                and np.diff(places).min(initial=np.inf) > ROOM * np.ptp(places))):
+            return values, Axis(label, self.log)
+        return values, Axis(label, self.log, places.tolist(), words)
 
 
 class FoundLine(NamedTuple):
@@ -115,9 +114,17 @@ class SweepDrawing:
     found: FoundLine | None = None
 
     @property
-    def scattered(self) -> bool:
-        """Whether runs are points, neither curves nor a map."""
-        return not (self.grid and len(self.varied) <= 2)
+    def shown(self) -> Sequence[SweepColumn]:
+        """The quantities that have panels."""
+        return self.kept[:MAX_QUANTITIES]
+
+    @property
+    def missed(self) -> Flags:
+        """Scattered points of runs that fail the condition, [n]."""
+        scattered = not (self.grid and len(self.varied) <= 2) and len(self.failed) <= CROWD
+        if self.held is None or not scattered:
+            return np.zeros(len(self.failed), dtype=bool)
+        return np.asarray(self.held == 0, dtype=bool)
 
 
 def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
@@ -129,91 +136,58 @@ def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
     """
     if not drawing.varied or not drawing.kept:
         raise ValueError("a figure needs varied paths and kept quantities")
-    kept, widths = drawing.kept[:MAX_QUANTITIES], None
+    widths = None
     if len(drawing.varied) == 1:
-        panels = [_over_one(drawing, column) for column in kept]
+        panels = [_over_one(drawing, column) for column in drawing.shown]
         widths = None if drawing.grid else (3.0, 1.0)
     elif len(drawing.varied) == 2 and drawing.grid:
-        constant = {column.name for column in _constant(drawing)}
-        few = _few(drawing.varied)
-        panels = [[_lines(drawing, column, few)] for column in kept] if few is not None else [
-            [_map(drawing, column)] for column in kept if column.name not in constant]
+        counts = [len(np.unique(column.values)) for column in drawing.varied]
+        few = min((k for k in (0, 1) if counts[k] <= MAX_LINES), default=None,
+                  key=lambda k: (not drawing.varied[k].texts, counts[k]))
+        panels = [[_map(drawing, column) if few is None else _lines(drawing, column, few)]
+                  for column in drawing.shown]
     else:
         panels = [[_matrix_cell(drawing, column, one, first=not i)
-                   for i, one in enumerate(drawing.varied[:MAX_COLUMNS])] for column in kept]
+                   for i, one in enumerate(drawing.varied[:MAX_COLUMNS])]
+                  for column in drawing.shown]
     save_panels(path, panels, title=drawing.title, notes=_notes(drawing), shared=True,
                 widths=widths)
 
 
 def _notes(drawing: SweepDrawing) -> list[str]:
-    shown = {column.name for column in drawing.kept[:MAX_QUANTITIES]}
+    shown = {column.name for column in drawing.shown}
     meanings = "; ".join(f"{name} = {meaning}" for name, meaning in drawing.meanings.items()
                          if name in shown)
-    constant = ", ".join(map(_value_of, _constant(drawing)))
-    finished = " that came to their end" * bool(drawing.failed.any())
     count, more = len(drawing.failed), len(drawing.kept) - MAX_QUANTITIES
     missed, failed, doubtful = (int(np.count_nonzero(each)) for each in (
-        _missed(drawing), drawing.failed, drawing.doubtful))
+        drawing.missed, drawing.failed, drawing.doubtful))
+    curves = drawing.grid and len(drawing.varied) <= 2
     notes = {
         drawing.found.words if drawing.found else "": drawing.found,
-        f"{constant} in all runs{finished}.": constant,
         f"{missed} of {count} runs fail {drawing.condition}: orange.": missed,
-        f"{failed} of {count} runs did not come to their end: red.": failed,
+        f"{failed} of {count} runs did not finish: red.": failed,
         f"{doubtful} runs have a warning of the audit: rings.": doubtful,
-        "Darker: more runs, on a logarithmic scale.": count > CROWD and drawing.scattered,
+        "Darker: more runs, on a logarithmic scale.": count > CROWD and not curves,
         f"{more} further quantities are in the table only.": more > 0,
     }
     text = " ".join(note for note, said in notes.items() if said)
     return [note for note in (meanings, text) if note]
 
 
-def _constant(drawing: SweepDrawing) -> list[SweepColumn]:
-    """Quantities without a map: equal in all finished runs, or missing in all.
-
-    If that holds for all quantities, the first one has a map.
-    """
-    kept = drawing.kept[:MAX_QUANTITIES]
-    if drawing.scattered or len(drawing.varied) < 2 or _few(drawing.varied) is not None:
-        return []
-    constant = [column for column in kept if not np.isfinite(column.values).any() or (
-        _equal(column.values) and np.isfinite(column.values[~drawing.failed]).all())]
-    return constant[1:] if len(constant) == len(kept) else constant
-
-
-def _value_of(column: SweepColumn) -> str:
-    """Name and value of a constant quantity."""
-    values, unit = column.shown()
-    if not np.isfinite(values).any():
-        return f"{column.name} without a value"
-    return f"{column.name} = {style.number(float(np.nanmedian(values)))} {unit}".rstrip()
-
-
-def _missed(drawing: SweepDrawing) -> Flags:
-    """Runs that fail the condition, [n]; none where points have no colours of their own."""
-    if drawing.held is None or not drawing.scattered or len(drawing.failed) > CROWD:
-        return np.zeros(len(drawing.failed), dtype=bool)
-    return np.asarray(drawing.held == 0, dtype=bool)
-
-
 def _over_one(drawing: SweepDrawing, column: SweepColumn) -> list[Panel]:
-    """A quantity over the only path, with a distribution beside it for random samples."""
+    """A quantity over the only path, with a histogram beside it for random samples."""
     varied = drawing.varied[0]
     (x, x_axis), (y, unit) = varied.axis(), column.shown()
     panel = Panel(column.name, x_axis, Axis(f"[{unit}]" if unit else ""), [
         *_found(drawing, varied),
         *_points(drawing, x, y, joined=drawing.grid and not varied.texts)], "", PANEL)
+    if drawing.grid:
+        return [panel]
     finite = y[np.isfinite(y)]
-    spread = [Custom(lambda axes: axes.hist(
+    histogram = [Custom(lambda axes: axes.hist(
         finite, bins="auto", orientation="horizontal", color=style.BLUE, alpha=0.75))]
-    return [panel] if drawing.grid else [panel, Panel(
-        "", Axis("runs"), Axis(), [] if not len(finite) or _equal(finite) else spread, "", PANEL)]
-
-
-def _few(varied: Sequence[SweepColumn]) -> int | None:
-    """The one of two paths that has few values; None if neither has."""
-    counts = [len(np.unique(column.values)) for column in varied]
-    return min((place for place in (0, 1) if counts[place] <= MAX_LINES), default=None,
-               key=lambda place: (not varied[place].texts, counts[place]))
+    return [panel, Panel("", Axis("runs"), Axis(),
+                         histogram if len(finite) and not _equal(finite) else [], "", PANEL)]
 
 
 def _lines(drawing: SweepDrawing, column: SweepColumn, few: int) -> Panel:
@@ -240,7 +214,7 @@ def _points(
             x[there], y[there], bins=(120, 80), cmap="Blues", cmin=1, norm="log"))] \
             if there.any() else []
     here = np.ones(len(x), dtype=bool) if some is None else some
-    size, missed = 3.5 if len(x) <= MANY else 1.8, _missed(drawing)
+    size, missed = 3.5 if len(x) <= MANY else 1.8, drawing.missed
     line = {"linestyle": "-", "linewidth": style.LINE} if joined else {"alpha": 0.75}
     marks: list[Mark] = []
     for which, ink, name in ((here & ~missed, colour, label), (here & missed, style.ORANGE, "")):
@@ -264,13 +238,6 @@ def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
             Upright(factor * found.at, look={"color": style.INK, "zorder": 0.8, **style.TARGET})]
 
 
-def _distinct(places: Array) -> bool:
-    """Whether rising numbers, [n], n > 0, are round, and far enough apart to be written."""
-    rounded = np.array([float(style.number(place, DIGITS)) for place in places])
-    return bool(np.allclose(rounded, places, rtol=ROUNDING, atol=0)) and (
-        len(places) == 1 or bool(np.diff(places).min() > ROOM * np.ptp(places)))
-
-
 def _equal(values: Array) -> bool:
     """Whether finite values are equal but for rounding; False if there are none."""
     finite = values[np.isfinite(values)]
@@ -278,30 +245,28 @@ def _equal(values: Array) -> bool:
 
 
 def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
+    """Coloured cells of a grid, with the bar of their colours."""
     one, other = drawing.varied
     (x, x_axis), (y, y_axis), (z, z_axis) = one.axis(), other.axis(), column.axis()
+    (xs, i), (ys, j) = (np.unique(each, return_inverse=True) for each in (x, y))
+    cells = np.full((len(ys), len(xs)), np.nan)
+    cells[j, i] = np.where(np.isfinite(z), np.nanmedian(z), np.nan) if _equal(z) else z
+
+    def draw(axes: Any) -> None:
+        # perceptually uniform, also with colour vision deficiency (Nuñez et al., 2018)
+        mesh = axes.pcolormesh(_edges(xs, log=one.log), _edges(ys, log=other.log), cells,
+                               cmap="cividis", edgecolors="face", linewidth=0.1)
+        bar = axes.figure.colorbar(mesh, ax=axes)
+        bar.ax.tick_params(labelsize=style.SMALL, colors=style.INK)
+        bar.outline.set_visible(False)
+
     lost, look = drawing.failed, drawing.doubtful
     dots = {"markersize": 4, "markerfacecolor": "none", "markeredgewidth": 1.0}
     return Panel(z_axis.label, x_axis, y_axis, [
-        Custom(partial(_cells, x=x, y=y, z=z, log=(one.log, other.log))),
+        Custom(draw),
         Curve("", x[lost], y[lost], "points", {**dots, "marker": "x", "color": style.RED}),
         Curve("", x[look], y[look], "points", {**dots, "color": style.ORANGE})],
         "", MAP, grid="")
-
-
-def _cells(axes: Any, *, x: Array, y: Array, z: Array, log: tuple[bool, bool]) -> None:
-    """Coloured cells of a grid, and the bar of their colours."""
-    (xs, i), (ys, j) = (np.unique(each, return_inverse=True) for each in (x, y))
-    cells, single = np.full((len(ys), len(xs)), np.nan), _equal(z)
-    cells[j, i] = np.where(np.isfinite(z), np.nanmedian(z), np.nan) if single else z
-    # perceptually uniform, also with colour vision deficiency (Nuñez et al., 2018)
-    mesh = axes.pcolormesh(_edges(xs, log=log[0]), _edges(ys, log=log[1]), cells, cmap="cividis",
-                           edgecolors="face", linewidth=0.1)
-    bar = axes.figure.colorbar(mesh, ax=axes)
-    if single:
-        bar.set_ticks([float(np.nanmedian(z))], labels=[style.number(float(np.nanmedian(z)))])
-    bar.ax.tick_params(labelsize=style.SMALL, colors=style.INK)
-    bar.outline.set_visible(False)
 
 
 def _edges(centres: Array, *, log: bool) -> Array:
@@ -343,14 +308,7 @@ def draw_influences(
 ) -> None:
     """Draw sensitivities as bars with 95 % intervals; no file if all quantities are constant.
 
-    Args:
-        path: the file.
-        panels: one for each quantity.
-        words: names of the measures for the legend.
-        title: of the figure.
-
-    Raises:
-        OutputError: the file cannot be written.
+    ``words`` are the names of the measures in the legend.
     """
     changing = [each for each in panels if each.paths]
     shown = changing[:MAX_QUANTITIES]
@@ -397,9 +355,6 @@ def draw_front(
         senses: ``least`` or ``most``, by goal.
         best: runs on the front, [n].
         title: of the figure.
-
-    Raises:
-        OutputError: the file cannot be written.
     """
     pairs, panels = list(itertools.combinations(goals, 2)), []
     front, other = ({"color": style.BLUE, "markersize": 4.5},
@@ -434,30 +389,15 @@ def save_branches(
     path: Path, branches: Sequence[BranchCurve], *, title: str, along: str, quantity: str,
     unit: str,
 ) -> None:
-    """Draw branches of equilibria: unstable ones dashed, folds as rings.
-
-    Args:
-        path: the file; its suffix is the format.
-        branches: at least one.
-        title: of the figure.
-        along: label of the x axis.
-        quantity: on the y axis.
-        unit: its SI unit.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
+    """Draw branches of equilibria over ``along``: unstable ones dashed, folds as rings."""
     shown = style.shown_as(unit, *(branch.y for branch in branches))
     marks: list[Mark] = []
     for i, branch in enumerate(branches):
         y, hue = shown.factor * branch.y, {"color": style.hue(i)}
         solid = branch.stable | branch.fold
-        changes = (np.flatnonzero(np.diff(solid.astype(int))) + 1).tolist()
-        for low, high in itertools.pairwise([0, *changes, len(solid)]):
-            # unstable stretches reach to the neighbours at both ends
-            first, last = (low, high) if solid[low] else (max(low - 1, 0), high + 1)
-            marks.append(Curve("", branch.x[first:last], y[first:last], "line", {
-                **hue, "linestyle": "solid" if solid[low] else UNSTABLE}))
+        for line, which in (("solid", solid), (UNSTABLE, _widened(~solid))):
+            marks.append(Curve("", branch.x, np.where(which, y, np.nan), "line",
+                               {**hue, "linestyle": line}))
         marks.append(Curve("", branch.x[branch.fold], y[branch.fold], "points", {**hue, **FOLD}))
     dark = {"color": style.INK, "linewidth": style.LINE}
     key: list[tuple[str, dict[str, Any]]] = [("stable", dark)]
@@ -467,3 +407,9 @@ def save_branches(
         key.append(("fold", {"color": style.INK, **FOLD}))
     save_panels(path, [Panel("", Axis(along), Axis(shown.label(quantity)), marks, "", BRANCHES)],
                 title=title, key=key)
+
+
+def _widened(flags: Flags) -> Flags:
+    """Flags that are also set beside those that are, [n]."""
+    padded = np.pad(flags, 1)
+    return padded[:-2] | padded[1:-1] | padded[2:]
