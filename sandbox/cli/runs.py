@@ -224,10 +224,10 @@ def report_runs(
     """
     from sandbox.recording.new_run import PAGE
     from sandbox.recording.store import saved_audit
-    from sandbox.web.page import MOST_RUNS, FoundOut
+    from sandbox.web.page import MAX_RUNS, FoundOut
 
-    if len(runs) > MOST_RUNS:
-        raise click.UsageError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
+    if len(runs) > MAX_RUNS:
+        raise click.UsageError(f"a page shows up to {MAX_RUNS} runs, {len(runs)} were given")
     opened = [open_run(word, console) for word in runs]
     seen: dict[Path, Path] = {}
     for directory, _ in opened:

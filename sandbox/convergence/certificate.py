@@ -111,7 +111,7 @@ def at_instants(time: Array, values: Array, wanted: Array) -> Array:
 
 PEAKS = ("max", "min")
 OF_THE_MECHANISM = ("contact.shared", "tendon.slack")
-"""Audit figures that describe the mechanism and not the accuracy of a run."""
+"""Audit figures of the mechanism, not of the accuracy of a run."""
 DIMENSIONS = {
     "1": (0, 0, 0), "": (0, 0, 0), "rad": (0, 0, 0), "rad/s": (0, 0, -1), "rad/s^2": (0, 0, -2),
     "m": (0, 1, 0), "m/s": (0, 1, -1), "m/s^2": (0, 1, -2), "N": (1, 1, -2),
@@ -126,10 +126,8 @@ CAUSES = ("light bodies that carry heavy ones, springs too stiff for their masse
 class Look:
     """A warning of the audit."""
 
-    runs: tuple[str, ...]
-    """The runs that have it, of :data:`sandbox.convergence.certificate.LABELS`."""
-    figure: Figure
-    """Of the run that exceeds the threshold most."""
+    runs: tuple[str, ...]  # that have it, of LABELS
+    figure: Figure  # of the run that exceeds the threshold most
 
 
 @dataclass(frozen=True)
@@ -137,8 +135,7 @@ class Diverged:
     """A run that diverged."""
 
     run: str
-    time: float
-    """Of its last sample [s]."""
+    time: float  # of its last sample [s]
     reason: str
 
 
@@ -146,23 +143,21 @@ class Diverged:
 class Certificate:
     """The verdicts on all expectations of a scene."""
 
-    steps: tuple[float, float, float]
-    """h, h/2, h/4 [s]."""
-    quantities: tuple[Trust, ...]
-    """In the order of the scene's expectations."""
+    steps: tuple[float, float, float]  # h, h/2, h/4 [s]
+    quantities: tuple[Trust, ...]  # in the order of the scene's expectations
     looks: tuple[Look, ...] = ()
     diverged: tuple[Diverged, ...] = ()
 
     @property
-    def doubtful(self) -> tuple[Trust, ...]:
+    def doubtful(self) -> list[Trust]:
         """The expectations that cannot be relied on."""
-        return tuple(trust for trust in self.quantities if not trust.certified)
+        return [trust for trust in self.quantities if not trust.certified]
 
     @property
-    def objections(self) -> tuple[Look, ...]:
-        """Warnings of the audit on the accuracy of the run at h."""
-        return tuple(look for look in self.looks
-                     if "h" in look.runs and look.figure.name not in OF_THE_MECHANISM)
+    def objections(self) -> list[str]:
+        """Audit figures with a warning that concerns the accuracy of the run at h."""
+        return [look.figure.name for look in self.looks
+                if "h" in look.runs and look.figure.name not in OF_THE_MECHANISM]
 
     @property
     def certified(self) -> bool:
@@ -174,7 +169,8 @@ class Certificate:
         """A summary in a sentence or two."""
         total, settled = len(self.quantities), sum(t.settled for t in self.quantities)
         if self.certified:
-            also = f" The consistency checks warn of {_names(self.looks)}." if self.looks else ""
+            names = ", ".join(look.figure.name for look in self.looks)
+            also = f" The consistency checks warn of {names}." if names else ""
             base = f"Certified at h = {1e3 * self.steps[0]:g} ms:"
             if settled == total:
                 return f"{base} all {total} expected quantities have converged.{also}"
@@ -190,13 +186,13 @@ class Certificate:
                        f"step: {named}")
         if self.objections:
             so_far = "" if self.doubtful else "the expectations would hold, but "
-            why.append(f"{so_far}the consistency checks at h warn of {_names(self.objections)}")
+            why.append(f"{so_far}the consistency checks at h warn of {', '.join(self.objections)}")
         return f"Not certified: {'; '.join(why)}."
 
     @property
     def advice(self) -> tuple[str, ...]:
         """What to change, a sentence each; empty if it is certified."""
-        return (*_divergence_advice(self), *_error_advice(self))
+        return tuple(_advice(self))
 
 
 def unfit(mechanism: Mechanism) -> str:
@@ -278,8 +274,12 @@ def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
         own = min((max(abs(value), mean_size(one)) for value, one in zip(
             (a, b, c), found, strict=True) if math.isfinite(value)), default=0.0)
         peak = max((float(np.abs(one).max()) for one in found if len(one)), default=0.0)
-        trust = judge(_between_samples(verdict, a), (a, b, c),
-                      Sizes(peak, own, max(own, largest(verdict.unit))),
+        if verdict.statistic in PEAKS and math.isfinite(a):  # of all steps, not of the samples
+            inside, reason = verdict.low <= a <= verdict.high, verdict.reason
+            if verdict.ok and not inside:
+                reason = f"between two samples of the scene it is {a:.6g}, outside its range"
+            verdict = replace(verdict, value=a, ok=verdict.ok and inside, reason=reason)
+        trust = judge(verdict, (a, b, c), Sizes(peak, own, max(own, largest(verdict.unit))),
                       given=expect.value is not None)
         missing = {label: each.info.status for label, each, value in zip(
             LABELS, runs, trust.values, strict=True) if not math.isfinite(value)}
@@ -295,17 +295,6 @@ def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
         for verdict in verdicts(Recording(alone, base.arrays, base.info,
                                           catalogue=base.catalogue)):
             yield trust_of(verdict, expect)
-
-
-def _between_samples(verdict: Verdict, value: float) -> Verdict:
-    """A verdict on a peak from all steps instead of the scene's samples."""
-    if verdict.statistic not in PEAKS or not math.isfinite(value):
-        return verdict
-    inside = verdict.low <= value <= verdict.high
-    reason = verdict.reason
-    if verdict.ok and not inside:
-        reason = f"between two samples of the scene it is {value:.6g}, outside its range"
-    return replace(verdict, value=value, ok=verdict.ok and inside, reason=reason)
 
 
 def scene_size(runs: Sequence[Recording], unit: str) -> float:
@@ -332,11 +321,7 @@ def mean_size(values: Array) -> float:
     return float(sizes.mean()) if len(sizes) else 0.0
 
 
-def _names(looks: Sequence[Look]) -> str:
-    return ", ".join(look.figure.name for look in looks)
-
-
-def _divergence_advice(found: Certificate) -> Iterator[str]:
+def _advice(found: Certificate) -> Iterator[str]:
     times = {each.run: each.time for each in found.diverged}
     if times and "h/4" not in times:
         yield f"The run at h/4 is complete: check convergence from there, {_at(found.steps[2])}."
@@ -344,23 +329,18 @@ def _divergence_advice(found: Certificate) -> Iterator[str]:
         sooner = times["h/4"] < times.get("h/2", -math.inf) < times.get("h", math.inf)
         yield ("Finer steps diverge sooner, so no step converges. " if sooner else "") + \
             f"Look for {CAUSES}."
-
-
-def _error_advice(found: Certificate) -> Iterator[str]:
     valued = [t for t in found.doubtful if not math.isnan(t.error)]
     grown = [t for t in valued if t.kind is Kind.DIVERGES]
     unsettled = [t for t in valued if t.kind is Kind.OPEN or (
         t.kind is Kind.FAILS and t.low <= t.values[2] <= t.high)]
-    if grown:
-        impacts = [t for t in grown if t.unit == "N" and t.statistic in ("max", "min", "std")]
-        if len(impacts) == len(grown) and not found.objections:
-            yield ("The peak force of an impact has no limit, because one step takes its "
-                   f"momentum. If that of {impacts[0].quantity} is one, expect a mean over a "
-                   "window instead.")
-        else:
-            yield (f"Values that change more at finer steps point to {CAUSES}. Check a shorter "
-                   f"time, or start from h/4, {_at(found.steps[2])}. If they grow there too, no "
-                   "step converges.")
+    if grown and not found.objections and all(
+            t.unit == "N" and t.statistic in (*PEAKS, "std") for t in grown):
+        yield ("The peak force of an impact has no limit, because one step takes its momentum. If "
+               f"that of {grown[0].quantity} is one, expect a mean over a window instead.")
+    elif grown:
+        yield (f"Values that change more at finer steps point to {CAUSES}. Check a shorter time, "
+               f"or start from h/4, {_at(found.steps[2])}. If they grow there too, no step "
+               "converges.")
     elif unsettled and all(t.finer for t in unsettled):
         finer = max(t.finer for t in unsettled)
         yield f"At these orders h/{finer} is sufficient: {_at(found.steps[0] / finer)}."

@@ -1,9 +1,8 @@
-"""Brings a mechanism to rest: a slow load, kinetic damping, then Newton's method.
+"""Static equilibrium by a slow load, kinetic damping, then Newton's method.
 
-Kinetic damping: bodies move with the engine's steps until their kinetic energy passes a peak; there
-all are stopped, and start anew. At a peak forces balance along the motion, so every stop is nearer
-to equilibrium than the one before. No damper is needed. The distance of a step is bounded, so that
-no contact is missed.
+Kinetic damping: bodies move with the engine's steps until their kinetic energy passes a peak, where
+all are stopped. At a peak forces balance along the motion, so every stop is nearer to equilibrium.
+The distance of a step is bounded, so that no contact is missed.
 """
 
 from __future__ import annotations
@@ -63,12 +62,7 @@ class Unsettled(Exception):
 
 
 class Settler:
-    """A mechanism with its drives as at one time, and its search for equilibria.
-
-    Args:
-        mechanism: the mechanism.
-        time: whose values drives and scheduled bodies have [s].
-    """
+    """A mechanism with drives and scheduled bodies as at one time [s]; finds equilibria."""
 
     def __init__(self, mechanism: Mechanism, time: float) -> None:
         self.still, self.time = Still(mechanism), time
@@ -95,11 +89,7 @@ class Settler:
         """Why the stiffness, and so the stability, is unknown; empty if it is known."""
 
     def follow(self, stages: int | None = None) -> None:
-        """Apply the drives slowly, from the scene's pose.
-
-        Args:
-            stages: number of stages, each at rest; by default more with dry friction.
-        """
+        """Apply the drives slowly from the scene's pose, in ``stages`` that come to rest each."""
         self.still.put(self.first)
         stages = stages or (FRICTION_STAGES if _has_friction(self.model) else STAGES)
         last: Array | None = None
@@ -176,15 +166,9 @@ class Settler:
             raise Unsettled(self._reason(worst, self.drive))
 
     def _relax(self, drive: Array, steps: int, rest: float) -> tuple[bool, int]:
-        """Kinetic damping until at rest; bodies are left at rest.
+        """Kinetic damping for at most some steps, until motions in a step are below ``rest``.
 
-        Args:
-            drive: values of the drives, [nd].
-            steps: at most.
-            rest: motion in a step from rest, relative to the size, that counts as none.
-
-        Returns:
-            whether the mechanism is at rest, and the fastest body.
+        Returns whether the mechanism is at rest, and the fastest body; all bodies are stopped.
         """
         still, begin = self.still, self.still.pose
         last, fresh, until = 0.0, True, self.steps + steps
@@ -249,21 +233,23 @@ class Settler:
             self.still.put(pose)
 
 
+def _grips(model: Model) -> bool:
+    """Whether tendons have friction at guides."""
+    return any(len(model.tendons.gripped(k)) for k in range(len(model.tendons.name)))
+
+
 def _has_friction(model: Model) -> bool:
     """Whether anything that may touch or slide has dry friction."""
-    tendons, bodies = model.tendons, model.mechanism.bodies
-    shaped = [i for i, body in enumerate(bodies) if body.shapes]
+    shaped = [i for i, body in enumerate(model.mechanism.bodies) if body.shapes]
     return bool(
-        len(model.joints.frictional)
-        or any(len(tendons.gripped(cable)) for cable in range(len(tendons.name)))
+        len(model.joints.frictional) or _grips(model)
         or any(friction_of(model.mechanism, i, k) > 0 for i in shaped for k in shaped
                if i < k and (model.bodies.free[i] or model.bodies.free[k])))
 
 
 def _no_stiffness(model: Model) -> str:
     """Why the stiffness of a mechanism is unknown; empty if it is known."""
-    tendons = model.tendons
-    if any(len(tendons.gripped(cable)) for cable in range(len(tendons.name))):
+    if _grips(model):
         return "tendons with friction in their guides"
     why = without_stiffness(model)
     if why == "loads by laws" and not any(
@@ -306,29 +292,41 @@ def place_start(settler: Settler, start: Start) -> Array:
         joint = model.names.joint.get(element)
         if joint is not None and part == "angle":
             _turn(settler, joint, value)
-        else:
-            _bring(settler, model.names.body[element], PARTS[part], value)
+            continue
+        # a body's frame; joints that this opens close as the mechanism comes to rest
+        body = model.names.body[element]
+        pose, centre = still.pose, model.bodies.centre[body]
+        frame = pose[body].copy()
+        frame[:2] = placed(pose[body], -centre)
+        frame[PARTS[part]] = value
+        pose[body, :2], pose[body, 2] = placed(frame, centre), frame[2]
+        still.put(pose)
     return still.pose
-
-
-def _angle(settler: Settler, joint: int) -> float:
-    joints = settler.model.joints
-    a, b = settler.still.pose[joints.bodies[joint], 2]
-    return float(joints.sense[joint] * (b - a) - joints.zero[joint])
 
 
 def _turn(settler: Settler, joint: int, value: float) -> None:
     """Turn the bodies beyond a hinge rigidly; in a loop all joints give way."""
     joints, still = settler.model.joints, settler.still
-    b = int(joints.bodies[joint, 1])
-    beyond = sorted(beyond_joint(settler.model, joint))
-    way = value - _angle(settler, joint)
+    sense, (a, b) = float(joints.sense[joint]), joints.bodies[joint].tolist()
+
+    def missing() -> float:
+        return value - float(sense * (still.pose[b, 2] - still.pose[a, 2]) - joints.zero[joint])
+
+    way, beyond = missing(), sorted(beyond_joint(settler.model, joint))
     count = max(1, int(np.ceil(abs(way) / TURN)))
     if not beyond:
         for k in range(count + CLOSING):
-            _turn_loop(settler, joint, (value - _angle(settler, joint)) / max(1, count - k))
+            balance = settler.look()
+            row = np.zeros(len(balance.mass))
+            for body, sign in ((a, -sense), (b, sense)):
+                row[3 * np.flatnonzero(balance.bodies == body) + 2] += sign
+            row = balance.free.T @ (row * balance.scale)
+            if row @ row > 0:
+                part = missing() / max(1, count - k)
+                still.put(balance.pose_after(
+                    still.pose, balance.free @ (row * part / (row @ row)) + balance.closing()))
         return
-    part = float(joints.sense[joint]) * (way if b in beyond else -way) / count
+    part = sense * (way if b in beyond else -way) / count
     c, s = np.cos(part), np.sin(part)
     for _ in range(count):
         pose = still.pose
@@ -338,24 +336,3 @@ def _turn(settler: Settler, joint: int, value: float) -> None:
         still.put(pose)
         still.move(settler.drive)  # tendons update their paths
         still.put(pose)
-
-
-def _turn_loop(settler: Settler, joint: int, part: float) -> None:
-    joints, balance = settler.model.joints, settler.look()
-    row = np.zeros(len(balance.mass))
-    for body, sign in zip(joints.bodies[joint].tolist(), (-1.0, 1.0), strict=True):
-        row[3 * np.flatnonzero(balance.bodies == body) + 2] += sign * float(joints.sense[joint])
-    row = balance.free.T @ (row * balance.scale)
-    if row @ row > 0:
-        settler.still.put(balance.pose_after(
-            settler.still.pose, balance.free @ (row * part / (row @ row)) + balance.closing()))
-
-
-def _bring(settler: Settler, body: int, part: int, value: float) -> None:
-    """Move a body's frame; joints that this opens close as the mechanism comes to rest."""
-    pose, centre = settler.still.pose, settler.model.bodies.centre[body]
-    frame = pose[body].copy()
-    frame[:2] = placed(pose[body], -centre)
-    frame[part] = value
-    pose[body, :2], pose[body, 2] = placed(frame, centre), frame[2]
-    settler.still.put(pose)

@@ -1,14 +1,14 @@
-"""Sliders and switches of a live view, and which parameters can be set while the run goes on.
+"""Sliders and switches of a live view, and which parameters can be set during a run.
 
-A parameter may shape anything. One that only changes the values of drives and targets, which are
-constant by now, is set while the run goes on; for any other it begins anew.
+A parameter that only changes the values of drives and targets, which are constant by now, is set
+during the run; any other restarts it.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 from sandbox.engine.live import Live
 from sandbox.errors import Problem, SceneError
@@ -29,46 +29,34 @@ Spans = dict[tuple[str, str], tuple[float, float]]
 """Ranges of sliders, by the name and the unit."""
 
 
-class Control(NamedTuple):
-    """A slider, or a switch."""
-
-    name: str
-    """``parameters.pull``, a drive, ``<controller>.target`` or ``.active``."""
-    kind: str
-    """``parameter``, ``drive``, ``target`` or ``switch``."""
-    value: float
-    """The current value, in :attr:`unit`."""
-    low: float
-    high: float
-    """The range of a slider; values beyond may be typed."""
-    unit: str
-    """That of value, low and high; empty of a plain number."""
-    drive: int = -1
-    """Number of the drive whose value it shows, in the order of the channel; else -1."""
-
-
 def controls(loaded: Loaded, live: Live, spans: Spans) -> list[dict[str, Any]]:
     """All controls of a scene, as plain data.
 
-    Sliders keep the ``spans`` that they had, whatever their values are by now; of new ones these
-    are noted there.
+    ``kind`` is parameter, drive, target or switch. ``value``, ``low`` and ``high`` are in ``unit``;
+    values beyond the range may be typed. ``drive`` is the index of the drive whose value it shows,
+    or -1. Sliders keep the ``spans`` that they had; those of new ones are added there.
     """
     found = []
     for name, value in loaded.scene.parameters.items():
         if name not in loaded.derived:
             unit = value.unit if isinstance(value, Measured) else ""
             shown = float(f"{float(value) / (UNITS[unit][0] if unit else 1.0):.12g}")
-            found.append(Control(PARAMETER + name, "parameter", shown, *_span(shown, unit), unit))
+            found.append(_control(PARAMETER + name, "parameter", shown, _span(shown, unit), unit))
     rest = [*_drives(loaded.mechanism, live), *_controllers(live)]
-    found += sorted(rest, key=lambda one: ("drive", "target", "switch").index(one.kind))
-    kept = []
+    found += sorted(rest, key=lambda one: ("drive", "target", "switch").index(one["kind"]))
     for one in found:
-        low, high = spans.setdefault((one.name, one.unit), (one.low, one.high))
-        kept.append(one._replace(low=low, high=high)._asdict())
-    return kept
+        one["low"], one["high"] = spans.setdefault(
+            (one["name"], one["unit"]), (one["low"], one["high"]))
+    return found
 
 
-def _drives(mechanism: Mechanism, live: Live) -> Iterator[Control]:
+def _control(name: str, kind: str, value: float, span: tuple[float, float], unit: str = "",
+             drive: int = -1) -> dict[str, Any]:
+    return {"name": name, "kind": kind, "value": value, "low": span[0], "high": span[1],
+            "unit": "" if unit == "1" else unit, "drive": drive}
+
+
+def _drives(mechanism: Mechanism, live: Live) -> Iterator[dict[str, Any]]:
     written = {name for controller in mechanism.controllers for name in controller.written}
     for i, drive in enumerate(mechanism.drives):
         if drive.name in written:
@@ -86,10 +74,10 @@ def _drives(mechanism: Mechanism, live: Live) -> Iterator[Control]:
         low, high = (0.0, 1.0) if kind.gives in ("hold", "opening") else _span(most, unit)
         if kind.floor is not None and math.isfinite(kind.floor):
             low = max(low, kind.floor)
-        yield Control(drive.name, "drive", live[f"{drive.name}.value"], low, high, _shown(unit), i)
+        yield _control(drive.name, "drive", live[f"{drive.name}.value"], (low, high), unit, i)
 
 
-def _controllers(live: Live) -> Iterator[Control]:
+def _controllers(live: Live) -> Iterator[dict[str, Any]]:
     given = {each.name: each.value for each in live.inputs if isinstance(each, Setting)}
     for controller in live.scene.controllers:
         if len(controller.signals) == 1:
@@ -99,10 +87,9 @@ def _controllers(live: Live) -> Iterator[Control]:
                 unit = ""
             value = final(controller.signals[0], math.inf) or 0.0
             name = f"{controller.name}.target"
-            yield Control(name, "target", given.get(name, value), *_span(value, unit),
-                          _shown(unit))
+            yield _control(name, "target", given.get(name, value), _span(value, unit), unit)
         name = f"{controller.name}.active"
-        yield Control(name, "switch", given.get(name, float(controller.active)), 0.0, 1.0, "")
+        yield _control(name, "switch", given.get(name, float(controller.active)), (0.0, 1.0))
 
 
 def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
@@ -111,8 +98,8 @@ def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
     Raises:
         SceneError: no number with a unit of the right dimension.
     """
-    unit = next((each.unit for each in (*_drives(mechanism, live), *_controllers(live))
-                 if each.name == name), "")
+    unit = next((each["unit"] for each in (*_drives(mechanism, live), *_controllers(live))
+                 if each["name"] == name), "")
     kind = next((drive.kind for drive in mechanism.drives if drive.name == name), None)
     dimension = UNITS[unit][1] if unit in UNITS else kind.dimension if kind else ""
     allowed = "a number" + f", or one with a unit: {listed(units_of(dimension))}" * bool(dimension)
@@ -125,10 +112,6 @@ def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
         raise SceneError([Problem("wrong-unit", f"{quoted(name)} takes no unit", "",
                                   allowed=allowed)])
     return value
-
-
-def _shown(unit: str) -> str:
-    return "" if unit == "1" else unit
 
 
 def _span(value: float, unit: str) -> tuple[float, float]:

@@ -29,17 +29,16 @@ FRAMES = 4000
 FINEST = 250.0
 """Samples per second [Hz] that are always kept."""
 OFF = 2e-4
-"""Error of a pose between the samples that are kept, as a fraction of the picture's width: a fifth
-of a pixel in 1000. Where it would be more all samples are kept."""
-BINS, LEAST_BINS = 2000, 125
-"""Of a quantity with more than twice as many samples: the least and the greatest of each bin."""
+"""Maximum error of a pose between the samples that are kept, as a fraction of the picture's width:
+a fifth of a pixel in 1000."""
+BINS, MIN_BINS = 2000, 125
+"""Of a quantity with more than twice as many samples: the minimum and maximum of each bin."""
 LEVEL = 9
 CHUNK = 64
 """Columns worked on at a time."""
 FLAT, NOTHING = 1e-9, 1e-10
 """Changes of a quantity below this fraction of its size, and values below this fraction of the
-largest in its unit, are rounding errors: of a body in a slot up to 1e-12 across it, and 7e-11 of
-its angular acceleration."""
+largest in its unit, are rounding errors."""
 
 
 @dataclass
@@ -121,17 +120,11 @@ def kept_samples(time: Array, pose: Array, width: float) -> Flags:
 
 
 class RunNumbers(NamedTuple):
-    """A run's numbers."""
+    """A run's numbers: three compressed parts."""
 
-    data: bytes
-    """Three compressed parts: JSON with ``list``, ``blocks`` and ``series``, the drawing, plots.
-
-    Each of ``series`` has name and unit, and ``c``, its column of ``plots``, or ``v``, its value.
-    """
-    sizes: list[int]
-    """Bytes of the parts."""
-    thinned: list[str]
-    """Descriptions of the samples that are left out."""
+    data: bytes  # JSON with ``list``, ``blocks`` and ``series``; the drawing; the plots
+    sizes: list[int]  # of the parts [bytes]
+    thinned: list[str]  # descriptions of the samples that are left out
 
 
 def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNumbers:
@@ -168,17 +161,17 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
         parts = [zlib.compress(head.encode(), LEVEL), drawing,
                  zlib.compress(bytes(plots.raw), LEVEL)]
         fixed, total = len(parts[0]) + len(drawing), sum(map(len, parts))
-        if total <= BUDGET or bins <= LEAST_BINS:
+        if total <= BUDGET or bins <= MIN_BINS:
             break
         fewer = int(0.9 * bins * (BUDGET - fixed) / (total - fixed))
-        bins = max(LEAST_BINS, min(bins // 2, fewer))
+        bins = max(MIN_BINS, min(bins // 2, fewer))
     if len(time) > 2 * bins:
         said.append(f"plots: the least and the greatest of every {-(-len(time) // bins)} samples")
     return RunNumbers(b"".join(parts), [len(part) for part in parts], said)
 
 
 def _series(run: Samples, names: list[str]) -> tuple[list[dict[str, Any]], Array]:
-    """Quantities with their values if constant; those that change as columns [k, n], too."""
+    """Quantities with name, unit and value ``v`` or column ``c``; the columns [k, n]."""
     worked = expressions_of(run.mechanism.view)
     found = {name: read_curve(run, name) for name in names}
     units = {name: worked[name] if name in worked else run.unit(name) for name in names}
