@@ -38,11 +38,9 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.values.numbers import number_from
 from sandbox.wording import WrongValueError, counted, listed, meant, quoted
 
-FILM_SIZE = (640, 480)
-"""Default size of a film [pixels]: fits a cell of a notebook, some 100 kB."""
+FILM_SIZE = (640, 480)  # default size of a film [pixels]: fits a cell of a notebook, some 100 kB
 FORMS = {"time": "seconds, or a time such as '0.8 s'",
-         "length": "metres, or a length such as '85 mm'"}
-"""Accepted values by dimension."""
+         "length": "metres, or a length such as '85 mm'"}  # accepted values by dimension
 
 
 @dataclass(frozen=True, repr=False)
@@ -50,8 +48,7 @@ class Media:
     """The bytes of a picture or a film."""
 
     data: bytes
-    about: str
-    """Alternative text."""
+    about: str  # alternative text
     ENDING: ClassVar[str]
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -152,16 +149,12 @@ def _number(name: str, value: float | str, dimension: str) -> float:
                           code="bad-picture") from None
 
 
-SIZE = (440, 330)
-"""Of the picture [pixels]."""
-MAX_ROWS = 8
-"""Rows of a table; failed expectations come first."""
-MAX_LETTERS = 300
-"""Of the description of a scene."""
+SIZE = (440, 330)  # of the picture [pixels]
+MAX_ROWS = 8  # rows of a table; failed expectations come first
+MAX_LETTERS = 300  # of the description of a scene
 CELL = "padding:2px 12px 2px 0;text-align:left;vertical-align:top"
 QUIET = "opacity:.7"
-GOOD, BAD = "#3d8b5f", "#c8505f"
-"""Readable on white and on black."""
+GOOD, BAD = "#3d8b5f", "#c8505f"  # readable on white and on black
 
 
 def card_of_run(run: Recording) -> str:

@@ -31,11 +31,9 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Expect
 
 Progress = Callable[[float], None]
-Run = tuple[Recording, list[Figure]]
-"""A run and its audit."""
+Run = tuple[Recording, list[Figure]]  # a run and its audit
 LABELS = ("h", "h/2", "h/4")
-LONG = 1.0
-"""If the run at h takes longer [s], the other two run in processes of their own."""
+LONG = 1.0  # if the run at h takes longer [s], the other two run in processes of their own
 
 
 def refined(mechanism: Mechanism, parts: int) -> Mechanism:
@@ -116,8 +114,7 @@ DIMENSIONS = {
     "1": (0, 0, 0), "": (0, 0, 0), "rad": (0, 0, 0), "rad/s": (0, 0, -1), "rad/s^2": (0, 0, -2),
     "m": (0, 1, 0), "m/s": (0, 1, -1), "m/s^2": (0, 1, -2), "N": (1, 1, -2),
     "N m": (1, 2, -2), "J": (1, 2, -2), "N/m": (1, 0, -2), "N m/rad": (1, 2, -2),
-}
-"""Exponents of mass, length and time of a unit."""
+}  # exponents of mass, length and time of a unit
 CAUSES = ("light bodies that carry heavy ones, springs too stiff for their masses, or chaotic "
           "motion ('sandbox check' finds some causes)")
 

@@ -23,8 +23,7 @@ from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording
 from sandbox.samples.yielding import NOTHING, Elastic, Yielding
 
-RANK = 1e-9
-"""Relative size of directions, and of stiffness, that are rounding."""
+RANK = 1e-9  # relative size of directions, and of stiffness, that are rounding
 
 
 class PoseBalance:
@@ -49,16 +48,12 @@ class PoseBalance:
         self._rows = (kept / np.maximum(length, 1e-300))[length[:, 0] > 0]
         self.free: Array = null_space(self._rows, rcond=RANK)
         """Motions that no constraint forbids, rotations as lengths, orthonormal [n, k]."""
-        self.speed = still.speed[bodies].reshape(-1)
-        """Velocities after the step from rest, [n]."""
+        self.speed = still.speed[bodies].reshape(-1)  # velocities after the step from rest, [n]
         self.whole = np.asarray(self.scale * self.yielding.stiffness * self.scale[:, None])
         """Stiffness of all motions, [n, n] N/m."""
-        self.stiffness = self.free.T @ self.whole @ self.free
-        """[k, k] N/m"""
-        self.force = self.scale * self._force()
-        """Residual forces, with constraint forces, [n] N."""
-        self.left = self.free.T @ self.force
-        """Residual forces along free motions, [k] N."""
+        self.stiffness = self.free.T @ self.whole @ self.free  # [k, k] N/m
+        self.force = self.scale * self._force()  # residual forces, with constraint forces, [n] N
+        self.left = self.free.T @ self.force  # residual forces along free motions, [k] N
 
     def _force(self) -> Array:
         """M a, corrected for forces at the end of the step, [n]."""

@@ -21,13 +21,10 @@ from sandbox.scene.geometry import centre_of, reach_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
-SAME = 1e-6
-"""Difference, relative to the size, of poses that count as one."""
-MOVED = 1e-3
-"""Part in a motion below which a body does not move in it."""
+SAME = 1e-6  # difference, relative to the size, of poses that count as one
+MOVED = 1e-3  # part in a motion below which a body does not move in it
 MAX_STAGES = 100_000
-LATE = 0.01
-"""Fraction of the run before its end in which changing drives are reported."""
+LATE = 0.01  # fraction of the run before its end in which changing drives are reported
 STABLE, UNSTABLE, NEUTRAL, UNTOLD = "stable", "unstable", "neutral", "not told"
 
 

@@ -26,35 +26,24 @@ from sandbox.wording import listed, near, quoted
 
 STAGES, FRICTION_STAGES = 40, 200
 """Stages of a slow load; the second with dry friction, where the result depends on the path."""
-MAX_STEPS = 20_000
-"""Of one relaxation."""
-REST = 1e-12
-"""Motion in a step from rest, relative to the size, of a mechanism at rest."""
-NEAR = (1e-7, 1e-9)
-"""The same of one that is near enough for Newton's method."""
+MAX_STEPS = 20_000  # of one relaxation
+REST = 1e-12  # motion in a step from rest, relative to the size, of a mechanism at rest
+NEAR = (1e-7, 1e-9)  # the same of one that is near enough for Newton's method
 BALANCED, CLOSE = 1e-9, 1e-6
 """Residual along free motions, relative to the largest force, of an equilibrium; the second where
 Newton's method does not converge, by rounding or where something just touches."""
-MAX_ITERATIONS = 25
-"""Of Newton's method; near an equilibrium four are enough."""
-EXACT = 1e-11
-"""Motion, relative to the size, at which Newton's method ends; gaps close to 1e-13 m."""
-BLOCK = 4
-"""Steps between two evaluations of the energy."""
+MAX_ITERATIONS = 25  # of Newton's method; near an equilibrium four are enough
+EXACT = 1e-11  # motion, relative to the size, at which Newton's method ends; gaps close to 1e-13 m
+BLOCK = 4  # steps between two evaluations of the energy
 MAX_WAY = 0.02
 """Of the size: longest motion of a point in a step; never more than half of the distance at which
 contacts are detected."""
-FAR, TURNS = 10.0, 60.0
-"""Motion of a body that nothing holds: times the size, and [rad]."""
-PUSH = 4e-5
-"""Step of scheduled bodies [m]: the engine removes an overlap at 0.1 m/s."""
-TURN = 0.02
-"""Rotation of a hinge in one step [rad]."""
-CLOSING = 4
-"""Further steps that close a loop."""
+FAR, TURNS = 10.0, 60.0  # motion of a body that nothing holds: times the size, and [rad]
+PUSH = 4e-5  # step of scheduled bodies [m]: the engine removes an overlap at 0.1 m/s
+TURN = 0.02  # rotation of a hinge in one step [rad]
+CLOSING = 4  # further steps that close a loop
 PARTS = {"x": 0, "y": 1, "angle": 2}
-Start = Mapping[str, float]
-"""``JOINT.angle``, ``BODY.x``, ``BODY.y``, ``BODY.angle`` to values [rad, m]."""
+Start = Mapping[str, float]  # JOINT.angle, BODY.x, BODY.y, BODY.angle to values [rad, m]
 
 
 class Unsettled(Exception):
@@ -72,19 +61,15 @@ class Settler:
             raise SceneError([Problem("no-rest",
                                       "nothing moves freely: there is no equilibrium to find",
                                       "bodies")])
-        self.first = self.still.pose
-        """The pose of the scene, [nb, 3]."""
+        self.first = self.still.pose  # the pose of the scene, [nb, 3]
         self._reach = _reaches(self.model)
         low = (self.first[self._free, :2] - self._reach[self._free, None]).min(axis=0)
         high = (self.first[self._free, :2] + self._reach[self._free, None]).max(axis=0)
-        self.size = float(max((high - low).max(), 1e-6))
-        """Largest extent of what moves [m]."""
+        self.size = float(max((high - low).max(), 1e-6))  # largest extent of what moves [m]
         self._most = min(self.still.margin / 2, MAX_WAY * self.size)
         self.drive, self.places = self.still.driven(time)
-        self.steps = 0
-        """Steps of the engine so far."""
-        self.remark = ""
-        """A remark about a slow load that passed no equilibrium."""
+        self.steps = 0  # steps of the engine so far
+        self.remark = ""  # a remark about a slow load that passed no equilibrium
         self.untold = _no_stiffness(self.model)
         """Why the stiffness, and so the stability, is unknown; empty if it is known."""
 

@@ -25,46 +25,37 @@ KINDS: dict[str, dict[str, Any]] = {
     "dots": {"linestyle": "", "marker": "o", "markersize": 3.5, "markeredgewidth": 0},
     "rug": {"linestyle": "", "marker": "|", "markersize": 8},
     "joined": {"linewidth": 1.3, "marker": "o", "markersize": 4.5},
-}
-"""Line properties by kind of curve."""
+}  # line properties by kind of curve
 MARKERS = "os^Dv"
 LARGER = 1.8
 """Points of one kind are larger than those of the next by this [pt], since they may coincide."""
 MANY_POINTS, APART = 30, 0.045
 """With more points than this, those closer than this share of the panel are skipped."""
-READABLE = (1e-3, 1e4)
-"""Range of numbers written without powers of ten at logarithmic axes."""
+READABLE = (1e-3, 1e4)  # range of numbers written without powers of ten at logarithmic axes
 NARROW_RANGE = 100
 """A logarithmic axis with a smaller ratio of its limits also labels twos and fives."""
-POWERS = (-3, 5)
-"""Powers of ten between which the numbers of a linear axis are written out."""
+POWERS = (-3, 5)  # powers of ten between which the numbers of a linear axis are written out
 MIN_PLANE, MAX_PLANE, PLANE_MARGIN = 38.0, 110.0, 1.14
 """Height of panels with equal scales [mm]; the range shown as a multiple of the values' range."""
-ROUNDING = 1e-12
-"""Values below this are zero."""
-ROW = 1.25 * style.SMALL * style.MM_PER_POINT
-"""Height of a name beside a panel [mm]."""
+ROUNDING = 1e-12  # values below this are zero
+ROW = 1.25 * style.SMALL * style.MM_PER_POINT  # height of a name beside a panel [mm]
 
 
 @dataclass(frozen=True)
 class Axis:
     """An axis of a panel."""
 
-    label: str = ""
-    """With its unit."""
+    label: str = ""  # with its unit
     log: bool = False
-    ticks: Sequence[float] = ()
-    """Positions of the ticks; matplotlib's choice by default."""
-    words: Sequence[str] = ()
-    """Texts of the ticks."""
+    ticks: Sequence[float] = ()  # positions of the ticks; matplotlib's choice by default
+    words: Sequence[str] = ()  # texts of the ticks
     limits: tuple[float, float] | None = None
 
 
 class Curve(NamedTuple):
     """Points (x, y), shape [n] each."""
 
-    label: str
-    """Empty for a curve without a name."""
+    label: str  # empty for a curve without a name
     x: Array
     y: Array
     kind: Literal["line", "dashed", "points", "dots", "rug", "joined"] = "line"
@@ -84,8 +75,7 @@ class Upright(NamedTuple):
 class Custom(NamedTuple):
     """A mark that matplotlib draws in one call, such as a histogram."""
 
-    draw: Callable[[Any], object]
-    """Called with the axes."""
+    draw: Callable[[Any], object]  # called with the axes
 
 
 Mark = Curve | Upright | Custom
@@ -99,12 +89,9 @@ class Panel:
     x: Axis = Axis()
     y: Axis = Axis()
     marks: Sequence[Mark] = ()
-    names: Literal["above", "side", "inside", ""] = "above"
-    """Place of the curves' names."""
-    height: float = 38.0
-    """Of its axes [mm]."""
-    plane: bool = False
-    """Whether both axes have one scale, so that a circle is round."""
+    names: Literal["above", "side", "inside", ""] = "above"  # place of the curves' names
+    height: float = 38.0  # of its axes [mm]
+    plane: bool = False  # whether both axes have one scale, so that a circle is round
     grid: Literal["both", "x", ""] = "both"
 
     @property

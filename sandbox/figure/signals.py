@@ -21,12 +21,9 @@ from sandbox.samples.targets import track
 NUMBERS, BESIDE = 12.0, 0.6
 """Width of the numbers of an axis [mm]. In narrow figures, names stand beside the curves only if
 the axes keep this share of the width, otherwise above them."""
-WIDTHS = (50.0, 250.0)
-"""Smallest and largest width of a figure [mm]."""
-MAX_CURVES, MAX_PANELS = 40, 12
-"""Curves of a panel; panels."""
-MAX_EVENTS, MAX_LETTERS = 8, 20
-"""Events that are marked; letters of their names."""
+WIDTHS = (50.0, 250.0)  # smallest and largest width of a figure [mm]
+MAX_CURVES, MAX_PANELS = 40, 12  # curves of a panel; panels
+MAX_EVENTS, MAX_LETTERS = 8, 20  # events that are marked; letters of their names
 WORDS = {"rad": "angle", "rad/s": "angular speed", "rad/s^2": "angular acceleration",
          "m": "length", "m/s": "speed", "m/s^2": "acceleration", "N": "force", "N m": "torque",
          "N/m": "stiffness", "N m/rad": "stiffness", "J": "work", "1": "count"}
@@ -45,8 +42,7 @@ class Plotted:
 
     label: str
     run: Recording
-    targets: Mapping[str, Array]
-    """Targets over time by quantity, shape [n], SI; drawn dashed."""
+    targets: Mapping[str, Array]  # targets over time by quantity, shape [n], SI; drawn dashed
 
 
 @dataclass(frozen=True)

@@ -22,38 +22,28 @@ from sandbox.atomic_files import atomic_file
 from sandbox.numeric import Array
 from sandbox.wording import printable
 
-WIDTH = 120.0
-"""Default width of a figure [mm]."""
-MAX_LETTERS = 200
-"""Longest text; more does not fit on a page."""
-MM, MM_PER_POINT = 1 / 25.4, 25.4 / 72
-"""Inches per millimetre, millimetres per typographic point."""
+WIDTH = 120.0  # default width of a figure [mm]
+MAX_LETTERS = 200  # longest text; more does not fit on a page
+MM, MM_PER_POINT = 1 / 25.4, 25.4 / 72  # inches per millimetre, millimetres per typographic point
 DPI = 200
-TINY, SMALL, PLAIN, HEAD = 7, 8, 8.5, 9.5
-"""Font sizes [pt]."""
+TINY, SMALL, PLAIN, HEAD = 7, 8, 8.5, 9.5  # font sizes [pt]
 LETTER, BOLD = 0.52, 0.62
 """Mean width of a letter, and of a bold letter, as a multiple of the font size."""
-SAMPLE = 14.0
-"""Width of a legend's line sample with the space around it [mm]."""
-MAX_NAME = 60
-"""Letters of a name in a legend."""
+SAMPLE = 14.0  # width of a legend's line sample with the space around it [mm]
+MAX_NAME = 60  # letters of a name in a legend
 BLUE, ORANGE, GREEN, VIOLET = "#2f6690", "#d1742f", "#4f8a6b", "#8a5a9e"
 OCHRE, SLATE, RED = "#9a7b3f", "#5b6673", "#b5485d"
 COLOURS = (BLUE, ORANGE, GREEN, VIOLET, OCHRE, SLATE, RED)
 """Colours of curves, in this order; they differ in lightness as well as in hue."""
 INK, QUIET, GREY, FAINT, BAND = "#222831", SLATE, "#a9b1bb", "#e3e6ea", "#dfe5ec"
 """Colours of text, notes, event lines, grid and shaded ranges."""
-HOLDS = "#cfe0d6"
-"""Colour of areas in which a condition holds."""
-LINE = 1.5
-"""Width of a curve [pt]."""
+HOLDS = "#cfe0d6"  # colour of areas in which a condition holds
+LINE = 1.5  # width of a curve [pt]
 DASHES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 """Line styles, for more curves than colours."""
-TARGET: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (4, 3))}
-"""Line properties of targets."""
+TARGET: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (4, 3))}  # line properties of targets
 SUFFIXES = (".png", ".svg", ".pdf")
-MANY_MM = 0.5
-"""Lengths below this [m] are shown in millimetres."""
+MANY_MM = 0.5  # lengths below this [m] are shown in millimetres
 
 
 class Shown(NamedTuple):
@@ -61,8 +51,7 @@ class Shown(NamedTuple):
 
     factor: float
     unit: str
-    sign: str
-    """Suffix of a number: `` mm``, ``°``."""
+    sign: str  # suffix of a number, such as " mm" or "°"
 
     def label(self, name: str) -> str:
         """Label of an axis."""
@@ -188,10 +177,8 @@ def save_figure(figure: Any, path: Path) -> None:
 NEAR, SHORT = 0.012, 0.04
 """Curves closer than this share of the axes' height coincide; where they do so for less than this
 share of the width they cross."""
-STROKE = 3.5
-"""Length of each colour where curves coincide, as a multiple of the line width."""
-GRID = 2000
-"""Points at which curves are compared."""
+STROKE = 3.5  # length of each colour where curves coincide, as a multiple of the line width
+GRID = 2000  # points at which curves are compared
 
 
 def show_coincident(axes: Any, lines: Sequence[Any]) -> None:

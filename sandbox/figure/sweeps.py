@@ -26,19 +26,15 @@ PANEL, MAP, CELL, MAX_COLUMNS = 34.0, 46.0, 24.0, 6
 """Height of a panel, of a map, of a panel of a matrix [mm]; columns of a matrix."""
 ROW, FRONT, BRANCHES = 7.5, 56.0, 60.0
 """Height of the bars of a path, of a panel of a front, of a panel of branches [mm]."""
-THICK = 0.36
-"""Height of a bar, as a share of the distance of two paths."""
-MAX_LETTERS = 34
-"""Letters of a path at an axis."""
+THICK = 0.36  # height of a bar, as a share of the distance of two paths
+MAX_LETTERS = 34  # letters of a path at an axis
 MANY, CROWD = 60, 3000
 """With more points than this, points are small; with more than the second, there is a density."""
-MAX_LINES = 3
-"""Values of one of two paths that are drawn as curves; with more there is a map."""
+MAX_LINES = 3  # values of one of two paths that are drawn as curves; with more there is a map
 MAX_TICKS, ROOM, DIGITS = 8, 0.06, 4
 """Values of a path that are all written at its axis if they are this far apart, as a share of the
 range, and have no more digits than this."""
-ROUNDING = 1e-9
-"""Values whose relative spread is smaller are equal."""
+ROUNDING = 1e-9  # values whose relative spread is smaller are equal
 UNSTABLE: Any = (0, (3.5, 1.8))
 FOLD: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 5.5,
                         "markerfacecolor": "white", "markeredgewidth": 1.3}
@@ -49,14 +45,11 @@ class SweepColumn:
     """A column of a sweep's table."""
 
     name: str
-    unit: str
-    """SI; empty for none."""
+    unit: str  # SI; empty for none
     values: Array
     """Shape [n]; NaN for missing values. Of texts, their indices."""
-    texts: tuple[str, ...] = ()
-    """Texts by index; empty for numbers."""
-    log: bool = False
-    """Whether values are spaced logarithmically."""
+    texts: tuple[str, ...] = ()  # texts by index; empty for numbers
+    log: bool = False  # whether values are spaced logarithmically
 
     def shown(self) -> tuple[Array, str]:
         """Values as plotted, and their unit."""
@@ -84,13 +77,10 @@ class FoundLine(NamedTuple):
     """The result of a search along a path, SI."""
 
     path: str
-    low: float
-    """Of the bracket or of the 95 % interval, which is shaded."""
-    at: float
-    """Position of the line."""
+    low: float  # of the bracket or of the 95 % interval, which is shaded
+    at: float  # position of the line
     high: float
-    words: str
-    """Meaning of the line and the shade."""
+    words: str  # meaning of the line and the shade
 
 
 @dataclass(frozen=True)
@@ -99,12 +89,9 @@ class SweepDrawing:
 
     varied: Sequence[SweepColumn]
     kept: Sequence[SweepColumn]
-    failed: Flags
-    """Unfinished runs, [n]."""
-    doubtful: Flags
-    """Runs with a warning of the audit, [n]."""
-    grid: bool
-    """Whether every value of each path is combined with every value of the others."""
+    failed: Flags  # unfinished runs, [n]
+    doubtful: Flags  # runs with a warning of the audit, [n]
+    grid: bool  # whether every value of each path is combined with every value of the others
     title: str = ""
     held: Array | None = None
     """1 for runs that meet the condition, 0 for those that do not, NaN for others, [n]."""
@@ -293,14 +280,10 @@ class InfluenceBars(NamedTuple):
     """Influences of paths on one quantity."""
 
     name: str
-    paths: Sequence[str]
-    """The most influential first; none for a constant quantity."""
-    values: Mapping[str, Array]
-    """By measure, [paths]."""
-    halves: Mapping[str, Array]
-    """Half widths of 95 % intervals by measure, if it has any, [paths]."""
-    x: str
-    """Label of the axis."""
+    paths: Sequence[str]  # the most influential first; none for a constant quantity
+    values: Mapping[str, Array]  # by measure, [paths]
+    halves: Mapping[str, Array]  # half widths of 95 % intervals by measure, if it has any, [paths]
+    x: str  # label of the axis
 
 
 def draw_influences(
@@ -375,14 +358,10 @@ def draw_front(
 class BranchCurve(NamedTuple):
     """A branch of equilibria."""
 
-    x: Array
-    """Values of the varied field of the scene, [n]."""
-    y: Array
-    """The quantity at equilibrium, SI, [n]."""
-    stable: Flags
-    """[n]"""
-    fold: Flags
-    """Turning points of x, [n]."""
+    x: Array  # values of the varied field of the scene, [n]
+    y: Array  # the quantity at equilibrium, SI, [n]
+    stable: Flags  # [n]
+    fold: Flags  # turning points of x, [n]
 
 
 def save_branches(

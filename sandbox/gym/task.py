@@ -31,22 +31,17 @@ from sandbox.values.signals import values
 from sandbox.values.units import UNITS, range_of, unfit
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
-Span = tuple[float, float]
-"""Minimum and maximum, SI."""
+Span = tuple[float, float]  # minimum and maximum, SI
 Reward = Callable[[Simulation], float]
 Wanted = str | Sequence[str] | Mapping[str, Sequence[float] | None]
 Scene = str | os.PathLike[str] | Mapping[str, Any]
-ROUNDING = 1e-6
-"""Tolerance of a whole number of steps, relative to a step."""
-DRAWN = 64
-"""Samples that are checked when the environment is made."""
-INSTANTS = 1001
-"""Instants at which the range of a signal is determined."""
+ROUNDING = 1e-6  # tolerance of a whole number of steps, relative to a step
+DRAWN = 64  # samples that are checked when the environment is made
+INSTANTS = 1001  # instants at which the range of a signal is determined
 NOT_NEGATIVE = {("tendon", "tension"), ("tendon", "length"), ("body", "contact.normal"),
                 ("group", "contact.normal"), ("group", "contact.count"), ("pair", "normal"),
                 ("joint", "reaction"), ("joint", "length"), ("line", "volume")}
-FRACTIONS = ("hold", "opening")
-"""Quantities of drives from 0 to 1."""
+FRACTIONS = ("hold", "opening")  # quantities of drives from 0 to 1
 
 
 @dataclass(frozen=True)

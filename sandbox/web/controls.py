@@ -20,13 +20,11 @@ from sandbox.values.signals import AnySignal, Constant, Ramp, Table
 from sandbox.values.units import UNITS, Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, listed, quoted
 
-PARAMETER = "parameters."
-"""Begins the name of a parameter, as in ``--set``."""
+PARAMETER = "parameters."  # begins the name of a parameter, as in --set
 USUAL = {"N": 10.0, "N m": 0.1, "rad": math.pi, "rad/s": 10.0, "m": 0.1, "m/s": 0.5, "1": 1.0,
          "Pa": 1e5, "m^3/s": 1e-5, "N/m": 1000.0, "N m/rad": 1.0}
 """Default range of a slider to either side, by unit."""
-Spans = dict[tuple[str, str], tuple[float, float]]
-"""Ranges of sliders, by the name and the unit."""
+Spans = dict[tuple[str, str], tuple[float, float]]  # ranges of sliders, by the name and the unit
 
 
 def controls(loaded: Loaded, live: Live, spans: Spans) -> list[dict[str, Any]]:

@@ -27,14 +27,11 @@ from sandbox.scene.settings import View
 
 WIDTH, POINT, TYPE = 800, 1.0, 13
 """Size that labels are placed for: width of a drawing, pixels per point, font size [pixels]."""
-LEGEND = 2.2
-"""Height of the legend, in font sizes."""
-DIGITS = 5
-"""Digits of numbers in lists and heads."""
+LEGEND = 2.2  # height of the legend, in font sizes
+DIGITS = 5  # digits of numbers in lists and heads
 OWN = ("force", "spring", "drive")
 """Colours of the script itself: under the pointer, loads without colours, the hand."""
-MOVES = 1e-12
-"""Poses that change by less are constant."""
+MOVES = 1e-12  # poses that change by less are constant
 
 
 def all_layers(view: View) -> View:
@@ -116,8 +113,7 @@ class LiveListing:
         """By the layers that are shown: the view, its layers, and tensions of the recording."""
         self._changing: list[Callable[[Subject], None]] = []
         """Elements with columns, tables or frames."""
-        self._raw: list[Item] = []
-        """Their items as they list them."""
+        self._raw: list[Item] = []  # their items as they list them
         self._last: Subject | None = None
         self._layers: set[str] | None = set()
 

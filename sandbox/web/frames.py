@@ -39,14 +39,10 @@ HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force
 """The first numbers of a frame: its number; the last message that it answers; the time [s];
 seconds of motion per second; the body that is held, or -1; the place [m] and the force [N]; the
 number of places of each trail."""
-TRAIL = 8
-"""Maximum number of places of a trail in a frame."""
-LOOK = 2.0
-"""Seconds of the trial run that gives the picture its scales."""
-MAX_PAIRS = 200
-"""Pairs of bodies that are suggested; any can be watched."""
-AT_ONCE = 64
-"""Maximum number of steps between two looks at the clock."""
+TRAIL = 8  # maximum number of places of a trail in a frame
+LOOK = 2.0  # seconds of the trial run that gives the picture its scales
+MAX_PAIRS = 200  # pairs of bodies that are suggested; any can be watched
+AT_ONCE = 64  # maximum number of steps between two looks at the clock
 _OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
 
 
@@ -89,24 +85,19 @@ class LiveFrames:
         self.live, self.look = live, look
         self.layers: set[str] | None = None
         """Layers that are shown; by default those of the scene's view."""
-        self._shown: set[str] | None = None
-        """Those of the last frame."""
-        self.watched: list[str] = []
-        """Quantities in the frames."""
+        self._shown: set[str] | None = None  # those of the last frame
+        self.watched: list[str] = []  # quantities in the frames
         self.units = {name: live.unit(name) for name in live.names()}
         """Quantities that frames can have, with their units."""
         self.left_out: list[str] = []
         """Reasons why meters of the scene's view are left out, a line each."""
-        self.meters = list(self._own_meters())
-        """The other meters."""
+        self.meters = list(self._own_meters())  # the other meters
         self._model = compile_mechanism(live.scene)
         self._on_other: dict[int, bool] = {}
         """By pair of bodies that have touched: whether the force is shown on the second."""
         self._listing = LiveListing(look)
-        self._sent: list[Item] = []
-        """Items of the page's list."""
-        self._steps = 0
-        """Number of steps up to the last frame."""
+        self._sent: list[Item] = []  # items of the page's list
+        self._steps = 0  # number of steps up to the last frame
         self._travel = np.zeros(len(live.scene.drives))
         """The integral of each drive's value over these: the travel of surfaces."""
         if not live.steps:

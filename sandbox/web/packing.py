@@ -24,18 +24,15 @@ from sandbox.web.drawing import expressions_of, moving, page_list
 
 BUDGET = 3_300_000
 """Bytes of a run's numbers, before base64 makes them a third longer: 4.4 MB on a page."""
-FRAMES = 4000
-"""Samples that a drawing has, more or less; of a longer run some are left out."""
-FINEST = 250.0
-"""Samples per second [Hz] that are always kept."""
+FRAMES = 4000  # samples that a drawing has, more or less; of a longer run some are left out
+FINEST = 250.0  # samples per second [Hz] that are always kept
 OFF = 2e-4
 """Maximum error of a pose between the samples that are kept, as a fraction of the picture's width:
 a fifth of a pixel in 1000."""
 BINS, MIN_BINS = 2000, 125
 """Of a quantity with more than twice as many samples: the minimum and maximum of each bin."""
 LEVEL = 9
-CHUNK = 64
-"""Columns worked on at a time."""
+CHUNK = 64  # columns worked on at a time
 FLAT, NOTHING = 1e-9, 1e-10
 """Changes of a quantity below this fraction of its size, and values below this fraction of the
 largest in its unit, are rounding errors."""

@@ -39,10 +39,8 @@ from sandbox.web.packing import level, packed
 from sandbox.wording import printable, quoted
 
 MAX_RUNS = 4
-MAX_PAIRS = 64
-"""Pairs of bodies whose contact forces can be plotted, the most loaded ones."""
-MIN_HEIGHT, MAX_HEIGHT = 200, 4000
-"""Of the frame in a notebook [pixels]."""
+MAX_PAIRS = 64  # pairs of bodies whose contact forces can be plotted, the most loaded ones
+MIN_HEIGHT, MAX_HEIGHT = 200, 4000  # of the frame in a notebook [pixels]
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8">{meta}
 <meta name="viewport" content="width=device-width,initial-scale=1">
@@ -233,10 +231,8 @@ class RunPage:
     """One HTML file that plays a run."""
 
     text: str
-    about: str
-    """Alternative text."""
-    height: int
-    """Of the frame in a notebook [pixels]."""
+    about: str  # alternative text
+    height: int  # of the frame in a notebook [pixels]
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write it to a file.

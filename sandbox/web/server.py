@@ -33,17 +33,12 @@ HOST = "127.0.0.1"
 INSTALL = "pip install 'sandbox-mechanics[view]'"
 MAX_UNSEEN = 6
 """Frames that the page has not drawn yet: enough for a line with a round trip of 0.1 s."""
-LATE = 0.1
-"""A page that is this far behind the clock [s] skips the time that it missed."""
-LOOK_AT_FILES = 0.5
-"""Seconds between two checks whether the scene's files have changed."""
-LONG = 0.3
-"""Seconds after which the page says that the session is busy."""
-SHORTEST_WAIT = 1e-3
-"""Seconds to wait for a message where a frame is late."""
+LATE = 0.1  # a page that is this far behind the clock [s] skips the time that it missed
+LOOK_AT_FILES = 0.5  # seconds between two checks whether the scene's files have changed
+LONG = 0.3  # seconds after which the page says that the session is busy
+SHORTEST_WAIT = 1e-3  # seconds to wait for a message where a frame is late
 MAX_TABS = 8
-MAX_BYTES = 1 << 16
-"""Of a message."""
+MAX_BYTES = 1 << 16  # of a message
 START = '\nlive(document.querySelector("main"), socketLink(location.href));\n'
 
 
@@ -163,8 +158,7 @@ class _Tab:
 
         self.connection, self.session, self.stopping = connection, session, stopping
         session.closed = lambda: stopping.is_set() or connection.protocol.state is not State.OPEN
-        self.seen = 0
-        """The last frame that the page has drawn."""
+        self.seen = 0  # the last frame that the page has drawn
         self._shown: tuple[int, int] | None = None
         self._files, self._checked = self._stamps(), 0.0
         self._saving: list[threading.Thread] = []

@@ -28,12 +28,9 @@ from sandbox.web.controls import PARAMETER, Spans, changes, controls, read_value
 from sandbox.web.frames import LOOK, LiveFrames, Stride, looked_at
 from sandbox.wording import listed, near, quoted
 
-FRAME = 1 / 60
-"""Seconds from frame to frame."""
-BUDGET = 0.012
-"""Seconds that the steps of a frame may take; motion is slower if they take longer."""
-MIN_SPEED, MAX_SPEED = 0.01, 4.0
-"""Seconds of motion per second."""
+FRAME = 1 / 60  # seconds from frame to frame
+BUDGET = 0.012  # seconds that the steps of a frame may take; motion is slower if they take longer
+MIN_SPEED, MAX_SPEED = 0.01, 4.0  # seconds of motion per second
 MAX_METERS, FIRST_METERS = 12, 4
 """Meters of a live view that run at once; of usual quantities at first."""
 QUICK_LOOK = 0.2
@@ -79,10 +76,8 @@ class Session:
         self._read, self._place = read, place
         self.overrides = dict(overrides)
         self.playing = True
-        self.trouble = ""
-        """The error that ended the run, or that of the scene's file."""
-        self.rate = 0.0
-        """Recent seconds of motion per second."""
+        self.trouble = ""  # the error that ended the run, or that of the scene's file
+        self.rate = 0.0  # recent seconds of motion per second
         self.seq = self.ack = 0
         self.closed: Callable[[], bool] = bool
         """Whether the page was closed: long work is then given up."""

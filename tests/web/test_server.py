@@ -111,7 +111,8 @@ def test_another_page_is_not_let_in(server: Server, caplog: pytest.LogCaptureFix
         with socket.create_connection(("127.0.0.1", server.port)) as line:
             head = "\r\n".join((f"GET /{server.token} HTTP/1.1", *lines))
             line.sendall(f"{head}\r\n\r\n".encode())
-            assert b" 403 " in line.makefile("rb").readline()
+            with line.makefile("rb") as answer:
+                assert answer.readline().split()[1] in (b"400", b"403")
     assert caplog.records == []
 
 
