@@ -52,11 +52,7 @@ class Media:
     ENDING: ClassVar[str]
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it to a file.
-
-        Raises:
-            OutputError: another ending than its own, or it cannot be written.
-        """
+        """Write it to a file with its own ending; OutputError if that fails."""
         file = output_path(path, "a picture")
         if file.suffix.lower() != self.ENDING:
             raise OutputError(f"{file}: this is a {self.ENDING} file; sandbox.render makes others",
@@ -244,10 +240,7 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def at_start(mechanism: Mechanism) -> Recording:
-    """A recording with one sample at t = 0, for a picture of the scene; forces are 0.
-
-    No step is simulated, so the solver need not be compiled.
-    """
+    """A recording with one sample at t = 0, without forces; nothing is simulated."""
     model = compile_mechanism(mechanism)
     lengths = lengths_at_start(model)
     builder = RecordingBuilder(mechanism, 1, {

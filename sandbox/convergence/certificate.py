@@ -37,10 +37,7 @@ LONG = 1.0  # if the run at h takes longer [s], the other two run in processes o
 
 
 def refined(mechanism: Mechanism, parts: int) -> Mechanism:
-    """The mechanism with a step ``parts`` times finer, sampled at every step.
-
-    Controllers and events keep the rates that they have at the mechanism's own step.
-    """
+    """The mechanism with a finer step, sampled at every step; controllers keep their rates."""
     run = mechanism.run
     step = run.step / parts
     rates: dict[str, Any] = {
@@ -207,13 +204,7 @@ def unfit(mechanism: Mechanism) -> str:
 def certify(mechanism: Mechanism, *, progress: Progress | None = None) -> Certificate:
     """Simulate a mechanism at h, h/2 and h/4 and judge each of its expectations.
 
-    Args:
-        mechanism: with at least one expectation.
-        progress: called with the fraction done, 0 to 1.
-
-    Raises:
-        ValueError: a mechanism for which :func:`unfit` has a reason.
-        Interrupted: Ctrl-C.
+    ``progress`` is called with the fraction done, 0 to 1. ValueError if :func:`unfit` has a reason.
     """
     if reason := unfit(mechanism):
         raise ValueError(reason)

@@ -92,13 +92,9 @@ class Trust:
 def judge(
     verdict: Verdict, values: tuple[float, float, float], sizes: Sizes, *, given: bool = False,
 ) -> Trust:
-    """The verdict on an expectation from the values of three runs.
+    """The verdict on an expectation, of which ``verdict`` is that at h, from three runs.
 
-    Args:
-        verdict: on the run at h.
-        values: at h, h/2, h/4.
-        sizes: of the quantity.
-        given: whether the range is a tolerance (``is`` … ``within``), not two bounds.
+    ``given``: the range is a tolerance (``is`` … ``within``), not two bounds.
     """
     trust = Trust(verdict.quantity, verdict.statistic, verdict.unit, verdict.low, verdict.high,
                   values, reason=verdict.reason)

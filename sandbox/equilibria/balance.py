@@ -29,10 +29,8 @@ RANK = 1e-9  # relative size of directions, and of stiffness, that are rounding
 class PoseBalance:
     """Residual forces, free motions and stiffness at a pose.
 
-    Args:
-        still: the engine after one recorded step from rest.
-        run: the one sample of this step.
-        size: of the mechanism, the length that is equivalent to 1 rad [m].
+    ``still`` is the engine after one step from rest, which ``run`` has recorded. ``size`` is the
+    length that is equivalent to 1 rad [m].
     """
 
     def __init__(self, still: Still, run: Recording, size: float) -> None:

@@ -275,10 +275,7 @@ def verdict(rest: AtRest) -> str:
 
 
 def quantities(run: Recording) -> dict[str, str]:
-    """Names and units of the quantities that describe an equilibrium.
-
-    Angles of hinges, positions of other bodies, tensions, forces of springs, contact forces.
-    """
+    """Names and units of the quantities that describe an equilibrium."""
     model = run.model
     hinged = set(model.joints.bodies[model.joints.pivots, 1].tolist())
     names = [*_angles(model), *(f"{name}.length" for name in model.joints.name)]

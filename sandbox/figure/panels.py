@@ -110,11 +110,7 @@ class Panel:
 def save_panels(
     path: Path, panels: Sequence[Panel] | Sequence[Sequence[Panel]], **how: Any,
 ) -> None:
-    """Draw panels into a file; see :func:`draw`.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
+    """Draw panels into a file; see :func:`draw`. OutputError if it cannot be written."""
     style.save_figure(draw(panels, **how), path)
 
 
@@ -123,19 +119,11 @@ def draw(
     key: Sequence[tuple[str, Mapping[str, Any]]] = (), notes: Sequence[str] = (),
     width: float = style.WIDTH, shared: bool = False, widths: Sequence[float] | None = None,
 ) -> Any:
-    """A figure of panels one below the other, or of rows of panels.
+    """A ``matplotlib`` figure of panels one below the other, or of rows of panels.
 
-    Args:
-        panels: at least one.
-        title: of the figure.
-        key: names above the panels, and the line properties they stand for.
-        notes: lines below the panels.
-        width: of the figure [mm].
-        shared: whether the panels of a column share their x axis.
-        widths: ratios of the widths of the columns.
-
-    Returns:
-        a ``matplotlib.figure.Figure``.
+    ``key`` are names above the panels and their line properties; ``notes`` are lines below them;
+    ``width`` is in mm. ``shared``: the panels of a column share their x axis; ``widths`` are ratios
+    of the widths of the columns.
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch

@@ -53,11 +53,6 @@ class Window:
     end: float = float("inf")
 
     def __post_init__(self) -> None:
-        """Check the order.
-
-        Raises:
-            OutputError: the end is not after the beginning.
-        """
         if not self.end > self.begin:
             raise OutputError(f"{self.end:g} s is not after the beginning, {self.begin:g} s",
                               code="bad-time")
@@ -72,16 +67,9 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
          window: Window | None = None, width: float | None = None, titled: bool = True) -> Any:
     """A figure with a panel for each unit of one run, or for each quantity of several runs.
 
-    Length against length is a path in the plane, with one scale on both axes.
-
-    Args:
-        runs: in the order of their colours; a run is skipped where it lacks a quantity.
-        quantities: names.
-        x: the quantity on the x axis; time by default.
-        window: range of time; all by default.
-        width: of the figure [m]; 120 mm by default. In a narrow figure names stand above the
-            panels.
-        titled: whether the title of the run stands above.
+    Length against length is a path in the plane, with one scale on both axes. ``x`` is the quantity
+    on the x axis, by default time; ``width`` is in metres. A run is skipped where it lacks a
+    quantity.
 
     Raises:
         OutputError: too few samples, too many curves in a panel, or too many panels.

@@ -59,12 +59,7 @@ class Shown(NamedTuple):
 
 
 def shown_as(unit: str, *rows: Array) -> Shown:
-    """Angles in degrees, lengths in mm if all are small, everything else in SI.
-
-    Args:
-        unit: SI unit, as in a recording.
-        rows: values to be shown, SI, any shapes; NaN is ignored.
-    """
+    """Angles in degrees, lengths in mm if all ``rows`` [SI] are small, everything else in SI."""
     if unit in ("rad", "rad/s"):
         return Shown(180 / math.pi, unit.replace("rad", "deg"), "°" if unit == "rad" else " deg/s")
     if unit == "m" and all(np.nanmax(np.abs(row), initial=0.0) < MANY_MM for row in rows):
@@ -136,14 +131,7 @@ def in_lines(text: str, width: float, size: float, letter: float = LETTER) -> st
 
 
 def legend(where: Any, key: Sequence[tuple[str, Any]], width: float = 0.0, **how: Any) -> None:
-    """A legend without a frame on a figure or axes.
-
-    Args:
-        where: figure or axes.
-        key: names with their artists.
-        width: in which its columns stand side by side [mm]; 0 for one column.
-        how: options of matplotlib's ``legend``.
-    """
+    """A legend without a frame on a figure or axes, in columns that fit a width [mm]; 0 for one."""
     wide = LETTER * SMALL * MM_PER_POINT * max((len(name) for name, _ in key), default=0) + SAMPLE
     where.legend([artist for _, artist in key],
                  [plain(name if len(name) <= MAX_NAME else f"…{name[1 - MAX_NAME:]}")
@@ -155,11 +143,9 @@ def legend(where: Any, key: Sequence[tuple[str, Any]], width: float = 0.0, **how
 
 
 def save_figure(figure: Any, path: Path) -> None:
-    """Write a figure as PNG, SVG or PDF by the file's suffix; equal figures give equal bytes.
+    """Write a figure as PNG, SVG or PDF; equal figures give equal bytes.
 
-    Raises:
-        OutputError: the file cannot be written.
-        ValueError: another suffix.
+    Raises OutputError if the file cannot be written, ValueError for another suffix.
     """
     import matplotlib
 

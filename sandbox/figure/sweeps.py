@@ -115,12 +115,7 @@ class SweepDrawing:
 
 
 def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
-    """Draw a sweep into a file.
-
-    Raises:
-        OutputError: the file cannot be written.
-        ValueError: nothing was varied or kept, or another suffix than ``.png .svg .pdf``.
-    """
+    """Draw a sweep into a file; raises as :func:`~sandbox.figure.style.save_figure`."""
     if not drawing.varied or not drawing.kept:
         raise ValueError("a figure needs varied paths and kept quantities")
     widths = None
@@ -289,10 +284,7 @@ class InfluenceBars(NamedTuple):
 def draw_influences(
     path: Path, panels: Sequence[InfluenceBars], words: Mapping[str, str], title: str,
 ) -> None:
-    """Draw sensitivities as bars with 95 % intervals; no file if all quantities are constant.
-
-    ``words`` are the names of the measures in the legend.
-    """
+    """Draw sensitivities with 95 % intervals; no file if all are constant. ``words`` by measure."""
     changing = [each for each in panels if each.paths]
     shown = changing[:MAX_QUANTITIES]
     if not shown:
@@ -332,12 +324,8 @@ def draw_front(
 ) -> None:
     """Draw runs over pairs of goals, with the Pareto front.
 
-    Args:
-        path: the file.
-        goals: two or more, with the values of all runs, [n]; NaN for runs that fail a condition.
-        senses: ``least`` or ``most``, by goal.
-        best: runs on the front, [n].
-        title: of the figure.
+    The values of ``goals`` are NaN for runs that fail a condition; ``senses`` are ``least`` or
+    ``most`` by goal; ``best`` are the runs on the front, [n].
     """
     pairs, panels = list(itertools.combinations(goals, 2)), []
     front, other = ({"color": style.BLUE, "markersize": 4.5},

@@ -264,11 +264,7 @@ def _random(
 
 
 def drive_range(model: Model, drive: str) -> Span | None:
-    """The range of a drive; None if the scene does not define it.
-
-    It is that of the stops of a servo's hinge, of an actuator's stroke, of a motor's no-load
-    speeds, or 0 to 1 for a valve; for other drives that of 0 and the drive's own signal.
-    """
+    """The range of a drive by its stops, stroke, no-load speed or signal; None if there is none."""
     index = model.names.drive[drive]
     spec, kind = model.mechanism.drives[index], model.drives.kind[index]
     if kind.gives in FRACTIONS:

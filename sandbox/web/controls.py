@@ -91,11 +91,7 @@ def _controllers(live: Live) -> Iterator[dict[str, Any]]:
 
 
 def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
-    """The SI value of a text for a drive, ``<controller>.target`` or ``.active``.
-
-    Raises:
-        SceneError: no number with a unit of the right dimension.
-    """
+    """The SI value of a text for a drive, ``<controller>.target`` or ``.active``; or SceneError."""
     unit = next((each["unit"] for each in (*_drives(mechanism, live), *_controllers(live))
                  if each["name"] == name), "")
     kind = next((drive.kind for drive in mechanism.drives if drive.name == name), None)
@@ -139,8 +135,7 @@ def final(signal: AnySignal, time: float) -> float | None:
 def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | None:
     """The settings at an instant [s] that make one scene the other from then on.
 
-    None where there are none: other elements differ, or values that still change. Expectations and
-    views do not matter.
+    None if other elements differ, or values still change. Expectations and views do not matter.
     """
     found: dict[str, float] = {}
     still = {"expect": (), "view": new.view, "drives": (), "controllers": (), "parameters": {},

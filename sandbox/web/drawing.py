@@ -98,10 +98,7 @@ def _contact_arrows(items: Sequence[Item]) -> list[Item]:
 
 
 class LiveListing:
-    """Display lists of the latest samples of a run, on the scales of a recording of its scene.
-
-    Only elements whose numbers change are listed again for each frame.
-    """
+    """Display lists of a run's latest samples, on the scales of a recording of its scene."""
 
     def __init__(self, look: RunData) -> None:
         self._look, self._view = look, look.mechanism.view

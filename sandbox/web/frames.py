@@ -47,11 +47,7 @@ _OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
 
 
 def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
-    """A trial run of the scene, as far as the time allows: it gives the picture its scales.
-
-    Raises:
-        SceneError: as :class:`Simulation`.
-    """
+    """A trial run of the scene, as far as the time allows: it gives the picture its scales."""
     simulation, stride, began = Simulation(scene), Stride(), time.perf_counter()
     every = round(1 / (scene.mechanism.run.sample_rate * scene.mechanism.run.step))
     try:
@@ -154,10 +150,7 @@ class LiveFrames:
         return None if items is self._sent or items == self._sent else self._list()
 
     def frame(self, numbers: Sequence[float]) -> bytes:
-        """The present instant; ``numbers`` are those of :data:`HEAD` but ``trail``.
-
-        Call :meth:`relisted` before.
-        """
+        """The present instant, after :meth:`relisted`; ``numbers`` of HEAD but ``trail``."""
         out = self._subject.out
         last = len(out.time) - 1
         tables = [rows[rows[:, 0] == last] for rows in out.tables.values()]

@@ -86,10 +86,8 @@ def quantised(columns: Array, bits: int) -> tuple[Any, Array, Array]:
 def kept_samples(time: Array, pose: Array, width: float) -> Flags:
     """The samples of a drawing, [n]: some, and all where interpolation exceeds :data:`OFF`.
 
-    Args:
-        time: [n] s.
-        pose: of moving bodies, x, y [m] and angle [rad] in turn, [n, 3 k].
-        width: of the picture [m].
+    ``pose`` has x, y [m] and angle [rad] of each moving body in turn, [n, 3 k]; ``width`` is that
+    of the picture [m].
     """
     n = len(time)
     every = -(-n // FRAMES)

@@ -102,10 +102,7 @@ class FoundOut(NamedTuple):
 
 
 def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
-    """Texts and tables of a run; numbers that are not finite are None.
-
-    ``apart`` is a name that distinguishes it from others on the page.
-    """
+    """Texts and tables of a run; ``apart`` is a name that distinguishes it from others."""
     info = run.info
     return {
         "about": run.mechanism.about, "complete": run.complete, "status": info.status.value,
@@ -235,11 +232,7 @@ class RunPage:
     height: int  # of the frame in a notebook [pixels]
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it to a file.
-
-        Raises:
-            OutputError: another ending than .html or .htm, or it cannot be written.
-        """
+        """Write it to an .html file; OutputError if that fails."""
         file = output_path(path, "a page")
         if file.suffix.lower() not in (".html", ".htm"):
             raise OutputError(f"{file}: a page is an .html file", code="bad-picture")

@@ -45,11 +45,8 @@ START = '\nlive(document.querySelector("main"), socketLink(location.href));\n'
 class Server:
     """Serves a scene until Ctrl-C.
 
-    Args:
-        session: makes a session; each tab gets its own.
-        first: the session of the first tab, which was made to check the scene.
-        title: of the page.
-        port: to listen on; 0 for a free one.
+    ``session`` makes the session of a tab; ``first``, made to check the scene, is that of the first
+    one. ``port`` 0 is a free one.
     """
 
     def __init__(
@@ -65,11 +62,7 @@ class Server:
         return f"http://{HOST}:{self.port}/{self.token}"
 
     def serve(self, ready: Callable[[Server], None]) -> None:
-        """Serve until Ctrl-C; ``ready`` is called when it listens.
-
-        Raises:
-            OutputError: the port cannot be used.
-        """
+        """Serve until Ctrl-C; call ``ready`` when it listens. OutputError if the port is taken."""
         with self.listening(), contextlib.suppress(KeyboardInterrupt):
             ready(self)
             while True:  # without a timeout Windows would not notice Ctrl-C
@@ -77,7 +70,7 @@ class Server:
 
     @contextlib.contextmanager
     def listening(self) -> Iterator[None]:
-        """Listen within a ``with`` statement; raises OutputError as :meth:`serve`."""
+        """Listen within a ``with`` statement; OutputError if the port is taken."""
         serve = needed()
         try:
             listener = socket.create_server((HOST, self.port))
@@ -276,11 +269,7 @@ def page(title: str) -> str:
 
 
 def needed() -> Any:
-    """The function that serves.
-
-    Raises:
-        OutputError: it is not installed; with the command that installs it.
-    """
+    """The function that serves; OutputError with the command that installs it, if it is missing."""
     try:
         from websockets.sync.server import serve
     except ImportError:

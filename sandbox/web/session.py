@@ -60,14 +60,9 @@ Read = Callable[[Mapping[str, Any]], Found]
 class Session:
     """One scene that runs and is changed by messages.
 
-    Args:
-        read: reads the scene, with values that replace those of its file; called again when the
-            file has changed or a parameter is set.
-        overrides: such values.
-        place: the directory in which a run of some name is saved.
-
-    Raises:
-        SceneError: the scene cannot be used.
+    ``read`` reads the scene with values that replace those of its file (``overrides`` at first); it
+    is called again when a file or a parameter changes. ``place`` gives the directory for a run of
+    some name. Raises SceneError if the scene cannot be used.
     """
 
     def __init__(
@@ -170,10 +165,9 @@ class Session:
             return steps
 
     def reload(self) -> bool:
-        """Read the scene's file again, with today's values; whether it can be used.
+        """Read the scene's file again with today's values, but those of parameters that are gone.
 
-        Values of parameters that it no longer has are dropped. If it cannot be used, the run
-        continues, and the problem is reported.
+        Returns whether it can be used; if not, the run continues, and the problem is reported.
         """
         values = self.overrides
         try:
@@ -383,11 +377,7 @@ def _in_line(problem: Problem) -> str:
 
 
 def first_meters(frames: LiveFrames, usual: Mapping[str, list[str]]) -> list[str]:
-    """The quantities that a live view plots at first.
-
-    These are the meters of the scene's view, as many as may run at once; else the meters that the
-    scene defines, else the first of the ``usual`` quantities.
-    """
+    """The quantities plotted at first: the view's meters if they fit, else the usual ones."""
     shown: list[str] = []
     for meter in frames.meters:
         both = list(dict.fromkeys([*shown, *meter["names"]]))
