@@ -181,7 +181,7 @@ def show_coincident(axes: Any, lines: Sequence[Any]) -> None:
     if len(found) < 2:
         return
     x = np.linspace(min(x[0] for _, x, _ in found), max(x[-1] for _, x, _ in found), GRID)
-    y = np.array([np.interp(x, *line, np.nan, np.nan) for _, *line in found])
+    y = np.array([np.interp(x, xs, ys, np.nan, np.nan) for _, xs, ys in found])
     size = math.ceil(SHORT * GRID / (x[-1] - x[0]))
     near = binary_opening(np.abs(y[:, None] - y) < NEAR, np.ones((1, 1, size)))
     for i, (line, *_) in enumerate(found):

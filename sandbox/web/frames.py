@@ -131,9 +131,7 @@ class LiveFrames:
 
     def drawing(self) -> dict[str, Any]:
         """Data that a ``Stage`` needs before the first frame."""
-        known = self.look.catalogue.units
         return {**drawing(self.look, self._subject, self._listing.box, live=True), **self._list(),
-                "late": [name for name in known if name not in self.units],
                 "head": list(HEAD), "drives": len(self.live.scene.drives),
                 "meters": self.meters, "pairs": list(self._pairs()),
                 "quantities": [{"name": name, "unit": self.units[name]} for name in dict.fromkeys(

@@ -1,4 +1,4 @@
-// The meters of a live view: quantities that are watched, over the last while.
+// The meters of a live view: plots of watched quantities over the last KEPT frames.
 
 const KEPT = 1500;                                        // frames
 const STILL = 1e-4;                                       // of a value: less is not spread over a plot, as frames are float32
@@ -9,7 +9,7 @@ class Meters {
   }
   names() { return this.watched.map((w) => w.name); }
   more(names) { this.ask([...new Set([...this.names(), ...names])]); }
-  back(t) {                                               // what was from t on is not any more
+  back(t) {                                               // drop the samples from t on
     const kept = this.time.findLastIndex((one) => one < t) + 1;
     for (const row of [this.time, ...this.rows]) row.length = kept;
   }
@@ -56,14 +56,13 @@ class Meters {
   }
 }
 
-// The live view: a Stage that shows what a session does, and asks it for things.
-// link = {send(text), onmessage(data), onclose()}: text is JSON, data is JSON or a frame's bytes.
+// The live view of a session. link = {send(text), onmessage(data), onclose()}: JSON, or the bytes of a frame.
 
 const WAY = 20000;
 const LIVE_KEYS = [["space", "run or pause"], ["right, left", "one frame on or back"], ["r", "from the beginning"],
   ["[ and ]", "slower, faster"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"], ["s", "save the picture"], ["?", "these keys"]];
 const PULLING = "Drag a body to pull it: the longer the line, the stronger. Drag beside bodies to move the picture, wheel "
-  + "or two fingers zoom, double click fits. Click a body, cord or spring for its meter.";
+  + "or two fingers zoom, double click fits. Click a body, tendon or spring for its meter.";
 
 function socketLink(address) {
   const socket = new WebSocket(address.replace(/^http/, "ws").replace(/[?#].*/, ""));
@@ -79,7 +78,7 @@ class Live extends Viewer {
     super(root, LIVE_KEYS, PULLING);
     Object.assign(this, { link, ids: 0, sent: new Map(), asked: false, frame: null, ways: new Map(), instants: [],
                           waiting: new Map(), working: false, stats: { drawn: 0, got: 0, latency: [], costs: [] } });
-    link.onmessage = (data) => { if (typeof data === "string") this.hear(JSON.parse(data)); else this.take(data); };
+    link.onmessage = (data) => { if (typeof data === "string") this.receive(JSON.parse(data)); else this.take(data); };
     link.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true, this.state); };
     const list = (id, ariaLabel) => el("ul", { id, className: "warned", ariaLabel, hidden: true });
     this.title = el("h1");
@@ -91,8 +90,8 @@ class Live extends Viewer {
     const plots = el("div", { className: "plots" }), side = el("section", { className: "plots", ariaLabel: "controls and meters" });
     this.controls = new Controls(side, (name, value) => this.set(name, value));
     this.meters = new Meters(plots, (names) => this.ask({ watch: names }));
-    this.finder = finder("a meter for a quantity", () => [...this.units.keys()], (names) => this.watch(names),
-                         (text) => text && this.tell(text, true), () => this.head.late, (text) => this.watch([text]));
+    this.finder = finder("a meter for a quantity", () => [...this.units.keys()], (names) => this.meters.more(names),
+                         (text) => this.meters.more([text]));   // the answer says why not
     side.append(this.finder, this.absent, plots);
     root.replaceChildren(this.title, el("div", { className: "top" }, el("section", { className: "bench", ariaLabel: "motion" },
       el("div", { className: "sheets" }, this.sheet), this.bar(), this.tools(), this.layers, this.warned), side),
@@ -121,8 +120,8 @@ class Live extends Viewer {
   get stages() { return this.stage ? [this.stage] : []; }
   get t() { return this.frame.t; }
 
-  // -- what is heard -------------------------------------------------------------------------------
-  hear(message) {
+  // -- messages --------------------------------------------------------------------------------
+  receive(message) {
     if (message.head) this.begin(message.head);
     if (message.relisted) this.relist(message.relisted);
     if (message.status) this.status(message.status);
@@ -142,12 +141,12 @@ class Live extends Viewer {
     this.canvas.style.aspectRatio = String(head.view.aspect);
     const stage = this.stage = new Stage(this.canvas, head);
     stage.extra.push((s) => this.drawHand(s));
-    if (old) {                                            // the camera stays, and whom it goes along with
+    if (old) {                        // keep the camera and the body that it follows
       Object.assign(stage, { zoom: old.zoom, pan: old.pan, layers: old.layers });
       const { name } = old.head.bodies[old.follow] || {};
       if (head.view.follow === old.head.view.follow) stage.follow = head.bodies.findIndex((b) => b.name === name);
     }
-    camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.point(pick, e, this.units, (name) => this.told(name)),
+    camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.point(pick, e, this.units, (name) => this.textOf(name)),
                                          click: (pick) => this.click(pick) });
     Object.assign(this, { instants: [], ways: new Map(), frame: null, held: null });
     this.meters.back(-Infinity);
@@ -264,7 +263,7 @@ class Live extends Viewer {
     s.words.push({ text: `${+Math.hypot(f.force_x, f.force_y).toPrecision(2)} N`, tip: to, side: to[0] < from[0] ? 4 : 0, rank: -1, ink: colour, clear: 4 });
   }
 
-  // -- what is asked ---------------------------------------------------------------------------------
+  // -- requests -----------------------------------------------------------------------------------
   ask(what) {                                             // a new action clears the message of the last one
     this.tell("");
     this.send(what);
@@ -281,10 +280,6 @@ class Live extends Viewer {
     this.waiting.delete(next[0]);
     this.ask({ set: next[0], value: next[1] });
     this.setting = this.ids;
-  }
-  watch(names) {                                          // one that no frame tells is asked for alone: the answer says why
-    const told = names.filter((name) => this.units.has(name));
-    this.meters.more(told.length ? told : names.slice(0, 1));
   }
   toggle() { this.ask({ do: this.playing ? "pause" : "run" }); }
   grab(pick, x, y) {
@@ -310,7 +305,7 @@ class Live extends Viewer {
   click(pick) {
     if (pick && pick.n) this.meters.more(quantitiesOf(pick, this.units).slice(0, 2));
   }
-  told(name) {                                            // the last value of a watched quantity, as its plot shows it
+  textOf(name) {                                           // the last value of a watched quantity, as its plot shows it
     const row = this.meters.row(name), value = row?.at(-1) ?? null;
     if (value === null) return "";
     const { factor, sign } = shownAs(this.units.get(name), sizeOfRow(row));

@@ -9,34 +9,20 @@ const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point
   + "its plot. Click in a plot to go to that time, drag in it to zoom.";
 
 const MOST_CURVES = 8, MOST_PLOTS = 12, AT_FIRST = 2;
-const FLATTENED = 1e-3;                                   // a curve so much lower than another is none beside it
 
-class Series {                                            // quantities of one run by name
+class Series extends Map {                                // quantities of one run by name
   constructor(head, data) {
-    this.time = data.ptime[0];
-    this.by = new Map(head.series.map((one) => [one.name, one]));
-    this.columns = data.plots;
-    this.known = new Map();
+    super(head.series.map((one) => [one.name, one]));
+    this.time = data.ptime[0]; this.columns = data.plots;
   }
-  column(c) {
-    if (!this.known.has(c)) this.known.set(c, this.columns.at(c));
-    return this.known.get(c);
-  }
-  has(name) { return this.by.has(name); }
-  keys() { return this.by.keys(); }
-  unit(name) { return this.by.get(name).unit; }
+  unit(name) { return this.get(name).unit; }
   row(name) {
-    const one = this.by.get(name);
-    return one.c === undefined ? Float64Array.from(this.time, () => one.v) : this.column(one.c);
+    const { c, v } = this.get(name);
+    return c === undefined ? Float64Array.from(this.time, () => v) : this.columns.at(c);
   }
-  at(name, t) {
-    const one = this.by.get(name);
-    if (one.c === undefined) return one.v;
-    return this.column(one.c)[indexNear(this.time, t)];
-  }
-  told(name, t) {                                         // with its unit, as its plot shows it
+  text(name, t) {                                         // of a value with its unit, as in its plot
     const { factor, sign } = shownAs(this.unit(name), sizeOfRow(this.row(name)));
-    return `${short(factor * this.at(name, t))}${sign}`;
+    return `${short(factor * this.row(name)[indexNear(this.time, t)])}${sign}`;
   }
 }
 
@@ -68,7 +54,7 @@ class Report extends Viewer {
     this.sheets.append(el("div", { className: "sheet" }, ...(this.heads.length > 1 ? [nameOf(head, i)] : []), canvas));
     const stage = new Stage(canvas, head);
     camera(stage, () => this.show(), {
-      hover: (pick, e) => this.point(pick, e, of, (name) => of.told(name, this.t)),
+      hover: (pick, e) => this.point(pick, e, of, (name) => of.text(name, this.t)),
       click: (pick) => pick && this.open(quantitiesOf(pick, of).slice(0, 3), pick.n),
     });
     return stage;
@@ -193,28 +179,18 @@ class Report extends Viewer {
     addEventListener("hashchange", () => { const t = this.askedTime(); if (t !== null) this.hold(t); });
   }
 
-  // -- plots that a reader opens: quantities of one unit and of similar size, of all runs at once ------------
+  // -- plots that a reader opens: quantities of one unit, of all runs at once --------------------------------
   open(names, title) {
-    for (const some of this.grouped(names, (name, of) => of.unit(name)).flatMap((all) => this.bySize(all))) {
+    for (const some of this.grouped(names, (name, of) => of.unit(name))) {
       const key = some.join(" "), there = this.plots.find((p) => p.key === key);
-      if (there) { there.box.scrollIntoView({ block: "nearest" }); continue; }
-      this.openOne(some.slice(0, MOST_CURVES), { title: some.length > 1 ? title : "", key });
+      if (there) there.box.scrollIntoView({ block: "nearest" });
+      else this.openOne(some.slice(0, MOST_CURVES), { title: some.length > 1 ? title : "", key });
     }
     this.show();
   }
   grouped(names, keyOf) {                                 // those that some run has, by key, in order
     const found = names.flatMap((name) => { const of = this.series.find((s) => s.has(name)); return of ? [[name, keyOf(name, of)]] : []; });
     return [...new Set(found.map(([, key]) => key))].map((key) => found.filter((one) => one[1] === key).map(([name]) => name));
-  }
-  bySize(names) {                                         // in groups whose curves can be seen beside each other; what is 0 is with the largest
-    const sizes = new Map(names.map((name) => [name, sizeOfRows(this.series.filter((s) => s.has(name)).map((s) => s.row(name)))]));
-    const groups = [];
-    for (const name of [...names].sort((a, b) => sizes.get(b) - sizes.get(a))) {
-      const size = sizes.get(name), last = groups.at(-1);
-      if (!last || (size > 0 && size < FLATTENED * sizes.get(last[0]))) groups.push([name]);
-      else (size > 0 ? last : groups[0]).push(name);
-    }
-    return groups.map((group) => names.filter((name) => group.includes(name)));
   }
   openOne(names, { title, key, range, number }) {
     const many = this.heads.length > 1, tables = [], labels = [], words = [], inks = [], alike = common(names);
@@ -257,7 +233,10 @@ class Report extends Viewer {
   // AT_FIRST are open, the others have a button each.
   openFirst() {
     const every = [...new Set(this.series.flatMap((s) => [...s.keys()]))], said = el("output", { className: "said" });
-    const box = finder("plot a quantity", () => every, (names, text) => this.open(names, text), (text) => { said.textContent = text; });
+    const box = finder("plot a quantity", () => every, (names, text) => { said.textContent = ""; this.open(names, text); }, (text) => {
+      const near = nearest(text, every);
+      said.textContent = `no quantity matches ${text}${near ? `; did you mean ${near}?` : ""}`;
+    });
     box.append(said);
     this.meters.append(box);
     const { meters, plots } = this.head, offers = [], closed = el("div", { className: "closed" });
