@@ -1,7 +1,6 @@
 """The convergence check of a scene: runs at h, h/2 and h/4, verdicts on expectations, advice.
 
-All runs are sampled at every step, to include peaks between the scene's samples. A run that
-diverges is kept up to that point.
+All runs are sampled at every step, to include peaks between the scene's samples.
 """
 
 from __future__ import annotations
@@ -26,12 +25,11 @@ from sandbox.errors import SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import Verdict, among, number_of, verdicts, window
-from sandbox.samples.outcome import Outcome, Status
+from sandbox.samples.outcome import Status
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Expect
 
 Progress = Callable[[float], None]
-Run = tuple[Recording, list[Figure]]  # a run and its audit
 LABELS = ("h", "h/2", "h/4")
 LONG = 1.0  # if the run at h takes longer [s], the other two run in processes of their own
 
@@ -47,23 +45,8 @@ def refined(mechanism: Mechanism, parts: int) -> Mechanism:
         "run": run.model_copy(update={"step": step, "sample_rate": 1 / step}), **rates})
 
 
-def simulate_all(mechanism: Mechanism, progress: Progress) -> list[Run]:
-    """Simulate at h, h/2 and h/4, each up to where it diverges, and audit the runs."""
-    first, *others = (refined(mechanism, parts) for parts in (1, 2, 4))
-    began = time.perf_counter()
-    found = [_run(first, lambda share: progress(share / 7))]
-    if time.perf_counter() - began > LONG:
-        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
-            found += [(Recording(scene, arrays, outcome), figures) for scene, (
-                arrays, outcome, figures) in zip(others, pool.map(_remote, others), strict=True)]
-    else:
-        found += [_run(others[0], lambda share: progress((1 + 2 * share) / 7)),
-                  _run(others[1], lambda share: progress((3 + 4 * share) / 7))]
-    progress(1.0)
-    return found
-
-
-def _run(mechanism: Mechanism, progress: Progress | None = None) -> Run:
+def _run(mechanism: Mechanism, progress: Progress | None = None) -> tuple[Recording, list[Figure]]:
+    """A run, up to where it diverges, and its audit."""
     try:
         run = simulate(mechanism, progress=progress)
     except SimulationDiverged as error:
@@ -73,22 +56,13 @@ def _run(mechanism: Mechanism, progress: Progress | None = None) -> Run:
     return run, audit(run)
 
 
-def _remote(mechanism: Mechanism) -> tuple[dict[str, Any], Outcome, list[Figure]]:
-    """A run in another process; arrays in files are copied."""
-    run, figures = _run(mechanism)
-    return {key: np.array(array) for key, array in run.arrays.items()}, run.info, figures
-
-
 def at_instants(time: Array, values: Array, wanted: Array) -> Array:
-    """``values`` [n] at evenly spaced ``time`` [n], interpolated at the instants ``wanted`` [m].
+    """``values`` [n] at evenly spaced ``time`` [n], n > 3, interpolated at the instants [m].
 
-    Poses of a run with step h belong to t = (k - 1/2) h, so runs at h and h/2 have no instant in
-    common. The cubic through the four nearest samples has an error of fourth order. Where they
-    jump, as in an impact (the third difference is then as large as the second), the cubic is
-    clipped to their range.
+    Runs at h and h/2 have no instant in common. The cubic through the four nearest samples has an
+    error of fourth order. Where they jump, as in an impact (the third difference is then as large
+    as the second), the cubic is clipped to their range.
     """
-    if len(time) < 4:
-        raise ValueError(f"time must hold at least 4 samples, got {len(time)}")
     spacing = (time[-1] - time[0]) / (len(time) - 1)
     place = (wanted - time[0]) / spacing
     first = np.clip(np.floor(place).astype(int) - 1, 0, len(time) - 4)
@@ -208,8 +182,18 @@ def certify(mechanism: Mechanism, *, progress: Progress | None = None) -> Certif
     """
     if reason := unfit(mechanism):
         raise ValueError(reason)
-    runs, figures = zip(*simulate_all(mechanism, progress or (lambda _: None)), strict=True)
-    step = mechanism.run.step
+    report = progress or (lambda share: None)
+    step, began = mechanism.run.step, time.perf_counter()
+    first, half, quarter = (refined(mechanism, parts) for parts in (1, 2, 4))
+    found = [_run(first, lambda share: report(share / 7))]
+    if time.perf_counter() - began > LONG:
+        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+            found += pool.map(_run, (half, quarter))
+    else:
+        found += [_run(half, lambda share: report((1 + 2 * share) / 7)),
+                  _run(quarter, lambda share: report((3 + 4 * share) / 7))]
+    report(1.0)
+    runs, figures = zip(*found, strict=True)
     return Certificate(
         (step, step / 2, step / 4), tuple(_judged(mechanism, runs)), tuple(_looks(figures)),
         tuple(Diverged(label, float(np.append(0.0, run.time)[-1]),
@@ -286,10 +270,9 @@ def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
 
 
 def scene_size(runs: Sequence[Recording], unit: str) -> float:
-    """Size of the largest quantity of a unit in a scene: mean over time, least of the runs.
+    """Size of the largest quantity of a unit in a scene: mean over time, minimum of the runs.
 
-    At least as much as masses, lengths and the duration of the scene give: a radian for an angle,
-    M L / T^2 for a force.
+    At least what masses, lengths and the duration of the scene give, such as M L / T^2 for a force.
     """
     def measured(unit: str) -> float:
         return min((max((mean_size(run[name]) for name in run.names() if run.unit(name) == unit),

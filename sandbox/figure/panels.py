@@ -31,9 +31,6 @@ LARGER = 1.8
 """Points of one kind are larger than those of the next by this [pt], since they may coincide."""
 MANY_POINTS, APART = 30, 0.045
 """With more points than this, those closer than this share of the panel are skipped."""
-READABLE = (1e-3, 1e4)  # range of numbers written without powers of ten at logarithmic axes
-NARROW_RANGE = 100
-"""A logarithmic axis with a smaller ratio of its limits also labels twos and fives."""
 POWERS = (-3, 5)  # powers of ten between which the numbers of a linear axis are written out
 MIN_PLANE, MAX_PLANE, PLANE_MARGIN = 38.0, 110.0, 1.14
 """Height of panels with equal scales [mm]; the range shown as a multiple of the values' range."""
@@ -47,8 +44,7 @@ class Axis:
 
     label: str = ""  # with its unit
     log: bool = False
-    ticks: Sequence[float] = ()  # positions of the ticks; matplotlib's choice by default
-    words: Sequence[str] = ()  # texts of the ticks
+    words: Sequence[str] = ()  # texts of ticks at 0, 1, …
     limits: tuple[float, float] | None = None
 
 
@@ -262,30 +258,18 @@ def _scale(axes: Any, panel: Panel) -> None:
                                      ("y", axes.yaxis, panel.y, panel.values("y"))):
         if one.log:
             getattr(axes, f"set_{along}scale")("log")
-            _log_numbers(axis, values)
-        elif along == "y" and not one.words and not one.ticks:
+        elif along == "y" and not one.words:
             axes.ticklabel_format(axis="y", scilimits=POWERS, useMathText=True, useOffset=False)
             if len(values) and one.limits is None and not panel.plane:
                 axes.set_ylim(*_roomy(values))
         elif along == "x" and len(values) and (np.mod(values, 1) == 0).all() and not one.words:
             axis.get_major_locator().set_params(integer=True)
-        if one.ticks or one.words:
-            axis.set_ticks(one.ticks or range(len(one.words)),
-                           labels=[style.plain(word) for word in one.words] or None)
-            axis.set_minor_formatter("")
+        if one.words:
+            axis.set_ticks(range(len(one.words)), [style.plain(word) for word in one.words])
         if one.limits is not None:
             getattr(axes, f"set_{along}lim")(*one.limits)
     if not panel.plane:
         axes.set(xlim=axes.get_xlim(), ylim=axes.get_ylim())
-
-
-def _log_numbers(axis: Any, values: Array) -> None:
-    """Write numbers of a logarithmic axis as powers of ten only beyond :data:`READABLE`."""
-    if len(values) and ((values > READABLE[0]) & (values < READABLE[1])).all():
-        leading = "25" if values.max() <= NARROW_RANGE * values.min() else ""
-        axis.set_major_formatter(lambda value, _: style.number(value))
-        axis.set_minor_formatter(
-            lambda value, _: style.number(value) if f"{value:e}"[0] in leading else "")
 
 
 def _roomy(values: Array) -> tuple[float, float]:

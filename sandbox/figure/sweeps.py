@@ -28,12 +28,8 @@ ROW, FRONT, BRANCHES = 7.5, 56.0, 60.0
 """Height of the bars of a path, of a panel of a front, of a panel of branches [mm]."""
 THICK = 0.36  # height of a bar, as a share of the distance of two paths
 MAX_LETTERS = 34  # letters of a path at an axis
-MANY, CROWD = 60, 3000
-"""With more points than this, points are small; with more than the second, there is a density."""
+MANY = 60  # with more points than this, points are small
 MAX_LINES = 3  # values of one of two paths that are drawn as curves; with more there is a map
-MAX_TICKS, ROOM, DIGITS = 8, 0.06, 4
-"""Values of a path that are all written at its axis if they are this far apart, as a share of the
-range, and have no more digits than this."""
 ROUNDING = 1e-9  # values whose relative spread is smaller are equal
 UNSTABLE: Any = (0, (3.5, 1.8))
 FOLD: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 5.5,
@@ -58,19 +54,11 @@ class SweepColumn:
         how = style.shown_as(self.unit, self.values)
         return self.values * how.factor, how.unit
 
-    def axis(self, max_ticks: int = MAX_TICKS, suffix: str = "") -> tuple[Array, Axis]:
-        """Values as plotted, and their axis: with a tick at each value if there are few."""
+    def axis(self, suffix: str = "") -> tuple[Array, Axis]:
+        """Values as plotted, and their axis."""
         values, unit = self.shown()
         label = (f"{self.name} [{unit}]" if unit else self.name) + suffix
-        if self.texts:
-            return values, Axis(label, words=self.texts)
-        places = np.unique(values[np.isfinite(values)])
-        words = [style.number(place, DIGITS) for place in places[:max_ticks]]
-        if not 0 < len(places) <= max_ticks or not (self.log or (
-                np.allclose(np.array(words, dtype=float), places, rtol=ROUNDING, atol=0)
-                and np.diff(places).min(initial=np.inf) > ROOM * np.ptp(places))):
-            return values, Axis(label, self.log)
-        return values, Axis(label, self.log, places.tolist(), words)
+        return values, Axis(label, self.log, words=self.texts)
 
 
 class FoundLine(NamedTuple):
@@ -108,8 +96,7 @@ class SweepDrawing:
     @property
     def missed(self) -> Flags:
         """Scattered points of runs that fail the condition, [n]."""
-        scattered = not (self.grid and len(self.varied) <= 2) and len(self.failed) <= CROWD
-        if self.held is None or not scattered:
+        if self.held is None or (self.grid and len(self.varied) <= 2):
             return np.zeros(len(self.failed), dtype=bool)
         return np.asarray(self.held == 0, dtype=bool)
 
@@ -143,13 +130,11 @@ def _notes(drawing: SweepDrawing) -> list[str]:
     count, more = len(drawing.failed), len(drawing.kept) - MAX_QUANTITIES
     missed, failed, doubtful = (int(np.count_nonzero(each)) for each in (
         drawing.missed, drawing.failed, drawing.doubtful))
-    curves = drawing.grid and len(drawing.varied) <= 2
     notes = {
         drawing.found.words if drawing.found else "": drawing.found,
         f"{missed} of {count} runs fail {drawing.condition}: orange.": missed,
         f"{failed} of {count} runs did not finish: red.": failed,
         f"{doubtful} runs have a warning of the audit: rings.": doubtful,
-        "Darker: more runs, on a logarithmic scale.": count > CROWD and not curves,
         f"{more} further quantities are in the table only.": more > 0,
     }
     text = " ".join(note for note, said in notes.items() if said)
@@ -189,12 +174,7 @@ def _points(
     drawing: SweepDrawing, x: Array, y: Array, *, joined: bool, some: Flags | None = None,
     colour: str = style.BLUE, label: str = "",
 ) -> list[Mark]:
-    """Runs, or some of them, as points; a crowd as its density."""
-    if len(x) > CROWD and not joined:
-        there = np.isfinite(x) & np.isfinite(y)
-        return [Custom(lambda axes: axes.hist2d(
-            x[there], y[there], bins=(120, 80), cmap="Blues", cmin=1, norm="log"))] \
-            if there.any() else []
+    """Runs, or some of them, as points."""
     here = np.ones(len(x), dtype=bool) if some is None else some
     size, missed = 3.5 if len(x) <= MANY else 1.8, drawing.missed
     line = {"linestyle": "-", "linewidth": style.LINE} if joined else {"alpha": 0.75}
@@ -265,8 +245,7 @@ def _matrix_cell(
     drawing: SweepDrawing, column: SweepColumn, one: SweepColumn, *, first: bool,
 ) -> Panel:
     """A quantity over one of many paths."""
-    y, y_axis = column.axis(0)
-    x, x_axis = one.axis(2 * MAX_TICKS // (1 + len(drawing.varied[:MAX_COLUMNS])))
+    (x, x_axis), (y, y_axis) = one.axis(), column.axis()
     return Panel("", x_axis, Axis(y_axis.label if first else ""), [
         *_found(drawing, one), *_points(drawing, x, y, joined=False)], "", CELL)
 
@@ -315,7 +294,7 @@ def _bars(panel: InfluenceBars, inks: Mapping[str, str]) -> Panel:
 
     short = [path if len(path) <= MAX_LETTERS else f"…{path[1 - MAX_LETTERS:]}" for path in paths]
     return Panel(panel.name, Axis(panel.x), Axis(
-        ticks=places.tolist(), words=short, limits=(len(paths) - 0.5, -0.5)), [Custom(draw)], "",
+        words=short, limits=(len(paths) - 0.5, -0.5)), [Custom(draw)], "",
         ROW * len(paths), grid="x")
 
 
@@ -331,7 +310,7 @@ def draw_front(
     front, other = ({"color": style.BLUE, "markersize": 4.5},
                     {"color": style.GREY, "markersize": 3.0})
     for pair in pairs[:MAX_PAIRS]:
-        (x, x_axis), (y, y_axis) = (column.axis(0, f", {senses[column.name]}") for column in pair)
+        (x, x_axis), (y, y_axis) = (column.axis(f", {senses[column.name]}") for column in pair)
         order = np.flatnonzero(best)[np.argsort(x[best], kind="stable")]
         joined = {"linestyle": "-", "linewidth": 0.8} if len(goals) == 2 else {}
         panels.append(Panel("", x_axis, y_axis, [

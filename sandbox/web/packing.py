@@ -100,18 +100,12 @@ def kept_samples(time: Array, pose: Array, width: float) -> Flags:
         return kept
     at = np.flatnonzero(kept)
     # a turn shows at the rim of a body, which is about half a picture at most
-    share = np.tile([1.0, 1.0, width / 4], pose.shape[1] // 3) / (OFF * width)
-    for first in range(0, pose.shape[1], CHUNK):
-        some = pose[:, first:first + CHUNK] * share[first:first + CHUNK]
-        span = np.searchsorted(at, np.arange(n), side="right") - 1
-        span = np.minimum(span, len(at) - 2)
-        a, b = at[span], at[span + 1]
-        w = ((np.arange(n) - a) / (b - a))[:, None]
-        off = np.abs(some - (1 - w) * some[a] - w * some[b]).max(axis=1)
-        wrong = np.zeros(len(at), bool)
-        np.logical_or.at(wrong, span, off > 1)
-        kept |= wrong[span]
-    return kept
+    scale = np.tile([1.0, 1.0, width / 4], pose.shape[1] // 3) / (OFF * width)
+    off = np.zeros(n, bool)
+    for column in (pose * scale).T:
+        off |= np.abs(np.interp(np.arange(n), at, column[at]) - column) > 1
+    spans = np.logical_or.reduceat(off, at)
+    return np.asarray(kept | np.repeat(spans, np.diff(at, append=n)))
 
 
 class RunNumbers(NamedTuple):
@@ -155,13 +149,13 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
                           separators=(",", ":"), allow_nan=False)
         parts = [zlib.compress(head.encode(), LEVEL), drawing,
                  zlib.compress(bytes(plots.raw), LEVEL)]
-        fixed, total = len(parts[0]) + len(drawing), sum(map(len, parts))
+        total = sum(map(len, parts))
         if total <= BUDGET or bins <= MIN_BINS:
             break
-        fewer = int(0.9 * bins * (BUDGET - fixed) / (total - fixed))
-        bins = max(MIN_BINS, min(bins // 2, fewer))
+        share = (BUDGET - total) / len(parts[2]) + 1  # of the plots that there is room for
+        bins = max(MIN_BINS, min(bins // 2, int(0.9 * bins * share)))
     if len(time) > 2 * bins:
-        said.append(f"plots: the least and the greatest of every {-(-len(time) // bins)} samples")
+        said.append(f"plots: the minimum and maximum of every {-(-len(time) // bins)} samples")
     return RunNumbers(b"".join(parts), [len(part) for part in parts], said)
 
 
@@ -195,7 +189,7 @@ def level(values: Array, largest: float) -> float | None:
 
 
 def _plots(time: Array, values: Array, bins: int) -> Blocks:
-    """Times and values for plots; of a long run the least and greatest of each bin, in order."""
+    """Times and values for plots; of a long run the minimum and maximum of each bin, in order."""
     blocks = Blocks()
     n = len(time)
     if n > 2 * bins:
