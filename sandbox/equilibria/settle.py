@@ -84,11 +84,10 @@ class Settler:
             if last is not None and np.array_equal(last, drive) and not moved:
                 continue
             self._push(places, drive)
-            at_rest, worst = self._relax(drive, MAX_STEPS // 4, NEAR[0])
-            if not at_rest and not self.remark and time < self.time:
+            why = self._relax(drive, MAX_STEPS // 4, NEAR[0])
+            if why and not self.remark and time < self.time:
                 self.remark = (f"with the drives as at t = {time:.3g} s it does not come to rest, "
-                               f"{self._reason(worst, drive)}: what follows depends on more "
-                               "than a slow load")
+                               f"{why}: what follows depends on more than a slow load")
             last = drive
 
     def start(self, pose: Array) -> None:
@@ -146,14 +145,13 @@ class Settler:
         return found
 
     def _come_to_rest(self, rest: float) -> None:
-        at_rest, worst = self._relax(self.drive, MAX_STEPS, rest)
-        if not at_rest:
-            raise Unsettled(self._reason(worst, self.drive))
+        if why := self._relax(self.drive, MAX_STEPS, rest):
+            raise Unsettled(why)
 
-    def _relax(self, drive: Array, steps: int, rest: float) -> tuple[bool, int]:
+    def _relax(self, drive: Array, steps: int, rest: float) -> str:
         """Kinetic damping for at most some steps, until motions in a step are below ``rest``.
 
-        Returns whether the mechanism is at rest, and the fastest body; all bodies are stopped.
+        Returns why it does not come to rest, empty if it does; all bodies are stopped.
         """
         still, begin = self.still, self.still.pose
         last, fresh, until = 0.0, True, self.steps + steps
@@ -166,11 +164,13 @@ class Settler:
             fastest = np.hypot(speed[:, 0], speed[:, 1]) + self._reach * np.abs(speed[:, 2])
             way = still.step_size * np.where(self._free, fastest, 0.0)
             worst = int(np.argmax(way))
-            at_rest = fresh and bool(way[worst] <= rest * self.size)
-            x, y, turn = np.abs((still.pose - begin)[worst])
-            if at_rest or self.steps >= until or max(x, y) > FAR * self.size or turn > TURNS:
+            if fresh and way[worst] <= rest * self.size:
                 still.slow(0.0)
-                return at_rest, worst
+                return ""
+            x, y, turn = np.abs((still.pose - begin)[worst])
+            if self.steps >= until or max(x, y) > FAR * self.size or turn > TURNS:
+                still.slow(0.0)
+                break
             energy = float((still.mass[self._free] * speed[self._free] ** 2).sum() / 2)
             if not fresh and energy < last:
                 still.slow(0.0)
@@ -182,18 +182,14 @@ class Settler:
                 still.slow(share)
                 last *= share * share
 
-    def _reason(self, worst: int, drive: Array) -> str:
-        """Why the mechanism does not come to rest."""
-        drives = self.model.drives
+        drives, name = self.model.drives, quoted(self.model.bodies.name[worst])
         rates = [drives.name[i] for i, kind in enumerate(drives.kind)
                  if kind.unit in ("rad/s", "m/s") and drive[i] != 0]
-        name = quoted(self.model.bodies.name[worst])
-        moved = (self.still.pose - self.first)[worst]
-        way = float(np.hypot(*moved[:2]))
+        moved = (still.pose - self.first)[worst]
         if rates:
             return f"the drive {quoted(rates[0])} goes on for ever, and {name} with it"
-        if way > self.size:
-            return f"nothing holds {name}: it has gone {way:.3g} m and goes on"
+        if (gone := float(np.hypot(*moved[:2]))) > self.size:
+            return f"nothing holds {name}: it has gone {gone:.3g} m and goes on"
         if abs(moved[2]) > TURNS:
             return f"nothing holds {name}: it turns on and on"
         return f"{name} still moves after {self.steps} steps"

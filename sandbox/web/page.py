@@ -12,7 +12,6 @@ import base64
 import hashlib
 import html
 import json
-import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -25,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.atomic_files import output_path, write_atomic
-from sandbox.audit.figures import Figure
+from sandbox.audit.figures import Figure, figure_data
 from sandbox.elements.quantities import GRASP, by_telling
 from sandbox.errors import OutputError
 from sandbox.figure import style
@@ -110,13 +109,9 @@ def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
         "samples": len(run), "step": info.step, "rate": info.sample_rate,
         "versions": dict(info.versions),
         "events": [{"name": one.event, "t": one.time} for one in info.marked],
-        "expect": [{"quantity": v.quantity, "statistic": v.statistic, "unit": v.unit,
-                    "low": _finite(v.low), "high": _finite(v.high), "value": _finite(v.value),
-                    "ok": v.ok, "because": v.because, "reason": v.reason, "over": over}
-                   for v, over in zip(told.verdicts, chain(_windows(run), repeat(None)),
-                                      strict=False)],
-        "audit": [{"name": f.name, "value": _finite(f.value), "most": _finite(f.threshold),
-                   "unit": f.unit, "verdict": f.verdict, "why": f.why} for f in told.figures],
+        "expect": [{**figure_data(v), "over": over} for v, over in zip(
+            told.verdicts, chain(_windows(run), repeat(None)), strict=False)],
+        "audit": [figure_data(figure) for figure in told.figures],
         "scene": to_json(run.mechanism),
     }
 
@@ -133,10 +128,6 @@ def _windows(run: Samples) -> Iterator[list[float] | None]:
         times = times[-1:] if expect.statistic == "final" else times
         for _ in run.match(expect.quantity) or [""]:
             yield [float(times[0]), float(times[-1])] if len(times) else None
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def report(

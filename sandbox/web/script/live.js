@@ -33,11 +33,9 @@ class Meters {
     this.plots.push(...[...groups].map(([unitName, of]) => this.plot(unitName, of)));
   }
   plot(unitName, of, { title, range, number } = {}) {
-    const names = of.map((k) => this.watched[k].name), alike = common(names);
+    const names = of.map((k) => this.watched[k].name);
     const made = plot(this.box, {
-      title: title || (names.length === 1 ? names[0] : alike.title), range, number, unit: unitName,
-      names, short: names.map((n) => (names.length > 1 ? alike.cut(n) : "")),
-      least: STILL, time: this.time, rows: of.map((k) => this.rows[k]),
+      title, range, number, unit: unitName, names, least: STILL, time: this.time, rows: of.map((k) => this.rows[k]),
       close: () => this.ask(this.names().filter((n) => !names.includes(n))),
     });
     return Object.assign(made, { of });
@@ -59,8 +57,7 @@ class Meters {
 // The live view of a session. link = {send(text), onmessage(data), onclose()}: JSON, or the bytes of a frame.
 
 const WAY = 20000;
-const LIVE_KEYS = [["space", "run or pause"], ["right, left", "one frame on or back"], ["r", "from the beginning"],
-  ["[ and ]", "slower, faster"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"], ["s", "save the picture"], ["?", "these keys"]];
+const LIVE_KEYS = [["space", "run or pause"], ["right, left", "one frame on or back"], ["r", "from the beginning"]];
 const PULLING = "Drag a body to pull it: the longer the line, the stronger. Drag beside bodies to move the picture, wheel "
   + "or two fingers zoom, double click fits. Click a body, tendon or spring for its meter.";
 
@@ -102,8 +99,6 @@ class Live extends Viewer {
     });
   }
   bar() {
-    this.play = button("play", "\u25b6", "run or pause (space)", () => this.toggle());
-    this.clock = el("output", { id: "clock" });
     this.pace = el("output", { id: "pace" });
     this.speeds = speedBox((speed) => this.ask({ speed }));
     return el("div", { className: "bar" }, this.play,
@@ -165,8 +160,7 @@ class Live extends Viewer {
   }
   status({ playing, trouble, note, speed, warnings, left_out: leftOut }) {
     this.playing = playing;
-    this.play.textContent = playing ? "\u275a\u275a" : "\u25b6";
-    this.play.ariaLabel = playing ? "pause" : "run";
+    this.showPlaying();
     this.speeds.take(speed);
     this.tell(trouble || note, !!trouble, this.state);
     for (const [box, lines] of [[this.warned, warnings], [this.absent, leftOut]]) {

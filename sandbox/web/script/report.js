@@ -2,9 +2,8 @@
 
 const SPEEDS = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2];
 const KEYS = [["space", "play or pause"], ["left, right", "one sample back or on; with shift ten"],
-  ["home, end", "first or last instant"], ["n, p", "next or previous mark on the bar"],
-  ["[ and ]", "slower, faster"], ["l", "loop"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"],
-  ["g", "side by side or over each other"], ["s", "save the picture"], ["?", "these keys"]];
+  ["home, end", "first or last instant"], ["n, p", "next or previous mark on the bar"], ["l", "loop"],
+  ["g", "side by side or over each other"]];
 const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point at anything for its values, click it for "
   + "its plot. Click in a plot to go to that time, drag in it to zoom.";
 
@@ -73,8 +72,7 @@ class Report extends Viewer {
       stage.stamp = stamp;
       stage.draw(frames[i], i ? [] : ghosts);
     });
-    this.play.textContent = this.playing ? "\u275a\u275a" : "\u25b6";
-    this.play.ariaLabel = this.playing ? "pause" : "play";
+    this.showPlaying();
     this.scrub.value = this.t;
     this.clock.textContent = `${this.t.toFixed(3)} s`;
     for (const one of this.plots) one.at(this.t);
@@ -132,8 +130,6 @@ class Report extends Viewer {
 
   // -- controls ------------------------------------------------------------------------------------------
   bar() {
-    this.play = button("play", "", "play or pause (space)", () => this.toggle());
-    this.clock = el("output", { id: "clock" });
     this.scrub = el("input", { type: "range", id: "scrub", min: this.first, max: this.last, step: "any", ariaLabel: "time",
                                oninput: () => this.hold(+this.scrub.value) });
     const track = el("div", { className: "track" }, this.scrub), span = this.last - this.first || 1;
@@ -267,7 +263,7 @@ const COLUMNS = {
   expect: [["", (v) => (v.ok ? "pass" : "FAIL")], ["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value, 6)],
     ["range", (v) => rangeText(v.low, v.high)], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
     ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
-  audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.most)],
+  audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.threshold)],
     ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["what was compared", (f) => f.why]],
 };
 

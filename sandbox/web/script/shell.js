@@ -92,18 +92,26 @@ function speedBox(set) {
 }
 
 const STEP = 40;                                          // by which a key moves a picture [px]
+const SHARED_KEYS = [["[ and ]", "slower, faster"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"],
+  ["s", "save the picture"], ["?", "these keys"]];
 class Viewer {                                            // base class; subclasses have stages, head, t, speeds and redraw()
   constructor(root, keys, pointer) {
     this.root = root;
+    this.play = button("play", "\u25b6", "run or pause (space)", () => this.toggle());
+    this.clock = el("output", { id: "clock" });
     this.tip = el("div", { className: "tip", hidden: true });
     this.help = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("dl", {},
-      ...keys.flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
+      ...[...keys, ...SHARED_KEYS].flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
       el("p", { textContent: pointer }), button("", "close", "", () => this.help.close()));
     this.follow = el("select", { title: "the camera goes along with a body", ariaLabel: "follow", onchange: () => {
       const { name } = this.head.bodies[+this.follow.value] || {};
       for (const s of this.stages) s.follow = s.head.bodies.findIndex((body) => body.name === name);
       this.redraw();
     } });
+  }
+  showPlaying() {
+    this.play.textContent = this.playing ? "\u275a\u275a" : "\u25b6";
+    this.play.ariaLabel = this.playing ? "pause" : "play";
   }
   tools(...more) {
     this.film = button("film", "film", "record the motion as a film", () => this.record());
