@@ -15,12 +15,8 @@ from sandbox.figure.panels import draw as draw_panels
 from sandbox.figure.style import Shown
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Happened
 from sandbox.samples.targets import track
 
-NUMBERS, BESIDE = 12.0, 0.6
-"""Width of the numbers of an axis [mm]. In narrow figures, names stand beside the curves only if
-the axes keep this share of the width, otherwise above them."""
 WIDTHS = (50.0, 250.0)  # smallest and largest width of a figure [mm]
 MAX_CURVES, MAX_PANELS = 40, 12  # curves of a panel; panels
 MAX_EVENTS, MAX_LETTERS = 8, 20  # events that are marked; letters of their names
@@ -29,9 +25,7 @@ WORDS = {"rad": "angle", "rad/s": "angular speed", "rad/s^2": "angular accelerat
          "N/m": "stiffness", "N m/rad": "stiffness", "J": "work", "1": "count"}
 """Labels of axes by unit."""
 BEGIN = {"marker": "o", "markersize": 5, "markerfacecolor": "white", "markeredgewidth": 1.5}
-EVENT = {"marker": "D", "markersize": 4.5, "markerfacecolor": style.GREY,
-         "markeredgecolor": style.INK, "color": style.INK, "markeredgewidth": 1.0}
-"""Line properties of the begin of a curve and of its events, where x is not time."""
+"""Line properties of the begin of a curve, where x is not time."""
 FLAT = 10.0
 """Lengths against lengths have one scale unless one range exceeds the other by this factor."""
 
@@ -79,10 +73,7 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
     _check(runs, window, wide)
     groups = _groups(runs, list(dict.fromkeys(quantities)), x)
     several, mechanism = len(runs) > 1, runs[0].run.mechanism
-    letters = max(len(name) for names in groups for name in names)
-    beside = letters * style.LETTER * style.SMALL * style.MM_PER_POINT
-    place: Any = "" if several else (
-        "side" if wide >= style.WIDTH or wide - NUMBERS - beside >= BESIDE * wide else "above")
+    place: Any = "" if several else "side" if wide >= style.WIDTH else "above"
     paths: dict[str, Array] = {}
     """Values of the panels that show paths in the plane, by their first quantity."""
     along = style.shown_as("s")
@@ -92,7 +83,7 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
             paths = {names[0]: row for names in groups if _unit(runs, names[0]) == "m"
                      and _is_path(across, row := _values(runs, names, x, window))}
         along = style.shown_as(unit, across, *paths.values())
-    events, notes = ([], _notes_of_ends(runs, window)) if x else _events(runs, window)
+    events, notes = ([], ["Rings: where the curves begin."]) if x else _events(runs, window)
     if not x and any(set(one.targets) & set(quantities) for one in runs):
         notes.insert(0, "Dashed: targets.")
     panels = []
@@ -186,15 +177,7 @@ def _marks(
             marks.append(Curve("", across[here], shown.factor * target[here], "dashed", hue))
         if x:
             marks.append(Curve("", across[here][:1], up[here][:1], "points", {**hue, **BEGIN}))
-            if when := [event.time for event in _marked(one, window.begin, window.end)]:
-                marks.append(Curve("", np.interp(when, time, across), np.interp(when, time, up),
-                                   "points", EVENT))
     return marks, shown
-
-
-def _marked(one: Plotted, begin: float, end: float) -> list[Happened]:
-    """The events of a run in a range of time."""
-    return [event for event in one.run.info.marked if begin <= event.time <= end]
 
 
 def _limits(runs: Sequence[Plotted], window: Window) -> tuple[float, float]:
@@ -206,9 +189,9 @@ def _limits(runs: Sequence[Plotted], window: Window) -> tuple[float, float]:
 
 def _events(runs: Sequence[Plotted], window: Window) -> tuple[list[Upright], list[str]]:
     """Lines at the events of runs, and the notes on them."""
-    lines, most = [], 0
+    lines, most, (begin, end) = [], 0, _limits(runs, window)
     for i, one in enumerate(runs):
-        events = _marked(one, *_limits(runs, window))
+        events = [event for event in one.run.info.marked if begin <= event.time <= end]
         most = max(most, len(events))
         look = {"color": style.hue(i), "linewidth": 0.8, "alpha": 0.5, "zorder": 1.5}
         for event in events if len(events) <= MAX_EVENTS else ():
@@ -220,12 +203,3 @@ def _events(runs: Sequence[Plotted], window: Window) -> tuple[list[Upright], lis
         return lines, [f"{most} events are not marked: up to {MAX_EVENTS} are, in a window of "
                        "time."]
     return lines, ["Vertical lines: events."] if most else []
-
-
-def _notes_of_ends(runs: Sequence[Plotted], window: Window) -> list[str]:
-    """Notes on the markers of curves that are not over time."""
-    names = list(dict.fromkeys(event.event for one in runs
-                               for event in _marked(one, window.begin, window.end)))
-    return ["Rings: where the curves begin.", *(
-        [f"Diamonds: events ({', '.join(names)})." if len(names) <= MAX_EVENTS
-         else "Diamonds: events."] if names else [])]

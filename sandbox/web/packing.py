@@ -196,8 +196,7 @@ def _plots(time: Array, values: Array, bins: int) -> Blocks:
         per = -(-n // bins)
         starts = np.arange(0, n, per)
         # the last bin may be short: its last value again and again changes neither extreme
-        short = len(starts) * per - n
-        padded = np.concatenate([values, np.repeat(values[:, -1:], short, axis=1)], axis=1)
+        padded = np.pad(values, ((0, 0), (0, len(starts) * per - n)), mode="edge")
         of = padded.reshape(len(values), len(starts), per)
         low, high = of.min(axis=2), of.max(axis=2)
         rising = of[..., -1] >= of[..., 0]

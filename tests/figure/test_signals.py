@@ -102,10 +102,6 @@ def test_events_stand_where_they_were() -> None:
                 if len(line.get_xdata()) == 2] == [1.0, 2.0]
     assert texts(figure).count("event0") == 1
     assert clashes(figure) == []
-    axes, = draw(plotted(run), [MCP], x=DIP, window=Window(0.0, 1.5)).axes
-    diamond = next(line for line in axes.lines if line.get_marker() == "D")
-    assert diamond.get_xdata() == pytest.approx(np.degrees(np.interp([1.0], run.time, run[DIP])))
-    assert diamond.get_ydata() == pytest.approx(np.degrees(np.interp([1.0], run.time, run[MCP])))
 
 
 def test_targets_are_in_the_unit_of_their_curves() -> None:
