@@ -139,9 +139,8 @@ def _number(name: str, value: float | str, dimension: str) -> float:
         return float(value)
     try:
         return number_from(value, dimension, {})
-    except ValueError as error:
-        said = error.message if isinstance(error, WrongValueError) else str(error)
-        raise OutputError(f"{name}={quoted(value)}: {said}; pass {FORMS[dimension]}",
+    except WrongValueError as error:
+        raise OutputError(f"{name}={quoted(value)}: {error.message}; pass {FORMS[dimension]}",
                           code="bad-picture") from None
 
 
