@@ -204,17 +204,14 @@ def certify(mechanism: Mechanism, *, progress: Progress | None = None) -> Certif
 
 def _looks(figures: Sequence[Sequence[Figure]]) -> Iterator[Look]:
     """Each audit figure with a warning: the run where it is worst, and the runs it is in."""
-    def excess(figure: Figure) -> float:
-        ratio = figure.value / figure.threshold if figure.threshold else math.inf
-        return ratio if math.isfinite(ratio) else math.inf
-
     warned: dict[str, dict[str, Figure]] = {}
     for label, each in zip(LABELS, figures, strict=True):
         for figure in each:
             if figure.verdict == "look":
                 warned.setdefault(figure.name, {})[label] = figure
     for by_run in warned.values():
-        yield Look(tuple(by_run), max(by_run.values(), key=excess))
+        yield Look(tuple(by_run), max(by_run.values(), key=lambda figure: (
+            figure.value / figure.threshold if figure.threshold else math.inf)))
 
 
 def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:

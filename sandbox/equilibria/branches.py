@@ -138,14 +138,12 @@ class _Follower:
         self, make: Make, time: float | None, begin: float, end: float, count: int,
         heard: Callable[[int, float], None],
     ) -> None:
-        self._make, self._time, self._heard = make, time, heard
-        self._begin, self._end, self._count = begin, end, count
+        self._make, self._time, self._heard, self._count = make, time, heard, count
+        self._begin, self._end, self._grid = begin, end, np.linspace(begin, end, count)
         self._span, self._sense = abs(end - begin), 1.0 if end > begin else -1.0
-        self._grid = np.linspace(begin, end, count)
-        self._length = 1.0 / (count - 1)
+        self._length, self._points = 1.0 / (count - 1), 0
         self._made: dict[float, Settler] = {}
         self._branches: list[Branch] = []
-        self._points = 0
 
     def at(self, value: float) -> Settler:
         """The mechanism of a value; of the last few they are kept."""

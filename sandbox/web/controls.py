@@ -145,21 +145,19 @@ def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | N
             or old.model_copy(update=still) != new.model_copy(update=still)):
         return None
     written = {name for controller in new.controllers for name in controller.written}
-    for was, drive in zip(old.drives, new.drives, strict=True):
-        if was != drive:
-            value = final(drive.signal(new), time)
-            if drive.model_copy(update={"value": was.value}) != was or value is None \
-                    or drive.name in written:
-                return None
-            found[drive.name] = value
-    for before, controller in zip(old.controllers, new.controllers, strict=True):
-        if before != controller:
-            field = "target" if hasattr(controller, "target") else "value"
-            if (len(controller.signals) != 1 or not hasattr(before, field)
-                    or controller.model_copy(update={field: getattr(before, field)}) != before):
-                return None
-            value = final(controller.signals[0], time)
-            if value is None:
-                return None
-            found[f"{controller.name}.target"] = value
+    # of each: before, now, the field that may differ, its signal, the name of the setting
+    pairs: list[tuple[Any, Any, str, AnySignal | None, str]] = [
+        (was, now, "value", now.signal(new), now.name)
+        for was, now in zip(old.drives, new.drives, strict=True)]
+    pairs += [(was, now, "target" if hasattr(now, "target") else "value",
+               now.signals[0] if len(now.signals) == 1 else None, f"{now.name}.target")
+              for was, now in zip(old.controllers, new.controllers, strict=True)]
+    for was, now, field, signal, name in pairs:
+        if was == now:
+            continue
+        if (signal is None or name in written or not hasattr(was, field)
+                or now.model_copy(update={field: getattr(was, field)}) != was
+                or (value := final(signal, time)) is None):
+            return None
+        found[name] = value
     return found

@@ -72,9 +72,9 @@ function socketLink(address) {
 
 class Live extends Viewer {
   constructor(root, link) {
-    super(root, LIVE_KEYS, PULLING);
+    super(LIVE_KEYS, PULLING);
     Object.assign(this, { link, ids: 0, sent: new Map(), asked: false, frame: null, ways: new Map(), instants: [],
-                          waiting: new Map(), working: false, stats: { drawn: 0, got: 0, latency: [], costs: [] } });
+                          waiting: new Map(), working: false, stats: { drawn: 0, latency: [], costs: [] } });
     link.onmessage = (data) => { if (typeof data === "string") this.receive(JSON.parse(data)); else this.take(data); };
     link.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true, this.state); };
     const list = (id, ariaLabel) => el("ul", { id, className: "warned", ariaLabel, hidden: true });
@@ -132,9 +132,7 @@ class Live extends Viewer {
     const old = this.stage;
     this.head = head;
     this.title.textContent = document.title = head.title;
-    this.canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion: drag a body to pull it` });
-    this.canvas.style.aspectRatio = String(head.view.aspect);
-    const stage = this.stage = new Stage(this.canvas, head);
+    const stage = this.stage = new Stage(head, "drag a body to pull it");
     stage.extra.push((s) => this.drawHand(s));
     if (old) {                        // keep the camera and the body that it follows
       Object.assign(stage, { zoom: old.zoom, pan: old.pan, layers: old.layers });
@@ -194,7 +192,6 @@ class Live extends Viewer {
     this.trace(f);
     if (!last || passed !== 0) this.meters.keep(f.t, values);
     this.frame = f;
-    this.stats.got++;
     this.redraw();
   }
   wentBack(t) {
@@ -229,7 +226,7 @@ class Live extends Viewer {
     this.asked = false;
     const f = this.frame, began = performance.now();
     if (!f) return;
-    if (!this.canvas.isConnected) this.sheet.replaceChildren(this.canvas);   // the old picture stays until now
+    if (!this.stage.canvas.isConnected) this.sheet.replaceChildren(this.stage.canvas);   // the old picture stays until now
     this.stage.stamp = `t = ${f.t.toFixed(2)} s`;
     this.stage.draw(f);
     this.clock.textContent = `${f.t.toFixed(3)} s`;

@@ -27,7 +27,7 @@ class Series extends Map {                                // quantities of one r
 
 class Report extends Viewer {
   constructor(root, heads, datas) {
-    super(root, KEYS, POINTER);
+    super(KEYS, POINTER);
     Object.assign(this, { heads, head: heads[0], plots: [], t: 0, playing: false, speed: heads[0].view.speed, loop: true, over: false });
     this.replays = heads.map((head, i) => new Replay(head, datas[i]));
     this.series = heads.map((head, i) => new Series(head, datas[i]));
@@ -48,10 +48,9 @@ class Report extends Viewer {
     this.seek(this.askedTime() ?? this.first);
   }
   sheet(head, i) {
-    const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion` }), of = this.series[i];
-    canvas.style.aspectRatio = String(head.view.aspect);
-    this.sheets.append(el("div", { className: "sheet" }, ...(this.heads.length > 1 ? [nameOf(head, i)] : []), canvas));
-    const stage = new Stage(canvas, head);
+    const stage = new Stage(head, "click an element for its plot"), of = this.series[i], name = el("h2", { textContent: `${i + 1}  ${head.words.apart}` });
+    name.style.borderColor = INKS[i];
+    this.sheets.append(el("div", { className: "sheet" }, ...(this.heads.length > 1 ? [name] : []), stage.canvas));
     camera(stage, () => this.show(), {
       hover: (pick, e) => this.point(pick, e, of, (name) => of.text(name, this.t)),
       click: (pick) => pick && this.open(quantitiesOf(pick, of).slice(0, 3), pick.n),
@@ -281,12 +280,6 @@ function table(kind, rows) {
   return el("div", { className: "wide" }, el("table", {}, el("thead", {}, el("tr", {},
     ...columns.map(([name]) => el("th", { textContent: name })))), el("tbody", {}, ...body)));
 }
-
-const nameOf = (head, i) => {
-  const h = el("h2", { textContent: `${i + 1}  ${head.words.apart}` });
-  h.style.borderColor = INKS[i];
-  return h;
-};
 
 function verdictOf({ words }) {
   const held = words.expect.filter((v) => v.ok).length, all = words.expect.length;

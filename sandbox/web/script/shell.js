@@ -95,8 +95,7 @@ const STEP = 40;                                          // by which a key move
 const SHARED_KEYS = [["[ and ]", "slower, faster"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"],
   ["s", "save the picture"], ["?", "these keys"]];
 class Viewer {                                            // base class; subclasses have stages, head, t, speeds and redraw()
-  constructor(root, keys, pointer) {
-    this.root = root;
+  constructor(keys, pointer) {
     this.play = button("play", "\u25b6", "run or pause (space)", () => this.toggle());
     this.clock = el("output", { id: "clock" });
     this.tip = el("div", { className: "tip", hidden: true });

@@ -41,7 +41,9 @@ function mixed(a, b, w) {
 }
 
 class Stage {
-  constructor(canvas, head) {
+  constructor(head, use) {
+    const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion: ${use}` });
+    canvas.style.aspectRatio = String(head.view.aspect);
     Object.assign(this, { canvas, head, list: head.list, ctx: canvas.getContext("2d"), zoom: 1, pan: [0, 0], hover: null, extra: [],
                           stamp: "", lines: 0, stamps: {} });
     this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
