@@ -12,6 +12,7 @@ import base64
 import hashlib
 import html
 import json
+import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.atomic_files import output_path, write_atomic
-from sandbox.audit.figures import Figure, figure_data
+from sandbox.audit.figures import Figure
 from sandbox.elements.quantities import GRASP, by_telling
 from sandbox.errors import OutputError
 from sandbox.figure import style
@@ -102,6 +103,10 @@ class FoundOut(NamedTuple):
 
 def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
     """Texts and tables of a run; ``apart`` is a name that distinguishes it from others."""
+    def finite(one: Verdict | Figure) -> dict[str, Any]:
+        return {key: None if isinstance(value, float) and not math.isfinite(value) else value
+                for key, value in vars(one).items()}
+
     info = run.info
     return {
         "about": run.mechanism.about, "complete": run.complete, "status": info.status.value,
@@ -109,9 +114,9 @@ def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
         "samples": len(run), "step": info.step, "rate": info.sample_rate,
         "versions": dict(info.versions),
         "events": [{"name": one.event, "t": one.time} for one in info.marked],
-        "expect": [{**figure_data(v), "over": over} for v, over in zip(
+        "expect": [{**finite(v), "over": over} for v, over in zip(
             told.verdicts, chain(_windows(run), repeat(None)), strict=False)],
-        "audit": [figure_data(figure) for figure in told.figures],
+        "audit": [finite(figure) for figure in told.figures],
         "scene": to_json(run.mechanism),
     }
 
