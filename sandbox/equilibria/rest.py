@@ -180,11 +180,9 @@ def rest(
             else:
                 settler.start(place_start(settler, start))
             found = settle(settler, words.removeprefix(" from "), before)
-        except Unsettled as error:
-            failed.append((words, str(error)))
-            continue
-        except SimulationDiverged as error:
-            failed.append((words, f"{error.culprit}: {error.reason}"))
+        except (Unsettled, SimulationDiverged) as error:
+            failed.append((words, str(error) if isinstance(error, Unsettled)
+                           else f"{error.culprit}: {error.reason}"))
             continue
         ways = [np.abs(found.recording.arrays["body_pose"] - one.recording.arrays["body_pose"])
                 / (found.size, found.size, 1.0) for one in rests]
@@ -199,11 +197,11 @@ def rest(
 def settle(settler: Settler, start: str, before: int) -> AtRest:
     """The equilibrium near the present pose."""
     balance = settler.settle()
+    untold = settler.untold
     if balance is None:
         settler.still.move(settler.drive, kept=True)
+        untold = untold or "motions that Newton's method missed"
     run = settler.still.recording() if balance is None else balance.run
-    untold = settler.untold or (
-        "" if balance is not None else "motions that Newton's method missed")
     return AtRest(run, start, balance, untold, settler.steps - before, settler.size)
 
 
@@ -235,7 +233,7 @@ def check_options(mechanism: Mechanism, at: float | None, stages: int | None) ->
         found.append(Problem("bad-time", f"{at:g} s is not within the run", "at",
                              allowed=f"0 to {duration:g} s"))
     if stages is not None and not 1 <= stages <= MAX_STAGES:
-        found.append(Problem("bad-argument", f"{stages} stages are not gone through", "stages",
+        found.append(Problem("bad-argument", f"{stages} is no number of stages", "stages",
                              allowed=f"1 to {MAX_STAGES}"))
     if found:
         raise SceneError(found)

@@ -15,7 +15,6 @@ from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SandboxError, SceneError, SimulationDiverged
 from sandbox.gym.task import Task
 from sandbox.model.compile import compile_mechanism
-from sandbox.notebook import at_start
 from sandbox.numeric import Array
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
@@ -163,7 +162,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         if self._view is None:
             self._view = _fixed_view(self.task.mechanism)
         run = self.simulation.recording()
-        run = run if len(run) else at_start(self.simulation.mechanism)
+        run = run if len(run) else _first_sample(self.simulation.mechanism)
         frame = Frames(Picture(run, view=self._view, bare=True)).draw(float(run.time[-1]))
         return np.ascontiguousarray(frame)
 
@@ -194,9 +193,16 @@ def _fixed_view(mechanism: Mechanism) -> View:
     try:
         run = simulate(Checked(mechanism))
     except SimulationDiverged as error:
-        run = error.recording or at_start(mechanism)
+        run = error.recording or _first_sample(mechanism)
     camera = Picture(run, view=view, bare=True).camera
     width = view.size[0] / camera.scale
     return view.model_copy(update={
         "centre": camera.centre, "width": width,
         "force_scale": force_scale(run, width, view).metres})
+
+
+def _first_sample(mechanism: Mechanism) -> Recording:
+    simulation = Simulation(Checked(mechanism))
+    while not len(run := simulation.recording()):
+        simulation.step()
+    return run

@@ -179,11 +179,11 @@ class _TaskReader:
         """The reward: a function, a quantity or an expression."""
         if callable(wanted):
             return wanted
-        if not isinstance(wanted, str) or not wanted.strip():
+        text = wanted.strip() if isinstance(wanted, str) else ""
+        if not text:
             self._wrong(f"{quoted(wanted)} is no reward", "reward",
                         "a quantity, an expression of quantities, or a function")
-            return ""
-        text = wanted.strip()
+            return text
         text = text if text.startswith("=") or text in self.known else f"={text}"
         self._readable(text, "reward")
         return text
