@@ -85,16 +85,7 @@ def listed(
         for item in s.out.items:
             item["placed"] = 1
     s.out.items = items
-    names = [body.name for body in run.mechanism.bodies]
-    for item in _contact_arrows(items):  # pairs whose quantities it shows
-        keys = np.unique(s.out.tables[item["t"]][:, 1]).astype(int).tolist()
-        item["refs"] = {key: f"{names[key // len(names)]}/{names[key % len(names)]}"
-                        for key in keys}
     return s, [box.x0, box.y0, box.x1, box.y1]
-
-
-def _contact_arrows(items: Sequence[Item]) -> list[Item]:
-    return [item for item in items if item["k"] == "arrows" and item["l"] == "contacts"]
 
 
 class LiveListing:
@@ -104,8 +95,6 @@ class LiveListing:
         self._look, self._view = look, look.mechanism.view
         self._full, self.box = listed(look, live=True)
         self._visible = set(shown(self._view.show, traced=bool(self._view.traces)))
-        self._refs: dict[int, str] = next(
-            (item["refs"] for item in _contact_arrows(self._full.out.items)), {})
         self._known: dict[frozenset[str], tuple[View, VisibleLayers, Tensions]] = {}
         """By the layers that are shown: the view, its layers, and tensions of the recording."""
         self._changing: list[Callable[[Subject], None]] = []
@@ -134,8 +123,6 @@ class LiveListing:
                 self._raw += [dict(item) for item in out.items[count:]]
         add_legend(s, s.carried)
         s.close()
-        for item in _contact_arrows(out.items):
-            item["refs"] = self._refs
         self._last, self._layers = s, layers
         return s
 

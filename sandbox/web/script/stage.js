@@ -345,7 +345,10 @@ class Stage {
       const item = this.list.items[i], f = item.k === "path" ? item.f : -1;
       if (!item.n || !item.seen || !of(f)) continue;
       if (item.k === "arrows") {
-        for (const [path, row] of item.seen) if (ctx.isPointInPath(path, px, py)) return { n: item.refs?.[row[1]] || item.n, f, row };
+        const { bodies } = this.head, pair = (key) => `${bodies[Math.floor(key / bodies.length)].name}/${bodies[key % bodies.length].name}`;
+        for (const [path, row] of item.seen) {
+          if (ctx.isPointInPath(path, px, py)) return { n: item.l === "contacts" ? pair(row[1]) : item.n, f, row };
+        }
         continue;
       }
       if (f >= 0) this.place(f);
