@@ -177,12 +177,9 @@ class LiveFrames:
         few["drive_travel"] = np.tile(self._travel, (len(few["time"]), 1))
         self._subject = self._listing.of(
             SomeSamples(self.live.scene, self._model, few, few["time"]), self.layers)
-        contacts, tables = self._mean_contacts(arrays), self._subject.out.tables
-        if "contacts" in tables:
-            count = len(self.live.scene.bodies)
-            key = contacts[:, 4] * count + contacts[:, 5]
-            tables["contacts"] = np.column_stack([
-                np.full(len(contacts), len(few["time"]) - 1), key, contacts[:, :4]])
+        if "contacts" in self._subject.out.tables:
+            self._subject.out.tables["contacts"] = self._mean_contacts(
+                arrays, len(few["time"]) - 1)
         self._drives = few["drive_value"][-1]
         self._trail = self._places(arrays)
         self._steps, self._shown = self.live.steps, self.layers
@@ -198,14 +195,12 @@ class LiveFrames:
             found.append(pose[:, body, :2] + np.stack((c * x - s * y, s * x + c * y), axis=1))
         return np.array(found).reshape(len(found), len(some), 2)
 
-    def _mean_contacts(self, arrays: Arrays) -> Array:
-        """A row for each pair: the mean force, at the mean place weighted by it, [k, 6]."""
-        body, other = arrays["contact_body"], arrays["contact_other"]
-        if not len(body):
-            return np.zeros((0, 6))
+    def _mean_contacts(self, arrays: Arrays, sample: int) -> Array:
+        """The table of contacts: the mean force of each pair, at its mean place weighted by it."""
         bodies = len(self.live.scene.bodies)
-        keys, which = np.unique(body * bodies + other, return_inverse=True)
-        pairs = np.stack(np.divmod(keys, bodies), axis=1)
+        keys, which = np.unique(arrays["contact_body"] * bodies + arrays["contact_other"],
+                                return_inverse=True)
+        one, other = np.divmod(keys, bodies)
 
         def summed(values: Array) -> Array:
             return np.asarray(np.bincount(which, values, minlength=len(keys)))
@@ -217,13 +212,14 @@ class LiveFrames:
         known = self._on_other
         new = [k for k, key in enumerate(keys.tolist()) if key not in known]
         if new:
-            found = on_the_other(self._model, self.look.arrays, pairs[new, 0], pairs[new, 1])
+            found = on_the_other(self._model, self.look.arrays, one[new], other[new])
             known.update(zip(keys[new].tolist(), found.tolist(), strict=True))
         swapped = np.array([known[key] for key in keys.tolist()], dtype=bool)
         sign = np.where(swapped, -1.0, 1.0) / samples
         return np.column_stack([
+            np.full(len(keys), sample), np.where(swapped, other * bodies + one, keys),
             summed(x * weight) / total, summed(y * weight) / total, sign * summed(fx),
-            sign * summed(fy), np.where(swapped[:, None], pairs[:, ::-1], pairs)])
+            sign * summed(fy)])
 
 
 def _unreadable(live: Live, word: str) -> str:
