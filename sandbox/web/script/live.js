@@ -118,7 +118,7 @@ class Live extends Viewer {
   // -- messages --------------------------------------------------------------------------------
   receive(message) {
     if (message.head) this.begin(message.head);
-    if (message.relisted) this.relist(message.relisted);
+    if (message.relisted) this.relisted = message.relisted;   // from the next frame on
     if (message.status) this.status(message.status);
     if (message.controls) this.controls.show(message.controls);
     if (message.given) this.controls.given(message.given);
@@ -141,7 +141,7 @@ class Live extends Viewer {
     }
     camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.point(pick, e, this.units, (name) => this.textOf(name)),
                                          click: (pick) => this.click(pick) });
-    Object.assign(this, { instants: [], ways: new Map(), frame: null, held: null });
+    Object.assign(this, { instants: [], ways: new Map(), frame: null, held: null, relisted: null });
     this.meters.back(-Infinity);
     this.layers.replaceChildren(this.layerBoxes(() => this.layersChosen()));
     this.layersChosen();
@@ -151,10 +151,6 @@ class Live extends Viewer {
     this.controls.show(head.controls);
     this.meters.first = head.meters;
     this.meters.show(head.watched.map((name) => ({ name, unit: this.units.get(name) })));
-  }
-  relist(found) {                                         // other items than before, such as those of another layer
-    Object.assign(this.head, found);
-    Object.assign(this.stage, { list: found.list, stamps: {} });
   }
   status({ playing, trouble, note, speed, warnings, left_out: leftOut }) {
     this.playing = playing;
@@ -180,6 +176,11 @@ class Live extends Viewer {
   // -- frames --------------------------------------------------------------------------------------
   take(buffer) {
     const { head } = this, numbers = new Float32Array(buffer);
+    if (this.relisted) {                                  // other items than before, such as those of another layer
+      Object.assign(head, this.relisted);
+      Object.assign(this.stage, { list: head.list, stamps: {} });
+      this.relisted = null;
+    }
     let i = head.head.length;
     const f = Object.fromEntries(head.head.map((name, k) => [name, numbers[k]]));
     const take = (count) => numbers.subarray(i, i += count);
