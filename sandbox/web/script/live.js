@@ -80,7 +80,7 @@ class Live extends Viewer {
     const list = (id, ariaLabel) => el("ul", { id, className: "warned", ariaLabel, hidden: true });
     this.title = el("h1");
     this.state = el("output", { id: "state" }); this.said = el("output", { id: "said" });   // state of the run; result of the last action
-    this.warned = list("warned", "what the check of the scene found");
+    this.warned = list("warned", "warnings of the scene check");
     this.absent = list("absent", "meters that are left out");
     this.sheet = el("div", { className: "sheet" });
     this.layers = el("div");
@@ -109,8 +109,8 @@ class Live extends Viewer {
   }
   tools() {
     return super.tools(
-      button("save-run", "save run", "run it again as it was played, and save that", () => this.ask({ save: "run" })),
-      button("save-scene", "save scene", "what was played as a scene of its own", () => this.ask({ save: "scene" })));
+      button("save-run", "save run", "run it again with your actions, and save the run", () => this.ask({ save: "run" })),
+      button("save-scene", "save scene", "save a scene that repeats what you did", () => this.ask({ save: "scene" })));
   }
   get stages() { return this.stage ? [this.stage] : []; }
   get t() { return this.frame.t; }
@@ -305,7 +305,7 @@ class Live extends Viewer {
   }
 }
 
-// Sliders, typed values and switches of what can be set while a scene runs.
+// Sliders, fields and switches of a running scene.
 
 const HEADINGS = { parameter: "parameters", drive: "drives", target: "targets", switch: "controllers" };
 const BEYOND = 10;                                        // times its own span a slider goes for a typed value
@@ -313,7 +313,7 @@ const BEYOND = 10;                                        // times its own span 
 class Controls {
   constructor(parent, set) {                              // set(name, value): asks for it
     this.set = set; this.rows = new Map();
-    this.box = el("section", { className: "controls", ariaLabel: "what can be set" });
+    this.box = el("section", { className: "controls", ariaLabel: "controls" });
     parent.append(this.box);
   }
   show(list) {                                            // again with other values, or anew

@@ -1,4 +1,4 @@
-// The page of a report: runs with one clock, plots beside them, what was found below.
+// The page of a report: runs with one clock, plots beside them, results below.
 
 const SPEEDS = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2];
 const KEYS = [["space", "play or pause"], ["left, right", "one sample back or on; with shift ten"],
@@ -39,7 +39,7 @@ class Report extends Viewer {
     this.meters = el("section", { className: "plots", ariaLabel: "plots" });
     const bench = el("section", { className: "bench", ariaLabel: "motion" }, this.sheets);
     root.replaceChildren(banner(heads), el("div", { className: "top" }, bench, this.meters),
-      el("section", { className: "facts", ariaLabel: "what was found" },
+      el("section", { className: "facts", ariaLabel: "results" },
         ...heads.flatMap((head, i) => factsOf(head, heads.length > 1 ? ` of run ${i + 1}` : ""))), this.tip, this.help);
     this.stages = heads.map((head, i) => this.sheet(head, i));
     bench.append(this.bar(), this.tools(), this.layerBoxes(() => this.show()));
@@ -263,7 +263,7 @@ const COLUMNS = {
     ["range", (v) => rangeText(v.low, v.high)], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
     ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
   audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.threshold)],
-    ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["what was compared", (f) => f.why]],
+    ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["comparison", (f) => f.why]],
 };
 
 const rangeText = (low, high) => (low === null && high === null ? "" : low === null
