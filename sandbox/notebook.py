@@ -1,7 +1,7 @@
-"""Cards, pictures, films and plots of scenes and runs, which a notebook shows.
+"""Cards, pictures, films and plots of scenes and runs for notebooks.
 
-Texts of a scene never become markup; there is no script. Styles are inline and take colours from
-the page, so that a card looks right on a dark page too.
+Texts of a scene never become markup; there is no script. Colours are those of the page, light or
+dark.
 """
 
 from __future__ import annotations
@@ -29,7 +29,6 @@ from sandbox.picture.stills import instants, save_picture
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.cables import lengths_at_start
-from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import planned
 from sandbox.samples.samples import TIME
 from sandbox.samples.targets import initial, targets
@@ -39,11 +38,9 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.values.numbers import number_from
 from sandbox.wording import WrongValueError, counted, listed, meant, quoted
 
-FILM_SIZE = (640, 480)
-"""Default size of a film [pixels]: fits a cell of a notebook, some 100 kB."""
+FILM_SIZE = (640, 480)  # default size of a film [pixels]: fits a cell of a notebook, some 100 kB
 FORMS = {"time": "seconds, or a time such as '0.8 s'",
-         "length": "metres, or a length such as '85 mm'"}
-"""Accepted values by dimension."""
+         "length": "metres, or a length such as '85 mm'"}  # accepted values by dimension
 
 
 @dataclass(frozen=True, repr=False)
@@ -51,17 +48,11 @@ class Media:
     """The bytes of a picture or a film."""
 
     data: bytes
-    about: str
-    """Alternative text."""
+    about: str  # alternative text
     ENDING: ClassVar[str]
-    KIND: ClassVar[str]
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it to a file.
-
-        Raises:
-            OutputError: another ending than its own, or it cannot be written.
-        """
+        """Write it to a file with its own ending; OutputError if that fails."""
         file = output_path(path, "a picture")
         if file.suffix.lower() != self.ENDING:
             raise OutputError(f"{file}: this is a {self.ENDING} file; sandbox.render makes others",
@@ -72,25 +63,23 @@ class Media:
     def __repr__(self) -> str:
         return f"<{type(self).__name__} of {self.about}, {len(self.data) / 1000:.0f} kB>"
 
-    def tag(self, *, style: str = "max-width:100%") -> str:
+    def _repr_html_(self, style: str = "max-width:100%") -> str:
         """An HTML element that needs no other file."""
         return (f'<img style="{style}" alt="{html.escape(self.about)}" '
-                f'src="data:{self.KIND};base64,{base64.b64encode(self.data).decode()}">')
-
-    def _repr_html_(self) -> str:
-        return self.tag()
+                f'src="data:image/{self.ENDING[1:]};base64,'
+                f'{base64.b64encode(self.data).decode()}">')
 
 
 class Picture(Media):
     """A PNG."""
 
-    ENDING, KIND = ".png", "image/png"
+    ENDING = ".png"
 
 
 class Film(Media):
     """A GIF."""
 
-    ENDING, KIND = ".gif", "image/gif"
+    ENDING = ".gif"
 
 
 def picture(
@@ -150,35 +139,34 @@ def _number(name: str, value: float | str, dimension: str) -> float:
         return float(value)
     try:
         return number_from(value, dimension, {})
-    except ValueError as error:
-        said = error.message if isinstance(error, WrongValueError) else str(error)
-        raise OutputError(f"{name}={quoted(value)}: {said}; pass {FORMS[dimension]}",
+    except WrongValueError as error:
+        raise OutputError(f"{name}={quoted(value)}: {error.message}; pass {FORMS[dimension]}",
                           code="bad-picture") from None
 
 
-SIZE = (440, 330)
-"""Of the picture [pixels]."""
-MOST_ROWS = 8
-"""Rows of a table; failed expectations come first."""
-MOST_LETTERS = 300
-"""Of what a scene says about itself."""
-CELL = "padding:2px 12px 2px 0;text-align:left;vertical-align:top;white-space:nowrap"
-LAST = "padding:2px 0;text-align:left;vertical-align:top"
-"""Of a row's last cell, which may hold a sentence."""
+SIZE = (440, 330)  # of the picture [pixels]
+MAX_ROWS = 8  # rows of a table; failed expectations come first
+MAX_LETTERS = 300  # of the description of a scene
+CELL = "padding:2px 12px 2px 0;text-align:left;vertical-align:top"
 QUIET = "opacity:.7"
-GOOD, BAD = "#3d8b5f", "#c8505f"
-"""Readable on white and on black."""
+GOOD, BAD = "#3d8b5f", "#c8505f"  # readable on white and on black
 
 
 def card_of_run(run: Recording) -> str:
     """The card of a run: how it ended, its expectations, its audit."""
-    judged, checks = run.verdicts, run.audit
-    rows = [_row(verdict) for verdict in sorted(judged, key=lambda verdict: verdict.ok)]
-    held = sum(verdict.ok for verdict in judged)
+    judged, checks, rows = run.verdicts, run.audit, []
+    for verdict in sorted(judged, key=lambda verdict: verdict.ok):
+        unit = "" if verdict.unit == "1" else f" {verdict.unit}"
+        value = f"{verdict.value:.6g}{unit}" if math.isfinite(verdict.value) else "–"
+        allowed = "; ".join(filter(None, (verdict.allowed, "" if verdict.ok else verdict.reason)))
+        rows.append([
+            f'<span style="color:{GOOD}">pass</span>' if verdict.ok else
+            f'<b style="color:{BAD}">FAIL</b>',
+            *map(html.escape, (verdict.quantity, f"{verdict.statistic} {value}", allowed))])
     passed = f"{sum(check.verdict == 'pass' for check in checks)} checks passed"
     looks = [check.name for check in checks if check.verdict == "look"]
     warnings = f", {counted(len(looks), 'warning')}: {', '.join(looks)}" if looks else ""
-    ended = repr(run)[1:-1].partition(": ")[2]
+    held, ended = sum(verdict.ok for verdict in judged), repr(run)[1:-1].partition(": ")[2]
     return _card(run.mechanism, [ended, run.info.reason], _drawn(run), [
         _line(f"<b>{held} of {len(judged)} expectations passed</b>",
               f"color:{GOOD if held == len(judged) else BAD}") if judged else
@@ -202,7 +190,7 @@ def card_of_scene(scene: Mechanism) -> str:
     except (SandboxError, ValueError, KeyError) as error:  # one that is built, and not sound
         drawn = _line(html.escape(f"no picture: {error}"), QUIET)
     lines.append(f"to run for {scene.run.duration:g} s in steps of {1e3 * scene.run.step:g} ms")
-    about = scene.about if len(scene.about) <= MOST_LETTERS else f"{scene.about[:MOST_LETTERS]}…"
+    about = scene.about if len(scene.about) <= MAX_LETTERS else f"{scene.about[:MAX_LETTERS]}…"
     return _card(scene, lines, drawn, [
         _line(html.escape(about)), _table(["parameter", "value (SI)"], [
             [html.escape(name), f"{value:.6g}"] for name, value in parameters.items()])])
@@ -229,40 +217,29 @@ def _line(content: str, style: str = "") -> str:
 def _drawn(run: Recording) -> str:
     """The picture of a run's end, or why there is none."""
     try:
-        return picture(run, size=SIZE).tag(style="max-width:100%;height:auto;border-radius:4px")
+        return picture(run, size=SIZE)._repr_html_("max-width:100%;height:auto;border-radius:4px")
     except SandboxError as error:
         return _line(html.escape(f"no picture: {error}"), QUIET)
-
-
-def _row(verdict: Verdict) -> list[str]:
-    unit = "" if verdict.unit == "1" else f" {verdict.unit}"
-    value = f"{verdict.value:.6g}{unit}" if math.isfinite(verdict.value) else "–"
-    mark = f'<span style="color:{GOOD}">pass</span>' if verdict.ok else (
-        f'<b style="color:{BAD}">FAIL</b>')
-    why = "" if verdict.ok else verdict.reason
-    return [mark, *(html.escape(text) for text in (
-        verdict.quantity, f"{verdict.statistic} {value}",
-        "; ".join(filter(None, (verdict.allowed, why)))))]
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table of cells that are markup already, with the first rows."""
     if not rows:
         return ""
-    heads = "".join(f'<th style="{CELL};{QUIET};font-weight:normal">{each}</th>' for each in head)
-    body = "".join("<tr>" + "".join(f'<td style="{CELL}">{cell}</td>' for cell in row[:-1])
-                   + f'<td style="{LAST}">{row[-1]}</td></tr>' for row in rows[:MOST_ROWS])
-    more = len(rows) - MOST_ROWS
+    head_cells = "".join(f'<th style="{CELL};{QUIET};font-weight:normal">{each}</th>'
+                         for each in head)
+    # the last cell may hold a sentence
+    body = "".join("<tr>" + "".join(
+        f'<td style="{CELL}{";white-space:nowrap" * (k < len(row) - 1)}">{cell}</td>'
+        for k, cell in enumerate(row)) + "</tr>" for row in rows[:MAX_ROWS])
+    more = len(rows) - MAX_ROWS
     return (f'<table style="border-collapse:collapse;margin:6px 0;font:inherit">'
-            f"<thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>"
+            f"<thead><tr>{head_cells}</tr></thead><tbody>{body}</tbody></table>"
             + (_line(f"and {more} more", QUIET) if more > 0 else ""))
 
 
 def at_start(mechanism: Mechanism) -> Recording:
-    """A recording with one sample at t = 0, for a picture of the scene; forces are 0.
-
-    No step is simulated, so the solver need not be compiled.
-    """
+    """A recording with one sample at t = 0, without forces; nothing is simulated."""
     model = compile_mechanism(mechanism)
     lengths = lengths_at_start(model)
     builder = RecordingBuilder(mechanism, 1, {

@@ -205,10 +205,10 @@ def report_runs(
     """
     from sandbox.recording.new_run import PAGE
     from sandbox.recording.store import saved_audit
-    from sandbox.web.page import MOST_RUNS, FoundOut
+    from sandbox.web.page import MAX_RUNS, FoundOut
 
-    if len(runs) > MOST_RUNS:
-        raise click.UsageError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
+    if len(runs) > MAX_RUNS:
+        raise click.UsageError(f"a page shows up to {MAX_RUNS} runs, {len(runs)} were given")
     directories, recordings = zip(*(open_run(word, console) for word in runs), strict=True)
     for k, directory in enumerate(directories):
         if directory.resolve() in [each.resolve() for each in directories[:k]]:

@@ -1,7 +1,6 @@
 """The convergence check of a scene: runs at h, h/2 and h/4, verdicts on expectations, advice.
 
-All runs are sampled at every step, to include peaks between the scene's samples. A run that
-diverges is kept up to that point.
+All runs are sampled at every step, to include peaks between the scene's samples.
 """
 
 from __future__ import annotations
@@ -26,23 +25,17 @@ from sandbox.errors import SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import Verdict, among, number_of, verdicts, window
-from sandbox.samples.outcome import Outcome, Status
+from sandbox.samples.outcome import Status
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Expect
 
 Progress = Callable[[float], None]
-Run = tuple[Recording, list[Figure]]
-"""A run and its audit."""
 LABELS = ("h", "h/2", "h/4")
-LONG = 1.0
-"""If the run at h takes longer [s], the other two run in processes of their own."""
+LONG = 1.0  # if the run at h takes longer [s], the other two run in processes of their own
 
 
 def refined(mechanism: Mechanism, parts: int) -> Mechanism:
-    """The mechanism with a step ``parts`` times finer, sampled at every step.
-
-    Controllers and events keep the rates that they have at the mechanism's own step.
-    """
+    """The mechanism with a finer step, sampled at every step; controllers keep their rates."""
     run = mechanism.run
     step = run.step / parts
     rates: dict[str, Any] = {
@@ -52,23 +45,8 @@ def refined(mechanism: Mechanism, parts: int) -> Mechanism:
         "run": run.model_copy(update={"step": step, "sample_rate": 1 / step}), **rates})
 
 
-def simulate_all(mechanism: Mechanism, progress: Progress) -> list[Run]:
-    """Simulate at h, h/2 and h/4, each up to where it diverges, and audit the runs."""
-    first, *others = (refined(mechanism, parts) for parts in (1, 2, 4))
-    began = time.perf_counter()
-    found = [_run(first, lambda share: progress(share / 7))]
-    if time.perf_counter() - began > LONG:
-        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
-            found += [(Recording(scene, arrays, outcome), figures) for scene, (
-                arrays, outcome, figures) in zip(others, pool.map(_remote, others), strict=True)]
-    else:
-        found += [_run(others[0], lambda share: progress((1 + 2 * share) / 7)),
-                  _run(others[1], lambda share: progress((3 + 4 * share) / 7))]
-    progress(1.0)
-    return found
-
-
-def _run(mechanism: Mechanism, progress: Progress | None = None) -> Run:
+def _run(mechanism: Mechanism, progress: Progress | None = None) -> tuple[Recording, list[Figure]]:
+    """A run, up to where it diverges, and its audit."""
     try:
         run = simulate(mechanism, progress=progress)
     except SimulationDiverged as error:
@@ -78,22 +56,13 @@ def _run(mechanism: Mechanism, progress: Progress | None = None) -> Run:
     return run, audit(run)
 
 
-def _remote(mechanism: Mechanism) -> tuple[dict[str, Any], Outcome, list[Figure]]:
-    """A run in another process; arrays in files are copied."""
-    run, figures = _run(mechanism)
-    return {key: np.array(array) for key, array in run.arrays.items()}, run.info, figures
-
-
 def at_instants(time: Array, values: Array, wanted: Array) -> Array:
-    """``values`` [n] at evenly spaced ``time`` [n], interpolated at the instants ``wanted`` [m].
+    """``values`` [n] at evenly spaced ``time`` [n], n > 3, interpolated at the instants [m].
 
-    Poses of a run with step h belong to t = (k - 1/2) h, so runs at h and h/2 have no instant in
-    common. The cubic through the four nearest samples has an error of fourth order. Where they
-    jump, as in an impact (the third difference is then as large as the second), the cubic is
-    clipped to their range.
+    Runs at h and h/2 have no instant in common. The cubic through the four nearest samples has an
+    error of fourth order. Where they jump, as in an impact (the third difference is then as large
+    as the second), the cubic is clipped to their range.
     """
-    if len(time) < 4:
-        raise ValueError(f"time must hold at least 4 samples, got {len(time)}")
     spacing = (time[-1] - time[0]) / (len(time) - 1)
     place = (wanted - time[0]) / spacing
     first = np.clip(np.floor(place).astype(int) - 1, 0, len(time) - 4)
@@ -111,13 +80,12 @@ def at_instants(time: Array, values: Array, wanted: Array) -> Array:
 
 PEAKS = ("max", "min")
 OF_THE_MECHANISM = ("contact.shared", "tendon.slack")
-"""Audit figures that describe the mechanism and not the accuracy of a run."""
+"""Audit figures of the mechanism, not of the accuracy of a run."""
 DIMENSIONS = {
     "1": (0, 0, 0), "": (0, 0, 0), "rad": (0, 0, 0), "rad/s": (0, 0, -1), "rad/s^2": (0, 0, -2),
     "m": (0, 1, 0), "m/s": (0, 1, -1), "m/s^2": (0, 1, -2), "N": (1, 1, -2),
     "N m": (1, 2, -2), "J": (1, 2, -2), "N/m": (1, 0, -2), "N m/rad": (1, 2, -2),
-}
-"""Exponents of mass, length and time of a unit."""
+}  # exponents of mass, length and time of a unit
 CAUSES = ("light bodies that carry heavy ones, springs too stiff for their masses, or chaotic "
           "motion ('sandbox check' finds some causes)")
 
@@ -126,10 +94,8 @@ CAUSES = ("light bodies that carry heavy ones, springs too stiff for their masse
 class Look:
     """A warning of the audit."""
 
-    runs: tuple[str, ...]
-    """The runs that have it, of :data:`sandbox.convergence.certificate.LABELS`."""
-    figure: Figure
-    """Of the run that exceeds the threshold most."""
+    runs: tuple[str, ...]  # that have it, of LABELS
+    figure: Figure  # of the run that exceeds the threshold most
 
 
 @dataclass(frozen=True)
@@ -137,8 +103,7 @@ class Diverged:
     """A run that diverged."""
 
     run: str
-    time: float
-    """Of its last sample [s]."""
+    time: float  # of its last sample [s]
     reason: str
 
 
@@ -146,23 +111,21 @@ class Diverged:
 class Certificate:
     """The verdicts on all expectations of a scene."""
 
-    steps: tuple[float, float, float]
-    """h, h/2, h/4 [s]."""
-    quantities: tuple[Trust, ...]
-    """In the order of the scene's expectations."""
+    steps: tuple[float, float, float]  # h, h/2, h/4 [s]
+    quantities: tuple[Trust, ...]  # in the order of the scene's expectations
     looks: tuple[Look, ...] = ()
     diverged: tuple[Diverged, ...] = ()
 
     @property
-    def doubtful(self) -> tuple[Trust, ...]:
+    def doubtful(self) -> list[Trust]:
         """The expectations that cannot be relied on."""
-        return tuple(trust for trust in self.quantities if not trust.certified)
+        return [trust for trust in self.quantities if not trust.certified]
 
     @property
-    def objections(self) -> tuple[Look, ...]:
-        """Warnings of the audit on the accuracy of the run at h."""
-        return tuple(look for look in self.looks
-                     if "h" in look.runs and look.figure.name not in OF_THE_MECHANISM)
+    def objections(self) -> list[str]:
+        """Audit figures with a warning that concerns the accuracy of the run at h."""
+        return [look.figure.name for look in self.looks
+                if "h" in look.runs and look.figure.name not in OF_THE_MECHANISM]
 
     @property
     def certified(self) -> bool:
@@ -174,7 +137,8 @@ class Certificate:
         """A summary in a sentence or two."""
         total, settled = len(self.quantities), sum(t.settled for t in self.quantities)
         if self.certified:
-            also = f" The consistency checks warn of {_names(self.looks)}." if self.looks else ""
+            names = ", ".join(look.figure.name for look in self.looks)
+            also = f" The consistency checks warn of {names}." if names else ""
             base = f"Certified at h = {1e3 * self.steps[0]:g} ms:"
             if settled == total:
                 return f"{base} all {total} expected quantities have converged.{also}"
@@ -190,13 +154,13 @@ class Certificate:
                        f"step: {named}")
         if self.objections:
             so_far = "" if self.doubtful else "the expectations would hold, but "
-            why.append(f"{so_far}the consistency checks at h warn of {_names(self.objections)}")
+            why.append(f"{so_far}the consistency checks at h warn of {', '.join(self.objections)}")
         return f"Not certified: {'; '.join(why)}."
 
     @property
     def advice(self) -> tuple[str, ...]:
         """What to change, a sentence each; empty if it is certified."""
-        return (*_divergence_advice(self), *_error_advice(self))
+        return tuple(_advice(self))
 
 
 def unfit(mechanism: Mechanism) -> str:
@@ -214,18 +178,22 @@ def unfit(mechanism: Mechanism) -> str:
 def certify(mechanism: Mechanism, *, progress: Progress | None = None) -> Certificate:
     """Simulate a mechanism at h, h/2 and h/4 and judge each of its expectations.
 
-    Args:
-        mechanism: with at least one expectation.
-        progress: called with the fraction done, 0 to 1.
-
-    Raises:
-        ValueError: a mechanism for which :func:`unfit` has a reason.
-        Interrupted: Ctrl-C.
+    ``progress`` is called with the fraction done, 0 to 1. ValueError if :func:`unfit` has a reason.
     """
     if reason := unfit(mechanism):
         raise ValueError(reason)
-    runs, figures = zip(*simulate_all(mechanism, progress or (lambda _: None)), strict=True)
-    step = mechanism.run.step
+    report = progress or (lambda share: None)
+    step, began = mechanism.run.step, time.perf_counter()
+    first, half, quarter = (refined(mechanism, parts) for parts in (1, 2, 4))
+    found = [_run(first, lambda share: report(share / 7))]
+    if time.perf_counter() - began > LONG:
+        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+            found += pool.map(_run, (half, quarter))
+    else:
+        found += [_run(half, lambda share: report((1 + 2 * share) / 7)),
+                  _run(quarter, lambda share: report((3 + 4 * share) / 7))]
+    report(1.0)
+    runs, figures = zip(*found, strict=True)
     return Certificate(
         (step, step / 2, step / 4), tuple(_judged(mechanism, runs)), tuple(_looks(figures)),
         tuple(Diverged(label, float(np.append(0.0, run.time)[-1]),
@@ -236,17 +204,14 @@ def certify(mechanism: Mechanism, *, progress: Progress | None = None) -> Certif
 
 def _looks(figures: Sequence[Sequence[Figure]]) -> Iterator[Look]:
     """Each audit figure with a warning: the run where it is worst, and the runs it is in."""
-    def excess(figure: Figure) -> float:
-        ratio = figure.value / figure.threshold if figure.threshold else math.inf
-        return ratio if math.isfinite(ratio) else math.inf
-
     warned: dict[str, dict[str, Figure]] = {}
     for label, each in zip(LABELS, figures, strict=True):
         for figure in each:
             if figure.verdict == "look":
                 warned.setdefault(figure.name, {})[label] = figure
     for by_run in warned.values():
-        yield Look(tuple(by_run), max(by_run.values(), key=excess))
+        yield Look(tuple(by_run), max(by_run.values(), key=lambda figure: (
+            figure.value / figure.threshold if figure.threshold else math.inf)))
 
 
 def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
@@ -278,8 +243,12 @@ def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
         own = min((max(abs(value), mean_size(one)) for value, one in zip(
             (a, b, c), found, strict=True) if math.isfinite(value)), default=0.0)
         peak = max((float(np.abs(one).max()) for one in found if len(one)), default=0.0)
-        trust = judge(_between_samples(verdict, a), (a, b, c),
-                      Sizes(peak, own, max(own, largest(verdict.unit))),
+        if verdict.statistic in PEAKS and math.isfinite(a):  # of all steps, not of the samples
+            inside, reason = verdict.low <= a <= verdict.high, verdict.reason
+            if verdict.ok and not inside:
+                reason = f"between two samples of the scene it is {a:.6g}, outside its range"
+            verdict = replace(verdict, value=a, ok=verdict.ok and inside, reason=reason)
+        trust = judge(verdict, (a, b, c), Sizes(peak, own, max(own, largest(verdict.unit))),
                       given=expect.value is not None)
         missing = {label: each.info.status for label, each, value in zip(
             LABELS, runs, trust.values, strict=True) if not math.isfinite(value)}
@@ -297,22 +266,10 @@ def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
             yield trust_of(verdict, expect)
 
 
-def _between_samples(verdict: Verdict, value: float) -> Verdict:
-    """A verdict on a peak from all steps instead of the scene's samples."""
-    if verdict.statistic not in PEAKS or not math.isfinite(value):
-        return verdict
-    inside = verdict.low <= value <= verdict.high
-    reason = verdict.reason
-    if verdict.ok and not inside:
-        reason = f"between two samples of the scene it is {value:.6g}, outside its range"
-    return replace(verdict, value=value, ok=verdict.ok and inside, reason=reason)
-
-
 def scene_size(runs: Sequence[Recording], unit: str) -> float:
-    """Size of the largest quantity of a unit in a scene: mean over time, least of the runs.
+    """Size of the largest quantity of a unit in a scene: mean over time, minimum of the runs.
 
-    At least as much as masses, lengths and the duration of the scene give: a radian for an angle,
-    M L / T^2 for a force.
+    At least what masses, lengths and the duration of the scene give, such as M L / T^2 for a force.
     """
     def measured(unit: str) -> float:
         return min((max((mean_size(run[name]) for name in run.names() if run.unit(name) == unit),
@@ -332,11 +289,7 @@ def mean_size(values: Array) -> float:
     return float(sizes.mean()) if len(sizes) else 0.0
 
 
-def _names(looks: Sequence[Look]) -> str:
-    return ", ".join(look.figure.name for look in looks)
-
-
-def _divergence_advice(found: Certificate) -> Iterator[str]:
+def _advice(found: Certificate) -> Iterator[str]:
     times = {each.run: each.time for each in found.diverged}
     if times and "h/4" not in times:
         yield f"The run at h/4 is complete: check convergence from there, {_at(found.steps[2])}."
@@ -344,23 +297,18 @@ def _divergence_advice(found: Certificate) -> Iterator[str]:
         sooner = times["h/4"] < times.get("h/2", -math.inf) < times.get("h", math.inf)
         yield ("Finer steps diverge sooner, so no step converges. " if sooner else "") + \
             f"Look for {CAUSES}."
-
-
-def _error_advice(found: Certificate) -> Iterator[str]:
     valued = [t for t in found.doubtful if not math.isnan(t.error)]
     grown = [t for t in valued if t.kind is Kind.DIVERGES]
     unsettled = [t for t in valued if t.kind is Kind.OPEN or (
         t.kind is Kind.FAILS and t.low <= t.values[2] <= t.high)]
-    if grown:
-        impacts = [t for t in grown if t.unit == "N" and t.statistic in ("max", "min", "std")]
-        if len(impacts) == len(grown) and not found.objections:
-            yield ("The peak force of an impact has no limit, because one step takes its "
-                   f"momentum. If that of {impacts[0].quantity} is one, expect a mean over a "
-                   "window instead.")
-        else:
-            yield (f"Values that change more at finer steps point to {CAUSES}. Check a shorter "
-                   f"time, or start from h/4, {_at(found.steps[2])}. If they grow there too, no "
-                   "step converges.")
+    if grown and not found.objections and all(
+            t.unit == "N" and t.statistic in (*PEAKS, "std") for t in grown):
+        yield ("The peak force of an impact has no limit, because one step takes its momentum. If "
+               f"that of {grown[0].quantity} is one, expect a mean over a window instead.")
+    elif grown:
+        yield (f"Values that change more at finer steps point to {CAUSES}. Check a shorter time, "
+               f"or start from h/4, {_at(found.steps[2])}. If they grow there too, no step "
+               "converges.")
     elif unsettled and all(t.finer for t in unsettled):
         finer = max(t.finer for t in unsettled)
         yield f"At these orders h/{finer} is sufficient: {_at(found.steps[0] / finer)}."

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,29 +36,19 @@ class Kind(StrEnum):
 
     EXACT = "exact to rounding"
     CONVERGED = "converged"
-    WITHIN = "within its range"
-    """Not converged, but every run is in the range, and the last halving changes the value by less
-    than its distance from the ends of the range."""
-    STEP = "depends on the step"
-    """It converges to a value outside its range: another step gives another verdict."""
-    OPEN = "not converged"
-    """Halving the step changes it by more than is allowed."""
-    DIVERGES = "diverges"
-    """The changes grow as the step is halved."""
-    FAILS = "fails"
-    """The expectation does not hold, or the quantity has no value."""
+    WITHIN = "within its range"  # all runs are, and the last halving changes it by less than that
+    STEP = "depends on the step"  # its limit is outside its range
+    OPEN = "not converged"  # halving the step changes it by more than is allowed
+    DIVERGES = "diverges"  # the changes grow as the step is halved
+    FAILS = "fails"  # the expectation does not hold, or the quantity has no value
 
 
-@dataclass(frozen=True)
-class Sizes:
+class Sizes(NamedTuple):
     """How large a quantity is, in its own unit."""
 
-    peak: float
-    """Largest absolute value over the window; rounding is relative to it."""
-    own: float
-    """Mean absolute value over the window."""
-    scene: float
-    """Mean absolute value of the largest quantity of its unit in the scene, at least ``own``."""
+    peak: float  # largest absolute value over the window; rounding is relative to it
+    own: float  # mean absolute value over the window
+    scene: float  # that of the largest quantity of its unit in the scene, at least ``own``
 
 
 @dataclass(frozen=True)
@@ -67,24 +58,16 @@ class Trust:
     quantity: str
     statistic: str
     unit: str
-    low: float
-    """Lowest value that passes; minus infinity if there is none."""
+    low: float  # lowest value that passes; minus infinity if there is none
     high: float
-    values: tuple[float, float, float]
-    """At h, h/2, h/4; nan if the run ended before."""
-    allowed: float
-    """Largest error of a quantity that has converged."""
-    order: float
-    """Observed order of convergence; nan if the differences show none."""
-    limit: float
-    """Extrapolated value for a step of zero; nan if the differences show none."""
-    error: float
-    """Estimated error at h: the distance from the limit, or else twice the spread."""
-    kind: Kind
-    reason: str = ""
-    """Numbers that explain the verdict."""
-    finer: int = 0
-    """h divided by this would be fine enough; 0 if unknown or not needed."""
+    values: tuple[float, float, float]  # at h, h/2, h/4; nan if the run ended before
+    allowed: float = math.nan  # largest error of a quantity that has converged
+    order: float = math.nan  # observed order of convergence; nan if the differences show none
+    limit: float = math.nan  # extrapolated to a step of zero; nan if the differences show none
+    error: float = math.nan  # estimated at h: the distance from the limit, or twice the spread
+    kind: Kind = Kind.FAILS
+    reason: str = ""  # numbers that explain the verdict
+    finer: int = 0  # h divided by this would be fine enough; 0 if unknown or not needed
 
     @property
     def differences(self) -> tuple[float, float]:
@@ -101,32 +84,31 @@ class Trust:
         """Whether the expectation can be relied on."""
         return self.settled or self.kind is Kind.WITHIN
 
+    def margin(self, *values: float) -> float:
+        """Smallest distance of values from an end of the range, negative outside."""
+        return min(min(value - self.low, self.high - value) for value in values)
+
 
 def judge(
     verdict: Verdict, values: tuple[float, float, float], sizes: Sizes, *, given: bool = False,
 ) -> Trust:
-    """The verdict on an expectation from the values of three runs.
+    """The verdict on an expectation, of which ``verdict`` is that at h, from three runs.
 
-    Args:
-        verdict: on the run at h.
-        values: at h, h/2, h/4.
-        sizes: of the quantity.
-        given: whether the range is a tolerance (``is`` … ``within``), not two bounds.
+    ``given``: the range is a tolerance (``is`` … ``within``), not two bounds.
     """
-    blank = Trust(verdict.quantity, verdict.statistic, verdict.unit, verdict.low, verdict.high,
-                  values, math.nan, math.nan, math.nan, math.nan, Kind.FAILS,
-                  verdict.reason)
+    trust = Trust(verdict.quantity, verdict.statistic, verdict.unit, verdict.low, verdict.high,
+                  values, reason=verdict.reason)
     if not np.isfinite(values).all():
-        return blank
+        return trust
     noise = max(ROUNDING * sizes.peak, np.finfo(float).tiny)
     order, limit = _richardson(values, noise)
     error = (max(abs(values[0] - limit), abs(values[0] - values[1]))
              if math.isfinite(limit) else 2 * float(np.ptp(values)))
-    trust = replace(blank, order=order, limit=limit, error=error,
+    trust = replace(trust, order=order, limit=limit, error=error,
                     allowed=SHARE * tolerance(verdict, values[2], sizes, given=given))
     kind = _kind(trust, verdict.ok, sizes, noise)
-    finer = _finer(trust, noise) if kind in (Kind.OPEN, Kind.FAILS) else 0
-    trust = replace(trust, kind=kind, finer=finer)
+    trust = replace(trust, kind=kind,
+                    finer=_finer(trust, noise) if kind in (Kind.OPEN, Kind.FAILS) else 0)
     text = "" if verdict.reason and kind is Kind.FAILS else _reason(trust)
     return replace(trust, reason="; ".join(filter(None, (verdict.reason, text))))
 
@@ -162,35 +144,27 @@ def _richardson(values: tuple[float, float, float], noise: float) -> tuple[float
 def _kind(trust: Trust, met: bool, sizes: Sizes, noise: float) -> Kind:
     spread = float(np.ptp(trust.values))
     limit = trust.limit if math.isfinite(trust.limit) else trust.values[2]
-    inside = _distance(trust, np.array([*trust.values, limit])) >= -noise
+    inside = trust.margin(*trust.values, limit) >= -noise
     if spread <= noise:
         return Kind.EXACT if met and inside else Kind.FAILS
     if trust.error <= trust.allowed:
         return Kind.FAILS if not met else Kind.CONVERGED if inside else Kind.STEP
     coarse, fine = trust.differences
-    if met and inside:
-        ahead = _distance(trust, np.array([trust.values[2]]))
-        narrow = ahead <= sizes.own or spread <= SHARE * WIDE * sizes.scene
-        if fine <= ahead + noise and narrow:
-            return Kind.WITHIN
+    ahead = trust.margin(trust.values[2])
+    narrow = ahead <= sizes.own or spread <= SHARE * WIDE * sizes.scene
+    if met and inside and fine <= ahead + noise and narrow:
+        return Kind.WITHIN
     if fine > 2**LEAST_ORDER * coarse:
         return Kind.DIVERGES
     return Kind.OPEN if met else Kind.FAILS
 
 
-def _distance(trust: Trust, values: np.ndarray) -> float:
-    """Smallest distance of the values from an end of the range, negative outside."""
-    return float(np.minimum(values - trust.low, trust.high - values).min())
-
-
 def _finer(trust: Trust, noise: float) -> int:
     """Power of two by which h has to be divided to converge; 0 if the limit is out of range."""
-    if not math.isfinite(trust.limit) or not trust.low <= trust.limit <= trust.high:
+    if not trust.low <= trust.limit <= trust.high or trust.allowed <= 0:
         return 0
     order = min(trust.order, SCHEME_ORDER) if math.isfinite(trust.order) else SCHEME_ORDER
     left = max(abs(trust.values[2] - trust.limit), noise)  # of the error at h/4
-    if trust.allowed <= 0:
-        return 0
     halvings = max(1, 2 + math.ceil(math.log2(left / trust.allowed) / order))
     return 2**halvings if halvings <= MAX_HALVINGS else 0
 
@@ -203,11 +177,14 @@ def _reason(trust: Trust) -> str:
     coarse, fine = (text(each) for each in trust.differences)
     halved = f"halving the step changes it by {coarse}, then by {fine}"
     allowed = f"{text(trust.allowed)} is allowed"
+    low, high = f"{trust.low:.6g}", f"{trust.high:.6g}"
+    range_ = (f"at most {high}" if math.isinf(trust.low) else
+              f"at least {low}" if math.isinf(trust.high) else f"{low} to {high}")
     match trust.kind:
         case Kind.WITHIN:
             return (f"{halved}, inside its range; to have converged at most {text(trust.allowed)} "
                     "may be left")
-        case Kind.STEP if _distance(trust, np.array(trust.values)) >= 0:
+        case Kind.STEP if trust.margin(*trust.values) >= 0:
             return f"it tends to {trust.limit:.6g}, outside its range"
         case Kind.STEP:
             return f"at h/4 it is {trust.values[2]:.6g}, outside its range"
@@ -218,18 +195,10 @@ def _reason(trust: Trust) -> str:
             return f"{halved}; {allowed}"
         case Kind.DIVERGES:
             return f"{halved}: the finer the step, the more; {allowed}"
-        case Kind.FAILS if _distance(trust, np.array(trust.values[2:])) >= 0:
+        case Kind.FAILS if trust.margin(trust.values[2]) >= 0:
             return "it is outside its range at h, but not at h/4"
         case Kind.FAILS if math.isfinite(trust.limit):
-            return f"it tends to {trust.limit:.6g}, outside {_range(trust)}"
+            return f"it tends to {trust.limit:.6g}, outside {range_}"
         case Kind.FAILS:
-            return f"it is outside {_range(trust)}"
+            return f"it is outside {range_}"
     return ""
-
-
-def _range(trust: Trust) -> str:
-    if math.isinf(trust.low):
-        return f"at most {trust.high:.6g}"
-    if math.isinf(trust.high):
-        return f"at least {trust.low:.6g}"
-    return f"{trust.low:.6g} to {trust.high:.6g}"

@@ -15,6 +15,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import eigvalsh, null_space
 
 from sandbox.engine.stiffness import stiff_cables, stiff_servos, too_stiff
 from sandbox.engine.still import Still
@@ -22,17 +23,14 @@ from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording
 from sandbox.samples.yielding import NOTHING, Elastic, Yielding
 
-RANK = 1e-9
-"""Relative size of directions, and of stiffness, that are rounding."""
+RANK = 1e-9  # relative size of directions, and of stiffness, that are rounding
 
 
 class PoseBalance:
     """Residual forces, free motions and stiffness at a pose.
 
-    Args:
-        still: the engine after one recorded step from rest.
-        run: the one sample of this step.
-        size: of the mechanism, the length that is equivalent to 1 rad [m].
+    ``still`` is the engine after one step from rest, which ``run`` has recorded. ``size`` is the
+    length that is equivalent to 1 rad [m].
     """
 
     def __init__(self, still: Still, run: Recording, size: float) -> None:
@@ -43,32 +41,17 @@ class PoseBalance:
         """Indices of the free bodies; their x, y and angle are the n coordinates."""
         self.scale = np.tile([1.0, 1.0, 1 / size], len(bodies))
         self.mass = still.mass[bodies].reshape(-1)
-        """[n]"""
         kept = np.array(self.yielding.kept).reshape(-1, len(self.mass)) * self.scale
         length = np.linalg.norm(kept, axis=1, keepdims=True)
         self._rows = (kept / np.maximum(length, 1e-300))[length[:, 0] > 0]
-        self.free = self._motions()
+        self.free: Array = null_space(self._rows, rcond=RANK)
         """Motions that no constraint forbids, rotations as lengths, orthonormal [n, k]."""
-        self.speed = still.speed[bodies].reshape(-1)
-        """Velocities after the step from rest, [n]."""
+        self.speed = still.speed[bodies].reshape(-1)  # velocities after the step from rest, [n]
         self.whole = np.asarray(self.scale * self.yielding.stiffness * self.scale[:, None])
         """Stiffness of all motions, [n, n] N/m."""
-        self.stiffness = self.free.T @ self.whole @ self.free
-        """[k, k] N/m"""
-        self.inertia = self.free.T @ (self.scale**2 * self.mass * self.free.T).T
-        """[k, k] kg"""
-        self.force = self.scale * self._force()
-        """Residual forces, with constraint forces, [n] N."""
-        self.left = self.free.T @ self.force
-        """Residual forces along free motions, [k] N."""
-
-    def _motions(self) -> Array:
-        n = len(self.mass)
-        if not len(self._rows):
-            return np.eye(n)
-        _, values, right = np.linalg.svd(self._rows)
-        rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
-        return np.asarray(right[rank:].T)
+        self.stiffness = self.free.T @ self.whole @ self.free  # [k, k] N/m
+        self.force = self.scale * self._force()  # residual forces, with constraint forces, [n] N
+        self.left = self.free.T @ self.force  # residual forces along free motions, [k] N
 
     def _force(self) -> Array:
         """M a, corrected for forces at the end of the step, [n]."""
@@ -94,10 +77,8 @@ class PoseBalance:
 
     def closing(self) -> Array:
         """The motion across free motions that closes gaps of constraints, [n] scaled."""
-        if not len(self._rows):
-            return np.zeros_like(self.mass)
-        wanted = self._rows @ (self.speed / self.scale) * self.still.step_size
-        return np.asarray(np.linalg.lstsq(self._rows, wanted, rcond=RANK)[0])
+        gaps = self._rows @ (self.speed / self.scale) * self.still.step_size
+        return solve(self._rows, gaps)
 
     def pose_after(self, pose: Array, motion: Array) -> Array:
         """A pose after a motion [n], scaled, [nb, 3]."""
@@ -128,15 +109,10 @@ class PoseBalance:
 
     def modes(self) -> Array:
         """w^2 of small free motions in ascending order [1/s^2]."""
-        if not self.free.shape[1]:
-            return np.zeros(0)
-        root = np.linalg.cholesky(self.inertia)
-        half = np.linalg.solve(root, (self.stiffness + self.stiffness.T) / 2)
-        return np.asarray(np.linalg.eigh(np.linalg.solve(root, half.T))[0])
+        inertia = self.free.T @ (self.scale**2 * self.mass * self.free.T).T
+        return np.asarray(eigvalsh((self.stiffness + self.stiffness.T) / 2, inertia))
 
 
-def solve(stiffness: Array, residual: Array) -> Array:
-    """The motion K^-1 r, without directions that have no stiffness, [k]."""
-    if not len(residual):
-        return residual
-    return np.asarray(np.linalg.pinv(stiffness, rcond=RANK) @ residual)
+def solve(matrix: Array, right: Array) -> Array:
+    """The smallest solution, without directions that the matrix hardly affects, [n]."""
+    return np.asarray(np.linalg.lstsq(matrix, right, rcond=RANK)[0])

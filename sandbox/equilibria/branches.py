@@ -24,25 +24,18 @@ from sandbox.model.joints import placed
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 
-MAX_POINTS = 10
-"""Points of a branch, times the count."""
+MAX_POINTS = 10  # points of a branch, times the count
 MAX_BRANCHES = 8
 MAX_VALUES = 10_000
-MAX_ITERATIONS = 12
-"""Of Newton's method for a point."""
-SHORTEST = 1e-3
-"""Shortest step, relative to the usual one; where none leads on, the branch ends."""
-FLAT = 1e-7
-"""Change of the value along the branch at a fold; the value there is off by its square."""
-BEYOND = 1e-3
-"""Fraction of the range beyond a fold from which the mechanism is released."""
+MAX_ITERATIONS = 12  # of Newton's method for a point
+SHORTEST = 1e-3  # shortest step, relative to the usual one; where none leads on, the branch ends
+FLAT = 1e-7  # change of the value along the branch at a fold; the value there is off by its square
+BEYOND = 1e-3  # fraction of the range beyond a fold from which the mechanism is released
 NEAR = 1e-3
 """Distance to a branch, relative to the size, of a point that is on it; or a quarter of the
 distance of its points."""
-NUDGE = 1e-5
-"""Fraction of the range by which the value is changed for derivatives."""
-WITHIN = 1e-9
-"""Fraction of the range within which a value is met."""
+NUDGE = 1e-5  # fraction of the range by which the value is changed for derivatives
+WITHIN = 1e-9  # fraction of the range within which a value is met
 Make = Callable[[float], Mechanism]
 
 
@@ -52,8 +45,7 @@ class BranchRest:
 
     value: float
     rest: AtRest
-    fold: bool
-    """Whether the branch turns back here."""
+    fold: bool  # whether the branch turns back here
 
 
 @dataclass
@@ -125,11 +117,9 @@ class _Point:
     """One equilibrium of a branch."""
 
     value: float
-    pose: Array
-    """Of the centres of mass, [nb, 3]."""
+    pose: Array  # of the centres of mass, [nb, 3]
     balance: PoseBalance
-    way: Array
-    """Unit vector along the branch: motions over the size [n], then the value over the range."""
+    way: Array  # unit vector along the branch: motions / size [n], the value / range
 
     @property
     def turning(self) -> float:
@@ -142,29 +132,18 @@ class _Point:
 
 
 class _Follower:
-    """Follows branches within a range.
-
-    Args:
-        make: the mechanism of a value.
-        time: whose values the drives have [s]; None for the end of each.
-        begin: the first value.
-        end: the last one.
-        count: number of evenly spaced values that have a point.
-        heard: called at each point with the number of points and its value.
-    """
+    """Follows branches within a range; arguments as of :func:`rest_along`."""
 
     def __init__(
         self, make: Make, time: float | None, begin: float, end: float, count: int,
         heard: Callable[[int, float], None],
     ) -> None:
-        self._make, self._time, self._heard = make, time, heard
-        self._begin, self._end, self._count = begin, end, count
+        self._make, self._time, self._heard, self._count = make, time, heard, count
+        self._begin, self._end, self._grid = begin, end, np.linspace(begin, end, count)
         self._span, self._sense = abs(end - begin), 1.0 if end > begin else -1.0
-        self._grid = np.linspace(begin, end, count)
-        self._length = 1.0 / (count - 1)
+        self._length, self._points = 1.0 / (count - 1), 0
         self._made: dict[float, Settler] = {}
         self._branches: list[Branch] = []
-        self._points = 0
 
     def at(self, value: float) -> Settler:
         """The mechanism of a value; of the last few they are kept."""
@@ -207,7 +186,7 @@ class _Follower:
 
     def _onto(self, point: _Point, value: float) -> _Point | None:
         """The point of a value near another; None where there is none on the branch."""
-        if not abs(point.turning) > 0:
+        if point.turning == 0:
             return None
         length = (value - point.value) / self._span / point.turning
         pose, settler = point.ahead(length), self.at(value)
@@ -238,8 +217,18 @@ class _Follower:
             if len(balance.mass) != len(point.balance.mass):
                 return None
             slope, closing = self._derivatives(value, pose, balance)
-            missing = length - float(point.way @ self._between(point, value, pose))
-            z, dp = self._correct(point, balance, slope, closing, missing)
+            # one Newton iteration: motions along free directions z and the change of the value dp
+            k, way = len(balance.left), point.way
+            missing = length - self._along(point, value, pose)
+            system = np.zeros((k + 1, k + 1))
+            system[:k, :k], system[:k, k] = balance.stiffness, -slope
+            system[k, :k] = balance.free.T @ way[:-1] / size
+            system[k, k] = point.turning / self._span + way[:-1] @ closing / size
+            right = np.append(balance.left, missing - way[:-1] @ balance.closing() / size)
+            rows = np.abs(system).max(axis=1)
+            rows[rows == 0] = 1.0
+            columns = np.append(np.ones(k), self._span / size)
+            *z, dp = columns * solve(system / rows[:, None] * columns, right / rows)
             motion = balance.free @ z + balance.closing() + closing * dp
             if max(np.abs(motion).max(initial=0.0) / size, abs(dp) / self._span) <= 10 * EXACT:
                 settler.start(pose)
@@ -250,26 +239,10 @@ class _Follower:
             value += dp
         return None
 
-    def _between(self, point: _Point, value: float, pose: Array) -> Array:
-        """The vector from a point to a pose and a value, in the units of ``way``."""
-        return np.append(point.balance.motion_between(point.pose, pose) / point.balance.size,
-                         (value - point.value) / self._span)
-
-    def _correct(
-        self, point: _Point, balance: PoseBalance, slope: Array, closing: Array, missing: float,
-    ) -> tuple[Array, float]:
-        """Motion along free directions [k] and change of the value: one Newton iteration."""
-        size, k = balance.size, len(balance.left)
-        system = np.zeros((k + 1, k + 1))
-        system[:k, :k], system[:k, k] = balance.stiffness, -slope
-        system[k, :k] = balance.free.T @ point.way[:-1] / size
-        system[k, k] = point.turning / self._span + point.way[:-1] @ closing / size
-        right = np.append(balance.left, missing - point.way[:-1] @ balance.closing() / size)
-        rows = np.abs(system).max(axis=1)
-        rows[rows == 0] = 1.0
-        columns = np.append(np.ones(k), self._span / size)
-        found = columns * solve(system / rows[:, None] * columns, right / rows)
-        return found[:k], float(found[k])
+    def _along(self, point: _Point, value: float, pose: Array) -> float:
+        """The length along the tangent of a point to a pose and a value."""
+        motion = point.balance.motion_between(point.pose, pose) / point.balance.size
+        return float(point.way @ np.append(motion, (value - point.value) / self._span))
 
     # -- branches --------------------------------------------------------------------
 
@@ -290,8 +263,7 @@ class _Follower:
     def _follow(self, value: float, balance: PoseBalance, sense: float) -> tuple[bool, Branch]:
         """One branch from a point upwards (``sense`` 1) or downwards (-1).
 
-        Returns:
-            whether it leaves the range at its last value, and the branch.
+        Returns whether it leaves the range at its last value, and the branch.
         """
         branch = Branch()
         point = self._point(value, balance, None)
@@ -300,7 +272,6 @@ class _Follower:
         self._add(branch, point)
 
         def edge(value: float) -> float:
-            """The nearer end of the range."""
             return min((self._begin, self._end), key=lambda end: abs(value - end))
 
         for _ in range(MAX_POINTS * self._count):
@@ -353,7 +324,7 @@ class _Follower:
                 best = point
             return 0.0 if abs(point.turning) <= FLAT else point.turning
 
-        length = float(before.way @ self._between(before, after.value, after.pose))
+        length = self._along(before, after.value, after.pose)
         with suppress(ArithmeticError, ValueError):  # no point between them, or no sign change
             brentq(turning, 0.0, length, xtol=1e-15)
         return best
@@ -378,14 +349,16 @@ class _Follower:
 
     def _known(self, value: float, rest: AtRest) -> bool:
         """Whether an equilibrium is between two points of a branch."""
-        place = _positions(rest)
+        def positions(rest: AtRest) -> Array:  # angles times the size, [nb, 3] m
+            return np.asarray(rest.recording.arrays["body_pose"][0] * (1.0, 1.0, rest.size))
+
         for branch in self._branches:
             for one, two in pairwise(branch.stops):
                 if not min(one.value, two.value) <= value <= max(one.value, two.value):
                     continue
                 share = (value - one.value) / ((two.value - one.value) or 1.0)
-                begin, end = _positions(one.rest), _positions(two.rest)
-                off = np.abs(begin + share * (end - begin) - place).max()
+                begin, end = positions(one.rest), positions(two.rest)
+                off = np.abs(begin + share * (end - begin) - positions(rest)).max()
                 if off <= NEAR * rest.size + np.abs(end - begin).max() / 4:
                     return True
         return False
@@ -395,8 +368,3 @@ class _Follower:
         branch.stops.append(BranchRest(point.value, rest, fold))
         self._points += 1
         self._heard(self._points, point.value)
-
-
-def _positions(rest: AtRest) -> Array:
-    """Poses of all bodies, angles times the size, [nb, 3] m."""
-    return np.asarray(rest.recording.arrays["body_pose"][0] * (1.0, 1.0, rest.size))

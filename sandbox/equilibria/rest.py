@@ -12,6 +12,7 @@ from sandbox.engine.inspect_control import Runnable, checked
 from sandbox.equilibria.balance import PoseBalance
 from sandbox.equilibria.settle import Settler, Start, Unsettled, place_start
 from sandbox.errors import Problem, SceneError, SimulationDiverged
+from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import TOUCH
@@ -20,13 +21,10 @@ from sandbox.scene.geometry import centre_of, reach_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
-SAME = 1e-6
-"""Difference, relative to the size, of poses that count as one."""
-MOVED = 1e-3
-"""Part in a motion below which a body does not move in it."""
+SAME = 1e-6  # difference, relative to the size, of poses that count as one
+MOVED = 1e-3  # part in a motion below which a body does not move in it
 MAX_STAGES = 100_000
-LATE = 0.01
-"""Fraction of the run before its end in which changing drives are reported."""
+LATE = 0.01  # fraction of the run before its end in which changing drives are reported
 STABLE, UNSTABLE, NEUTRAL, UNTOLD = "stable", "unstable", "neutral", "not told"
 
 
@@ -182,13 +180,13 @@ def rest(
             else:
                 settler.start(place_start(settler, start))
             found = settle(settler, words.removeprefix(" from "), before)
-        except Unsettled as error:
-            failed.append((words, str(error)))
+        except (Unsettled, SimulationDiverged) as error:
+            failed.append((words, str(error) if isinstance(error, Unsettled)
+                           else f"{error.culprit}: {error.reason}"))
             continue
-        except SimulationDiverged as error:
-            failed.append((words, f"{error.culprit}: {error.reason}"))
-            continue
-        if not any(_same(found, one) for one in rests):
+        ways = [np.abs(found.recording.arrays["body_pose"] - one.recording.arrays["body_pose"])
+                / (found.size, found.size, 1.0) for one in rests]
+        if all(way.max() > SAME for way in ways):
             rests.append(found)
     if not rests:
         raise SceneError([Problem("no-rest", f"it does not come to rest{words}: {reason}", "rest")
@@ -199,20 +197,12 @@ def rest(
 def settle(settler: Settler, start: str, before: int) -> AtRest:
     """The equilibrium near the present pose."""
     balance = settler.settle()
+    untold = settler.untold
     if balance is None:
         settler.still.move(settler.drive, kept=True)
+        untold = untold or "motions that Newton's method missed"
     run = settler.still.recording() if balance is None else balance.run
-    untold = settler.untold or (
-        "" if balance is not None else "motions that Newton's method missed")
     return AtRest(run, start, balance, untold, settler.steps - before, settler.size)
-
-
-def _same(one: AtRest, other: AtRest) -> bool:
-    way = np.abs(one.recording.arrays["body_pose"] - other.recording.arrays["body_pose"])
-    return bool(max(way[..., :2].max() / one.size, way[..., 2].max()) <= SAME)
-
-
-# -- what is refused -----------------------------------------------------------------
 
 
 def known_body(mechanism: Mechanism, body: str) -> None:
@@ -243,7 +233,7 @@ def check_options(mechanism: Mechanism, at: float | None, stages: int | None) ->
         found.append(Problem("bad-time", f"{at:g} s is not within the run", "at",
                              allowed=f"0 to {duration:g} s"))
     if stages is not None and not 1 <= stages <= MAX_STAGES:
-        found.append(Problem("bad-argument", f"{stages} stages are not gone through", "stages",
+        found.append(Problem("bad-argument", f"{stages} is no number of stages", "stages",
                              allowed=f"1 to {MAX_STAGES}"))
     if found:
         raise SceneError(found)
@@ -267,9 +257,6 @@ def _remarks(mechanism: Mechanism, settler: Settler, at: float | None) -> Iterat
                f"is at t = {settler.time:g} s")
 
 
-# -- what is reported ----------------------------------------------------------------
-
-
 def verdict(rest: AtRest) -> str:
     """The stability in words."""
     if rest.stability == UNSTABLE:
@@ -286,30 +273,32 @@ def verdict(rest: AtRest) -> str:
 
 
 def quantities(run: Recording) -> dict[str, str]:
-    """Names and units of the quantities that describe an equilibrium.
-
-    Angles of hinges, positions of other bodies, tensions, forces of springs, contact forces.
-    """
+    """Names and units of the quantities that describe an equilibrium."""
     model = run.model
     hinged = set(model.joints.bodies[model.joints.pivots, 1].tolist())
-    names = [f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()]
-    names += [f"{name}.length" for name in model.joints.name]
-    names += [f"{model.bodies.name[i]}.{part}" for i in np.flatnonzero(model.bodies.free).tolist()
-              for part in ("x", "y", "angle") if i not in hinged]
+    names = [*_angles(model), *(f"{name}.length" for name in model.joints.name)]
+    names += [name for i, each in _positions(model) if i not in hinged for name in each]
     for of, parts in ((model.tendons, ["tension"]), (model.springs, ["force", "torque"]),
                       (model.lines, ["pressure"])):
         names += [f"{name}.{part}" for name in of.name for part in parts]
-    contacts, bodies = run.contacts, model.bodies.name
+    contacts = run.contacts
     for row, friction in enumerate(contacts.tangential.tolist()):
-        pair = f"{bodies[contacts.body[row]]}/{bodies[contacts.other[row]]}"
+        pair = "/".join(model.bodies.name[each[row]] for each in (contacts.body, contacts.other))
         names += [f"{pair}.normal", *[f"{pair}.tangential"] * (abs(friction) > TOUCH)]
     return {name: run.unit(name) for name in names if name in run}
 
 
 def places(run: Recording) -> list[str]:
     """Names of all angles of hinges and positions of bodies."""
-    model = run.model
-    return [name for name in (
-        *(f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()),
-        *(f"{model.bodies.name[i]}.{part}" for i in np.flatnonzero(model.bodies.free).tolist()
-          for part in ("x", "y", "angle"))) if name in run]
+    names = [*_angles(run.model), *(name for _, each in _positions(run.model) for name in each)]
+    return [name for name in names if name in run]
+
+
+def _angles(model: Model) -> list[str]:
+    return [f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()]
+
+
+def _positions(model: Model) -> Iterator[tuple[int, list[str]]]:
+    """The index of each free body, and names of its position."""
+    for i in np.flatnonzero(model.bodies.free).tolist():
+        yield i, [f"{model.bodies.name[i]}.{part}" for part in ("x", "y", "angle")]

@@ -1,9 +1,8 @@
-"""Brings a mechanism to rest: a slow load, kinetic damping, then Newton's method.
+"""Static equilibrium by a slow load, kinetic damping, then Newton's method.
 
-Kinetic damping: bodies move with the engine's steps until their kinetic energy passes a peak; there
-all are stopped, and start anew. At a peak forces balance along the motion, so every stop is nearer
-to equilibrium than the one before. No damper is needed. The distance of a step is bounded, so that
-no contact is missed.
+Kinetic damping: bodies move with the engine's steps until their kinetic energy passes a peak, where
+all are stopped. At a peak forces balance along the motion, so every stop is nearer to equilibrium.
+The distance of a step is bounded, so that no contact is missed.
 """
 
 from __future__ import annotations
@@ -27,35 +26,24 @@ from sandbox.wording import listed, near, quoted
 
 STAGES, FRICTION_STAGES = 40, 200
 """Stages of a slow load; the second with dry friction, where the result depends on the path."""
-MAX_STEPS = 20_000
-"""Of one relaxation."""
-REST = 1e-12
-"""Motion in a step from rest, relative to the size, of a mechanism at rest."""
-NEAR = (1e-7, 1e-9)
-"""The same of one that is near enough for Newton's method."""
+MAX_STEPS = 20_000  # of one relaxation
+REST = 1e-12  # motion in a step from rest, relative to the size, of a mechanism at rest
+NEAR = (1e-7, 1e-9)  # the same of one that is near enough for Newton's method
 BALANCED, CLOSE = 1e-9, 1e-6
 """Residual along free motions, relative to the largest force, of an equilibrium; the second where
 Newton's method does not converge, by rounding or where something just touches."""
-MAX_ITERATIONS = 25
-"""Of Newton's method; near an equilibrium four are enough."""
-EXACT = 1e-11
-"""Motion, relative to the size, at which Newton's method ends; gaps close to 1e-13 m."""
-BLOCK = 4
-"""Steps between two evaluations of the energy."""
+MAX_ITERATIONS = 25  # of Newton's method; near an equilibrium four are enough
+EXACT = 1e-11  # motion, relative to the size, at which Newton's method ends; gaps close to 1e-13 m
+BLOCK = 4  # steps between two evaluations of the energy
 MAX_WAY = 0.02
 """Of the size: longest motion of a point in a step; never more than half of the distance at which
 contacts are detected."""
-FAR, TURNS = 10.0, 60.0
-"""Motion of a body that nothing holds: times the size, and [rad]."""
-PUSH = 4e-5
-"""Step of scheduled bodies [m]: the engine removes an overlap at 0.1 m/s."""
-TURN = 0.02
-"""Rotation of a hinge in one step [rad]."""
-CLOSING = 4
-"""Further steps that close a loop."""
+FAR, TURNS = 10.0, 60.0  # motion of a body that nothing holds: times the size, and [rad]
+PUSH = 4e-5  # step of scheduled bodies [m]: the engine removes an overlap at 0.1 m/s
+TURN = 0.02  # rotation of a hinge in one step [rad]
+CLOSING = 4  # further steps that close a loop
 PARTS = {"x": 0, "y": 1, "angle": 2}
-Start = Mapping[str, float]
-"""``JOINT.angle``, ``BODY.x``, ``BODY.y``, ``BODY.angle`` to values [rad, m]."""
+Start = Mapping[str, float]  # JOINT.angle, BODY.x, BODY.y, BODY.angle to values [rad, m]
 
 
 class Unsettled(Exception):
@@ -63,12 +51,7 @@ class Unsettled(Exception):
 
 
 class Settler:
-    """A mechanism with its drives as at one time, and its search for equilibria.
-
-    Args:
-        mechanism: the mechanism.
-        time: whose values drives and scheduled bodies have [s].
-    """
+    """A mechanism with drives and scheduled bodies as at one time [s]; finds equilibria."""
 
     def __init__(self, mechanism: Mechanism, time: float) -> None:
         self.still, self.time = Still(mechanism), time
@@ -78,28 +61,20 @@ class Settler:
             raise SceneError([Problem("no-rest",
                                       "nothing moves freely: there is no equilibrium to find",
                                       "bodies")])
-        self.first = self.still.pose
-        """The pose of the scene, [nb, 3]."""
+        self.first = self.still.pose  # the pose of the scene, [nb, 3]
         self._reach = _reaches(self.model)
         low = (self.first[self._free, :2] - self._reach[self._free, None]).min(axis=0)
         high = (self.first[self._free, :2] + self._reach[self._free, None]).max(axis=0)
-        self.size = float(max((high - low).max(), 1e-6))
-        """Largest extent of what moves [m]."""
+        self.size = float(max((high - low).max(), 1e-6))  # largest extent of what moves [m]
         self._most = min(self.still.margin / 2, MAX_WAY * self.size)
         self.drive, self.places = self.still.driven(time)
-        self.steps = 0
-        """Steps of the engine so far."""
-        self.remark = ""
-        """A remark about a slow load that passed no equilibrium."""
+        self.steps = 0  # steps of the engine so far
+        self.remark = ""  # a remark about a slow load that passed no equilibrium
         self.untold = _no_stiffness(self.model)
         """Why the stiffness, and so the stability, is unknown; empty if it is known."""
 
     def follow(self, stages: int | None = None) -> None:
-        """Apply the drives slowly, from the scene's pose.
-
-        Args:
-            stages: number of stages, each at rest; by default more with dry friction.
-        """
+        """Apply the drives slowly from the scene's pose, in ``stages`` that come to rest each."""
         self.still.put(self.first)
         stages = stages or (FRICTION_STAGES if _has_friction(self.model) else STAGES)
         last: Array | None = None
@@ -109,11 +84,10 @@ class Settler:
             if last is not None and np.array_equal(last, drive) and not moved:
                 continue
             self._push(places, drive)
-            at_rest, worst = self._relax(drive, MAX_STEPS // 4, NEAR[0])
-            if not at_rest and not self.remark and time < self.time:
+            why = self._relax(drive, MAX_STEPS // 4, NEAR[0])
+            if why and not self.remark and time < self.time:
                 self.remark = (f"with the drives as at t = {time:.3g} s it does not come to rest, "
-                               f"{self._reason(worst, drive)}: what follows depends on more "
-                               "than a slow load")
+                               f"{why}: what follows depends on more than a slow load")
             last = drive
 
     def start(self, pose: Array) -> None:
@@ -171,20 +145,13 @@ class Settler:
         return found
 
     def _come_to_rest(self, rest: float) -> None:
-        at_rest, worst = self._relax(self.drive, MAX_STEPS, rest)
-        if not at_rest:
-            raise Unsettled(self._reason(worst, self.drive))
+        if why := self._relax(self.drive, MAX_STEPS, rest):
+            raise Unsettled(why)
 
-    def _relax(self, drive: Array, steps: int, rest: float) -> tuple[bool, int]:
-        """Kinetic damping until at rest; bodies are left at rest.
+    def _relax(self, drive: Array, steps: int, rest: float) -> str:
+        """Kinetic damping for at most some steps, until motions in a step are below ``rest``.
 
-        Args:
-            drive: values of the drives, [nd].
-            steps: at most.
-            rest: motion in a step from rest, relative to the size, that counts as none.
-
-        Returns:
-            whether the mechanism is at rest, and the fastest body.
+        Returns why it does not come to rest, empty if it does; all bodies are stopped.
         """
         still, begin = self.still, self.still.pose
         last, fresh, until = 0.0, True, self.steps + steps
@@ -197,11 +164,13 @@ class Settler:
             fastest = np.hypot(speed[:, 0], speed[:, 1]) + self._reach * np.abs(speed[:, 2])
             way = still.step_size * np.where(self._free, fastest, 0.0)
             worst = int(np.argmax(way))
-            at_rest = fresh and bool(way[worst] <= rest * self.size)
-            x, y, turn = np.abs((still.pose - begin)[worst])
-            if at_rest or self.steps >= until or max(x, y) > FAR * self.size or turn > TURNS:
+            if fresh and way[worst] <= rest * self.size:
                 still.slow(0.0)
-                return at_rest, worst
+                return ""
+            x, y, turn = np.abs((still.pose - begin)[worst])
+            if self.steps >= until or max(x, y) > FAR * self.size or turn > TURNS:
+                still.slow(0.0)
+                break
             energy = float((still.mass[self._free] * speed[self._free] ** 2).sum() / 2)
             if not fresh and energy < last:
                 still.slow(0.0)
@@ -213,18 +182,14 @@ class Settler:
                 still.slow(share)
                 last *= share * share
 
-    def _reason(self, worst: int, drive: Array) -> str:
-        """Why the mechanism does not come to rest."""
-        drives = self.model.drives
+        drives, name = self.model.drives, quoted(self.model.bodies.name[worst])
         rates = [drives.name[i] for i, kind in enumerate(drives.kind)
                  if kind.unit in ("rad/s", "m/s") and drive[i] != 0]
-        name = quoted(self.model.bodies.name[worst])
-        moved = (self.still.pose - self.first)[worst]
-        way = float(np.hypot(*moved[:2]))
+        moved = (still.pose - self.first)[worst]
         if rates:
             return f"the drive {quoted(rates[0])} goes on for ever, and {name} with it"
-        if way > self.size:
-            return f"nothing holds {name}: it has gone {way:.3g} m and goes on"
+        if (gone := float(np.hypot(*moved[:2]))) > self.size:
+            return f"nothing holds {name}: it has gone {gone:.3g} m and goes on"
         if abs(moved[2]) > TURNS:
             return f"nothing holds {name}: it turns on and on"
         return f"{name} still moves after {self.steps} steps"
@@ -249,21 +214,23 @@ class Settler:
             self.still.put(pose)
 
 
+def _grips(model: Model) -> bool:
+    """Whether tendons have friction at guides."""
+    return any(len(model.tendons.gripped(k)) for k in range(len(model.tendons.name)))
+
+
 def _has_friction(model: Model) -> bool:
     """Whether anything that may touch or slide has dry friction."""
-    tendons, bodies = model.tendons, model.mechanism.bodies
-    shaped = [i for i, body in enumerate(bodies) if body.shapes]
+    shaped = [i for i, body in enumerate(model.mechanism.bodies) if body.shapes]
     return bool(
-        len(model.joints.frictional)
-        or any(len(tendons.gripped(cable)) for cable in range(len(tendons.name)))
+        len(model.joints.frictional) or _grips(model)
         or any(friction_of(model.mechanism, i, k) > 0 for i in shaped for k in shaped
                if i < k and (model.bodies.free[i] or model.bodies.free[k])))
 
 
 def _no_stiffness(model: Model) -> str:
     """Why the stiffness of a mechanism is unknown; empty if it is known."""
-    tendons = model.tendons
-    if any(len(tendons.gripped(cable)) for cable in range(len(tendons.name))):
+    if _grips(model):
         return "tendons with friction in their guides"
     why = without_stiffness(model)
     if why == "loads by laws" and not any(
@@ -306,29 +273,41 @@ def place_start(settler: Settler, start: Start) -> Array:
         joint = model.names.joint.get(element)
         if joint is not None and part == "angle":
             _turn(settler, joint, value)
-        else:
-            _bring(settler, model.names.body[element], PARTS[part], value)
+            continue
+        # a body's frame; joints that this opens close as the mechanism comes to rest
+        body = model.names.body[element]
+        pose, centre = still.pose, model.bodies.centre[body]
+        frame = pose[body].copy()
+        frame[:2] = placed(pose[body], -centre)
+        frame[PARTS[part]] = value
+        pose[body, :2], pose[body, 2] = placed(frame, centre), frame[2]
+        still.put(pose)
     return still.pose
-
-
-def _angle(settler: Settler, joint: int) -> float:
-    joints = settler.model.joints
-    a, b = settler.still.pose[joints.bodies[joint], 2]
-    return float(joints.sense[joint] * (b - a) - joints.zero[joint])
 
 
 def _turn(settler: Settler, joint: int, value: float) -> None:
     """Turn the bodies beyond a hinge rigidly; in a loop all joints give way."""
     joints, still = settler.model.joints, settler.still
-    b = int(joints.bodies[joint, 1])
-    beyond = sorted(beyond_joint(settler.model, joint))
-    way = value - _angle(settler, joint)
+    sense, (a, b) = float(joints.sense[joint]), joints.bodies[joint].tolist()
+
+    def missing() -> float:
+        return value - float(sense * (still.pose[b, 2] - still.pose[a, 2]) - joints.zero[joint])
+
+    way, beyond = missing(), sorted(beyond_joint(settler.model, joint))
     count = max(1, int(np.ceil(abs(way) / TURN)))
     if not beyond:
         for k in range(count + CLOSING):
-            _turn_loop(settler, joint, (value - _angle(settler, joint)) / max(1, count - k))
+            balance = settler.look()
+            row = np.zeros(len(balance.mass))
+            for body, sign in ((a, -sense), (b, sense)):
+                row[3 * np.flatnonzero(balance.bodies == body) + 2] += sign
+            row = balance.free.T @ (row * balance.scale)
+            if row @ row > 0:
+                part = missing() / max(1, count - k)
+                still.put(balance.pose_after(
+                    still.pose, balance.free @ (row * part / (row @ row)) + balance.closing()))
         return
-    part = float(joints.sense[joint]) * (way if b in beyond else -way) / count
+    part = sense * (way if b in beyond else -way) / count
     c, s = np.cos(part), np.sin(part)
     for _ in range(count):
         pose = still.pose
@@ -338,24 +317,3 @@ def _turn(settler: Settler, joint: int, value: float) -> None:
         still.put(pose)
         still.move(settler.drive)  # tendons update their paths
         still.put(pose)
-
-
-def _turn_loop(settler: Settler, joint: int, part: float) -> None:
-    joints, balance = settler.model.joints, settler.look()
-    row = np.zeros(len(balance.mass))
-    for body, sign in zip(joints.bodies[joint].tolist(), (-1.0, 1.0), strict=True):
-        row[3 * np.flatnonzero(balance.bodies == body) + 2] += sign * float(joints.sense[joint])
-    row = balance.free.T @ (row * balance.scale)
-    if row @ row > 0:
-        settler.still.put(balance.pose_after(
-            settler.still.pose, balance.free @ (row * part / (row @ row)) + balance.closing()))
-
-
-def _bring(settler: Settler, body: int, part: int, value: float) -> None:
-    """Move a body's frame; joints that this opens close as the mechanism comes to rest."""
-    pose, centre = settler.still.pose, settler.model.bodies.centre[body]
-    frame = pose[body].copy()
-    frame[:2] = placed(pose[body], -centre)
-    frame[part] = value
-    pose[body, :2], pose[body, 2] = placed(frame, centre), frame[2]
-    settler.still.put(pose)

@@ -7,16 +7,14 @@ before the comma, that part has a colour and the rest a dash or a marker.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from sandbox.figure import style
-from sandbox.figure.style import take_apart
 from sandbox.numeric import Array
 
 KINDS: dict[str, dict[str, Any]] = {
@@ -27,48 +25,33 @@ KINDS: dict[str, dict[str, Any]] = {
     "dots": {"linestyle": "", "marker": "o", "markersize": 3.5, "markeredgewidth": 0},
     "rug": {"linestyle": "", "marker": "|", "markersize": 8},
     "joined": {"linewidth": 1.3, "marker": "o", "markersize": 4.5},
-}
-"""Line properties by kind of curve."""
+}  # line properties by kind of curve
 MARKERS = "os^Dv"
 LARGER = 1.8
 """Points of one kind are larger than those of the next by this [pt], since they may coincide."""
 MANY_POINTS, APART = 30, 0.045
 """With more points than this, those closer than this share of the panel are skipped."""
-READABLE = (1e-3, 1e4)
-"""Range of numbers written without powers of ten at logarithmic axes."""
-AT_THE_RIGHT = 0.8
-"""A curve that ends beyond this share of the panel's width can have its name at its end."""
-NARROW_RANGE = 100
-"""A logarithmic axis with a smaller ratio of its limits also labels twos and fives."""
-POWERS = (-3, 5)
-"""Powers of ten between which the numbers of a linear axis are written out."""
+POWERS = (-3, 5)  # powers of ten between which the numbers of a linear axis are written out
 MIN_PLANE, MAX_PLANE, PLANE_MARGIN = 38.0, 110.0, 1.14
 """Height of panels with equal scales [mm]; the range shown as a multiple of the values' range."""
-ROUNDING = 1e-12
-"""Values below this are zero."""
-ROW = 1.25 * style.SMALL * style.MM_PER_POINT
-"""Height of a label beside a panel [mm]."""
+ROUNDING = 1e-12  # values below this are zero
+ROW = 1.25 * style.SMALL * style.MM_PER_POINT  # height of a name beside a panel [mm]
 
 
 @dataclass(frozen=True)
 class Axis:
     """An axis of a panel."""
 
-    label: str = ""
-    """With its unit."""
+    label: str = ""  # with its unit
     log: bool = False
-    ticks: Sequence[float] = ()
-    """Positions of the ticks; matplotlib's choice by default."""
-    words: Sequence[str] = ()
-    """Texts of the ticks."""
+    words: Sequence[str] = ()  # texts of ticks at 0, 1, …
     limits: tuple[float, float] | None = None
 
 
 class Curve(NamedTuple):
     """Points (x, y), shape [n] each."""
 
-    label: str
-    """Empty for a curve without a name."""
+    label: str  # empty for a curve without a name
     x: Array
     y: Array
     kind: Literal["line", "dashed", "points", "dots", "rug", "joined"] = "line"
@@ -78,7 +61,7 @@ class Curve(NamedTuple):
 
 
 class Upright(NamedTuple):
-    """A vertical line, with a name at the top of the panel."""
+    """A vertical line, with a name above the panel."""
 
     x: float
     name: str = ""
@@ -88,8 +71,7 @@ class Upright(NamedTuple):
 class Custom(NamedTuple):
     """A mark that matplotlib draws in one call, such as a histogram."""
 
-    draw: Callable[[Any], object]
-    """Called with the axes."""
+    draw: Callable[[Any], object]  # called with the axes
 
 
 Mark = Curve | Upright | Custom
@@ -103,12 +85,9 @@ class Panel:
     x: Axis = Axis()
     y: Axis = Axis()
     marks: Sequence[Mark] = ()
-    names: Literal["auto", "side", "above", "inside", ""] = "auto"
-    """Place of the curves' names."""
-    height: float = 38.0
-    """Of its axes [mm]."""
-    plane: bool = False
-    """Whether both axes have one scale, so that a circle is round."""
+    names: Literal["above", "side", "inside", ""] = "above"  # place of the curves' names
+    height: float = 38.0  # of its axes [mm]
+    plane: bool = False  # whether both axes have one scale, so that a circle is round
     grid: Literal["both", "x", ""] = "both"
 
     @property
@@ -118,31 +97,16 @@ class Panel:
 
     def values(self, of: Literal["x", "y"]) -> Array:
         """All finite coordinates of its curves."""
-        rows = [getattr(curve, of) for curve in self.curves if of == "x" or curve.kind != "rug"]
-        values = np.concatenate([np.ravel(row) for row in rows]) if rows else np.empty(0)
-        return np.asarray(values[np.isfinite(values)], dtype=float)
-
-
-@dataclass
-class _Drawn:
-    """A panel with its axes, and texts that are placed when the layout is known."""
-
-    panel: Panel
-    axes: Any
-    beside: list[tuple[Any, float]] = field(default_factory=list)
-    """Labels at the right, and the values at the ends of their curves."""
-    events: list[Any] = field(default_factory=list)
-    """Names of vertical lines."""
+        rows = [np.ravel(getattr(curve, of)) for curve in self.curves
+                if of == "x" or curve.kind != "rug"]
+        values = np.concatenate([np.empty(0), *rows])
+        return np.asarray(values[np.isfinite(values)])
 
 
 def save_panels(
     path: Path, panels: Sequence[Panel] | Sequence[Sequence[Panel]], **how: Any,
 ) -> None:
-    """Draw panels into a file; see :func:`draw`.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
+    """Draw panels into a file; see :func:`draw`. OutputError if it cannot be written."""
     style.save_figure(draw(panels, **how), path)
 
 
@@ -151,19 +115,11 @@ def draw(
     key: Sequence[tuple[str, Mapping[str, Any]]] = (), notes: Sequence[str] = (),
     width: float = style.WIDTH, shared: bool = False, widths: Sequence[float] | None = None,
 ) -> Any:
-    """A figure of panels one below the other, or of rows of panels.
+    """A ``matplotlib`` figure of panels one below the other, or of rows of panels.
 
-    Args:
-        panels: at least one.
-        title: of the figure.
-        key: names above the panels, and the line properties they stand for.
-        notes: lines below the panels.
-        width: of the figure [mm].
-        shared: whether the panels of a column share their x axis.
-        widths: ratios of the widths of the columns.
-
-    Returns:
-        a ``matplotlib.figure.Figure``.
+    ``key`` are names above the panels and their line properties; ``notes`` are lines below them;
+    ``width`` is in mm. ``shared``: the panels of a column share their x axis; ``widths`` are ratios
+    of the widths of the columns.
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
@@ -173,20 +129,26 @@ def draw(
     grid = figure.subplots(len(rows), len(rows[0]), squeeze=False, width_ratios=widths,
                            sharex="col" if shared else "none",
                            sharey="row" if len(rows[0]) > 1 else "none")
-    cells, first = [], None
+    heights, shown = [], list[str]()
     for row, all_axes in zip(rows, grid, strict=True):
+        heights.append(0.0)
         for panel, axes in zip(row, all_axes, strict=True):
             _dress(axes, panel, bottom=not shared or row is rows[-1])
-            drawn, names = _fill(axes, panel)
-            words = [name for name, _ in names]
-            if names and (panel.names == "above" or words != first):  # above, below its title
+            names = _fill(axes, panel)
+            heights[-1] = max(heights[-1], panel.height)
+            if not panel.names or not names or shown == (shown := [name for name, _ in names]):
+                continue  # names are not repeated below
+            if panel.names == "inside":
+                style.legend(axes, names, loc="best")
+            elif panel.names == "side":
+                style.legend(axes, names, loc="upper left", bbox_to_anchor=(1.0, 1.02))
+                heights[-1] = max(heights[-1], ROW * len(names))
+            else:  # below the title
                 head = axes.get_title(loc="left")
                 axes.set_title("", loc="left")
                 style.legend(axes, names, width - 12.0, loc="lower left", title=head,
                              bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1,
                              title_fontsize=style.PLAIN)
-            first = words if first is None else first  # these names are not repeated below
-            cells.append(drawn)
     head = style.in_lines(title, width, style.HEAD, style.BOLD)
     if key:
         artists = [(name, Patch(color=look["facecolor"]) if "facecolor" in look else
@@ -199,7 +161,7 @@ def draw(
     if notes:
         figure.supxlabel("\n".join(style.in_lines(note, width, style.SMALL) for note in notes),
                          x=0.01, ha="left", fontsize=style.SMALL, color=style.QUIET)
-    _fit(figure, grid, cells)
+    _set_heights(figure, grid, rows, heights)
     return figure
 
 
@@ -221,132 +183,73 @@ def _dress(axes: Any, panel: Panel, *, bottom: bool) -> None:
     axes.yaxis.offsetText.set(**text)
 
 
-def _fill(axes: Any, panel: Panel) -> tuple[_Drawn, list[tuple[str, Any]]]:
-    """Draw the marks of a panel; its texts to be placed, and the names left for a legend."""
-    looks, drawn = _looks(panel.curves), _Drawn(panel, axes)
-    lines = [_plot(axes, *each) for each in zip(panel.curves, looks, strict=True)]
+def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
+    """Draw the marks of a panel; the names of its curves with samples for a legend."""
+    curves, uprights = panel.curves, [mark for mark in panel.marks if isinstance(mark, Upright)]
+    looks, names = _looks(curves)
+    lines = []
+    for curve, look in zip(curves, looks, strict=True):
+        rug, few = curve.kind == "rug", dict[str, Any]()
+        if rug:
+            few = {"transform": axes.get_xaxis_transform()}
+        elif curve.kind == "points" and len(curve.x) > MANY_POINTS and \
+                np.isfinite(curve.x + curve.y).all():
+            few = {"markevery": APART}
+        y = np.full(len(curve.x), 0.02) if rug else curve.y
+        lines += axes.plot(curve.x, y, **look, **few)
     for mark in panel.marks:
         if isinstance(mark, Custom):
             mark.draw(axes)
-        elif isinstance(mark, Upright):
-            axes.axvline(mark.x, **mark.look)
-            if mark.name:
-                drawn.events.append(axes.annotate(
-                    style.plain(mark.name), (mark.x, 1.0), xycoords=("data", "axes fraction"),
-                    textcoords="offset points", xytext=(2, 0), va="top", fontsize=style.TINY,
-                    color=style.QUIET, bbox={"facecolor": "white", "edgecolor": "none",
-                                             "pad": 0.5}))
-                drawn.events[-1].set_in_layout(False)
+    for mark in uprights:
+        axes.axvline(mark.x, **mark.look)
+    if named := [mark for mark in uprights if mark.name]:
+        top = axes.secondary_xaxis("top")
+        top.set_xticks([mark.x for mark in named], [style.plain(mark.name) for mark in named],
+                       rotation=45, ha="left", rotation_mode="anchor", fontsize=style.TINY,
+                       color=style.QUIET)
+        top.tick_params(length=0, pad=1)
+        top.spines[:].set_visible(False)
     _scale(axes, panel)
-    drawn.beside = _beside(axes, panel, looks) if panel.names in ("auto", "side") else []
-    take_apart(axes, [line for line, curve in zip(lines, panel.curves, strict=True)
-                      if curve.kind == "line"])
-    if drawn.beside and panel.names == "auto":
-        axes.set_xlim(right=max(np.nanmax(curve.x) for curve in panel.curves))
-        _whole_markers(axes, lines, looks)
-    left = _key([look for look in looks if look.head],
-                {text.get_text() for text, _ in drawn.beside})
-    if panel.names == "inside":
-        style.legend(axes, left, loc="best")
-    return drawn, left if panel.names in ("auto", "above") else []
+    style.show_coincident(axes, [line for line, curve in zip(lines, curves, strict=True)
+                                 if curve.kind == "line"])
+    return names
 
 
-class _Look(NamedTuple):
-    """Name and line properties of a curve."""
+def _looks(curves: Sequence[Curve]) -> tuple[list[dict[str, Any]], list[tuple[str, Any]]]:
+    """Line properties of curves, and names with samples: heads in colours, tails without."""
+    from matplotlib.lines import Line2D
 
-    head: str
-    tail: str
-    """The part of the name behind the comma, if curves share the part before it."""
-    how: Mapping[str, Any]
-
-
-def _plot(axes: Any, curve: Curve, look: _Look) -> Any:
-    few = {"markevery": APART} if curve.kind == "points" and len(curve.x) > MANY_POINTS and \
-        np.isfinite(curve.x + curve.y).all() else {}
-    if curve.kind == "rug":
-        few = {"transform": axes.get_xaxis_transform()}
-    y = np.full(len(curve.x), 0.02) if curve.kind == "rug" else curve.y
-    return axes.plot(curve.x, y, **look.how, **few)[0]
-
-
-def _looks(curves: Sequence[Curve]) -> list[_Look]:
-    """Line properties of curves: a colour by head, a dash or a marker by tail."""
     split = [(head, tail.strip()) for head, _, tail in (c.label.partition(",") for c in curves)]
     heads = [head for head, _ in split]
     shared = any(head and heads.count(head) > 1 for head in heads)
     if not shared:
         split = [(curve.label, "") for curve in curves]
     order = list(dict.fromkeys(head for head, _ in split))
-    manners = {kind: list(dict.fromkeys(
-        tail if shared else head for curve, (head, tail) in zip(curves, split, strict=True)
-        if curve.kind == kind)) for kind in ("line", "points", "joined")}
-    looks = []
-    for curve, (head, tail) in zip(curves, split, strict=True):
+    looks: list[dict[str, Any]] = []
+    named: dict[str, Any] = {}
+    tails: dict[str, Any] = {}
+    for curve, pair in zip(curves, split, strict=True):
+        head, tail = pair
         how = {**KINDS[curve.kind], **curve.look}
         if "color" not in how:
-            place, mine = order.index(head), manners.get(curve.kind, [])
-            rank = mine.index(tail if shared else head) if mine else 0
+            place = order.index(head)
+            kinds = list(dict.fromkeys(other[shared] for each, other in zip(
+                curves, split, strict=True) if each.kind == curve.kind))
+            rank = kinds.index(pair[shared])
             how["color"] = style.hue(place)
             if curve.kind == "line":
                 how["linestyle"] = (style.DASHES[rank % len(style.DASHES)] if shared
                                     else style.dash(place))
-            elif mine:
+            elif curve.kind in ("points", "joined"):
                 how["marker"] = MARKERS[rank % len(MARKERS)]
-                how["markersize"] += LARGER * (len(mine) - 1 - rank) * (curve.kind == "points")
-        looks.append(_Look(head, tail, how))
-    return looks
-
-
-def _key(looks: Sequence[_Look], named: set[str]) -> list[tuple[str, Any]]:
-    """Names and samples of a legend: heads in their colours, then tails without a colour."""
-    from matplotlib.lines import Line2D
-
-    heads: dict[str, Any] = {}
-    tails: dict[str, Any] = {}
-    for look in looks:
-        if look.tail and sum(other.head == look.head for other in looks) > 1:
-            heads.setdefault(look.head, Line2D([], [], color=look.how["color"], linewidth=3.0))
-            tails.setdefault(look.tail, Line2D([], [], **{**look.how, "color": style.INK}))
+                how["markersize"] += LARGER * (len(kinds) - 1 - rank) * (curve.kind == "points")
+        looks.append(how)
+        if tail and heads.count(head) > 1:
+            named.setdefault(head, Line2D([], [], color=how["color"], linewidth=3.0))
+            tails.setdefault(tail, Line2D([], [], **{**how, "color": style.INK}))
         else:
-            name = f"{look.head}, {look.tail}" if look.tail else look.head
-            heads.setdefault(name, Line2D([], [], **look.how))
-    return [(name, sample) for name, sample in {**heads, **tails}.items()
-            if name and style.plain(name) not in named]
-
-
-def _beside(axes: Any, panel: Panel, looks: Sequence[_Look]) -> list[tuple[Any, float]]:
-    """Labels at the ends of curves; by ``auto`` only if there are several, all at the right."""
-    to_axes = axes.transScale + axes.transLimits
-    found: dict[str, tuple[float, Any]] = {}
-    for curve, look in zip(panel.curves, looks, strict=True):
-        finite = np.flatnonzero(np.isfinite(curve.x + curve.y))
-        if not look.head or look.head in found:
-            continue
-        end = (curve.x[finite[-1]], curve.y[finite[-1]]) if len(finite) else (0.0, 0.0)
-        if panel.names == "auto":
-            # one that is vertical ends at no particular height
-            if curve.kind == "points" or not len(finite) or np.ptp(curve.x[finite]) == 0:
-                continue
-            if to_axes.transform(end)[0] < AT_THE_RIGHT:
-                return []
-        found[look.head] = (float(end[1]), look.how["color"])
-    if panel.names == "auto" and len(found) < 2:
-        return []
-    return [(axes.annotate(style.plain(name), (1.0, 0.5), xycoords="axes fraction", xytext=(6, 0),
-                           textcoords="offset points", va="center", fontsize=style.SMALL,
-                           color=colour, annotation_clip=False), y)
-            for name, (y, colour) in found.items()]
-
-
-def _whole_markers(axes: Any, lines: Sequence[Any], looks: Sequence[_Look]) -> None:
-    """Draw markers at the right end again without clipping."""
-    (left, right), (low, high) = sorted(axes.get_xlim()), sorted(axes.get_ylim())
-    for line, look in zip(lines, looks, strict=True):
-        x, y = line.get_xydata().T
-        last = (x >= right - 1e-9 * (right - left)) & (y >= low) & (y <= high)
-        if "marker" in look.how and last.any():
-            axes.plot(x[last], y[last], scalex=False, scaley=False, clip_on=False, **{
-                **look.how, "linestyle": ""})
+            named.setdefault(curve.label, Line2D([], [], **how))
+    return looks, [(name, sample) for name, sample in {**named, **tails}.items() if name]
 
 
 def _scale(axes: Any, panel: Panel) -> None:
@@ -355,33 +258,21 @@ def _scale(axes: Any, panel: Panel) -> None:
                                      ("y", axes.yaxis, panel.y, panel.values("y"))):
         if one.log:
             getattr(axes, f"set_{along}scale")("log")
-            _log_numbers(axis, values)
-        elif along == "y" and not one.words and not one.ticks:
+        elif along == "y" and not one.words:
             axes.ticklabel_format(axis="y", scilimits=POWERS, useMathText=True, useOffset=False)
             if len(values) and one.limits is None and not panel.plane:
-                axes.set_ylim(*roomy(values))
+                axes.set_ylim(*_roomy(values))
         elif along == "x" and len(values) and (np.mod(values, 1) == 0).all() and not one.words:
             axis.get_major_locator().set_params(integer=True)
-        if one.ticks or one.words:
-            axis.set_ticks(one.ticks or range(len(one.words)),
-                           labels=[style.plain(word) for word in one.words] or None)
-            axis.set_minor_formatter("")
+        if one.words:
+            axis.set_ticks(range(len(one.words)), [style.plain(word) for word in one.words])
         if one.limits is not None:
             getattr(axes, f"set_{along}lim")(*one.limits)
     if not panel.plane:
         axes.set(xlim=axes.get_xlim(), ylim=axes.get_ylim())
 
 
-def _log_numbers(axis: Any, values: Array) -> None:
-    """Numbers of a logarithmic axis, as powers of ten only where they are hard to read else."""
-    if len(values) and ((values > READABLE[0]) & (values < READABLE[1])).all():
-        leading = "25" if values.max() <= NARROW_RANGE * values.min() else ""
-        axis.set_major_formatter(lambda value, _: style.number(value))
-        axis.set_minor_formatter(
-            lambda value, _: style.number(value) if f"{value:e}"[0] in leading else "")
-
-
-def roomy(values: Array) -> tuple[float, float]:
+def _roomy(values: Array) -> tuple[float, float]:
     """Limits of a linear axis with a margin around finite values, shape [n], n > 0."""
     low, high = float(values.min()), float(values.max())
     peak, middle = max(abs(low), abs(high)), 0.5 * (low + high)
@@ -390,69 +281,34 @@ def roomy(values: Array) -> tuple[float, float]:
     return low - 0.06 * span, high + 0.08 * span
 
 
-def _fit(figure: Any, grid: Any, cells: Sequence[_Drawn]) -> None:
-    """Set the height of a figure so that each panel has its own, then place the texts."""
-    columns, planes = grid.shape[1], [cell for cell in cells if cell.panel.plane]
+def _set_heights(
+    figure: Any, grid: Any, rows: Sequence[Sequence[Panel]], heights: list[float],
+) -> None:
+    """Set the height of a figure so that each row of panels has its own [mm].
+
+    Panels with equal scales get limits and a height that fit the width of the layout.
+    """
     figure.draw_without_rendering()
-    sizes = [cell.axes.get_window_extent() for cell in cells]
-    heights = [max(cell.panel.height, ROW * len(cell.beside)) for cell in cells]
-    if planes:  # limits of x so that all have one scale
+    sizes = [row[0].get_window_extent() for row in grid]
+    planes = [(k, row[0], axes[0]) for k, (row, axes) in enumerate(zip(rows, grid, strict=True))
+              if row[0].plane]
+    if planes:
         width = sizes[0].width / figure.dpi / style.MM
-        x = np.concatenate([cell.panel.values("x") for cell in planes])
-        spans = [float(np.ptp(cell.panel.values("y"))) if cell.panel.plane else 0.0
-                 for cell in cells]
+        x = np.concatenate([panel.values("x") for _, panel, _ in planes])
+        spans = [float(np.ptp(panel.values("y"))) for _, panel, _ in planes]
         scale = PLANE_MARGIN * max(float(np.ptp(x)) / width, max(spans) / MAX_PLANE)
         middle, half = 0.5 * float(x.min() + x.max()), 0.5 * scale * width
-        for cell in planes:
-            cell.axes.set_xlim(middle - half, middle + half)
-        heights = [min(max(PLANE_MARGIN * span / scale, MIN_PLANE), MAX_PLANE)
-                   if cell.panel.plane else high
-                   for cell, span, high in zip(cells, spans, heights, strict=True)]
-    wanted = [max(heights[i:i + columns]) for i in range(0, len(cells), columns)]
-    missing = sum(wanted) * style.MM - sum(size.height for size in sizes[::columns]) / figure.dpi
+        for (k, _, axes), span in zip(planes, spans, strict=True):
+            axes.set_xlim(middle - half, middle + half)
+            heights[k] = min(max(PLANE_MARGIN * span / scale, MIN_PLANE), MAX_PLANE)
+    missing = sum(heights) * style.MM - sum(size.height for size in sizes) / figure.dpi
     figure.set_figheight(figure.get_figheight() + missing)
-    grid[0, 0].get_gridspec().set_height_ratios(wanted)
-    for _ in range(2 if planes else 0):  # new ticks may change the width
+    grid[0, 0].get_gridspec().set_height_ratios(heights)
+    if planes:
         figure.draw_without_rendering()
-        for cell in planes:
-            size, y = cell.axes.get_window_extent(), cell.panel.values("y")
-            high = 0.5 * float(np.ptp(cell.axes.get_xlim())) * size.height / size.width
-            centre = 0.5 * float(y.min() + y.max())
-            cell.axes.set_ylim(centre - high, centre + high)
-    for i, (cell, size) in enumerate(zip(cells, sizes, strict=True)):
-        _place_events(cell, wanted[i // columns] * style.MM * figure.dpi, size.width)
-        if cell.beside:
-            _place_beside(cell, wanted[i // columns])
-
-
-def _place_beside(cell: _Drawn, height: float) -> None:
-    """Move labels at the right apart where they would overlap."""
-    gap, to_axes = ROW / height, cell.axes.transScale + cell.axes.transLimits
-    right = cell.axes.get_xlim()[1]
-    ends = np.array([to_axes.transform((right, y))[1] for _, y in cell.beside])
-    places = style.apart(np.clip(ends, 0.0, 1.0), gap)
-    if len(places) * gap <= 1:
-        places += max(0.0, -places.min()) - max(0.0, places.max() - 1.0)
-    for (label, _), at in zip(cell.beside, places.tolist(), strict=True):
-        label.xy = (1.0, at)
-
-
-def _place_events(cell: _Drawn, height: float, width: float) -> None:
-    """Put names of vertical lines in rows without overlap, with space for them at the top."""
-    taken: list[tuple[int, float, float]] = []
-    (low, high), axes = cell.axes.get_xlim(), cell.axes
-    for label in cell.events:
-        box = label.get_window_extent()
-        at, wide = (label.xy[0] - low) / (high - low), box.width / width + 0.02
-        right = at + wide <= 1 or at < 0.5
-        start, stop = (at, at + wide) if right else (at - wide, at)
-        row = next(row for row in itertools.count() if not any(
-            row == other and start < end and begin < stop for other, begin, end in taken))
-        taken.append((row, start, stop))
-        label.set(ha="left" if right else "right")
-        label.xy = (label.xy[0], 1 - 1.15 * box.height / height * row)
-        label.xyann = (2 if right else -2, 0)
-    if taken:
-        room = 1.2 * cell.events[0].get_window_extent().height / height
-        low, high = axes.get_ylim()
-        axes.set_ylim(low, low + (high - low) / (1 - room * (1 + max(row for row, *_ in taken))))
+    for _, panel, axes in planes:
+        size, y = axes.get_window_extent(), panel.values("y")
+        half = 0.5 * float(np.ptp(axes.get_xlim())) * size.height / size.width
+        centre = 0.5 * float(y.min() + y.max())
+        axes.set_ylim(centre - half, centre + half)
+        axes.set_aspect("equal")  # new ticks may change the width

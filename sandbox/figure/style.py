@@ -19,41 +19,31 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.atomic_files import atomic_file
-from sandbox.numeric import Array, Flags
+from sandbox.numeric import Array
 from sandbox.wording import printable
 
-WIDTH = 120.0
-"""Default width of a figure [mm]."""
-MAX_LETTERS = 200
-"""Longest text; more does not fit on a page."""
-MM, MM_PER_POINT = 1 / 25.4, 25.4 / 72
-"""Inches per millimetre, millimetres per typographic point."""
+WIDTH = 120.0  # default width of a figure [mm]
+MAX_LETTERS = 200  # longest text; more does not fit on a page
+MM, MM_PER_POINT = 1 / 25.4, 25.4 / 72  # inches per millimetre, millimetres per typographic point
 DPI = 200
-TINY, SMALL, PLAIN, HEAD = 7, 8, 8.5, 9.5
-"""Font sizes [pt]."""
+TINY, SMALL, PLAIN, HEAD = 7, 8, 8.5, 9.5  # font sizes [pt]
 LETTER, BOLD = 0.52, 0.62
 """Mean width of a letter, and of a bold letter, as a multiple of the font size."""
-SAMPLE = 14.0
-"""Width of a legend's line sample with the space around it [mm]."""
-MAX_NAME = 60
-"""Letters of a name in a legend."""
+SAMPLE = 14.0  # width of a legend's line sample with the space around it [mm]
+MAX_NAME = 60  # letters of a name in a legend
 BLUE, ORANGE, GREEN, VIOLET = "#2f6690", "#d1742f", "#4f8a6b", "#8a5a9e"
 OCHRE, SLATE, RED = "#9a7b3f", "#5b6673", "#b5485d"
 COLOURS = (BLUE, ORANGE, GREEN, VIOLET, OCHRE, SLATE, RED)
 """Colours of curves, in this order; they differ in lightness as well as in hue."""
 INK, QUIET, GREY, FAINT, BAND = "#222831", SLATE, "#a9b1bb", "#e3e6ea", "#dfe5ec"
 """Colours of text, notes, event lines, grid and shaded ranges."""
-HOLDS = "#cfe0d6"
-"""Colour of areas in which a condition holds."""
-LINE = 1.5
-"""Width of a curve [pt]."""
+HOLDS = "#cfe0d6"  # colour of areas in which a condition holds
+LINE = 1.5  # width of a curve [pt]
 DASHES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 """Line styles, for more curves than colours."""
-TARGET: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (4, 3))}
-"""Line properties of targets."""
+TARGET: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (4, 3))}  # line properties of targets
 SUFFIXES = (".png", ".svg", ".pdf")
-MANY_MM = 0.5
-"""Lengths below this [m] are shown in millimetres."""
+MANY_MM = 0.5  # lengths below this [m] are shown in millimetres
 
 
 class Shown(NamedTuple):
@@ -61,8 +51,7 @@ class Shown(NamedTuple):
 
     factor: float
     unit: str
-    sign: str
-    """Suffix of a number: `` mm``, ``°``."""
+    sign: str  # suffix of a number, such as " mm" or "°"
 
     def label(self, name: str) -> str:
         """Label of an axis."""
@@ -70,12 +59,7 @@ class Shown(NamedTuple):
 
 
 def shown_as(unit: str, *rows: Array) -> Shown:
-    """Angles in degrees, lengths in mm if all are small, everything else in SI.
-
-    Args:
-        unit: SI unit, as in a recording.
-        rows: values to be shown, SI, any shapes; NaN is ignored.
-    """
+    """Angles in degrees, lengths in mm if all ``rows`` [SI] are small, everything else in SI."""
     if unit in ("rad", "rad/s"):
         return Shown(180 / math.pi, unit.replace("rad", "deg"), "°" if unit == "rad" else " deg/s")
     if unit == "m" and all(np.nanmax(np.abs(row), initial=0.0) < MANY_MM for row in rows):
@@ -147,14 +131,7 @@ def in_lines(text: str, width: float, size: float, letter: float = LETTER) -> st
 
 
 def legend(where: Any, key: Sequence[tuple[str, Any]], width: float = 0.0, **how: Any) -> None:
-    """A legend without a frame on a figure or axes.
-
-    Args:
-        where: figure or axes.
-        key: names with their artists.
-        width: in which its columns stand side by side [mm]; 0 for one column.
-        how: options of matplotlib's ``legend``.
-    """
+    """A legend without a frame on a figure or axes, in columns that fit a width [mm]; 0 for one."""
     wide = LETTER * SMALL * MM_PER_POINT * max((len(name) for name, _ in key), default=0) + SAMPLE
     where.legend([artist for _, artist in key],
                  [plain(name if len(name) <= MAX_NAME else f"…{name[1 - MAX_NAME:]}")
@@ -165,33 +142,10 @@ def legend(where: Any, key: Sequence[tuple[str, Any]], width: float = 0.0, **how
                     "labelspacing": 0.35, "columnspacing": 1.4, "alignment": "left", **how})
 
 
-def apart(wanted: Array, gap: float) -> Array:
-    """The nearest positions (least squares) that keep a gap and the order.
-
-    Subtracting i·gap from the i-th position turns the constraint into monotonicity, which isotonic
-    regression solves by pooling adjacent violators.
-
-    Args:
-        wanted: shape [n].
-        gap: least distance.
-
-    Returns:
-        shape [n], in the order of ``wanted``.
-    """
-    from scipy.optimize import isotonic_regression
-
-    order, steps = np.argsort(wanted, kind="stable"), gap * np.arange(len(wanted))
-    result = np.empty(len(wanted))
-    result[order] = isotonic_regression(wanted[order] - steps).x + steps
-    return result
-
-
 def save_figure(figure: Any, path: Path) -> None:
-    """Write a figure as PNG, SVG or PDF by the file's suffix; equal figures give equal bytes.
+    """Write a figure as PNG, SVG or PDF; equal figures give equal bytes.
 
-    Raises:
-        OutputError: the file cannot be written.
-        ValueError: another suffix.
+    Raises OutputError if the file cannot be written, ValueError for another suffix.
     """
     import matplotlib
 
@@ -206,79 +160,37 @@ def save_figure(figure: Any, path: Path) -> None:
         figure.savefig(aside, metadata=metadata)
 
 
-NEAR = 0.012
-"""Curves closer than this share of the axes' height coincide: about the width of a line."""
-SHORT = 0.04
-"""A shorter stretch, as a share of the axes' width, is a crossing."""
-STROKE = 3.5
-"""Length of each colour where curves coincide, as a multiple of the line width."""
-MAX_POINTS = 2000
-"""Approximate number of points of a curve that are compared."""
+NEAR, SHORT = 0.012, 0.04
+"""Curves closer than this share of the axes' height coincide; where they do so for less than this
+share of the width they cross."""
+STROKE = 3.5  # length of each colour where curves coincide, as a multiple of the line width
+GRID = 2000  # points at which curves are compared
 
 
-class Strand(NamedTuple):
-    """A stretch of a curve."""
+def show_coincident(axes: Any, lines: Sequence[Any]) -> None:
+    """Alternate the colours of lines where they coincide; set the limits of the axes before.
 
-    first: int
-    last: int
-    """Inclusive: the next stretch begins here."""
-    rank: int
-    """Number of earlier curves that coincide here."""
-    turns: int
-    """Number of curves that coincide here, this one included."""
-
-
-def take_apart(axes: Any, lines: Sequence[Any]) -> None:
-    """Draw alternating colours where lines of axes coincide; the limits must be set."""
-    lines = [line for line in lines if len(line.get_xdata()) > 1]
-    to_axes = axes.transScale + axes.transLimits
-    every = [max(1, len(line.get_xdata()) // MAX_POINTS) for line in lines]
-    found = strands([tuple(to_axes.transform(line.get_xydata()[::step]).T)
-                     for line, step in zip(lines, every, strict=True)])
-    for line, step, parts in zip(lines, every, found, strict=True):
-        points = np.asarray(line.get_xydata())
-        for part in (part for part in parts if part.turns > 1):
-            # where the next stretch begins the curves have parted already
-            last = len(points) if part is parts[-1] else step * (part.last - 1) + 1
-            # wider than the lines below, so that no gap shows between the colours
-            axes.plot(*points[step * part.first:last].T, color=line.get_color(), zorder=2.5,
-                      linewidth=1.2 * LINE, scalex=False, scaley=False, linestyle=(
-                          STROKE * (part.turns - part.rank),
-                          (STROKE, STROKE * (part.turns - 1))))
-
-
-def strands(lines: Sequence[tuple[Array, Array]]) -> list[list[Strand]]:
-    """Stretches in which each curve is alone or coincides with others.
-
-    Args:
-        lines: x and y, shape [n] each, n > 1, as shares of the axes' width and height. A curve
-            whose x decreases coincides only with curves of the same x; a curve with values that
-            are not finite coincides with none.
+    Lines whose x does not increase, or with values that are not finite, are left as they are.
     """
-    found = []
-    forward = [bool((np.diff(x) > 0).all()) for x, _ in lines]
-    finite = [bool(np.isfinite(x + y).all()) for x, y in lines]
-    for i, (x, y) in enumerate(lines):
-        count, rank = np.ones(len(x), dtype=int), np.zeros(len(x), dtype=int)
-        way = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(x)))))
-        for j, (other_x, other_y) in enumerate(lines):
-            same = np.array_equal(x, other_x)
-            if j == i or not (finite[i] and finite[j]) or not (same or (forward[i] and forward[j])):
-                continue
-            within = (x >= other_x[0] - SHORT / 4) & (x <= other_x[-1] + SHORT / 4)
-            gap = other_y - y if same else np.where(within, np.interp(x, other_x, other_y) - y, 1.0)
-            near = np.abs(gap) < NEAR
-            for first, last in _runs(near):  # without crossings
-                if way[last] - way[first] < SHORT:
-                    near[first:last + 1] = False
-            count += near
-            rank += near & (j < i)
-        found.append([Strand(first, min(last + 1, len(x) - 1), int(rank[first]), int(count[first]))
-                      for first, last in _runs(rank + (len(rank) + 1) * count)])
-    return found
+    from scipy.ndimage import binary_opening
 
-
-def _runs(values: Array | Flags) -> list[tuple[int, int]]:
-    """First and last index of every run of equal values."""
-    ends = [*np.flatnonzero(values[1:] != values[:-1]).tolist(), len(values) - 1]
-    return list(zip([0, *(end + 1 for end in ends[:-1])], ends, strict=True))
+    to_axes = axes.transScale + axes.transLimits
+    found = [(line, *to_axes.transform(line.get_xydata()).T) for line in lines]
+    found = [(line, x, y) for line, x, y in found
+             if len(x) > 1 and np.isfinite(x + y).all() and (np.diff(x) > 0).all()]
+    if len(found) < 2:
+        return
+    x = np.linspace(min(x[0] for _, x, _ in found), max(x[-1] for _, x, _ in found), GRID)
+    y = np.array([np.interp(x, xs, ys, np.nan, np.nan) for _, xs, ys in found])
+    size = math.ceil(SHORT * GRID / (x[-1] - x[0]))
+    near = binary_opening(np.abs(y[:, None] - y) < NEAR, np.ones((1, 1, size)))
+    for i, (line, *_) in enumerate(found):
+        turns, rank = near[i].sum(axis=0), near[i, :i].sum(axis=0)
+        points = to_axes.inverted().transform(np.column_stack([x, y[i]]))
+        for count, place in sorted({*zip(turns.tolist(), rank.tolist(), strict=True)}):
+            if count > 1:
+                here = (turns == count) & (rank == place)
+                # wider than the lines below, so that no gap shows between the colours
+                axes.plot(points[:, 0], np.where(here, points[:, 1], np.nan), zorder=2.5,
+                          color=line.get_color(), linewidth=1.2 * LINE, scalex=False, scaley=False,
+                          linestyle=(STROKE * (count - place), (STROKE, STROKE * (count - 1))))

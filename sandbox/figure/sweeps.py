@@ -1,10 +1,9 @@
 """Figures of sweeps and searches.
 
-One varied path: curves over it, or, of random samples, points with a distribution beside them.
-A grid of two paths: a curve for each value of a path with few values, otherwise a map of each
-quantity that differs between runs. Anything else: each quantity over each path. Ticks or crosses
-mark unfinished runs, rings mark runs with a warning of the audit, orange points mark runs that
-fail a condition. Searches: sensitivities, fronts of several goals, branches of equilibria.
+One varied path: curves over it, or, of random samples, points with a histogram. A grid of two
+paths: a curve for each value of a path with few values, otherwise a map of each quantity. Anything
+else: each quantity over each path. Ticks or crosses mark unfinished runs, rings mark runs with a
+warning of the audit, orange points mark runs that fail a condition.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,25 +21,16 @@ from sandbox.figure.panels import Axis, Curve, Custom, Mark, Panel, Upright, sav
 from sandbox.numeric import Array, Flags
 
 MAX_QUANTITIES, MAX_PAIRS, MAX_PATHS = 12, 6, 20
-"""Quantities, and pairs of goals, of one figure; a note says how many more there are. Paths of a
-panel of sensitivities."""
+"""Quantities, and pairs of goals, of one figure; paths of a panel of sensitivities."""
 PANEL, MAP, CELL, MAX_COLUMNS = 34.0, 46.0, 24.0, 6
 """Height of a panel, of a map, of a panel of a matrix [mm]; columns of a matrix."""
 ROW, FRONT, BRANCHES = 7.5, 56.0, 60.0
 """Height of the bars of a path, of a panel of a front, of a panel of branches [mm]."""
-THICK = 0.36
-"""Height of a bar, as a share of the distance of two paths."""
-MAX_LETTERS = 34
-"""Letters of a path at an axis."""
-MANY, CROWD = 60, 3000
-"""With more points than this, points are small; with more than the second, there is a density."""
-MAX_LINES = 3
-"""Values of one of two paths that are drawn as curves; with more there is a map."""
-MAX_TICKS, ROOM, DIGITS = 8, 0.06, 4
-"""Values of a path that are all written at its axis if they are this far apart, as a share of the
-range, and have no more digits than this."""
-ROUNDING = 1e-9
-"""Values whose relative spread is smaller are equal."""
+THICK = 0.36  # height of a bar, as a share of the distance of two paths
+MAX_LETTERS = 34  # letters of a path at an axis
+MANY = 60  # with more points than this, points are small
+MAX_LINES = 3  # values of one of two paths that are drawn as curves; with more there is a map
+ROUNDING = 1e-9  # values whose relative spread is smaller are equal
 UNSTABLE: Any = (0, (3.5, 1.8))
 FOLD: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 5.5,
                         "markerfacecolor": "white", "markeredgewidth": 1.3}
@@ -52,14 +41,11 @@ class SweepColumn:
     """A column of a sweep's table."""
 
     name: str
-    unit: str
-    """SI; empty for none."""
+    unit: str  # SI; empty for none
     values: Array
     """Shape [n]; NaN for missing values. Of texts, their indices."""
-    texts: tuple[str, ...] = ()
-    """Texts by index; empty for numbers."""
-    log: bool = False
-    """Whether values are spaced logarithmically."""
+    texts: tuple[str, ...] = ()  # texts by index; empty for numbers
+    log: bool = False  # whether values are spaced logarithmically
 
     def shown(self) -> tuple[Array, str]:
         """Values as plotted, and their unit."""
@@ -68,30 +54,21 @@ class SweepColumn:
         how = style.shown_as(self.unit, self.values)
         return self.values * how.factor, how.unit
 
-    def axis(self, max_ticks: int = MAX_TICKS, suffix: str = "") -> tuple[Array, Axis]:
-        """Values as plotted, and their axis: with a tick at each value if there are few."""
+    def axis(self, suffix: str = "") -> tuple[Array, Axis]:
+        """Values as plotted, and their axis."""
         values, unit = self.shown()
         label = (f"{self.name} [{unit}]" if unit else self.name) + suffix
-        if self.texts:
-            return values, Axis(label, words=self.texts)
-        places = np.unique(values[np.isfinite(values)])
-        if 0 < len(places) <= max_ticks and (self.log or _distinct(places)):
-            return values, Axis(label, self.log, places.tolist(),
-                                [style.number(place, DIGITS) for place in places])
-        return values, Axis(label, self.log)
+        return values, Axis(label, self.log, words=self.texts)
 
 
 class FoundLine(NamedTuple):
     """The result of a search along a path, SI."""
 
     path: str
-    low: float
-    """Of the bracket or of the 95 % interval, which is shaded."""
-    at: float
-    """Position of the line."""
+    low: float  # of the bracket or of the 95 % interval, which is shaded
+    at: float  # position of the line
     high: float
-    words: str
-    """Meaning of the line and the shade."""
+    words: str  # meaning of the line and the shade
 
 
 @dataclass(frozen=True)
@@ -100,12 +77,9 @@ class SweepDrawing:
 
     varied: Sequence[SweepColumn]
     kept: Sequence[SweepColumn]
-    failed: Flags
-    """Unfinished runs, [n]."""
-    doubtful: Flags
-    """Runs with a warning of the audit, [n]."""
-    grid: bool
-    """Whether every value of each path is combined with every value of the others."""
+    failed: Flags  # unfinished runs, [n]
+    doubtful: Flags  # runs with a warning of the audit, [n]
+    grid: bool  # whether every value of each path is combined with every value of the others
     title: str = ""
     held: Array | None = None
     """1 for runs that meet the condition, 0 for those that do not, NaN for others, [n]."""
@@ -115,105 +89,72 @@ class SweepDrawing:
     found: FoundLine | None = None
 
     @property
-    def scattered(self) -> bool:
-        """Whether runs are points, neither curves nor a map."""
-        return not (self.grid and len(self.varied) <= 2)
+    def shown(self) -> Sequence[SweepColumn]:
+        """The quantities that have panels."""
+        return self.kept[:MAX_QUANTITIES]
+
+    @property
+    def missed(self) -> Flags:
+        """Scattered points of runs that fail the condition, [n]."""
+        if self.held is None or (self.grid and len(self.varied) <= 2):
+            return np.zeros(len(self.failed), dtype=bool)
+        return np.asarray(self.held == 0, dtype=bool)
 
 
 def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
-    """Draw a sweep into a file.
-
-    Raises:
-        OutputError: the file cannot be written.
-        ValueError: nothing was varied or kept, or another suffix than ``.png .svg .pdf``.
-    """
+    """Draw a sweep into a file; raises as :func:`~sandbox.figure.style.save_figure`."""
     if not drawing.varied or not drawing.kept:
         raise ValueError("a figure needs varied paths and kept quantities")
-    kept, widths = drawing.kept[:MAX_QUANTITIES], None
+    widths = None
     if len(drawing.varied) == 1:
-        panels = [_over_one(drawing, column) for column in kept]
+        panels = [_over_one(drawing, column) for column in drawing.shown]
         widths = None if drawing.grid else (3.0, 1.0)
     elif len(drawing.varied) == 2 and drawing.grid:
-        constant = {column.name for column in _constant(drawing)}
-        few = _few(drawing.varied)
-        panels = [[_lines(drawing, column, few)] for column in kept] if few is not None else [
-            [_map(drawing, column)] for column in kept if column.name not in constant]
+        counts = [len(np.unique(column.values)) for column in drawing.varied]
+        few = min((k for k in (0, 1) if counts[k] <= MAX_LINES), default=None,
+                  key=lambda k: (not drawing.varied[k].texts, counts[k]))
+        panels = [[_map(drawing, column) if few is None else _lines(drawing, column, few)]
+                  for column in drawing.shown]
     else:
         panels = [[_matrix_cell(drawing, column, one, first=not i)
-                   for i, one in enumerate(drawing.varied[:MAX_COLUMNS])] for column in kept]
+                   for i, one in enumerate(drawing.varied[:MAX_COLUMNS])]
+                  for column in drawing.shown]
     save_panels(path, panels, title=drawing.title, notes=_notes(drawing), shared=True,
                 widths=widths)
 
 
 def _notes(drawing: SweepDrawing) -> list[str]:
-    shown = {column.name for column in drawing.kept[:MAX_QUANTITIES]}
+    shown = {column.name for column in drawing.shown}
     meanings = "; ".join(f"{name} = {meaning}" for name, meaning in drawing.meanings.items()
                          if name in shown)
-    constant = ", ".join(map(_value_of, _constant(drawing)))
-    finished = " that came to their end" * bool(drawing.failed.any())
     count, more = len(drawing.failed), len(drawing.kept) - MAX_QUANTITIES
     missed, failed, doubtful = (int(np.count_nonzero(each)) for each in (
-        _missed(drawing), drawing.failed, drawing.doubtful))
+        drawing.missed, drawing.failed, drawing.doubtful))
     notes = {
         drawing.found.words if drawing.found else "": drawing.found,
-        f"{constant} in all runs{finished}.": constant,
         f"{missed} of {count} runs fail {drawing.condition}: orange.": missed,
-        f"{failed} of {count} runs did not come to their end: red.": failed,
+        f"{failed} of {count} runs did not finish: red.": failed,
         f"{doubtful} runs have a warning of the audit: rings.": doubtful,
-        "Darker: more runs, on a logarithmic scale.": count > CROWD and drawing.scattered,
         f"{more} further quantities are in the table only.": more > 0,
     }
     text = " ".join(note for note, said in notes.items() if said)
     return [note for note in (meanings, text) if note]
 
 
-def _constant(drawing: SweepDrawing) -> list[SweepColumn]:
-    """Quantities without a map: equal in all finished runs, or missing in all.
-
-    If that holds for all quantities, the first one has a map.
-    """
-    kept = drawing.kept[:MAX_QUANTITIES]
-    if drawing.scattered or len(drawing.varied) < 2 or _few(drawing.varied) is not None:
-        return []
-    constant = [column for column in kept if not np.isfinite(column.values).any() or (
-        _equal(column.values) and np.isfinite(column.values[~drawing.failed]).all())]
-    return constant[1:] if len(constant) == len(kept) else constant
-
-
-def _value_of(column: SweepColumn) -> str:
-    """Name and value of a constant quantity."""
-    values, unit = column.shown()
-    if not np.isfinite(values).any():
-        return f"{column.name} without a value"
-    return f"{column.name} = {style.number(float(np.nanmedian(values)))} {unit}".rstrip()
-
-
-def _missed(drawing: SweepDrawing) -> Flags:
-    """Runs that fail the condition, [n]; none where points have no colours of their own."""
-    if drawing.held is None or not drawing.scattered or len(drawing.failed) > CROWD:
-        return np.zeros(len(drawing.failed), dtype=bool)
-    return np.asarray(drawing.held == 0, dtype=bool)
-
-
 def _over_one(drawing: SweepDrawing, column: SweepColumn) -> list[Panel]:
-    """A quantity over the only path, with a distribution beside it for random samples."""
+    """A quantity over the only path, with a histogram beside it for random samples."""
     varied = drawing.varied[0]
     (x, x_axis), (y, unit) = varied.axis(), column.shown()
     panel = Panel(column.name, x_axis, Axis(f"[{unit}]" if unit else ""), [
         *_found(drawing, varied),
         *_points(drawing, x, y, joined=drawing.grid and not varied.texts)], "", PANEL)
+    if drawing.grid:
+        return [panel]
     finite = y[np.isfinite(y)]
-    spread = [Custom(lambda axes: axes.hist(
+    histogram = [Custom(lambda axes: axes.hist(
         finite, bins="auto", orientation="horizontal", color=style.BLUE, alpha=0.75))]
-    return [panel] if drawing.grid else [panel, Panel(
-        "", Axis("runs"), Axis(), [] if not len(finite) or _equal(finite) else spread, "", PANEL)]
-
-
-def _few(varied: Sequence[SweepColumn]) -> int | None:
-    """The one of two paths that has few values; None if neither has."""
-    counts = [len(np.unique(column.values)) for column in varied]
-    return min((place for place in (0, 1) if counts[place] <= MAX_LINES), default=None,
-               key=lambda place: (not varied[place].texts, counts[place]))
+    return [panel, Panel("", Axis("runs"), Axis(),
+                         histogram if len(finite) and not _equal(finite) else [], "", PANEL)]
 
 
 def _lines(drawing: SweepDrawing, column: SweepColumn, few: int) -> Panel:
@@ -233,14 +174,9 @@ def _points(
     drawing: SweepDrawing, x: Array, y: Array, *, joined: bool, some: Flags | None = None,
     colour: str = style.BLUE, label: str = "",
 ) -> list[Mark]:
-    """Runs, or some of them, as points; a crowd as its density."""
-    if len(x) > CROWD and not joined:
-        there = np.isfinite(x) & np.isfinite(y)
-        return [Custom(lambda axes: axes.hist2d(
-            x[there], y[there], bins=(120, 80), cmap="Blues", cmin=1, norm="log"))] \
-            if there.any() else []
+    """Runs, or some of them, as points."""
     here = np.ones(len(x), dtype=bool) if some is None else some
-    size, missed = 3.5 if len(x) <= MANY else 1.8, _missed(drawing)
+    size, missed = 3.5 if len(x) <= MANY else 1.8, drawing.missed
     line = {"linestyle": "-", "linewidth": style.LINE} if joined else {"alpha": 0.75}
     marks: list[Mark] = []
     for which, ink, name in ((here & ~missed, colour, label), (here & missed, style.ORANGE, "")):
@@ -264,13 +200,6 @@ def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
             Upright(factor * found.at, look={"color": style.INK, "zorder": 0.8, **style.TARGET})]
 
 
-def _distinct(places: Array) -> bool:
-    """Whether rising numbers, [n], n > 0, are round, and far enough apart to be written."""
-    rounded = np.array([float(style.number(place, DIGITS)) for place in places])
-    return bool(np.allclose(rounded, places, rtol=ROUNDING, atol=0)) and (
-        len(places) == 1 or bool(np.diff(places).min() > ROOM * np.ptp(places)))
-
-
 def _equal(values: Array) -> bool:
     """Whether finite values are equal but for rounding; False if there are none."""
     finite = values[np.isfinite(values)]
@@ -278,30 +207,28 @@ def _equal(values: Array) -> bool:
 
 
 def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
+    """Coloured cells of a grid, with the bar of their colours."""
     one, other = drawing.varied
     (x, x_axis), (y, y_axis), (z, z_axis) = one.axis(), other.axis(), column.axis()
+    (xs, i), (ys, j) = (np.unique(each, return_inverse=True) for each in (x, y))
+    cells = np.full((len(ys), len(xs)), np.nan)
+    cells[j, i] = np.where(np.isfinite(z), np.nanmedian(z), np.nan) if _equal(z) else z
+
+    def draw(axes: Any) -> None:
+        # perceptually uniform, also with colour vision deficiency (Nuñez et al., 2018)
+        mesh = axes.pcolormesh(_edges(xs, log=one.log), _edges(ys, log=other.log), cells,
+                               cmap="cividis", edgecolors="face", linewidth=0.1)
+        bar = axes.figure.colorbar(mesh, ax=axes)
+        bar.ax.tick_params(labelsize=style.SMALL, colors=style.INK)
+        bar.outline.set_visible(False)
+
     lost, look = drawing.failed, drawing.doubtful
     dots = {"markersize": 4, "markerfacecolor": "none", "markeredgewidth": 1.0}
     return Panel(z_axis.label, x_axis, y_axis, [
-        Custom(partial(_cells, x=x, y=y, z=z, log=(one.log, other.log))),
+        Custom(draw),
         Curve("", x[lost], y[lost], "points", {**dots, "marker": "x", "color": style.RED}),
         Curve("", x[look], y[look], "points", {**dots, "color": style.ORANGE})],
         "", MAP, grid="")
-
-
-def _cells(axes: Any, *, x: Array, y: Array, z: Array, log: tuple[bool, bool]) -> None:
-    """Coloured cells of a grid, and the bar of their colours."""
-    (xs, i), (ys, j) = (np.unique(each, return_inverse=True) for each in (x, y))
-    cells, single = np.full((len(ys), len(xs)), np.nan), _equal(z)
-    cells[j, i] = np.where(np.isfinite(z), np.nanmedian(z), np.nan) if single else z
-    # perceptually uniform, also with colour vision deficiency (Nuñez et al., 2018)
-    mesh = axes.pcolormesh(_edges(xs, log=log[0]), _edges(ys, log=log[1]), cells, cmap="cividis",
-                           edgecolors="face", linewidth=0.1)
-    bar = axes.figure.colorbar(mesh, ax=axes)
-    if single:
-        bar.set_ticks([float(np.nanmedian(z))], labels=[style.number(float(np.nanmedian(z)))])
-    bar.ax.tick_params(labelsize=style.SMALL, colors=style.INK)
-    bar.outline.set_visible(False)
 
 
 def _edges(centres: Array, *, log: bool) -> Array:
@@ -318,8 +245,7 @@ def _matrix_cell(
     drawing: SweepDrawing, column: SweepColumn, one: SweepColumn, *, first: bool,
 ) -> Panel:
     """A quantity over one of many paths."""
-    y, y_axis = column.axis(0)
-    x, x_axis = one.axis(2 * MAX_TICKS // (1 + len(drawing.varied[:MAX_COLUMNS])))
+    (x, x_axis), (y, y_axis) = one.axis(), column.axis()
     return Panel("", x_axis, Axis(y_axis.label if first else ""), [
         *_found(drawing, one), *_points(drawing, x, y, joined=False)], "", CELL)
 
@@ -328,30 +254,16 @@ class InfluenceBars(NamedTuple):
     """Influences of paths on one quantity."""
 
     name: str
-    paths: Sequence[str]
-    """The most influential first; none for a constant quantity."""
-    values: Mapping[str, Array]
-    """By measure, [paths]."""
-    halves: Mapping[str, Array]
-    """Half widths of 95 % intervals by measure, if it has any, [paths]."""
-    x: str
-    """Label of the axis."""
+    paths: Sequence[str]  # the most influential first; none for a constant quantity
+    values: Mapping[str, Array]  # by measure, [paths]
+    halves: Mapping[str, Array]  # half widths of 95 % intervals by measure, if it has any, [paths]
+    x: str  # label of the axis
 
 
 def draw_influences(
     path: Path, panels: Sequence[InfluenceBars], words: Mapping[str, str], title: str,
 ) -> None:
-    """Draw sensitivities as bars with 95 % intervals; no file if all quantities are constant.
-
-    Args:
-        path: the file.
-        panels: one for each quantity.
-        words: names of the measures for the legend.
-        title: of the figure.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
+    """Draw sensitivities with 95 % intervals; no file if all are constant. ``words`` by measure."""
     changing = [each for each in panels if each.paths]
     shown = changing[:MAX_QUANTITIES]
     if not shown:
@@ -382,7 +294,7 @@ def _bars(panel: InfluenceBars, inks: Mapping[str, str]) -> Panel:
 
     short = [path if len(path) <= MAX_LETTERS else f"…{path[1 - MAX_LETTERS:]}" for path in paths]
     return Panel(panel.name, Axis(panel.x), Axis(
-        ticks=places.tolist(), words=short, limits=(len(paths) - 0.5, -0.5)), [Custom(draw)], "",
+        words=short, limits=(len(paths) - 0.5, -0.5)), [Custom(draw)], "",
         ROW * len(paths), grid="x")
 
 
@@ -391,21 +303,14 @@ def draw_front(
 ) -> None:
     """Draw runs over pairs of goals, with the Pareto front.
 
-    Args:
-        path: the file.
-        goals: two or more, with the values of all runs, [n]; NaN for runs that fail a condition.
-        senses: ``least`` or ``most``, by goal.
-        best: runs on the front, [n].
-        title: of the figure.
-
-    Raises:
-        OutputError: the file cannot be written.
+    The values of ``goals`` are NaN for runs that fail a condition; ``senses`` are ``least`` or
+    ``most`` by goal; ``best`` are the runs on the front, [n].
     """
     pairs, panels = list(itertools.combinations(goals, 2)), []
     front, other = ({"color": style.BLUE, "markersize": 4.5},
                     {"color": style.GREY, "markersize": 3.0})
     for pair in pairs[:MAX_PAIRS]:
-        (x, x_axis), (y, y_axis) = (column.axis(0, f", {senses[column.name]}") for column in pair)
+        (x, x_axis), (y, y_axis) = (column.axis(f", {senses[column.name]}") for column in pair)
         order = np.flatnonzero(best)[np.argsort(x[best], kind="stable")]
         joined = {"linestyle": "-", "linewidth": 0.8} if len(goals) == 2 else {}
         panels.append(Panel("", x_axis, y_axis, [
@@ -420,44 +325,25 @@ def draw_front(
 class BranchCurve(NamedTuple):
     """A branch of equilibria."""
 
-    x: Array
-    """Values of the varied field of the scene, [n]."""
-    y: Array
-    """The quantity at equilibrium, SI, [n]."""
-    stable: Flags
-    """[n]"""
-    fold: Flags
-    """Turning points of x, [n]."""
+    x: Array  # values of the varied field of the scene, [n]
+    y: Array  # the quantity at equilibrium, SI, [n]
+    stable: Flags  # [n]
+    fold: Flags  # turning points of x, [n]
 
 
 def save_branches(
     path: Path, branches: Sequence[BranchCurve], *, title: str, along: str, quantity: str,
     unit: str,
 ) -> None:
-    """Draw branches of equilibria: unstable ones dashed, folds as rings.
-
-    Args:
-        path: the file; its suffix is the format.
-        branches: at least one.
-        title: of the figure.
-        along: label of the x axis.
-        quantity: on the y axis.
-        unit: its SI unit.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
+    """Draw branches of equilibria over ``along``: unstable ones dashed, folds as rings."""
     shown = style.shown_as(unit, *(branch.y for branch in branches))
     marks: list[Mark] = []
     for i, branch in enumerate(branches):
         y, hue = shown.factor * branch.y, {"color": style.hue(i)}
         solid = branch.stable | branch.fold
-        changes = (np.flatnonzero(np.diff(solid.astype(int))) + 1).tolist()
-        for low, high in itertools.pairwise([0, *changes, len(solid)]):
-            # unstable stretches reach to the neighbours at both ends
-            first, last = (low, high) if solid[low] else (max(low - 1, 0), high + 1)
-            marks.append(Curve("", branch.x[first:last], y[first:last], "line", {
-                **hue, "linestyle": "solid" if solid[low] else UNSTABLE}))
+        for line, which in (("solid", solid), (UNSTABLE, _widened(~solid))):
+            marks.append(Curve("", branch.x, np.where(which, y, np.nan), "line",
+                               {**hue, "linestyle": line}))
         marks.append(Curve("", branch.x[branch.fold], y[branch.fold], "points", {**hue, **FOLD}))
     dark = {"color": style.INK, "linewidth": style.LINE}
     key: list[tuple[str, dict[str, Any]]] = [("stable", dark)]
@@ -467,3 +353,9 @@ def save_branches(
         key.append(("fold", {"color": style.INK, **FOLD}))
     save_panels(path, [Panel("", Axis(along), Axis(shown.label(quantity)), marks, "", BRANCHES)],
                 title=title, key=key)
+
+
+def _widened(flags: Flags) -> Flags:
+    """Flags that are also set beside those that are, [n]."""
+    padded = np.pad(flags, 1)
+    return padded[:-2] | padded[1:-1] | padded[2:]

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ID", "make"]
 
-ID = "sandbox/Scene-v0"
-"""The identifier of :func:`make` in Gymnasium."""
+ID = "sandbox/Scene-v0"  # the identifier of make in Gymnasium
 HERE = f"{__name__}:make"
 
 

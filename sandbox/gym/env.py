@@ -1,8 +1,4 @@
-"""A scene as an environment: actions set drives, observations are quantities, episodes are runs.
-
-The interface is that of Gymnasium (Towers et al., Gymnasium: A Standard Interface for Reinforcement
-Learning Environments, 2024).
-"""
+"""A scene as an environment of Gymnasium (Towers et al., Gymnasium, 2024)."""
 
 from __future__ import annotations
 
@@ -29,7 +25,6 @@ from sandbox.scene.settings import View
 from sandbox.wording import listed, quoted
 
 Info = dict[str, Any]
-SEEDS = 2**63 - 1
 
 
 class SceneEnv(gymnasium.Env[Array, Array]):
@@ -56,16 +51,15 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         self._low, self._high = np.array(list(task.observe.values())).T
         self.observation_space = Box(self._low, self._high, dtype=np.float64)
         self.action_space = Box(-1.0, 1.0, (len(task.act),), dtype=np.float64)
-        self._drives = tuple(task.act)
-        self._least, most = np.array(list(task.act.values())).T
-        self._half = (most - self._least) / 2
+        self._min, most = np.array(list(task.act.values())).T
+        self._half = (most - self._min) / 2
         self._values: dict[str, Any] = {}
         self._view: View | None = None
         self.simulation = Simulation(Checked(task.mechanism))
         """The simulation of this episode, to read; do not set or step it."""
         self.simulation.step()  # compile before any process forks
         self._last: Array = self._low
-        self._acted: list[Array] = []
+        self._actions: list[Array] = []
         self._over = "no episode has begun"
 
     def reset(
@@ -87,14 +81,15 @@ class SceneEnv(gymnasium.Env[Array, Array]):
                                       "options", allowed='{"set": values by path}')])
         values: dict[str, Any] = {}
         if self.task.random is not None:
-            values |= self.task.draw(int(self.np_random.integers(SEEDS)))
+            seeded = {"seed": int(self.np_random.integers(2**63 - 1))}
+            values |= self.task.random.model_copy(update=seeded).points()[0]
         values |= options.get("set", {})
         if values == self._values:
             self.simulation.restart()
         else:
             self.simulation = Simulation(Checked(self.task.loaded(values)))
             self._values = values
-        self._acted, self._over = [], ""
+        self._actions, self._over = [], ""
         self._last = self._seen()
         return self._last.copy(), {"time": 0.0, "set": dict(values)}
 
@@ -121,11 +116,11 @@ class SceneEnv(gymnasium.Env[Array, Array]):
             chosen = np.empty(0)
         if chosen.shape != self._half.shape or not np.isfinite(chosen).all():
             raise SandboxError(f"{quoted(action)} is no action; allowed: {len(self._half)} finite "
-                               f"numbers, -1 to 1, for {listed(self._drives)}")
-        wanted = self._least + (np.clip(chosen, -1.0, 1.0) + 1.0) * self._half
-        for drive, value in zip(self._drives, wanted.tolist(), strict=True):
+                               f"numbers, -1 to 1, for {listed(tuple(self.task.act))}")
+        values = self._min + (np.clip(chosen, -1.0, 1.0) + 1.0) * self._half
+        for drive, value in zip(self.task.act, values.tolist(), strict=True):
             simulation.set(drive, value)
-        self._acted.append(wanted)
+        self._actions.append(values)
         try:
             simulation.step(self.task.every)
         except SimulationDiverged as error:
@@ -134,7 +129,11 @@ class SceneEnv(gymnasium.Env[Array, Array]):
                 "time": simulation.time, "diverged": str(error)}
         info: Info = {"time": simulation.time}
         self._last = self._seen()
-        reward = self._reward()
+        wanted = self.task.reward
+        reward = float(wanted(simulation) if callable(wanted) else simulation[wanted])
+        if not np.isfinite(reward):
+            raise SandboxError(f"the reward has no value at t = {simulation.time:.6g} s",
+                               code="diverged")
         stop, over = simulation.stopped, simulation.finished
         if over:
             self._over = f"the episode is over, at t = {simulation.time:.6g} s"
@@ -152,14 +151,6 @@ class SceneEnv(gymnasium.Env[Array, Array]):
             raise SandboxError(f"{bad!r} has no value at t = {simulation.time:.6g} s",
                                code="diverged")
         return np.clip(found, self._low, self._high)
-
-    def _reward(self) -> float:
-        wanted = self.task.reward
-        value = float(wanted(self.simulation) if callable(wanted) else self.simulation[wanted])
-        if not np.isfinite(value):
-            raise SandboxError(f"the reward has no value at t = {self.simulation.time:.6g} s",
-                               code="diverged")
-        return value
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the current state, [height, width, 3], RGB, as in films but without text.
@@ -186,12 +177,12 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         """
         step, model = self.task.mechanism.run.step, compile_mechanism(self.simulation.mechanism)
         found = {**self.task.set, **self._values}
-        for column, name in enumerate(self._drives):
+        for column, name in enumerate(self.task.act):
             # between the last step before and the first step after the change
             first = 0.25 + float(model.drives.late[model.names.drive[name]])
             found[f"drives[{name}].value"] = {"between": "step", "table": [
                 [(k * self.task.every + first) * step, float(row[column])]
-                for k, row in enumerate(self._acted)]}
+                for k, row in enumerate(self._actions)]}
         return found
 
 

@@ -22,7 +22,7 @@ from sandbox.model.model import Model
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
-from sandbox.sweeps.job import STEP, Override
+from sandbox.sweeps.job import STEP
 from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
@@ -31,22 +31,17 @@ from sandbox.values.signals import values
 from sandbox.values.units import UNITS, range_of, unfit
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
-Span = tuple[float, float]
-"""Minimum and maximum, SI."""
+Span = tuple[float, float]  # minimum and maximum, SI
 Reward = Callable[[Simulation], float]
 Wanted = str | Sequence[str] | Mapping[str, Sequence[float] | None]
 Scene = str | os.PathLike[str] | Mapping[str, Any]
-ROUNDING = 1e-6
-"""Tolerance of a whole number of steps, relative to a step."""
-DRAWN = 64
-"""Samples that are checked when the environment is made."""
-INSTANTS = 1001
-"""Instants at which the range of a signal is determined."""
+ROUNDING = 1e-6  # tolerance of a whole number of steps, relative to a step
+DRAWN = 64  # samples that are checked when the environment is made
+INSTANTS = 1001  # instants at which the range of a signal is determined
 NOT_NEGATIVE = {("tendon", "tension"), ("tendon", "length"), ("body", "contact.normal"),
                 ("group", "contact.normal"), ("group", "contact.count"), ("pair", "normal"),
                 ("joint", "reaction"), ("joint", "length"), ("line", "volume")}
-FRACTIONS = ("hold", "opening")
-"""Quantities of drives from 0 to 1."""
+FRACTIONS = ("hold", "opening")  # quantities of drives from 0 to 1
 
 
 @dataclass(frozen=True)
@@ -54,28 +49,15 @@ class Task:
     """A checked task."""
 
     scene: Scene
-    set: Mapping[str, Any]
-    """Changes of the scene by path, for all episodes."""
+    set: Mapping[str, Any]  # changes of the scene by path, for all episodes
     limits: Limits | None
-    mechanism: Mechanism
-    """The scene with these changes."""
-    observe: Mapping[str, Span]
-    """Range of each observed quantity or expression."""
-    act: Mapping[str, Span]
-    """Values of each drive for actions of -1 and 1, SI."""
+    mechanism: Mechanism  # the scene with these changes
+    observe: Mapping[str, Span]  # range of each observed quantity or expression
+    act: Mapping[str, Span]  # values of each drive for actions of -1 and 1, SI
     reward: str | Reward
-    every: int
-    """Time steps for each action."""
-    lost: float
-    """Reward of a step in which the simulation diverges."""
-    random: SweepSpec | None
-    """Distributions of the values that are drawn for each episode."""
-
-    def draw(self, seed: int) -> dict[str, Override]:
-        """Random values by path; the same for the same seed."""
-        if self.random is None:
-            return {}
-        return self.random.model_copy(update={"seed": seed}).points()[0]
+    every: int  # time steps for each action
+    lost: float  # reward of a step in which the simulation diverges
+    random: SweepSpec | None  # distributions of the values that are drawn for each episode
 
     def loaded(self, values: Mapping[str, Any]) -> Mechanism:
         """The scene with other values by path."""
@@ -141,15 +123,18 @@ class _TaskReader:
         """Ranges of the drives."""
         drives = [drive.name for drive in self.mechanism.drives]
         actions: dict[str, Span] = {}
+        writers = {drive: event.name for event in self.mechanism.events for drive in event.set}
+        writers |= {drive: each.name for each in self.mechanism.controllers
+                    for drive in each.written}
         for path, name, given in self._each(wanted, "act"):
             found = [drive for drive in drives if fnmatchcase(drive, name)]
             if not found:
                 self._wrong(f"there is no drive named {quoted(name)}", path,
                             listed(drives) or "none: the scene has no drives", near(name, drives))
             for drive in found:
-                if owner := self._writer(drive):
-                    self._wrong(f"the drive {quoted(drive)} is set by {quoted(owner)}", path,
-                                "a drive that no controller and no event sets")
+                if drive in writers:
+                    self._wrong(f"the drive {quoted(drive)} is set by {quoted(writers[drive])}",
+                                path, "a drive that no controller and no event sets")
                 span = drive_range(self.model, drive) if given is None else self._span(
                     given, path, self.known.find(f"{drive}.value").unit)
                 if span is None and given is None:
@@ -178,9 +163,8 @@ class _TaskReader:
             return [text] if self._readable(text, path) else []
         names = [name for name in self.known.match(text) if not self.known.late([name])]
         if not names:
-            hint = self.known.near(text)
             self._wrong(f"no quantity that can be read while it runs fits {quoted(text)}", path,
-                        hint=quoted(hint) if hint else "")
+                        hint=quoted(near_name) if (near_name := self.known.near(text)) else "")
         return names
 
     def _readable(self, text: str, path: str) -> bool:
@@ -195,11 +179,11 @@ class _TaskReader:
         """The reward: a function, a quantity or an expression."""
         if callable(wanted):
             return wanted
-        if not isinstance(wanted, str) or not wanted.strip():
+        text = wanted.strip() if isinstance(wanted, str) else ""
+        if not text:
             self._wrong(f"{quoted(wanted)} is no reward", "reward",
                         "a quantity, an expression of quantities, or a function")
-            return ""
-        text = wanted.strip()
+            return text
         text = text if text.startswith("=") or text in self.known else f"={text}"
         self._readable(text, "reward")
         return text
@@ -242,23 +226,17 @@ class _TaskReader:
 
     def _each(self, wanted: Wanted, what: str) -> Iterator[tuple[str, str, object]]:
         """Path, name and range of each entry."""
+        entries: list[tuple[str, Any, object]] = [(what, wanted, None)]
         if isinstance(wanted, Mapping):
             entries = [(f"{what}[{name!r}]", name, span) for name, span in wanted.items()]
         elif isinstance(wanted, Sequence) and not isinstance(wanted, str):
             entries = [(f"{what}[{i}]", name, None) for i, name in enumerate(wanted)]
-        else:
-            entries = [(what, wanted, None)]
         for path, name, span in entries:
             if isinstance(name, str):
                 yield path, name, span
             else:
                 self._wrong(f"{quoted(name)} is no name", path, "a list of names, or a mapping "
                             "of names to (lowest, highest)")
-
-    def _writer(self, drive: str) -> str:
-        owners = [each.name for each in self.mechanism.controllers if drive in each.written]
-        owners += [event.name for event in self.mechanism.events if drive in event.set]
-        return owners[0] if owners else ""
 
     def _wrong(self, message: str, path: str, allowed: str = "", hint: str = "") -> None:
         self.problems.append(Problem("bad-argument", message, path, allowed=allowed, hint=hint))
@@ -286,11 +264,7 @@ def _random(
 
 
 def drive_range(model: Model, drive: str) -> Span | None:
-    """The range of a drive; None if the scene does not define it.
-
-    It is that of the stops of a servo's hinge, of an actuator's stroke, of a motor's no-load
-    speeds, or 0 to 1 for a valve; for other drives that of 0 and the drive's own signal.
-    """
+    """The range of a drive by its stops, stroke, no-load speed or signal; None if there is none."""
     index = model.names.drive[drive]
     spec, kind = model.mechanism.drives[index], model.drives.kind[index]
     if kind.gives in FRACTIONS:
@@ -314,7 +288,7 @@ def drive_range(model: Model, drive: str) -> Span | None:
 def quantity_range(model: Model, known: Catalogue, name: str, actions: Mapping[str, Span]) -> Span:
     """The range of a quantity in the scene, or else of all numbers with its unit."""
     if name.startswith("=") or name not in known:
-        return _any("")
+        return -_most(""), _most("")
     source, joints, span = known.find(name), model.joints, None
     kind, quantity = source.kind, source.quantity
     if is_yes_no(kind, quantity):
@@ -327,14 +301,13 @@ def quantity_range(model: Model, known: Catalogue, name: str, actions: Mapping[s
         span = _whole(*ends[source.index].tolist())
     elif (kind, quantity) == ("spring", "angle"):
         span = _whole(*joints.stops[int(model.springs.joint[source.index])].tolist())
-    low, high = _any(source.unit)
-    return span or (0.0 if (kind, quantity) in NOT_NEGATIVE else low, high)
+    most = _most(source.unit)
+    return span or (0.0 if (kind, quantity) in NOT_NEGATIVE else -most, most)
 
 
-def _any(unit: str) -> Span:
-    """The range of numbers with a unit."""
-    most = range_of(UNITS[unit][1] if unit in UNITS else None).most
-    return -most, most
+def _most(unit: str) -> float:
+    """The largest number with a unit that a scene accepts."""
+    return range_of(UNITS[unit][1] if unit in UNITS else None).most
 
 
 def _whole(low: float, high: float) -> Span | None:

@@ -1,14 +1,14 @@
-"""Sliders and switches of a live view, and which parameters can be set while the run goes on.
+"""Sliders and switches of a live view, and which parameters can be set during a run.
 
-A parameter may shape anything. One that only changes the values of drives and targets, which are
-constant by now, is set while the run goes on; for any other it begins anew.
+A parameter that only changes the values of drives and targets, which are constant by now, is set
+during the run; any other restarts it.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 from sandbox.engine.live import Live
 from sandbox.errors import Problem, SceneError
@@ -20,55 +20,41 @@ from sandbox.values.signals import AnySignal, Constant, Ramp, Table
 from sandbox.values.units import UNITS, Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, listed, quoted
 
-PARAMETER = "parameters."
-"""Begins the name of a parameter, as in ``--set``."""
+PARAMETER = "parameters."  # begins the name of a parameter, as in --set
 USUAL = {"N": 10.0, "N m": 0.1, "rad": math.pi, "rad/s": 10.0, "m": 0.1, "m/s": 0.5, "1": 1.0,
          "Pa": 1e5, "m^3/s": 1e-5, "N/m": 1000.0, "N m/rad": 1.0}
 """Default range of a slider to either side, by unit."""
-Spans = dict[tuple[str, str], tuple[float, float]]
-"""Ranges of sliders, by the name and the unit."""
-
-
-class Control(NamedTuple):
-    """A slider, or a switch."""
-
-    name: str
-    """``parameters.pull``, a drive, ``<controller>.target`` or ``.active``."""
-    kind: str
-    """``parameter``, ``drive``, ``target`` or ``switch``."""
-    value: float
-    """The current value, in :attr:`unit`."""
-    low: float
-    high: float
-    """The range of a slider; values beyond may be typed."""
-    unit: str
-    """That of value, low and high; empty of a plain number."""
-    drive: int = -1
-    """Number of the drive whose value it shows, in the order of the channel; else -1."""
+Spans = dict[tuple[str, str], tuple[float, float]]  # ranges of sliders, by the name and the unit
 
 
 def controls(loaded: Loaded, live: Live, spans: Spans) -> list[dict[str, Any]]:
     """All controls of a scene, as plain data.
 
-    Sliders keep the ``spans`` that they had, whatever their values are by now; of new ones these
-    are noted there.
+    ``kind`` is parameter, drive, target or switch. ``value``, ``low`` and ``high`` are in ``unit``;
+    values beyond the range may be typed. ``drive`` is the index of the drive whose value it shows,
+    or -1. Sliders keep the ``spans`` that they had; those of new ones are added there.
     """
     found = []
     for name, value in loaded.scene.parameters.items():
         if name not in loaded.derived:
             unit = value.unit if isinstance(value, Measured) else ""
             shown = float(f"{float(value) / (UNITS[unit][0] if unit else 1.0):.12g}")
-            found.append(Control(PARAMETER + name, "parameter", shown, *_span(shown, unit), unit))
+            found.append(_control(PARAMETER + name, "parameter", shown, _span(shown, unit), unit))
     rest = [*_drives(loaded.mechanism, live), *_controllers(live)]
-    found += sorted(rest, key=lambda one: ("drive", "target", "switch").index(one.kind))
-    kept = []
+    found += sorted(rest, key=lambda one: ("drive", "target", "switch").index(one["kind"]))
     for one in found:
-        low, high = spans.setdefault((one.name, one.unit), (one.low, one.high))
-        kept.append(one._replace(low=low, high=high)._asdict())
-    return kept
+        one["low"], one["high"] = spans.setdefault(
+            (one["name"], one["unit"]), (one["low"], one["high"]))
+    return found
 
 
-def _drives(mechanism: Mechanism, live: Live) -> Iterator[Control]:
+def _control(name: str, kind: str, value: float, span: tuple[float, float], unit: str = "",
+             drive: int = -1) -> dict[str, Any]:
+    return {"name": name, "kind": kind, "value": value, "low": span[0], "high": span[1],
+            "unit": "" if unit == "1" else unit, "drive": drive}
+
+
+def _drives(mechanism: Mechanism, live: Live) -> Iterator[dict[str, Any]]:
     written = {name for controller in mechanism.controllers for name in controller.written}
     for i, drive in enumerate(mechanism.drives):
         if drive.name in written:
@@ -86,10 +72,10 @@ def _drives(mechanism: Mechanism, live: Live) -> Iterator[Control]:
         low, high = (0.0, 1.0) if kind.gives in ("hold", "opening") else _span(most, unit)
         if kind.floor is not None and math.isfinite(kind.floor):
             low = max(low, kind.floor)
-        yield Control(drive.name, "drive", live[f"{drive.name}.value"], low, high, _shown(unit), i)
+        yield _control(drive.name, "drive", live[f"{drive.name}.value"], (low, high), unit, i)
 
 
-def _controllers(live: Live) -> Iterator[Control]:
+def _controllers(live: Live) -> Iterator[dict[str, Any]]:
     given = {each.name: each.value for each in live.inputs if isinstance(each, Setting)}
     for controller in live.scene.controllers:
         if len(controller.signals) == 1:
@@ -99,20 +85,15 @@ def _controllers(live: Live) -> Iterator[Control]:
                 unit = ""
             value = final(controller.signals[0], math.inf) or 0.0
             name = f"{controller.name}.target"
-            yield Control(name, "target", given.get(name, value), *_span(value, unit),
-                          _shown(unit))
+            yield _control(name, "target", given.get(name, value), _span(value, unit), unit)
         name = f"{controller.name}.active"
-        yield Control(name, "switch", given.get(name, float(controller.active)), 0.0, 1.0, "")
+        yield _control(name, "switch", given.get(name, float(controller.active)), (0.0, 1.0))
 
 
 def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
-    """The SI value of a text for a drive, ``<controller>.target`` or ``.active``.
-
-    Raises:
-        SceneError: no number with a unit of the right dimension.
-    """
-    unit = next((each.unit for each in (*_drives(mechanism, live), *_controllers(live))
-                 if each.name == name), "")
+    """The SI value of a text for a drive, ``<controller>.target`` or ``.active``; or SceneError."""
+    unit = next((each["unit"] for each in (*_drives(mechanism, live), *_controllers(live))
+                 if each["name"] == name), "")
     kind = next((drive.kind for drive in mechanism.drives if drive.name == name), None)
     dimension = UNITS[unit][1] if unit in UNITS else kind.dimension if kind else ""
     allowed = "a number" + f", or one with a unit: {listed(units_of(dimension))}" * bool(dimension)
@@ -125,10 +106,6 @@ def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
         raise SceneError([Problem("wrong-unit", f"{quoted(name)} takes no unit", "",
                                   allowed=allowed)])
     return value
-
-
-def _shown(unit: str) -> str:
-    return "" if unit == "1" else unit
 
 
 def _span(value: float, unit: str) -> tuple[float, float]:
@@ -158,8 +135,7 @@ def final(signal: AnySignal, time: float) -> float | None:
 def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | None:
     """The settings at an instant [s] that make one scene the other from then on.
 
-    None where there are none: other elements differ, or values that still change. Expectations and
-    views do not matter.
+    None if other elements differ, or values still change. Expectations and views do not matter.
     """
     found: dict[str, float] = {}
     still = {"expect": (), "view": new.view, "drives": (), "controllers": (), "parameters": {},
@@ -169,21 +145,19 @@ def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | N
             or old.model_copy(update=still) != new.model_copy(update=still)):
         return None
     written = {name for controller in new.controllers for name in controller.written}
-    for was, drive in zip(old.drives, new.drives, strict=True):
-        if was != drive:
-            value = final(drive.signal(new), time)
-            if drive.model_copy(update={"value": was.value}) != was or value is None \
-                    or drive.name in written:
-                return None
-            found[drive.name] = value
-    for before, controller in zip(old.controllers, new.controllers, strict=True):
-        if before != controller:
-            field = "target" if hasattr(controller, "target") else "value"
-            if (len(controller.signals) != 1 or not hasattr(before, field)
-                    or controller.model_copy(update={field: getattr(before, field)}) != before):
-                return None
-            value = final(controller.signals[0], time)
-            if value is None:
-                return None
-            found[f"{controller.name}.target"] = value
+    # of each: before, now, the field that may differ, its signal, the name of the setting
+    pairs: list[tuple[Any, Any, str, AnySignal | None, str]] = [
+        (was, now, "value", now.signal(new), now.name)
+        for was, now in zip(old.drives, new.drives, strict=True)]
+    pairs += [(was, now, "target" if hasattr(now, "target") else "value",
+               now.signals[0] if len(now.signals) == 1 else None, f"{now.name}.target")
+              for was, now in zip(old.controllers, new.controllers, strict=True)]
+    for was, now, field, signal, name in pairs:
+        if was == now:
+            continue
+        if (signal is None or name in written or not hasattr(was, field)
+                or now.model_copy(update={field: getattr(was, field)}) != was
+                or (value := final(signal, time)) is None):
+            return None
+        found[name] = value
     return found

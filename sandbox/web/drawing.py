@@ -27,14 +27,11 @@ from sandbox.scene.settings import View
 
 WIDTH, POINT, TYPE = 800, 1.0, 13
 """Size that labels are placed for: width of a drawing, pixels per point, font size [pixels]."""
-LEGEND = 2.2
-"""Height of the legend, in font sizes."""
-DIGITS = 5
-"""Digits of numbers in lists and heads."""
+LEGEND = 2.2  # height of the legend, in font sizes
+DIGITS = 5  # digits of numbers in lists and heads
 OWN = ("force", "spring", "drive")
-"""Colours that the script uses by itself: under the pointer, loads without colours, the hand."""
-SLIDES = 1e-12
-"""Poses that change by less are constant."""
+"""Colours of the script itself: under the pointer, loads without colours, the hand."""
+MOVES = 1e-12  # poses that change by less are constant
 
 
 def all_layers(view: View) -> View:
@@ -58,10 +55,8 @@ def listed(
 ) -> tuple[Subject, list[float]]:
     """The display list of a run with its layers, and sides of the labels of those shown at first.
 
-    Args:
-        run: the recording.
-        beside: runs that share its scales.
-        live: for a live view: list the layers shown at first only, since other lists follow.
+    ``beside`` are runs that share its scales. For a ``live`` view only the layers shown at first
+    are listed, since other lists follow.
 
     Returns:
         The list, and the box of the picture: x0, y0, x1, y1 [m].
@@ -90,33 +85,21 @@ def listed(
         for item in s.out.items:
             item["placed"] = 1
     s.out.items = items
-    names = [body.name for body in run.mechanism.bodies]
-    for item in items:
-        if item["k"] == "arrows" and item["l"] == "contacts":  # whose quantities it shows
-            keys = np.unique(s.out.tables[item["t"]][:, 1]).astype(int).tolist()
-            item["refs"] = {key: f"{names[key // len(names)]}/{names[key % len(names)]}"
-                            for key in keys}
     return s, [box.x0, box.y0, box.x1, box.y1]
 
 
 class LiveListing:
-    """Display lists of the latest samples of a run, on the scales of a recording of its scene.
-
-    Only elements whose numbers change are listed again for each frame.
-    """
+    """Display lists of a run's latest samples, on the scales of a recording of its scene."""
 
     def __init__(self, look: RunData) -> None:
         self._look, self._view = look, look.mechanism.view
         self._full, self.box = listed(look, live=True)
         self._visible = set(shown(self._view.show, traced=bool(self._view.traces)))
-        self._refs: dict[int, str] = next(
-            (item["refs"] for item in self._full.out.items if "refs" in item), {})
         self._known: dict[frozenset[str], tuple[View, VisibleLayers, Tensions]] = {}
         """By the layers that are shown: the view, its layers, and tensions of the recording."""
         self._changing: list[Callable[[Subject], None]] = []
         """Elements with columns, tables or frames."""
-        self._raw: list[Item] = []
-        """Their items as they list them."""
+        self._raw: list[Item] = []  # their items as they list them
         self._last: Subject | None = None
         self._layers: set[str] | None = set()
 
@@ -130,9 +113,6 @@ class LiveListing:
             if s.out.items == self._raw:
                 s.out.items, s.out.legend = self._last.out.items, self._last.out.legend
                 return s
-        return self._list_all(run, layers)
-
-    def _list_all(self, run: RunData, layers: set[str] | None) -> Subject:
         s = self._subject(run, layers, None)
         out, self._changing, self._raw = s.out, [], []
         for add in ELEMENTS:
@@ -143,9 +123,6 @@ class LiveListing:
                 self._raw += [dict(item) for item in out.items[count:]]
         add_legend(s, s.carried)
         s.close()
-        for item in out.items:
-            if item["k"] == "arrows" and item["l"] == "contacts":
-                item["refs"] = self._refs
         self._last, self._layers = s, layers
         return s
 
@@ -203,7 +180,7 @@ def page_list(out: Listing) -> dict[str, Any]:
 
 def moving(out: Listing) -> Integers:
     """Numbers of the frames that move."""
-    return np.flatnonzero((np.ptp(np.nan_to_num(out.pose), axis=0) > SLIDES).any(axis=1))
+    return np.flatnonzero((np.ptp(np.nan_to_num(out.pose), axis=0) > MOVES).any(axis=1))
 
 
 def rounded(data: Any) -> Any:

@@ -1,17 +1,16 @@
-"""Messages of a live view: the display list of a scene, and frames with its numbers.
+"""The display list of a live view, and its frames.
 
 A frame is float32 numbers: :data:`HEAD`, x, y and angle of each frame of the list, its columns, the
 values of the drives, the watched quantities, the number of rows of each table, the rows, then, for
 each trail in the list, the places of its point since the last frame, x and y in turn. Contact
-forces are the mean of the steps since the last frame: those of a single step flicker.
+forces are means over the steps since the last frame: those of a single step flicker.
 """
 
 from __future__ import annotations
 
-import contextlib
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -40,88 +39,66 @@ HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force
 """The first numbers of a frame: its number; the last message that it answers; the time [s];
 seconds of motion per second; the body that is held, or -1; the place [m] and the force [N]; the
 number of places of each trail."""
-TRAIL = 8
-"""Most places of a trail in a frame."""
-LOOK = 2.0
-"""Seconds of the trial run that gives the picture its scales."""
-MOST_PAIRS = 200
-"""Pairs of bodies that are offered at most; any can be watched."""
-AT_ONCE = 64
-"""Most steps between two looks at the clock."""
+TRAIL = 8  # maximum number of places of a trail in a frame
+LOOK = 2.0  # seconds of the trial run that gives the picture its scales
+MAX_PAIRS = 200  # pairs of bodies that are suggested; any can be watched
+AT_ONCE = 64  # maximum number of steps between two looks at the clock
 _OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
 
 
 def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
-    """A trial run of the scene, as far as the time allows: it gives the picture its scales.
-
-    Raises:
-        SceneError: as :class:`Simulation`.
-    """
+    """A trial run of the scene, as far as the time allows: it gives the picture its scales."""
     simulation, stride, began = Simulation(scene), Stride(), time.perf_counter()
     every = round(1 / (scene.mechanism.run.sample_rate * scene.mechanism.run.step))
     try:
         while not simulation.finished and (
                 simulation.steps < 2 * every or time.perf_counter() - began < seconds):
-            with stride.of(stride.fits(seconds / 10)) as steps:
-                simulation.step(steps)
+            stride.run(simulation.step, AT_ONCE, seconds / 10)
     except SimulationDiverged:
         pass
     return simulation.recording()
 
 
 class Stride:
-    """The number of steps that fit into a time, from the duration of the last ones."""
+    """Makes as many steps as fit into a time, from the duration of the last ones."""
 
     def __init__(self) -> None:
         self._cost = math.inf
 
-    def fits(self, seconds: float) -> int:
-        """Steps that fit, one at least."""
-        return max(1, min(AT_ONCE, int(seconds / self._cost)))
-
-    @contextlib.contextmanager
-    def of(self, steps: int) -> Iterator[int]:
-        """Measure the duration of some steps, which are made within."""
+    def run(self, step: Callable[[int], int], most: int, seconds: float) -> int:
+        """Call ``step`` with the number of steps that fit, one at least; its result."""
+        steps = max(1, min(AT_ONCE, most, int(seconds / self._cost)))
         began = time.perf_counter()
-        yield steps
+        made = step(steps)
         self._cost = max((time.perf_counter() - began) / steps, 1e-9)
+        return made
 
 
 class LiveFrames:
-    """Frames of one run.
-
-    Args:
-        live: the run.
-        look: the scene as it runs by itself.
-    """
+    """Frames of one run; ``look`` is a trial run of the scene."""
 
     def __init__(self, live: Live, look: Recording) -> None:
         self.live, self.look = live, look
         self.layers: set[str] | None = None
         """Layers that are shown; by default those of the scene's view."""
-        self._shown: set[str] | None = None
-        """Those of the last frame."""
-        self.watched: list[str] = []
-        """Quantities in the frames."""
+        self._shown: set[str] | None = None  # those of the last frame
+        self.watched: list[str] = []  # quantities in the frames
         self.units = {name: live.unit(name) for name in live.names()}
         """Quantities that frames can have, with their units."""
         self.left_out: list[str] = []
         """Reasons why meters of the scene's view are left out, a line each."""
-        self.meters = list(self._own_meters())
-        """The other meters."""
+        self.meters = list(self._own_meters())  # the other meters
         self._model = compile_mechanism(live.scene)
         self._on_other: dict[int, bool] = {}
         """By pair of bodies that have touched: whether the force is shown on the second."""
         self._listing = LiveListing(look)
-        self._sent: list[Item] = []
-        """Items of the page's list."""
-        self._told = 0
-        """Steps up to the last frame."""
-        self._gone = np.zeros(len(live.scene.drives))
+        self._sent: list[Item] = []  # items of the page's list
+        self._steps = 0  # number of steps up to the last frame
+        self._travel = np.zeros(len(live.scene.drives))
         """The integral of each drive's value over these: the travel of surfaces."""
         if not live.steps:
             live.step()  # before the first step there is no sample
-        self._look_again()
+        self._update()
 
     def _own_meters(self) -> Iterator[dict[str, Any]]:
         view, worked = self.live.scene.view, expressions_of(self.live.scene.view)
@@ -129,9 +106,9 @@ class LiveFrames:
             wrong = {name: why for name in meter["names"] if name not in self.units
                      and (why := _unreadable(self.live, name))}
             names = [name for name in meter["names"] if name not in wrong]
-            whole = "a meter of the view is left out" if not names else (
-                "a curve of a meter of the view is left out")
-            self.left_out += [f"{whole}: {why}" for why in dict.fromkeys(wrong.values())]
+            part = "a curve of a meter" if names else "a meter"
+            self.left_out += [f"{part} of the view is left out: {why}"
+                              for why in dict.fromkeys(wrong.values())]
             self.units |= {name: worked[name] if name in worked else self.live.unit(name)
                            for name in names}
             if names:
@@ -142,21 +119,19 @@ class LiveFrames:
         arrays, bodies = self.look.arrays, self.live.scene.bodies
         pairs = np.unique(np.sort(np.stack(
             (arrays["contact_body"], arrays["contact_other"]), axis=1), axis=1), axis=0)
-        for a, b in pairs[:MOST_PAIRS].tolist():
+        for a, b in pairs[:MAX_PAIRS].tolist():
             one, other = (b, a) if bodies[a].motion == "fixed" else (a, b)
             for quantity in PAIR:
                 name = f"{bodies[one].name}/{bodies[other].name}.{quantity}"
                 yield {"name": name, "unit": self.look.catalogue.find(name).unit}
 
-    def tells(self, name: str) -> bool:
-        """Whether frames can have a quantity, a meter of the view or a pair's."""
+    def has(self, name: str) -> bool:
+        """Whether frames can have a quantity, a meter of the view or one of a pair."""
         return name in self.units or ("/" in name and name in self.look.catalogue)
 
     def drawing(self) -> dict[str, Any]:
         """Data that a ``Stage`` needs before the first frame."""
-        known = self.look.catalogue.units
         return {**drawing(self.look, self._subject, self._listing.box, live=True), **self._list(),
-                "late": [name for name in known if name not in self.units],
                 "head": list(HEAD), "drives": len(self.live.scene.drives),
                 "meters": self.meters, "pairs": list(self._pairs()),
                 "quantities": [{"name": name, "unit": self.units[name]} for name in dict.fromkeys(
@@ -168,15 +143,12 @@ class LiveFrames:
 
     def relisted(self) -> dict[str, Any] | None:
         """The display list if it has other items than the page knows, else None."""
-        self._look_again()
+        self._update()
         items = self._subject.out.items
         return None if items is self._sent or items == self._sent else self._list()
 
     def frame(self, numbers: Sequence[float]) -> bytes:
-        """The present instant; ``numbers`` are those of :data:`HEAD` but ``trail``.
-
-        Call :meth:`relisted` before.
-        """
+        """The present instant, after :meth:`relisted`; ``numbers`` of HEAD but ``trail``."""
         out = self._subject.out
         last = len(out.time) - 1
         tables = [rows[rows[:, 0] == last] for rows in out.tables.values()]
@@ -187,34 +159,35 @@ class LiveFrames:
             [len(rows) for rows in tables], *(rows.ravel() for rows in tables),
             self._trail.ravel()]).astype("<f4").tobytes()
 
-    def _look_again(self) -> None:
+    def _update(self) -> None:
         """List the last samples, if there are new ones or other layers."""
-        if self._told and self.live.steps == self._told and self.layers == self._shown:
+        if self._steps and self.live.steps == self._steps and self.layers == self._shown:
             return
         drives = len(self.live.scene.drives)
         arrays = self.live.latest()
         for name in _OF_DRIVES:
             arrays[name] = arrays[name][:, :drives]
-        few = _last(arrays)
-        first = max(len(arrays["time"]) - (self.live.steps - self._told), 0)
-        self._gone += self.live.scene.run.step * arrays["drive_value"][first:].sum(axis=0)
-        few["drive_travel"] = np.tile(self._gone, (len(few["time"]), 1))
+        start = max(len(arrays["time"]) - 2, 0)  # the last two samples
+        late = arrays["contact_sample"] >= start
+        few = {name: array if name in STATIC else array[late] if name in CONTACT
+               else array[start:] for name, array in arrays.items()}
+        few["contact_sample"] = few["contact_sample"] - start
+        first = max(len(arrays["time"]) - (self.live.steps - self._steps), 0)
+        self._travel += self.live.scene.run.step * arrays["drive_value"][first:].sum(axis=0)
+        few["drive_travel"] = np.tile(self._travel, (len(few["time"]), 1))
         self._subject = self._listing.of(
             SomeSamples(self.live.scene, self._model, few, few["time"]), self.layers)
-        contacts, tables = self._mean_contacts(arrays), self._subject.out.tables
-        if "contacts" in tables:
-            count = len(self.live.scene.bodies)
-            key = contacts[:, 4] * count + contacts[:, 5]
-            tables["contacts"] = np.column_stack([
-                np.full(len(contacts), len(few["time"]) - 1), key, contacts[:, :4]])
+        if "contacts" in self._subject.out.tables:
+            self._subject.out.tables["contacts"] = self._mean_contacts(
+                arrays, len(few["time"]) - 1)
         self._drives = few["drive_value"][-1]
         self._trail = self._places(arrays)
-        self._told, self._shown = self.live.steps, self.layers
+        self._steps, self._shown = self.live.steps, self.layers
 
     def _places(self, arrays: Arrays) -> Array:
         """Places of the point of each trail since the last frame, [trails, m, 2] m."""
         points = [item["at"] for item in self._subject.out.items if item["k"] == "trail"]
-        new = min(self.live.steps - self._told, len(arrays["time"]))
+        new = min(self.live.steps - self._steps, len(arrays["time"]))
         some = np.unique(np.linspace(-new, -1, TRAIL).round().astype(int)) if new > 0 else [-1]
         pose, found = arrays["body_pose"][some], []
         for body, x, y in points:
@@ -222,14 +195,12 @@ class LiveFrames:
             found.append(pose[:, body, :2] + np.stack((c * x - s * y, s * x + c * y), axis=1))
         return np.array(found).reshape(len(found), len(some), 2)
 
-    def _mean_contacts(self, arrays: Arrays) -> Array:
-        """A row for each pair: the mean force, at the mean place weighted by it, [k, 6]."""
-        body, other = arrays["contact_body"], arrays["contact_other"]
-        if not len(body):
-            return np.zeros((0, 6))
+    def _mean_contacts(self, arrays: Arrays, sample: int) -> Array:
+        """The table of contacts: the mean force of each pair, at its mean place weighted by it."""
         bodies = len(self.live.scene.bodies)
-        keys, which = np.unique(body * bodies + other, return_inverse=True)
-        pairs = np.stack(np.divmod(keys, bodies), axis=1)
+        keys, which = np.unique(arrays["contact_body"] * bodies + arrays["contact_other"],
+                                return_inverse=True)
+        one, other = np.divmod(keys, bodies)
 
         def summed(values: Array) -> Array:
             return np.asarray(np.bincount(which, values, minlength=len(keys)))
@@ -241,13 +212,15 @@ class LiveFrames:
         known = self._on_other
         new = [k for k, key in enumerate(keys.tolist()) if key not in known]
         if new:
-            found = on_the_other(self._model, self.look.arrays, pairs[new, 0], pairs[new, 1])
+            found = on_the_other(self._model, self.look.arrays, one[new], other[new])
             known.update(zip(keys[new].tolist(), found.tolist(), strict=True))
         swapped = np.array([known[key] for key in keys.tolist()], dtype=bool)
         sign = np.where(swapped, -1.0, 1.0) / samples
         return np.column_stack([
+            np.full(len(keys), sample), np.where(swapped, other * bodies + one, keys),
             summed(x * weight) / total, summed(y * weight) / total, sign * summed(fx),
-            sign * summed(fy), np.where(swapped[:, None], pairs[:, ::-1], pairs)])
+            sign * summed(fy)])
+
 
 def _unreadable(live: Live, word: str) -> str:
     """Why a quantity or an expression cannot be read during a run; empty if it can."""
@@ -258,12 +231,3 @@ def _unreadable(live: Live, word: str) -> str:
     except UnknownQuantityError as error:
         return str(error)
     return ""
-
-
-def _last(arrays: Arrays) -> Arrays:
-    """The last two samples."""
-    first = max(len(arrays["time"]) - 2, 0)
-    late = arrays["contact_sample"] >= first
-    found = {name: array if name in STATIC else array[late] if name in CONTACT else array[first:]
-             for name, array in arrays.items()}
-    return {**found, "contact_sample": found["contact_sample"] - first}

@@ -24,22 +24,18 @@ from sandbox.web.drawing import expressions_of, moving, page_list
 
 BUDGET = 3_300_000
 """Bytes of a run's numbers, before base64 makes them a third longer: 4.4 MB on a page."""
-FRAMES = 4000
-"""Samples that a drawing has, more or less; of a longer run some are left out."""
-FINEST = 250.0
-"""Samples per second [Hz] that are always kept."""
+FRAMES = 4000  # samples that a drawing has, more or less; of a longer run some are left out
+FINEST = 250.0  # samples per second [Hz] that are always kept
 OFF = 2e-4
-"""Error of a pose between the samples that are kept, as a fraction of the picture's width: a fifth
-of a pixel in 1000. Where it would be more all samples are kept."""
-BINS, LEAST_BINS = 2000, 125
-"""Of a quantity with more than twice as many samples: the least and the greatest of each bin."""
+"""Maximum error of a pose between the samples that are kept, as a fraction of the picture's width:
+a fifth of a pixel in 1000."""
+BINS, MIN_BINS = 2000, 125
+"""Of a quantity with more than twice as many samples: the minimum and maximum of each bin."""
 LEVEL = 9
-CHUNK = 64
-"""Columns worked on at a time."""
+CHUNK = 64  # columns worked on at a time
 FLAT, NOTHING = 1e-9, 1e-10
 """Changes of a quantity below this fraction of its size, and values below this fraction of the
-largest in its unit, are rounding errors: of a body in a slot up to 1e-12 across it, and 7e-11 of
-its angular acceleration."""
+largest in its unit, are rounding errors."""
 
 
 @dataclass
@@ -90,10 +86,8 @@ def quantised(columns: Array, bits: int) -> tuple[Any, Array, Array]:
 def kept_samples(time: Array, pose: Array, width: float) -> Flags:
     """The samples of a drawing, [n]: some, and all where interpolation exceeds :data:`OFF`.
 
-    Args:
-        time: [n] s.
-        pose: of moving bodies, x, y [m] and angle [rad] in turn, [n, 3 k].
-        width: of the picture [m].
+    ``pose`` has x, y [m] and angle [rad] of each moving body in turn, [n, 3 k]; ``width`` is that
+    of the picture [m].
     """
     n = len(time)
     every = -(-n // FRAMES)
@@ -106,32 +100,20 @@ def kept_samples(time: Array, pose: Array, width: float) -> Flags:
         return kept
     at = np.flatnonzero(kept)
     # a turn shows at the rim of a body, which is about half a picture at most
-    share = np.tile([1.0, 1.0, width / 4], pose.shape[1] // 3) / (OFF * width)
-    for first in range(0, pose.shape[1], CHUNK):
-        some = pose[:, first:first + CHUNK] * share[first:first + CHUNK]
-        span = np.searchsorted(at, np.arange(n), side="right") - 1
-        span = np.minimum(span, len(at) - 2)
-        a, b = at[span], at[span + 1]
-        w = ((np.arange(n) - a) / (b - a))[:, None]
-        off = np.abs(some - (1 - w) * some[a] - w * some[b]).max(axis=1)
-        wrong = np.zeros(len(at), bool)
-        np.logical_or.at(wrong, span, off > 1)
-        kept |= wrong[span]
-    return kept
+    scale = np.tile([1.0, 1.0, width / 4], pose.shape[1] // 3) / (OFF * width)
+    off = np.zeros(n, bool)
+    for column in (pose * scale).T:
+        off |= np.abs(np.interp(np.arange(n), at, column[at]) - column) > 1
+    spans = np.logical_or.reduceat(off, at)
+    return np.asarray(kept | np.repeat(spans, np.diff(at, append=n)))
 
 
 class RunNumbers(NamedTuple):
-    """A run's numbers."""
+    """A run's numbers: three compressed parts."""
 
-    data: bytes
-    """Three compressed parts: JSON with ``list``, ``blocks`` and ``series``, the drawing, plots.
-
-    Each of ``series`` has name and unit, and ``c``, its column of ``plots``, or ``v``, its value.
-    """
-    sizes: list[int]
-    """Bytes of the parts."""
-    thinned: list[str]
-    """Descriptions of the samples that are left out."""
+    data: bytes  # JSON with ``list``, ``blocks`` and ``series``; the drawing; the plots
+    sizes: list[int]  # of the parts [bytes]
+    thinned: list[str]  # descriptions of the samples that are left out
 
 
 def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNumbers:
@@ -167,18 +149,18 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
                           separators=(",", ":"), allow_nan=False)
         parts = [zlib.compress(head.encode(), LEVEL), drawing,
                  zlib.compress(bytes(plots.raw), LEVEL)]
-        fixed, total = len(parts[0]) + len(drawing), sum(map(len, parts))
-        if total <= BUDGET or bins <= LEAST_BINS:
+        total = sum(map(len, parts))
+        if total <= BUDGET or bins <= MIN_BINS:
             break
-        fewer = int(0.9 * bins * (BUDGET - fixed) / (total - fixed))
-        bins = max(LEAST_BINS, min(bins // 2, fewer))
+        share = (BUDGET - total) / len(parts[2]) + 1  # of the plots that there is room for
+        bins = max(MIN_BINS, min(bins // 2, int(0.9 * bins * share)))
     if len(time) > 2 * bins:
-        said.append(f"plots: the least and the greatest of every {-(-len(time) // bins)} samples")
+        said.append(f"plots: the minimum and maximum of every {-(-len(time) // bins)} samples")
     return RunNumbers(b"".join(parts), [len(part) for part in parts], said)
 
 
 def _series(run: Samples, names: list[str]) -> tuple[list[dict[str, Any]], Array]:
-    """Quantities with their values if constant; those that change as columns [k, n], too."""
+    """Quantities with name, unit and value ``v`` or column ``c``; the columns [k, n]."""
     worked = expressions_of(run.mechanism.view)
     found = {name: read_curve(run, name) for name in names}
     units = {name: worked[name] if name in worked else run.unit(name) for name in names}
@@ -207,15 +189,14 @@ def level(values: Array, largest: float) -> float | None:
 
 
 def _plots(time: Array, values: Array, bins: int) -> Blocks:
-    """Times and values for plots; of a long run the least and greatest of each bin, in order."""
+    """Times and values for plots; of a long run the minimum and maximum of each bin, in order."""
     blocks = Blocks()
     n = len(time)
     if n > 2 * bins:
         per = -(-n // bins)
         starts = np.arange(0, n, per)
         # the last bin may be short: its last value again and again changes neither extreme
-        short = len(starts) * per - n
-        padded = np.concatenate([values, np.repeat(values[:, -1:], short, axis=1)], axis=1)
+        padded = np.pad(values, ((0, 0), (0, len(starts) * per - n)), mode="edge")
         of = padded.reshape(len(values), len(starts), per)
         low, high = of.min(axis=2), of.max(axis=2)
         rising = of[..., -1] >= of[..., 0]

@@ -1,10 +1,9 @@
-"""One HTML file that shows runs, needs nothing else and lets nothing else in.
+"""One HTML file that shows runs, without a network.
 
 Names, titles and units are data: they stand in ``application/json`` where no markup is read, and
-the script writes them as text. A Content-Security-Policy of hashes runs this one script and
-nothing besides. The files of :data:`MODULES` follow each other in one scope; there is nothing else
-to build. They and the styles hold ASCII letters only: a page that is shown in another encoding
-keeps its hashes.
+the script writes them as text. A Content-Security-Policy of hashes allows this one script only. The
+files of :data:`MODULES` share one scope. They and the styles are ASCII: a page that is shown in
+another encoding keeps its hashes.
 """
 
 from __future__ import annotations
@@ -39,12 +38,9 @@ from sandbox.web.drawing import drawing, listed, meters_of
 from sandbox.web.packing import level, packed
 from sandbox.wording import printable, quoted
 
-MOST_RUNS = 4
-"""Runs that a page shows beside each other."""
-MOST_PAIRS = 64
-"""Pairs of bodies whose contact forces can be plotted, the most loaded ones."""
-HEIGHT, LOWEST, HIGHEST = 760, 200, 4000
-"""Default, smallest and largest height of the frame in a notebook [pixels]."""
+MAX_RUNS = 4
+MAX_PAIRS = 64  # pairs of bodies whose contact forces can be plotted, the most loaded ones
+MIN_HEIGHT, MAX_HEIGHT = 200, 4000  # of the frame in a notebook [pixels]
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8">{meta}
 <meta name="viewport" content="width=device-width,initial-scale=1">
@@ -100,18 +96,17 @@ def policy(code: str) -> str:
 class FoundOut(NamedTuple):
     """Data about a run besides its samples."""
 
-    verdicts: Sequence[Verdict] = ()
-    """On the expectations of its scene; computed where there are none."""
+    verdicts: Sequence[Verdict] = ()  # computed where there are none
     figures: Sequence[Figure] = ()
-    source: str = ""
-    """Its directory."""
+    source: str = ""  # its directory
 
 
 def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
-    """Texts and tables of a run; numbers that are not finite are None.
+    """Texts and tables of a run; ``apart`` is a name that distinguishes it from others."""
+    def finite(one: Verdict | Figure) -> dict[str, Any]:
+        return {key: None if isinstance(value, float) and not math.isfinite(value) else value
+                for key, value in vars(one).items()}
 
-    ``apart`` is a name that distinguishes it from others on the page.
-    """
     info = run.info
     return {
         "about": run.mechanism.about, "complete": run.complete, "status": info.status.value,
@@ -119,13 +114,9 @@ def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
         "samples": len(run), "step": info.step, "rate": info.sample_rate,
         "versions": dict(info.versions),
         "events": [{"name": one.event, "t": one.time} for one in info.marked],
-        "expect": [{"quantity": v.quantity, "statistic": v.statistic, "unit": v.unit,
-                    "low": _finite(v.low), "high": _finite(v.high), "value": _finite(v.value),
-                    "ok": v.ok, "because": v.because, "reason": v.reason, "over": over}
-                   for v, over in zip(told.verdicts, chain(_windows(run), repeat(None)),
-                                      strict=False)],
-        "audit": [{"name": f.name, "value": _finite(f.value), "most": _finite(f.threshold),
-                   "unit": f.unit, "verdict": f.verdict, "why": f.why} for f in told.figures],
+        "expect": [{**finite(v), "over": over} for v, over in zip(
+            told.verdicts, chain(_windows(run), repeat(None)), strict=False)],
+        "audit": [finite(figure) for figure in told.figures],
         "scene": to_json(run.mechanism),
     }
 
@@ -144,27 +135,19 @@ def _windows(run: Samples) -> Iterator[list[float] | None]:
             yield [float(times[0]), float(times[-1])] if len(times) else None
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
 def report(
     runs: Sequence[Samples], told: Sequence[FoundOut] = (), plots: Sequence[str] = (),
 ) -> str:
-    """The page of one to :data:`MOST_RUNS` runs.
+    """The page of one to :data:`MAX_RUNS` runs; equal runs give equal pages, to the byte.
 
-    Equal runs give equal pages, to the byte.
-
-    Args:
-        runs: the runs.
-        told: data about each run, if any; verdicts are computed where there are none.
-        plots: quantities that are plotted at once; by default those of the scene's expectations.
+    ``told`` has data about each run; ``plots`` are quantities that are plotted at once, by default
+    those of the scene's expectations.
 
     Raises:
         OutputError: no runs or too many, or one without samples.
     """
-    if not 1 <= len(runs) <= MOST_RUNS:
-        raise OutputError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given" if runs
+    if not 1 <= len(runs) <= MAX_RUNS:
+        raise OutputError(f"a page shows up to {MAX_RUNS} runs, {len(runs)} were given" if runs
                           else "there is no run to show; pass at least one", code="bad-picture")
     for run in runs:
         check_run(run)
@@ -191,9 +174,9 @@ def report(
 
 
 def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
-    """Quantities that can be plotted: nearly all, and the forces of the pairs that touch.
+    """Quantities that can be plotted: nearly all, and the forces of pairs in contact.
 
-    Grasp measures, which take long, are left out unless they are asked for or expected.
+    Grasp measures, which take long, are included only if they are in ``plots`` or expected.
     """
     bodies, arrays = run.mechanism.bodies, run.arrays
     wanted = {*plots, *(name for expect in run.mechanism.expect
@@ -212,7 +195,7 @@ def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
     keys, which = np.unique(arrays["contact_body"] * len(bodies) + arrays["contact_other"],
                             return_inverse=True)
     total = np.bincount(which, np.hypot(*arrays["contact_force"].T), minlength=len(keys))
-    loaded = np.sort(np.argsort(-total, kind="stable")[:MOST_PAIRS])
+    loaded = np.sort(np.argsort(-total, kind="stable")[:MAX_PAIRS])
     pairs = [f"{bodies[a].name}/{bodies[b].name}.normal"
              for a, b in (divmod(key, len(bodies)) for key in keys[loaded].tolist())]
     return list(dict.fromkeys([*names, *wanted, *shown, *pairs]))
@@ -241,17 +224,11 @@ class RunPage:
     """One HTML file that plays a run."""
 
     text: str
-    about: str
-    """Alternative text."""
-    height: int = HEIGHT
-    """Of the frame in a notebook [pixels]."""
+    about: str  # alternative text
+    height: int  # of the frame in a notebook [pixels]
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it to a file.
-
-        Raises:
-            OutputError: another ending than .html or .htm, or it cannot be written.
-        """
+        """Write it to an .html file; OutputError if that fails."""
         file = output_path(path, "a page")
         if file.suffix.lower() not in (".html", ".htm"):
             raise OutputError(f"{file}: a page is an .html file", code="bad-picture")
@@ -261,7 +238,7 @@ class RunPage:
         return f"<RunPage of {self.about}, {len(self.text) / 1000:.0f} kB>"
 
     def _repr_html_(self) -> str:
-        """A frame whose script reaches nothing of the notebook: it may run and save, no more."""
+        """A frame whose script may run and save, without access to the notebook."""
         return ('<iframe sandbox="allow-scripts allow-downloads" '
                 f'style="width:100%;height:{self.height}px;border:0" '
                 f'title="{html.escape(self.about)}" '
@@ -270,9 +247,9 @@ class RunPage:
 
 def page(run: Recording, quantities: Sequence[str], height: int) -> RunPage:
     """See :meth:`sandbox.Recording.page`."""
-    if not isinstance(height, Integral) or not LOWEST <= height <= HIGHEST:
-        raise OutputError(f"height={quoted(height)} is no height of a page; pass {LOWEST} to "
-                          f"{HIGHEST} pixels", code="bad-picture")
+    if not isinstance(height, Integral) or not MIN_HEIGHT <= height <= MAX_HEIGHT:
+        raise OutputError(f"height={quoted(height)} is no height of a page; pass {MIN_HEIGHT} to "
+                          f"{MAX_HEIGHT} pixels", code="bad-picture")
     plots = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
     told = FoundOut(verdicts=run.verdicts, figures=run.audit)
     return RunPage(report([run], [told], plots), f"{run.mechanism.name or 'a run'} in motion",

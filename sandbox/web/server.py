@@ -3,10 +3,9 @@
 It listens on 127.0.0.1 only. The page's address holds a random token; all else is refused, and so
 are requests of other sites (by their Origin and Host). The page may load nothing.
 
-Each tab has a thread of its own, which alone touches its session: work that takes long, such as a
-step back, does not delay other tabs. 60 times a second the thread handles the messages of its tab,
-advances the session and sends a frame. It sends one only while few frames are unanswered: half as
-many again as the line holds. So there is never a queue.
+Each tab has a thread of its own, which alone uses its session: long work, such as a step back, does
+not delay other tabs. 60 times a second the thread handles the messages of its tab, advances the
+session and sends a frame, unless the page has not drawn the last few: so there is never a queue.
 """
 
 from __future__ import annotations
@@ -14,8 +13,8 @@ from __future__ import annotations
 import contextlib
 import http
 import json
-import math
 import secrets
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -24,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from sandbox.errors import OutputError, SandboxError
 from sandbox.web.page import html_page, policy, script
-from sandbox.web.session import FRAME, Answer, Later, Session
+from sandbox.web.session import FRAME, Answer, Session
 
 if TYPE_CHECKING:
     from websockets.http11 import Request, Response
@@ -32,30 +31,22 @@ if TYPE_CHECKING:
 
 HOST = "127.0.0.1"
 INSTALL = "pip install 'sandbox-mechanics[view]'"
-FEWEST_UNDER_WAY = 4
-LATE = 0.1
-"""A page that is this far behind the clock [s] skips the time that it missed."""
-LOOK_AT_FILES = 0.5
-"""Seconds between two checks whether the scene's files have changed."""
-LONG = 0.3
-"""Seconds after which the page says that the session is busy."""
-SHORTEST_WAIT = 1e-3
-"""Seconds to wait for a message where a frame is late."""
-MOST_TABS = 8
-"""Pages at once: each steps a scene of its own."""
-MOST_BYTES = 1 << 16
-"""Of a message."""
+MAX_UNSEEN = 6
+"""Frames that the page has not drawn yet: enough for a line with a round trip of 0.1 s."""
+LATE = 0.1  # a page that is this far behind the clock [s] skips the time that it missed
+LOOK_AT_FILES = 0.5  # seconds between two checks whether the scene's files have changed
+LONG = 0.3  # seconds after which the page says that the session is busy
+SHORTEST_WAIT = 1e-3  # seconds to wait for a message where a frame is late
+MAX_TABS = 8
+MAX_BYTES = 1 << 16  # of a message
 START = '\nlive(document.querySelector("main"), socketLink(location.href));\n'
 
 
 class Server:
     """Serves a scene until Ctrl-C.
 
-    Args:
-        session: makes a session; each tab gets its own.
-        first: the session of the first tab, which was made to check the scene.
-        title: of the page.
-        port: to listen on; 0 for a free one.
+    ``session`` makes the session of a tab; ``first``, made to check the scene, is that of the first
+    one. ``port`` 0 is a free one.
     """
 
     def __init__(
@@ -63,7 +54,7 @@ class Server:
     ) -> None:
         self._session, self._first, self._title = session, [first], title
         self.port, self.token = port, secrets.token_urlsafe(16)
-        self._stopping, self._room = threading.Event(), threading.Semaphore(MOST_TABS)
+        self._stopping, self._room = threading.Event(), threading.Semaphore(MAX_TABS)
 
     @property
     def address(self) -> str:
@@ -71,11 +62,7 @@ class Server:
         return f"http://{HOST}:{self.port}/{self.token}"
 
     def serve(self, ready: Callable[[Server], None]) -> None:
-        """Serve until Ctrl-C; ``ready`` is called when it listens.
-
-        Raises:
-            OutputError: the port cannot be used.
-        """
+        """Serve until Ctrl-C; call ``ready`` when it listens. OutputError if the port is taken."""
         with self.listening(), contextlib.suppress(KeyboardInterrupt):
             ready(self)
             while True:  # without a timeout Windows would not notice Ctrl-C
@@ -83,19 +70,17 @@ class Server:
 
     @contextlib.contextmanager
     def listening(self) -> Iterator[None]:
-        """Listen within a ``with`` statement.
-
-        Raises:
-            OutputError: the port cannot be used.
-        """
+        """Listen within a ``with`` statement; OutputError if the port is taken."""
         serve = needed()
         try:
-            server = serve(self._tab, HOST, self.port, process_request=self._answer,
-                           compression=None, max_size=MOST_BYTES, close_timeout=1)
+            listener = socket.create_server((HOST, self.port))
         except OSError as error:
             raise OutputError(f"cannot listen on port {self.port}: {error.strerror}; "
                               "without --port a free one is found", code="cannot-listen") from None
-        self.port = server.socket.getsockname()[1]
+        self.port = listener.getsockname()[1]
+        server = serve(self._tab, sock=listener, process_request=self._answer, compression=None,
+                       origins=[f"http://{host}" for host in self._hosts], max_size=MAX_BYTES,
+                       close_timeout=1)
         thread = threading.Thread(target=server.serve_forever, name="server")
         thread.start()
         try:
@@ -105,37 +90,30 @@ class Server:
             server.shutdown()
             thread.join()
 
+    @property
+    def _hosts(self) -> list[str]:
+        return [f"{HOST}:{self.port}", f"localhost:{self.port}"]
+
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         """The page for requests with the token; None accepts a WebSocket."""
-        hosts = [f"{HOST}:{self.port}", f"localhost:{self.port}"]
-
-        def one_of(header: str, known: list[str]) -> bool:
-            """Whether a header was sent once, with a known value."""
-            values = request.headers.get_all(header)
-            return len(values) == 1 and values[0] in known
-
-        path = request.path.partition("?")[0].removeprefix("/")
-        known = secrets.compare_digest(path.encode(), self.token.encode())
-        if not one_of("Host", hosts):
+        hosts = request.headers.get_all("Host")
+        if len(hosts) != 1 or hosts[0] not in self._hosts:
             return connection.respond(http.HTTPStatus.FORBIDDEN, (
-                f"this view answers to {' and '.join(hosts)} only: ask for it by one of "
-                "these, through SSH with the same port on both sides\n"))
-        if not known:
+                f"this view answers to {' and '.join(self._hosts)} only: use one of these, through "
+                "SSH with the same port on both sides\n"))
+        path = request.path.partition("?")[0].removeprefix("/")
+        if not secrets.compare_digest(path.encode(), self.token.encode()):
             return connection.respond(http.HTTPStatus.FORBIDDEN, "wrong or missing token\n")
         if request.headers.get("Upgrade", "").lower() == "websocket":
-            if one_of("Origin", [f"http://{host}" for host in hosts]):
-                return None
-            return connection.respond(http.HTTPStatus.FORBIDDEN, "asked for by another page\n")
+            return None
         answer = connection.respond(http.HTTPStatus.OK, page(self._title))
-        sources = " ".join(f"ws://{host}" for host in hosts)
-        for name, value in {
-                "Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-store",
-                "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff",
-                "Content-Security-Policy":
-                    f"{policy(_code())}; connect-src {sources}; frame-ancestors 'none'"}.items():
-            if name in answer.headers:
-                del answer.headers[name]
-            answer.headers[name] = value
+        del answer.headers["Content-Type"]
+        sources = " ".join(f"ws://{host}" for host in self._hosts)
+        answer.headers.update({
+            "Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-store",
+            "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff",
+            "Content-Security-Policy":
+                f"{policy(_code())}; connect-src {sources}; frame-ancestors 'none'"})
         return answer
 
     def _tab(self, connection: ServerConnection) -> None:
@@ -144,14 +122,14 @@ class Server:
 
         with contextlib.suppress(ConnectionClosed):
             if not self._room.acquire(blocking=False):
-                self._refuse(connection, f"{MOST_TABS} pages play with this scene already; close "
-                                         "one, and load this page again")
+                self._refuse(connection, f"{MAX_TABS} tabs run this scene already; close one, and "
+                                         "load this page again")
                 return
             try:
-                _Tab(connection, self._first.pop() if self._first else self._session(),
-                     self._stopping).play()
+                session = self._first.pop() if self._first else self._session()
+                _Tab(connection, session, self._stopping).play()
             except SandboxError as error:  # the file has become wrong
-                self._refuse(connection, f"{error}\nmend it, and load this page again")
+                self._refuse(connection, f"{error}\ncorrect it, and load this page again")
             finally:
                 self._room.release()
 
@@ -173,14 +151,12 @@ class _Tab:
 
         self.connection, self.session, self.stopping = connection, session, stopping
         session.closed = lambda: stopping.is_set() or connection.protocol.state is not State.OPEN
-        self.sent: dict[int, float] = {}
-        """Times at which the frames that the page has not confirmed were sent."""
-        self.round_trip = 0.0
+        self.seen = 0  # the last frame that the page has drawn
         self._shown: tuple[int, int] | None = None
         self._files, self._checked = self._stamps(), 0.0
         self._saving: list[threading.Thread] = []
 
-    def say(self, *answers: Answer) -> None:
+    def send(self, *answers: Answer) -> None:
         for answer in answers:
             self.connection.send(json.dumps(answer, allow_nan=False))
 
@@ -189,35 +165,33 @@ class _Tab:
         """Tell the page that the session is busy if the work within takes long."""
         from websockets.exceptions import ConnectionClosed
 
-        told: list[bool] = []
-
         def tell() -> None:
-            told.append(True)
             with contextlib.suppress(ConnectionClosed):
-                self.say({"working": True})
+                self.send({"working": True})
 
         timer = threading.Timer(LONG, tell)
         timer.start()
+        began = time.perf_counter()
         try:
             yield
         finally:
             timer.cancel()
             timer.join()
-            if told:
-                self.say({"working": False})
+            if time.perf_counter() - began >= LONG:
+                self.send({"working": False})
 
     def play(self) -> None:
         """Answer messages and send frames until the page is closed."""
         try:
             with self._busy():
                 answers = [self.session.head(), self.session.status()]
-            self.say(*answers)
+            self.send(*answers)
             due = before = time.perf_counter()
             while not self.stopping.is_set():
                 due = max(due + FRAME, time.perf_counter() - LATE)
                 with contextlib.suppress(TimeoutError):
                     while True:
-                        self._hear(self.connection.recv(
+                        self._handle(self.connection.recv(
                             timeout=max(due - time.perf_counter(), SHORTEST_WAIT)))
                 now = time.perf_counter()
                 self._advance(min(now - before, LATE))
@@ -229,51 +203,40 @@ class _Tab:
             for thread in self._saving:
                 thread.join()
 
-    def _hear(self, message: str | bytes) -> None:
+    def _handle(self, message: str | bytes) -> None:
         if isinstance(message, str) and message.startswith('{"seen":'):
             with contextlib.suppress(ValueError, TypeError, OverflowError, RecursionError):
-                self._seen(int(json.loads(message)["seen"]))
+                self.seen = int(json.loads(message)["seen"])
             return
         with self._busy():
-            answers = self.session.hear(message)
+            answers = self.session.handle(message)
         for answer in answers:
             if callable(answer):
                 self._saving.append(threading.Thread(target=self._save, args=(answer,)))
                 self._saving[-1].start()
             else:
-                self.say(answer)
+                self.send(answer)
 
-    def _seen(self, seen: int) -> None:
-        """Note that the page has drawn a frame."""
-        if seen in self.sent:
-            took = time.perf_counter() - self.sent[seen]
-            self.round_trip += 0.2 * (took - self.round_trip)
-        self.sent = {seq: at for seq, at in self.sent.items() if seq > seen}
-
-    def _save(self, save: Later) -> None:
+    def _save(self, save: Callable[[], Answer]) -> None:
         """Save a run while the page plays on; also if the page is closed meanwhile."""
         from websockets.exceptions import ConnectionClosed
 
         answer = save()
         with contextlib.suppress(ConnectionClosed):
-            self.say(answer)
+            self.send(answer)
 
     def _advance(self, seconds: float) -> None:
-        """Advance the session; send changes, and a frame if the line has room for one."""
+        """Advance the session; send changes, and a frame if the page has drawn the last ones."""
         session = self.session
         if session.playing:
             session.advance(seconds)
             if not session.playing:
-                self.say(session.status())
+                self.send(session.status())
         state = session.live.steps, session.ack
-        most = max(FEWEST_UNDER_WAY, math.ceil(1.5 * self.round_trip / FRAME))
-        if state == self._shown or len(self.sent) >= most:
-            return
-        self._shown = state
-        self.say(*session.relisted())
-        frame = session.frame()
-        self.sent[session.seq] = time.perf_counter()
-        self.connection.send(frame)
+        if state != self._shown and session.seq - self.seen < MAX_UNSEEN:
+            self._shown = state
+            self.send(*session.relisted())
+            self.connection.send(session.frame())
 
     def _reload(self) -> None:
         """Read the scene again if one of its files has changed."""
@@ -284,7 +247,7 @@ class _Tab:
         with self._busy():
             answers = [session.head()] if session.reload() else []
         self._files = self._stamps()
-        self.say(*answers, session.status())
+        self.send(*answers, session.status())
 
     def _stamps(self) -> dict[Path, int]:
         """Times of the last change of the scene's files."""
@@ -306,11 +269,7 @@ def page(title: str) -> str:
 
 
 def needed() -> Any:
-    """The function that serves.
-
-    Raises:
-        OutputError: it is not installed; with the command that installs it.
-    """
+    """The function that serves; OutputError with the command that installs it, if it is missing."""
     try:
         from websockets.sync.server import serve
     except ImportError:

@@ -1,7 +1,6 @@
-"""A scene that a user plays with: checks and executes messages, and gives frames.
+"""An interactive run of a scene: executes messages, advances the time, makes frames.
 
-There is no transport in it. The caller hands over messages (:meth:`Session.hear`), advances the
-time (:meth:`Session.advance`) and passes on frames and answers.
+It has no transport: see :mod:`sandbox.web.server`.
 """
 
 from __future__ import annotations
@@ -29,34 +28,28 @@ from sandbox.web.controls import PARAMETER, Spans, changes, controls, read_value
 from sandbox.web.frames import LOOK, LiveFrames, Stride, looked_at
 from sandbox.wording import listed, near, quoted
 
-FRAME = 1 / 60
-"""Seconds from frame to frame."""
-BUDGET = 0.012
-"""Seconds that the steps of a frame may take; motion is slower if they take longer."""
-SLOWEST, FASTEST = 0.01, 4.0
-"""Smallest and largest speed, in seconds of motion per second."""
-MOST_METERS, FIRST_METERS = 12, 4
+FRAME = 1 / 60  # seconds from frame to frame
+BUDGET = 0.012  # seconds that the steps of a frame may take; motion is slower if they take longer
+MIN_SPEED, MAX_SPEED = 0.01, 4.0  # seconds of motion per second
+MAX_METERS, FIRST_METERS = 12, 4
 """Meters of a live view that run at once; of usual quantities at first."""
 QUICK_LOOK = 0.2
 """Seconds of the trial run after a parameter was set, so that a slider is not held up."""
+ACTIONS = ("run", "pause", "step", "back", "reset")
 Answer = dict[str, Any]
-Later = Callable[[], Answer]
-"""Work that takes long and gives an answer; may be called in a thread."""
 
 
 class Found(NamedTuple):
     """A scene that was read."""
 
     loaded: Loaded
-    warnings: Sequence[str] = ()
-    """Of the check of the scene, a line each."""
+    warnings: Sequence[str] = ()  # of the check of the scene, a line each
 
 
 class Before(NamedTuple):
     """The scene before a parameter was set while the run went on."""
 
-    steps: int
-    """Of the run by then."""
+    steps: int  # of the run by then
     found: Found
     overrides: dict[str, Any]
 
@@ -65,16 +58,11 @@ Read = Callable[[Mapping[str, Any]], Found]
 
 
 class Session:
-    """One scene that is played with.
+    """One scene that runs and is changed by messages.
 
-    Args:
-        read: reads the scene, with values that replace those of its file; called again when the
-            file has changed or a parameter is set.
-        overrides: such values.
-        place: the directory in which a run of some name is saved.
-
-    Raises:
-        SceneError: the scene cannot be used.
+    ``read`` reads the scene with values that replace those of its file (``overrides`` at first); it
+    is called again when a file or a parameter changes. ``place`` gives the directory for a run of
+    some name. Raises SceneError if the scene cannot be used.
     """
 
     def __init__(
@@ -83,18 +71,16 @@ class Session:
         self._read, self._place = read, place
         self.overrides = dict(overrides)
         self.playing = True
-        self.trouble = ""
-        """The error that ended the run, or that of the scene's file."""
-        self.rate = 0.0
-        """Recent seconds of motion per second."""
+        self.trouble = ""  # the error that ended the run, or that of the scene's file
+        self.rate = 0.0  # recent seconds of motion per second
         self.seq = self.ack = 0
         self.closed: Callable[[], bool] = bool
-        """Whether the page was closed: work that takes long is then given up."""
+        """Whether the page was closed: long work is then given up."""
         self._watched: list[str] | None = None
         self._layers: set[str] | None = None
         self._spans: Spans = {}
         self._open(read(self.overrides))
-        self.speed = min(max(self.scene.view.speed, SLOWEST), FASTEST)
+        self.speed = min(max(self.scene.view.speed, MIN_SPEED), MAX_SPEED)
 
     def _open(self, found: Found, look: float = LOOK) -> None:
         """Begin with a scene that was read; ``look`` are seconds of the trial run."""
@@ -115,7 +101,7 @@ class Session:
         watched = self._watched
         if watched is None:
             watched = first_meters(self.frames, self._look.catalogue.usual)
-        self.frames.watched = [name for name in watched if self.frames.tells(name)]
+        self.frames.watched = [name for name in watched if self.frames.has(name)]
 
     # -- answers ---------------------------------------------------------------------------
 
@@ -126,25 +112,17 @@ class Session:
 
     def status(self) -> Answer:
         """The texts beside the picture: whether it runs, how fast, errors."""
-        note = ""
+        note, file = "", Path(self.loaded.name)
         if not self.playing and self.live.steps == self._end:
             note = (f"The scene ends at {self.scene.run.duration:.6g} s. "
                     "Press run to continue, or reset to go back to the start.")
-        return {"status": {
-            "playing": self.playing, "speed": self.speed, "note": note,
-            "trouble": self._in_place(self.trouble or self.live.ending),
-            "warnings": [self._in_place(text) for text in self.warnings],
-            "left_out": self.frames.left_out}}
-
-    def _in_place(self, text: str) -> str:
-        """A text without the folder of the scene's file, which the user knows."""
-        file = Path(self.loaded.name)
-        return text.replace(self.loaded.name, file.name) if file.name else text
-
-    def line(self) -> str:
-        """The command that begins with today's values of the parameters."""
-        said = [f' --set "{path}={value}"' for path, value in self.overrides.items()]
-        return f"sandbox view {self.loaded.name}{''.join(said)}"
+        # without the folder of the scene's file, which the user knows
+        trouble, *warnings = (
+            text.replace(self.loaded.name, file.name) if file.name else text
+            for text in (self.trouble or self.live.ending, *self.warnings))
+        return {"status": {"playing": self.playing, "speed": self.speed, "note": note,
+                           "trouble": trouble, "warnings": warnings,
+                           "left_out": self.frames.left_out}}
 
     def relisted(self) -> list[Answer]:
         """The display list, if it differs from that of the page; to be sent before the frame."""
@@ -172,26 +150,24 @@ class Session:
         wanted = min(wanted, left) if left > 0 else wanted
         began = time.perf_counter()
         while made < wanted and not self.live.finished and time.perf_counter() - began <= budget:
-            with self._stride.of(min(wanted - made, self._stride.fits(budget / 4))) as steps:
-                made += self._go(steps)
+            made += self._stride.run(self._go, wanted - made, budget / 4)
         self.rate += 0.1 * (made * step / seconds - self.rate)
         if self.live.finished or 0 < left <= made:
             self.playing = False
 
-    def _go(self, most: int) -> int:
+    def _go(self, steps: int) -> int:
         """Make up to some steps; an error ends the run and is reported."""
         try:
             self.hand.draw()
-            return self.live.step(most if self.hand.body is None else min(most, self.hand.every))
+            return self.live.step(steps if self.hand.body is None else min(steps, self.hand.every))
         except SandboxError as error:
             self.trouble, self.playing = str(error), False
-            return most
+            return steps
 
     def reload(self) -> bool:
-        """Read the scene's file again, with today's values; whether it can be used.
+        """Read the scene's file again with today's values, but those of parameters that are gone.
 
-        Values of parameters that it no longer has are dropped. If it cannot be used, the run
-        continues, and the problem is reported.
+        Returns whether it can be used; if not, the run continues, and the problem is reported.
         """
         values = self.overrides
         try:
@@ -204,8 +180,6 @@ class Session:
                     known = self._read(others).loaded.scene.parameters
                     values = {name: value for name, value in values.items()
                               if name in others or name.removeprefix(PARAMETER) in known}
-                if values == self.overrides:
-                    raise
                 found = self._read(values)
             self._open(found)
         except SandboxError as error:
@@ -216,93 +190,91 @@ class Session:
 
     # -- messages ---------------------------------------------------------------------------
 
-    def hear(self, text: str | bytes) -> list[Answer | Later]:
-        """Execute a message and return the answers; no message raises an error."""
+    def handle(self, text: str | bytes) -> Sequence[Answer | Callable[[], Answer]]:
+        """Execute a message and return the answers; no message raises an error.
+
+        An answer that takes long is a function, which may be called in a thread.
+        """
         try:
-            asked = json.loads(text)
+            message = json.loads(text)
         except (ValueError, RecursionError):
-            asked = None
-        if not isinstance(asked, dict):
+            message = None
+        if not isinstance(message, dict):
             return [{"error": "a message is a JSON object"}]
+        answers: Sequence[Answer | Callable[[], Answer]]
         try:
-            found = list(self._answers(asked))
+            answers = self._answers(message)
         except SandboxError as error:
             problems = error.problems if isinstance(error, SceneError) else []
-            found = [{"error": "; ".join(map(_said, problems)) or str(error)}]
+            answers = [{"error": "; ".join(map(_in_line, problems)) or str(error)}]
         except Exception as error:  # the run goes on, whatever was sent
-            found = [{"error": f"the message cannot be handled: {error!r}"}]
-        number = asked.get("id")
+            answers = [{"error": f"the message cannot be handled: {error!r}"}]
+        number = message.get("id")
         if isinstance(number, int) and 0 <= number < 1 << 24:  # exact in a frame
             self.ack = max(self.ack, number)
-        return found
+        return answers
 
-    def _answers(self, asked: dict[str, Any]) -> Sequence[Answer | Later]:
-        match asked:
+    def _answers(self, message: dict[str, Any]) -> Sequence[Answer | Callable[[], Answer]]:
+        match message:
             case {"set": str(name), "value": value}:
                 return self._set(name, value) if name.startswith(PARAMETER) else \
                     self._give(name, value)
             case {"drag": [str(body), x, y], "to": [to_x, to_y]}:
                 self.hand.hold(body, (_number(x), _number(y)), (_number(to_x), _number(to_y)))
+                return []
             case {"drop": _}:
                 self.hand.drop()
+                return []
             case {"watch": list(names)}:
                 return self._watch(names)
             case {"layers": list(names)}:
                 self._layers = self.frames.layers = set(map(str, names))
+                return []
             case {"speed": speed}:
-                self.speed = min(max(_number(speed), SLOWEST), FASTEST)
-                return [self.status()]
+                self.speed = min(max(_number(speed), MIN_SPEED), MAX_SPEED)
             case {"save": "scene"}:
                 made = self.live.played()
-                said = f"with these parameters it begins by: {self.line()}" \
-                    if self.overrides else ""
-                return [{"file": f"{made.name}.json", "text": to_json(made), "said": said}]
+                changed = "".join(f' --set "{path}={value}"'
+                                  for path, value in self.overrides.items())
+                return [{"file": f"{made.name}.json", "text": to_json(made), "said": changed and (
+                    f"with these parameters it begins by: sandbox view {self.loaded.name}"
+                    f"{changed}")}]
             case {"save": "run"}:
                 return [{"said": "running it again, to save it"}, self._saver()]
-            case {"do": str(what)}:
-                acts = {"run": self._run, "pause": self._pause, "step": self._step,
-                        "back": self._back, "reset": self._reset}
-                if what not in acts:
-                    raise _wrong(f"there is nothing to do called {quoted(what)}",
-                                 allowed=listed(acts), hint=near(what, acts))
-                return acts[what]()
+            case {"do": "run"}:
+                self.playing = not self.live.finished
+            case {"do": "pause"}:
+                self.playing = False
+            case {"do": "step"}:  # by one frame
+                self.playing = False
+                for _ in range(self._of_frame()):
+                    self._go(1)
+            case {"do": "back"}:
+                return self._back()
+            case {"do": "reset"}:  # with the parameters as they are
+                self.scene, self._before = self.loaded.mechanism, []
+                self._begin(Live(Checked(self.scene)))
+                return [self.status(), self._controls()]
+            case {"do": str(name)}:
+                raise _wrong(f"there is nothing to do called {quoted(name)}",
+                             allowed=listed(ACTIONS), hint=near(name, ACTIONS))
             case _:
-                raise _wrong(f"there is nothing to do for {quoted(sorted(asked))}",
+                raise _wrong(f"there is nothing to do for {quoted(sorted(message))}",
                              allowed="set, drag, drop, watch, layers, speed, save or do")
-        return []
-
-    def _run(self) -> list[Answer]:
-        self.playing = not self.live.finished
-        return [self.status()]
-
-    def _pause(self) -> list[Answer]:
-        self.playing = False
-        return [self.status()]
-
-    def _step(self) -> list[Answer]:
-        """Advance by one frame."""
-        self.playing = False
-        for _ in range(self._of_frame()):
-            self._go(1)
         return [self.status()]
 
     def _back(self) -> list[Answer]:
         """Go back by one frame: run again from t = 0 with the earlier actions."""
-        def wanted(_share: float) -> None:
+        def check_open(_share: float) -> None:
             if self.closed():
                 raise SandboxError("the page was closed", code="interrupted")
 
         self.playing = False
-        self._begin(self.live.again(max(self.live.steps - self._of_frame(), 1), progress=wanted))
+        self._begin(self.live.again(max(self.live.steps - self._of_frame(), 1),
+                                    progress=check_open))
         self.hand.let_go()
         while self._before and self._before[-1].steps >= self.live.steps:  # as `again` does it
             _, (self.loaded, self.warnings), self.overrides = self._before.pop()
-        return [self.status(), self._controls()]
-
-    def _reset(self) -> list[Answer]:
-        """Go to the beginning, with the parameters as they are."""
-        self.scene, self._before = self.loaded.mechanism, []
-        self._begin(Live(Checked(self.scene)))
         return [self.status(), self._controls()]
 
     def _of_frame(self) -> int:
@@ -351,8 +323,8 @@ class Session:
     def _watch(self, names: list[Any]) -> list[Answer]:
         names = list(dict.fromkeys(each for name in map(str, names)
                                    for each in _of_pairs(name, self._look.catalogue)))
-        if len(names) > MOST_METERS:
-            raise _wrong(f"no more than {MOST_METERS} meters run at once", code="limit-exceeded")
+        if len(names) > MAX_METERS:
+            raise _wrong(f"no more than {MAX_METERS} meters run at once", code="limit-exceeded")
         units = self.frames.units
         for name in names:
             if not math.isfinite(self.live[name]) and name not in units:
@@ -361,8 +333,8 @@ class Session:
         return [{"watched": [{"name": name, "unit": units[name] if name in units
                               else self.live.unit(name)} for name in names]}]
 
-    def _saver(self) -> Later:
-        """Work that runs the scene again as it was played, and saves the run."""
+    def _saver(self) -> Callable[[], Answer]:
+        """A function that runs the scene again as it was played, and saves the run."""
         made = self.live.played()
         place = self._place(made.name)
 
@@ -382,7 +354,7 @@ def _of_pairs(name: str, known: Catalogue) -> list[str]:
         return [name]
     if not known.fits(name):
         raise UnknownQuantityError(name, known.near(name))
-    return list(itertools.islice(known.match(name), MOST_METERS + 1))
+    return list(itertools.islice(known.match(name), MAX_METERS + 1))
 
 
 def _number(value: object) -> float:
@@ -396,8 +368,8 @@ def _wrong(message: str, *, code: str = "bad-argument", **more: Any) -> SceneErr
     return SceneError([Problem(code, message, "", **more)])
 
 
-def _said(problem: Problem) -> str:
-    """A problem in one line; of a place only that in the scene."""
+def _in_line(problem: Problem) -> str:
+    """A problem in one line, with its path in the scene."""
     place = f"{problem.path}: " if problem.path.startswith("$.") else ""
     allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
     hint = f"; did you mean {problem.hint}?" if problem.hint else ""
@@ -405,15 +377,11 @@ def _said(problem: Problem) -> str:
 
 
 def first_meters(frames: LiveFrames, usual: Mapping[str, list[str]]) -> list[str]:
-    """The quantities that a live view plots at first.
-
-    These are the meters of the scene's view, as many as may run at once; else the meters that the
-    scene defines, else the first of the ``usual`` quantities.
-    """
+    """The quantities plotted at first: the view's meters if they fit, else the usual ones."""
     shown: list[str] = []
     for meter in frames.meters:
         both = list(dict.fromkeys([*shown, *meter["names"]]))
-        shown = both if len(both) <= MOST_METERS else shown
+        shown = both if len(both) <= MAX_METERS else shown
     if shown:
         return shown
     found = ([name for name in names if name in frames.units] for names in usual.values())

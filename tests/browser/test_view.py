@@ -191,4 +191,5 @@ def test_every_layer_is_shown_on_a_phone_in_the_dark(served, scene):
     tab.get_by_text("layers", exact=True).click()
     for box in tab.locator("[data-layer]").all():
         box.check()
+    tab.evaluate("sandbox.ask({ do: 'run' })")  # it may have come to its end
     until(tab, f"sandbox.stats.drawn > {tab.evaluate('sandbox.stats.drawn')} + 5")

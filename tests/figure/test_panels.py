@@ -26,21 +26,6 @@ def saved(folder: Path, *curves: Curve) -> Path:
     return path
 
 
-@pytest.mark.parametrize("top", [None, 0.5])
-def test_last_markers_are_whole_and_curves_end_where_the_axes_do(
-        monkeypatch: pytest.MonkeyPatch, top: float | None) -> None:
-    figures = []
-    monkeypatch.setattr(style, "save_figure", lambda figure, path: figures.append(figure))
-    save_panels(Path("plot.png"), [Panel("", Axis("x"), Axis(limits=top and (-0.02, top)), [
-        Curve("high", X, X, "joined"), Curve("low", X, X / 4, "joined")])])
-    lines = figures[0].axes[0].get_lines()
-    assert all(line.get_clip_on() for line in lines[:2])
-    whole = [line for line in lines[2:] if not line.get_clip_on()]
-    assert all(line.get_linestyle() == "None" for line in whole)
-    assert sorted(y for line in whole for y in line.get_ydata()) == (
-        [0.25, 1.0] if top is None else [0.25])
-
-
 def test_what_is_before_the_comma_and_behind_it_is_said_once(tmp_path: Path) -> None:
     curves = [Curve(f"joint {i}, {tail}", X, i * X, kind) for i in range(4)
               for tail, kind in (("(31)", "line"), ("engine", "points"))]

@@ -2,26 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from sandbox.figure import style
-from sandbox.figure.style import NEAR, strands
+from sandbox.figure.style import NEAR
 from sandbox.figure.sweeps import SweepColumn, SweepDrawing, draw_sweep
-
-
-@given(st.lists(st.floats(0, 1), min_size=1, max_size=12), st.floats(0.01, 0.2))
-def test_labels_move_apart(wanted: list[float], gap: float) -> None:
-    places = style.apart(np.array(wanted), gap)
-    order = np.argsort(wanted, kind="stable")
-    assert np.all(np.diff(places[order]) >= gap - 1e-12)
-    # least squares: the mean does not move
-    assert places.mean() == pytest.approx(np.mean(wanted))
 
 
 @pytest.mark.parametrize(("value", "text"), [
@@ -70,14 +58,15 @@ X = np.linspace(0.0, 1.0, 201)
 
 def test_where_two_part_each_runs_alone():
     """One bends at 0.6 with slope 1: it is alone from NEAR beyond that."""
-    found = strands([(X, X), (X, np.minimum(X, 0.6))])
-    for rank, parts in enumerate(found):
-        together, alone = parts
-        assert (together.turns, together.rank, together.first) == (2, rank, 0)
-        assert (alone.turns, alone.rank) == (1, 0)
-        assert X[together.last] == pytest.approx(0.6 + NEAR, abs=0.006)
-        assert alone.first == together.last  # no gap between the two
-        assert alone.last == len(X) - 1
+    axes = style.new_figure(60).subplots()
+    axes.set(xlim=(0, 1), ylim=(0, 1))
+    lines = axes.plot(X, X) + axes.plot(X, np.minimum(X, 0.6))
+    style.show_coincident(axes, lines)
+    dashed = axes.lines[2:]
+    assert [line.get_color() for line in dashed] == [line.get_color() for line in lines]
+    for line in dashed:
+        together = line.get_xdata()[np.isfinite(line.get_ydata())]
+        assert together[[0, -1]] == pytest.approx([0.0, 0.6 + NEAR], abs=0.006)
 
 
 PULL, STIFFNESS = np.repeat([2.0, 4.0, 7.0, 8.0], 2), np.tile([200.0, 400.0], 4)
@@ -102,14 +91,9 @@ def test_what_differs_by_rounding_only_is_one_value(drawn):
     varied = [SweepColumn("pull", "N", pull), SweepColumn("k", "N/m", k)]
     same, close = (SweepColumn(name, "N", 35.0 + share * pull)
                    for name, share in (("same", 1e-12), ("close", 1e-6)))
-    panel, _ = drawn(varied, same, close)  # and the bar of its colours
-    assert panel.get_title(loc="left") == "close [N]"
-    assert np.ptp(panel.collections[0].get_array()) > 0
-    assert panel.figure.get_supxlabel() == "same = 35 N in all runs."
-    panel, bar = drawn(varied, same, replace(same, name="too"))
-    assert np.ptp(panel.collections[0].get_array()) == 0
-    assert [text.get_text() for text in bar.get_yticklabels()] == ["35"]
-    assert panel.figure.get_supxlabel() == "too = 35 N in all runs."
+    one, two, *_ = drawn(varied, same, close)
+    assert [axes.get_title(loc="left") for axes in (one, two)] == ["same [N]", "close [N]"]
+    assert [np.ptp(axes.collections[0].get_array()) > 0 for axes in (one, two)] == [False, True]
 
 
 @pytest.mark.parametrize("turned", [False, True])

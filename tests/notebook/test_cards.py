@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.notebook import MOST_ROWS, at_start, card_of_run, card_of_scene
+from sandbox.notebook import MAX_ROWS, at_start, card_of_run, card_of_scene
 from sandbox.scene.library import shipped_scenes
 
 HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(1)>\"'&"
@@ -87,11 +87,11 @@ def test_a_run_tells_its_end_its_verdict_and_its_audit(run: sandbox.Recording) -
 
 
 def test_what_failed_comes_first_and_says_why() -> None:
-    held = [{"final": "a.y", "above": -i - 1} for i in range(MOST_ROWS)]
+    held = [{"final": "a.y", "above": -i - 1} for i in range(MAX_ROWS)]
     scene = disc(expect=[*held, {"mean": "a.x", "above": 3}, {"mean": "a.z", "above": 3}])
     read = harmless(card_of_run(sandbox.simulate(sandbox.load_scene(
         {**scene, "expect": scene["expect"][:-1]}))))
-    assert f"{MOST_ROWS} of {MOST_ROWS + 1} expectations passed" in read.text
+    assert f"{MAX_ROWS} of {MAX_ROWS + 1} expectations passed" in read.text
     assert read.text.index("at least 3") < read.text.index("at least -1")
     assert "and 1 more" in read.text
 

@@ -20,7 +20,7 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
 from sandbox.web.drawing import drawing, listed
 from sandbox.web.page import (
-    MOST_RUNS,
+    MAX_RUNS,
     FoundOut,
     report,
     styles,
@@ -72,7 +72,7 @@ def test_a_page_needs_a_run_and_shows_up_to_four():
     with pytest.raises(OutputError, match="no run to show"):
         report([])
     run = zoo()
-    with pytest.raises(OutputError, match=f"up to {MOST_RUNS} runs, 5 were given"):
+    with pytest.raises(OutputError, match=f"up to {MAX_RUNS} runs, 5 were given"):
         report([run] * 5)
     page = report([run] * 2, [FoundOut(source="x"), FoundOut(source="y")])
     assert re.findall(r'"apart":"(\w+)"', page) == ["x", "y"]

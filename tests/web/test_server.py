@@ -111,7 +111,8 @@ def test_another_page_is_not_let_in(server: Server, caplog: pytest.LogCaptureFix
         with socket.create_connection(("127.0.0.1", server.port)) as line:
             head = "\r\n".join((f"GET /{server.token} HTTP/1.1", *lines))
             line.sendall(f"{head}\r\n\r\n".encode())
-            assert b" 403 " in line.makefile("rb").readline()
+            with line.makefile("rb") as answer:
+                assert answer.readline().split()[1] in (b"400", b"403")
     assert caplog.records == []
 
 
@@ -124,7 +125,7 @@ def test_no_more_frames_are_under_way_than_the_line_holds(server: Server) -> Non
         with contextlib.suppress(TimeoutError):
             while True:
                 frames += isinstance(line.recv(timeout=0.5), bytes)
-        assert frames == served.FEWEST_UNDER_WAY  # nothing was said to be seen
+        assert frames == served.MAX_UNSEEN  # nothing was said to be seen
         line.send('{"seen": 4}')
         assert isinstance(line.recv(timeout=5), bytes)
 
@@ -178,11 +179,11 @@ def test_what_takes_long_in_a_tab_is_told_and_holds_up_no_other(
 
 def test_only_so_many_tabs_play(server: Server) -> None:
     with contextlib.ExitStack() as tabs:
-        for _ in range(served.MOST_TABS):
+        for _ in range(served.MAX_TABS):
             last = tabs.enter_context(connected(server))
             assert "head" in next_json(last)
         with connected(server) as more:
-            assert f"{served.MOST_TABS} pages play" in next_json(more)["error"]
+            assert f"{served.MAX_TABS} tabs run" in next_json(more)["error"]
         last.close()
         while True:  # once it is closed there is room
             with connected(server) as again:

@@ -14,7 +14,7 @@ import pytest
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene, read_scene
-from sandbox.web.session import FASTEST, FRAME, Found, Session
+from sandbox.web.session import FRAME, MAX_SPEED, Found, Session
 
 from .test_frames import decoded
 
@@ -58,7 +58,7 @@ def of_file(data: dict[str, Any], tmp_path: Path) -> Session:
 
 
 def ask(made: Session, **message: Any) -> list[dict[str, Any]]:
-    return made.hear(json.dumps(message))
+    return made.handle(json.dumps(message))
 
 
 def told(made: Session) -> dict[str, Any]:
@@ -94,7 +94,7 @@ def test_time_passes_at_the_asked_speed_and_a_frame_tells_the_run(tmp_path: Path
     ask(made, speed=0.5)
     assert play(made, 0.5)["t"] == pytest.approx(0.75, abs=2e-3)
     ask(made, speed=1e9)
-    assert made.speed == FASTEST
+    assert made.speed == MAX_SPEED
 
 
 def test_it_pauses_once_at_the_end_of_the_scene_and_says_so(tmp_path: Path) -> None:
@@ -127,7 +127,7 @@ def test_a_drive_is_set_while_it_runs_a_parameter_of_it_too(tmp_path: Path) -> N
     frame = play(made, 0.05)
     assert frame["watched"] == pytest.approx([4.0])
     assert frame["t"] > 0.19  # it went on
-    assert '--set "parameters.pull=4 N"' in made.line()
+    assert '--set "parameters.pull=4 N"' in ask(made, save="scene")[0]["said"]
 
 
 def test_a_parameter_that_shapes_the_scene_begins_it_anew(tmp_path: Path) -> None:
@@ -254,7 +254,6 @@ def test_a_view_opens_with_the_meters_of_the_scene(tmp_path: Path) -> None:
     reason = "'weight.contact.fx' is computed after the run and cannot be read during it"
     assert made.status()["status"]["left_out"] == [
         f"a curve of a meter of the view is left out: {reason}"]
-    assert "weight.contact.fx" in head["late"]
     assert ask(made, watch=["weight.y", "weight.contact.fx"]) == [{"error": reason}]
 
 
@@ -283,7 +282,7 @@ def test_what_is_wrong_is_answered_in_a_line_and_changes_nothing(
 ) -> None:
     made = session(tmp_path)
     before = made.live, made.overrides, made.live.steps
-    [answer] = made.hear(json.dumps(message))
+    [answer] = made.handle(json.dumps(message))
     assert said in answer["error"]
     assert "\n" not in answer["error"]
     assert len(answer["error"]) < 300
@@ -293,7 +292,7 @@ def test_what_is_wrong_is_answered_in_a_line_and_changes_nothing(
 
 @pytest.mark.parametrize("text", ["", "{", "[" * 5000, b"\xff", '{"id": 1e400}', "NaN"])
 def test_what_is_no_message_does_no_harm(tmp_path: Path, text: str | bytes) -> None:
-    assert "error" in session(tmp_path).hear(text)[0]
+    assert "error" in session(tmp_path).handle(text)[0]
 
 
 def test_an_unexpected_error_is_answered(

@@ -18,10 +18,10 @@ async function unpack(head, bytes) {
     parts.push(await inflate(bytes.subarray(at, at + head.sizes[i])));
   }
   Object.assign(head, JSON.parse(new TextDecoder().decode(parts[0])));
-  const found = {};
+  const found = {}, known = [];
   for (const block of head.blocks) {
     const raw = parts[block.part];
-    found[block.key] = block.key === "plots" ? { at: (c) => columnOf(block, c, raw) }   // when asked
+    found[block.key] = block.key === "plots" ? { at: (c) => (known[c] ??= columnOf(block, c, raw)) }   // on first use
       : Array.from({ length: block.k }, (_, c) => columnOf(block, c, raw));
   }
   return found;
@@ -33,7 +33,7 @@ function columnOf({ n, k, at, low, step, bytes }, c, raw) {
   for (let i = 0; i < n; i++, p++) {
     q = (q + raw[p] + 256 * raw[p + plane] + (bytes > 2 ? 65536 * raw[p + 2 * plane] : 0)) & none;
     const v = a + h * q;
-    column[i] = q === none ? NaN : q && 2 * Math.abs(v) <= h ? 0 : v;     // what was 0 is again
+    column[i] = q === none ? NaN : q && 2 * Math.abs(v) <= h ? 0 : v;     // exact zeros
   }
   return column;
 }
@@ -48,8 +48,8 @@ function indexBelow(array, value) {
   return low;
 }
 
-// The place of the sample nearest to an instant among those of a row that are there: where several
-// runs share an axis, a row is undefined at the others' samples.
+// The index of the sample of a row nearest to an instant. Where several runs share an axis, a row is
+// undefined at the samples of the others.
 function indexNear(times, t, row = times) {
   let a = indexBelow(times, t), b = Math.min(a + 1, times.length - 1);
   while (a > 0 && row[a] === undefined) a--;
@@ -99,10 +99,7 @@ function rowsOf(columns, n) {                             // rows by sample, whi
   return found;
 }
 
-// Names of quantities: which fit a pattern, which is meant, what several have in common.
-
-// A pattern as in Python's fnmatch: * is any letters, ? any one, [ab] and [a-f] one of these, [!ab] one that
-// is none of these; capitals matter.
+// A pattern as in Python's fnmatch, case-sensitive: *, ?, [ab], [a-f], [!ab].
 function globbed(pattern) {
   let text = "";
   for (let i = 0; i < pattern.length; i++) {
@@ -118,7 +115,7 @@ function globbed(pattern) {
   try { return new RegExp(`^${text}$`, "u"); } catch { return /^[]$/; }   // such as [f-a]: none
 }
 
-// The names that a pattern fits. Those of pairs need a / in it, and fit either way round.
+// The names that match a pattern. Names of pairs need a / in it, and match in either order.
 function matching(pattern, names) {
   if (names.includes(pattern)) return [pattern];
   const fits = globbed(pattern), pairs = pattern.includes("/");
@@ -127,19 +124,18 @@ function matching(pattern, names) {
     : fits.test(name)));
 }
 
-function nearest(text, names) {                           // by pairs of letters that both have
-  const pairs = (s) => new Set(Array.from({ length: Math.max(0, s.length - 1) }, (_, i) => s.slice(i, i + 2)));
-  const own = pairs(text.toLowerCase());
+function nearest(text, names) {                           // by pairs of letters in common
+  const pairs = (s) => new Set(Array.from({ length: Math.max(0, s.length - 1) }, (_, i) => s.slice(i, i + 2).toLowerCase()));
+  const own = pairs(text);
   let best = "", most = 0.4;
   for (const name of names) {
-    const other = pairs(name.toLowerCase());
-    const both = [...own].filter((p) => other.has(p)).length, share = 2 * both / (own.size + other.size || 1);
+    const other = pairs(name), share = 2 * [...own].filter((p) => other.has(p)).length / (own.size + other.size || 1);
     if (share > most) { most = share; best = name; }
   }
   return best;
 }
 
-// What names begin and end with alike, whole words of them.
+// The words that names have in common at their begin and end.
 function common(names) {
   const words = names.map((n) => n.split(".")), least = Math.min(...words.map((w) => w.length)) - 1;
   let a = 0, b = 0;
@@ -149,20 +145,17 @@ function common(names) {
   return { cut, title: [...words[0].slice(0, a), ...(b ? words[0].slice(-b) : [])].join(".") };
 }
 
-// Numbers and units as people read them.
-
 const fixedText = (value, decimals) => {                  // without a negative 0
   const text = value.toFixed(decimals);
   return +text ? text : text.replace("-", "");
 };
-const LEAST = 1e-15;                                      // what is less is what rounding leaves
+const LEAST = 1e-15;                                      // smaller values are rounding errors
 const short = (v, digits = 4) => (v === null || !Number.isFinite(v) ? "-" : Math.abs(v) < LEAST ? "0"
   : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? v.toExponential(digits - 1).replace(/\.?0*e\+?/, "e")
     : String(+v.toPrecision(digits)));
 const unitText = (unitName) => (unitName === "1" || !unitName ? "" : ` ${unitName}`);
 
-// How a quantity is shown, by the rule of figures (figure/style.py: shown_as): in SI it is at most
-// `most`, shown it is that times `factor` in `unit`, which is `sign` after a number.
+// Factor from SI, unit, and suffix of a number, as in figures (figure/style.py: shown_as), for values up to `most`.
 function shownAs(unitName, most) {
   if (unitName === "rad") return { factor: 180 / Math.PI, unit: "deg", sign: "\u00b0" };
   if (unitName === "rad/s") return { factor: 180 / Math.PI, unit: "deg/s", sign: " deg/s" };
@@ -170,11 +163,8 @@ function shownAs(unitName, most) {
   return { factor: 1, unit: unitName === "1" ? "" : unitName, sign: unitText(unitName) };
 }
 
-function sizeOfRow(row) {                                 // the largest size in it; 0 where nothing is
-  let most = 0;
-  for (const v of row) if (Math.abs(v) > most) most = Math.abs(v);
-  return most;
-}
+// The largest absolute value; 0 if there is none.
+const sizeOfRow = (row) => row.reduce((most, v) => (Math.abs(v) > most ? Math.abs(v) : most), 0);
 const sizeOfRows = (rows) => Math.max(0, ...rows.map(sizeOfRow));
 
 function roundLength(most) {                              // 1, 2, 5 times a power of ten

@@ -1,4 +1,4 @@
-// The meters of a live view: quantities that are watched, over the last while.
+// The meters of a live view: plots of watched quantities over the last KEPT frames.
 
 const KEPT = 1500;                                        // frames
 const STILL = 1e-4;                                       // of a value: less is not spread over a plot, as frames are float32
@@ -9,7 +9,7 @@ class Meters {
   }
   names() { return this.watched.map((w) => w.name); }
   more(names) { this.ask([...new Set([...this.names(), ...names])]); }
-  back(t) {                                               // what was from t on is not any more
+  back(t) {                                               // drop the samples from t on
     const kept = this.time.findLastIndex((one) => one < t) + 1;
     for (const row of [this.time, ...this.rows]) row.length = kept;
   }
@@ -33,11 +33,9 @@ class Meters {
     this.plots.push(...[...groups].map(([unitName, of]) => this.plot(unitName, of)));
   }
   plot(unitName, of, { title, range, number } = {}) {
-    const names = of.map((k) => this.watched[k].name), alike = common(names);
+    const names = of.map((k) => this.watched[k].name);
     const made = plot(this.box, {
-      title: title || (names.length === 1 ? names[0] : alike.title), range, number, unit: unitName,
-      names, short: names.map((n) => (names.length > 1 ? alike.cut(n) : "")),
-      least: STILL, time: this.time, rows: of.map((k) => this.rows[k]),
+      title, range, number, unit: unitName, names, least: STILL, time: this.time, rows: of.map((k) => this.rows[k]),
       close: () => this.ask(this.names().filter((n) => !names.includes(n))),
     });
     return Object.assign(made, { of });
@@ -56,14 +54,12 @@ class Meters {
   }
 }
 
-// The live view: a Stage that shows what a session does, and asks it for things.
-// link = {send(text), onmessage(data), onclose()}: text is JSON, data is JSON or a frame's bytes.
+// The live view of a session. link = {send(text), onmessage(data), onclose()}: JSON, or the bytes of a frame.
 
 const WAY = 20000;
-const LIVE_KEYS = [["space", "run or pause"], ["right, left", "one frame on or back"], ["r", "from the beginning"],
-  ["[ and ]", "slower, faster"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"], ["s", "save the picture"], ["?", "these keys"]];
+const LIVE_KEYS = [["space", "run or pause"], ["right, left", "one frame on or back"], ["r", "from the beginning"]];
 const PULLING = "Drag a body to pull it: the longer the line, the stronger. Drag beside bodies to move the picture, wheel "
-  + "or two fingers zoom, double click fits. Click a body, cord or spring for its meter.";
+  + "or two fingers zoom, double click fits. Click a body, tendon or spring for its meter.";
 
 function socketLink(address) {
   const socket = new WebSocket(address.replace(/^http/, "ws").replace(/[?#].*/, ""));
@@ -76,23 +72,23 @@ function socketLink(address) {
 
 class Live extends Viewer {
   constructor(root, link) {
-    super(root, LIVE_KEYS, PULLING);
+    super(LIVE_KEYS, PULLING);
     Object.assign(this, { link, ids: 0, sent: new Map(), asked: false, frame: null, ways: new Map(), instants: [],
-                          waiting: new Map(), working: false, stats: { drawn: 0, got: 0, latency: [], costs: [] } });
-    link.onmessage = (data) => { if (typeof data === "string") this.hear(JSON.parse(data)); else this.take(data); };
+                          waiting: new Map(), working: false, stats: { drawn: 0, latency: [], costs: [] } });
+    link.onmessage = (data) => { if (typeof data === "string") this.receive(JSON.parse(data)); else this.take(data); };
     link.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true, this.state); };
     const list = (id, ariaLabel) => el("ul", { id, className: "warned", ariaLabel, hidden: true });
     this.title = el("h1");
     this.state = el("output", { id: "state" }); this.said = el("output", { id: "said" });   // state of the run; result of the last action
-    this.warned = list("warned", "what the check of the scene found");
+    this.warned = list("warned", "warnings of the scene check");
     this.absent = list("absent", "meters that are left out");
     this.sheet = el("div", { className: "sheet" });
     this.layers = el("div");
     const plots = el("div", { className: "plots" }), side = el("section", { className: "plots", ariaLabel: "controls and meters" });
     this.controls = new Controls(side, (name, value) => this.set(name, value));
     this.meters = new Meters(plots, (names) => this.ask({ watch: names }));
-    this.finder = finder("a meter for a quantity", () => [...this.units.keys()], (names) => this.watch(names),
-                         (text) => text && this.tell(text, true), () => this.head.late, (text) => this.watch([text]));
+    this.finder = finder("a meter for a quantity", () => [...this.units.keys()], (names) => this.meters.more(names),
+                         (text) => this.meters.more([text]));   // the answer says why not
     side.append(this.finder, this.absent, plots);
     root.replaceChildren(this.title, el("div", { className: "top" }, el("section", { className: "bench", ariaLabel: "motion" },
       el("div", { className: "sheets" }, this.sheet), this.bar(), this.tools(), this.layers, this.warned), side),
@@ -103,8 +99,6 @@ class Live extends Viewer {
     });
   }
   bar() {
-    this.play = button("play", "\u25b6", "run or pause (space)", () => this.toggle());
-    this.clock = el("output", { id: "clock" });
     this.pace = el("output", { id: "pace" });
     this.speeds = speedBox((speed) => this.ask({ speed }));
     return el("div", { className: "bar" }, this.play,
@@ -115,16 +109,16 @@ class Live extends Viewer {
   }
   tools() {
     return super.tools(
-      button("save-run", "save run", "run it again as it was played, and save that", () => this.ask({ save: "run" })),
-      button("save-scene", "save scene", "what was played as a scene of its own", () => this.ask({ save: "scene" })));
+      button("save-run", "save run", "run it again with your actions, and save the run", () => this.ask({ save: "run" })),
+      button("save-scene", "save scene", "save a scene that repeats what you did", () => this.ask({ save: "scene" })));
   }
   get stages() { return this.stage ? [this.stage] : []; }
   get t() { return this.frame.t; }
 
-  // -- what is heard -------------------------------------------------------------------------------
-  hear(message) {
+  // -- messages --------------------------------------------------------------------------------
+  receive(message) {
     if (message.head) this.begin(message.head);
-    if (message.relisted) this.relist(message.relisted);
+    if (message.relisted) this.relisted = message.relisted;   // from the next frame on
     if (message.status) this.status(message.status);
     if (message.controls) this.controls.show(message.controls);
     if (message.given) this.controls.given(message.given);
@@ -138,18 +132,16 @@ class Live extends Viewer {
     const old = this.stage;
     this.head = head;
     this.title.textContent = document.title = head.title;
-    this.canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion: drag a body to pull it` });
-    this.canvas.style.aspectRatio = String(head.view.aspect);
-    const stage = this.stage = new Stage(this.canvas, head);
+    const stage = this.stage = new Stage(head, "drag a body to pull it");
     stage.extra.push((s) => this.drawHand(s));
-    if (old) {                                            // the camera stays, and whom it goes along with
+    if (old) {                        // keep the camera and the body that it follows
       Object.assign(stage, { zoom: old.zoom, pan: old.pan, layers: old.layers });
       const { name } = old.head.bodies[old.follow] || {};
       if (head.view.follow === old.head.view.follow) stage.follow = head.bodies.findIndex((b) => b.name === name);
     }
-    camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.point(pick, e, this.units, (name) => this.told(name)),
+    camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.point(pick, e, this.units, (name) => this.textOf(name)),
                                          click: (pick) => this.click(pick) });
-    Object.assign(this, { instants: [], ways: new Map(), frame: null, held: null });
+    Object.assign(this, { instants: [], ways: new Map(), frame: null, held: null, relisted: null });
     this.meters.back(-Infinity);
     this.layers.replaceChildren(this.layerBoxes(() => this.layersChosen()));
     this.layersChosen();
@@ -160,14 +152,9 @@ class Live extends Viewer {
     this.meters.first = head.meters;
     this.meters.show(head.watched.map((name) => ({ name, unit: this.units.get(name) })));
   }
-  relist(found) {                                         // other items than before, such as those of another layer
-    Object.assign(this.head, found);
-    Object.assign(this.stage, { list: found.list, stamps: {} });
-  }
   status({ playing, trouble, note, speed, warnings, left_out: leftOut }) {
     this.playing = playing;
-    this.play.textContent = playing ? "\u275a\u275a" : "\u25b6";
-    this.play.ariaLabel = playing ? "pause" : "run";
+    this.showPlaying();
     this.speeds.take(speed);
     this.tell(trouble || note, !!trouble, this.state);
     for (const [box, lines] of [[this.warned, warnings], [this.absent, leftOut]]) {
@@ -189,6 +176,11 @@ class Live extends Viewer {
   // -- frames --------------------------------------------------------------------------------------
   take(buffer) {
     const { head } = this, numbers = new Float32Array(buffer);
+    if (this.relisted) {                                  // other items than before, such as those of another layer
+      Object.assign(head, this.relisted);
+      Object.assign(this.stage, { list: head.list, stamps: {} });
+      this.relisted = null;
+    }
     let i = head.head.length;
     const f = Object.fromEntries(head.head.map((name, k) => [name, numbers[k]]));
     const take = (count) => numbers.subarray(i, i += count);
@@ -201,7 +193,6 @@ class Live extends Viewer {
     this.trace(f);
     if (!last || passed !== 0) this.meters.keep(f.t, values);
     this.frame = f;
-    this.stats.got++;
     this.redraw();
   }
   wentBack(t) {
@@ -236,7 +227,7 @@ class Live extends Viewer {
     this.asked = false;
     const f = this.frame, began = performance.now();
     if (!f) return;
-    if (!this.canvas.isConnected) this.sheet.replaceChildren(this.canvas);   // the old picture stays until now
+    if (!this.stage.canvas.isConnected) this.sheet.replaceChildren(this.stage.canvas);   // the old picture stays until now
     this.stage.stamp = `t = ${f.t.toFixed(2)} s`;
     this.stage.draw(f);
     this.clock.textContent = `${f.t.toFixed(3)} s`;
@@ -264,7 +255,7 @@ class Live extends Viewer {
     s.words.push({ text: `${+Math.hypot(f.force_x, f.force_y).toPrecision(2)} N`, tip: to, side: to[0] < from[0] ? 4 : 0, rank: -1, ink: colour, clear: 4 });
   }
 
-  // -- what is asked ---------------------------------------------------------------------------------
+  // -- requests -----------------------------------------------------------------------------------
   ask(what) {                                             // a new action clears the message of the last one
     this.tell("");
     this.send(what);
@@ -281,10 +272,6 @@ class Live extends Viewer {
     this.waiting.delete(next[0]);
     this.ask({ set: next[0], value: next[1] });
     this.setting = this.ids;
-  }
-  watch(names) {                                          // one that no frame tells is asked for alone: the answer says why
-    const told = names.filter((name) => this.units.has(name));
-    this.meters.more(told.length ? told : names.slice(0, 1));
   }
   toggle() { this.ask({ do: this.playing ? "pause" : "run" }); }
   grab(pick, x, y) {
@@ -310,7 +297,7 @@ class Live extends Viewer {
   click(pick) {
     if (pick && pick.n) this.meters.more(quantitiesOf(pick, this.units).slice(0, 2));
   }
-  told(name) {                                            // the last value of a watched quantity, as its plot shows it
+  textOf(name) {                                           // the last value of a watched quantity, as its plot shows it
     const row = this.meters.row(name), value = row?.at(-1) ?? null;
     if (value === null) return "";
     const { factor, sign } = shownAs(this.units.get(name), sizeOfRow(row));
@@ -318,7 +305,7 @@ class Live extends Viewer {
   }
 }
 
-// Sliders, typed values and switches of what can be set while a scene runs.
+// Sliders, fields and switches of a running scene.
 
 const HEADINGS = { parameter: "parameters", drive: "drives", target: "targets", switch: "controllers" };
 const BEYOND = 10;                                        // times its own span a slider goes for a typed value
@@ -326,7 +313,7 @@ const BEYOND = 10;                                        // times its own span 
 class Controls {
   constructor(parent, set) {                              // set(name, value): asks for it
     this.set = set; this.rows = new Map();
-    this.box = el("section", { className: "controls", ariaLabel: "what can be set" });
+    this.box = el("section", { className: "controls", ariaLabel: "controls" });
     parent.append(this.box);
   }
   show(list) {                                            // again with other values, or anew

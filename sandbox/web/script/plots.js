@@ -17,7 +17,7 @@ const isDark = (e) => getComputedStyle(e).getPropertyValue("--dark").trim() === 
 const DASHES = [undefined, [7, 3], [2, 3]];
 const inkOf = (i, dark) => (dark ? mixed(INKS[i % INKS.length], "#ffffff", 0.4) : INKS[i % INKS.length]);
 
-// Curves that coincide show their colours in turn: the n-th is on top in every n-th slice of the plot. uPlot draws the dashed ones.
+// Coinciding curves alternate their colours: the n-th is on top in every n-th slice of the plot. uPlot draws the dashed ones.
 function takeTurns({ ctx, bbox, series }, solid, colours, dpr) {
   const slice = Math.round(TURN * CURVE * dpr), count = solid.length;
   solid.forEach((_, turn) => {
@@ -35,8 +35,7 @@ function takeTurns({ ctx, bbox, series }, solid, colours, dpr) {
   });
 }
 
-// From where to where an axis goes for values between two. What changes by no more than rounding does is
-// drawn flat, and so is what changes by no more than a share `least` of itself: between 0 and itself, or about 0.
+// The limits of an axis. Values that change only by rounding, or by a share `least` of their size, are drawn flat.
 function spanOf(low, high, least = 0) {
   if (low === null || !Number.isFinite(low + high)) return [0, 1];
   const most = Math.max(Math.abs(low), Math.abs(high));
@@ -46,17 +45,18 @@ function spanOf(low, high, least = 0) {
 }
 const FLAT = 2e-7;                                        // of its size: rounding, in 32 bits too
 
-// As many digits as tell ticks apart.
+// Ticks with as many digits as distinguish them.
 function tickTexts(ticks) {
   const step = Math.abs(ticks[1] - ticks[0]) || 1, most = Math.max(...ticks.map(Math.abs));
   const digits = clamp(Math.ceil(Math.log10(most / step || 1)) + 2, 3, 12);
   return ticks.map((v) => short(Math.abs(v) < 1e-6 * step ? 0 : v, digits));
 }
 
-// One figure, of values in SI, shown as people read them. `names`, `rows`, `short` (names without what they have in common) and `inks`
-// (numbers of colours and dashes) belong together; `least` is that of spanOf(). at(t) moves the cursor.
-function plot(parent, { title, unit: unitName, names, short: words, time, rows, seek, close, bands = [], least = 0,
-                        range, number, inks = names.map((_, i) => [i, 0]) }) {
+// A figure of values in SI. `names`, `rows`, `short` (names without their common words) and `inks` (numbers of colours and
+// dashes) belong together; `least` is that of spanOf(). at(t) moves the cursor.
+function plot(parent, { title, unit: unitName, names, short: words = names.map(common(names).cut), time, rows, seek, close, bands = [],
+                        least = 0, range, number, inks = names.map((_, i) => [i, 0]) }) {
+  title ||= names.length === 1 ? names[0] : common(names).title;
   const box = el("figure", { className: number ? "plot number" : "plot", role: "img", ariaLabel: `plot of ${names.join(", ")}` });
   const what = el("span"), values = el("output"), several = names.length > 1;
   const dashes = inks.map(([, dash]) => DASHES[dash % DASHES.length]), solid = inks.flatMap((_, i) => (dashes[i] ? [] : [i]));
@@ -133,7 +133,7 @@ function placeCursor(u, line, t) {
   line.style.visibility = inside ? "visible" : "hidden";
 }
 
-// What scenes expect, from when to when; that of one run among several in its colour, after its word.
+// Bands of expectations; that of one run among several in its colour, with a word.
 function bandsOn({ ctx, bbox, valToPos }, bands, factor, dark) {
   const dpr = devicePixelRatio || 1, least = 8 * dpr;     // of a band that would be thinner than its curve
   const colour = (ink, ok) => (ink !== null ? inkOf(ink, dark) : ok ? (dark ? "#7fc8ae" : "#1f5d4a") : (dark ? "#f08aa8" : "#a01848"));

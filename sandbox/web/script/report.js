@@ -1,48 +1,33 @@
-// The page of a report: runs with one clock, plots beside them, what was found below.
+// The page of a report: runs with one clock, plots beside them, results below.
 
 const SPEEDS = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2];
 const KEYS = [["space", "play or pause"], ["left, right", "one sample back or on; with shift ten"],
-  ["home, end", "first or last instant"], ["n, p", "next or previous mark on the bar"],
-  ["[ and ]", "slower, faster"], ["l", "loop"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"],
-  ["g", "side by side or over each other"], ["s", "save the picture"], ["?", "these keys"]];
+  ["home, end", "first or last instant"], ["n, p", "next or previous mark on the bar"], ["l", "loop"],
+  ["g", "side by side or over each other"]];
 const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point at anything for its values, click it for "
   + "its plot. Click in a plot to go to that time, drag in it to zoom.";
 
 const MOST_CURVES = 8, MOST_PLOTS = 12, AT_FIRST = 2;
-const FLATTENED = 1e-3;                                   // a curve so much lower than another is none beside it
 
-class Series {                                            // quantities of one run by name
+class Series extends Map {                                // quantities of one run by name
   constructor(head, data) {
-    this.time = data.ptime[0];
-    this.by = new Map(head.series.map((one) => [one.name, one]));
-    this.columns = data.plots;
-    this.known = new Map();
+    super(head.series.map((one) => [one.name, one]));
+    this.time = data.ptime[0]; this.columns = data.plots;
   }
-  column(c) {
-    if (!this.known.has(c)) this.known.set(c, this.columns.at(c));
-    return this.known.get(c);
-  }
-  has(name) { return this.by.has(name); }
-  keys() { return this.by.keys(); }
-  unit(name) { return this.by.get(name).unit; }
+  unit(name) { return this.get(name).unit; }
   row(name) {
-    const one = this.by.get(name);
-    return one.c === undefined ? Float64Array.from(this.time, () => one.v) : this.column(one.c);
+    const { c, v } = this.get(name);
+    return c === undefined ? Float64Array.from(this.time, () => v) : this.columns.at(c);
   }
-  at(name, t) {
-    const one = this.by.get(name);
-    if (one.c === undefined) return one.v;
-    return this.column(one.c)[indexNear(this.time, t)];
-  }
-  told(name, t) {                                         // with its unit, as its plot shows it
+  text(name, t) {                                         // of a value with its unit, as in its plot
     const { factor, sign } = shownAs(this.unit(name), sizeOfRow(this.row(name)));
-    return `${short(factor * this.at(name, t))}${sign}`;
+    return `${short(factor * this.row(name)[indexNear(this.time, t)])}${sign}`;
   }
 }
 
 class Report extends Viewer {
   constructor(root, heads, datas) {
-    super(root, KEYS, POINTER);
+    super(KEYS, POINTER);
     Object.assign(this, { heads, head: heads[0], plots: [], t: 0, playing: false, speed: heads[0].view.speed, loop: true, over: false });
     this.replays = heads.map((head, i) => new Replay(head, datas[i]));
     this.series = heads.map((head, i) => new Series(head, datas[i]));
@@ -54,7 +39,7 @@ class Report extends Viewer {
     this.meters = el("section", { className: "plots", ariaLabel: "plots" });
     const bench = el("section", { className: "bench", ariaLabel: "motion" }, this.sheets);
     root.replaceChildren(banner(heads), el("div", { className: "top" }, bench, this.meters),
-      el("section", { className: "facts", ariaLabel: "what was found" },
+      el("section", { className: "facts", ariaLabel: "results" },
         ...heads.flatMap((head, i) => factsOf(head, heads.length > 1 ? ` of run ${i + 1}` : ""))), this.tip, this.help);
     this.stages = heads.map((head, i) => this.sheet(head, i));
     bench.append(this.bar(), this.tools(), this.layerBoxes(() => this.show()));
@@ -63,12 +48,11 @@ class Report extends Viewer {
     this.seek(this.askedTime() ?? this.first);
   }
   sheet(head, i) {
-    const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion` }), of = this.series[i];
-    canvas.style.aspectRatio = String(head.view.aspect);
-    this.sheets.append(el("div", { className: "sheet" }, ...(this.heads.length > 1 ? [nameOf(head, i)] : []), canvas));
-    const stage = new Stage(canvas, head);
+    const stage = new Stage(head, "click an element for its plot"), of = this.series[i], name = el("h2", { textContent: `${i + 1}  ${head.words.apart}` });
+    name.style.borderColor = INKS[i];
+    this.sheets.append(el("div", { className: "sheet" }, ...(this.heads.length > 1 ? [name] : []), stage.canvas));
     camera(stage, () => this.show(), {
-      hover: (pick, e) => this.point(pick, e, of, (name) => of.told(name, this.t)),
+      hover: (pick, e) => this.point(pick, e, of, (name) => of.text(name, this.t)),
       click: (pick) => pick && this.open(quantitiesOf(pick, of).slice(0, 3), pick.n),
     });
     return stage;
@@ -87,8 +71,7 @@ class Report extends Viewer {
       stage.stamp = stamp;
       stage.draw(frames[i], i ? [] : ghosts);
     });
-    this.play.textContent = this.playing ? "\u275a\u275a" : "\u25b6";
-    this.play.ariaLabel = this.playing ? "pause" : "play";
+    this.showPlaying();
     this.scrub.value = this.t;
     this.clock.textContent = `${this.t.toFixed(3)} s`;
     for (const one of this.plots) one.at(this.t);
@@ -146,8 +129,6 @@ class Report extends Viewer {
 
   // -- controls ------------------------------------------------------------------------------------------
   bar() {
-    this.play = button("play", "", "play or pause (space)", () => this.toggle());
-    this.clock = el("output", { id: "clock" });
     this.scrub = el("input", { type: "range", id: "scrub", min: this.first, max: this.last, step: "any", ariaLabel: "time",
                                oninput: () => this.hold(+this.scrub.value) });
     const track = el("div", { className: "track" }, this.scrub), span = this.last - this.first || 1;
@@ -193,28 +174,18 @@ class Report extends Viewer {
     addEventListener("hashchange", () => { const t = this.askedTime(); if (t !== null) this.hold(t); });
   }
 
-  // -- plots that a reader opens: quantities of one unit and of similar size, of all runs at once ------------
+  // -- plots that a reader opens: quantities of one unit, of all runs at once --------------------------------
   open(names, title) {
-    for (const some of this.grouped(names, (name, of) => of.unit(name)).flatMap((all) => this.bySize(all))) {
+    for (const some of this.grouped(names, (name, of) => of.unit(name))) {
       const key = some.join(" "), there = this.plots.find((p) => p.key === key);
-      if (there) { there.box.scrollIntoView({ block: "nearest" }); continue; }
-      this.openOne(some.slice(0, MOST_CURVES), { title: some.length > 1 ? title : "", key });
+      if (there) there.box.scrollIntoView({ block: "nearest" });
+      else this.openOne(some.slice(0, MOST_CURVES), { title: some.length > 1 ? title : "", key });
     }
     this.show();
   }
   grouped(names, keyOf) {                                 // those that some run has, by key, in order
     const found = names.flatMap((name) => { const of = this.series.find((s) => s.has(name)); return of ? [[name, keyOf(name, of)]] : []; });
     return [...new Set(found.map(([, key]) => key))].map((key) => found.filter((one) => one[1] === key).map(([name]) => name));
-  }
-  bySize(names) {                                         // in groups whose curves can be seen beside each other; what is 0 is with the largest
-    const sizes = new Map(names.map((name) => [name, sizeOfRows(this.series.filter((s) => s.has(name)).map((s) => s.row(name)))]));
-    const groups = [];
-    for (const name of [...names].sort((a, b) => sizes.get(b) - sizes.get(a))) {
-      const size = sizes.get(name), last = groups.at(-1);
-      if (!last || (size > 0 && size < FLATTENED * sizes.get(last[0]))) groups.push([name]);
-      else (size > 0 ? last : groups[0]).push(name);
-    }
-    return groups.map((group) => names.filter((name) => group.includes(name)));
   }
   openOne(names, { title, key, range, number }) {
     const many = this.heads.length > 1, tables = [], labels = [], words = [], inks = [], alike = common(names);
@@ -257,7 +228,10 @@ class Report extends Viewer {
   // AT_FIRST are open, the others have a button each.
   openFirst() {
     const every = [...new Set(this.series.flatMap((s) => [...s.keys()]))], said = el("output", { className: "said" });
-    const box = finder("plot a quantity", () => every, (names, text) => this.open(names, text), (text) => { said.textContent = text; });
+    const box = finder("plot a quantity", () => every, (names, text) => { said.textContent = ""; this.open(names, text); }, (text) => {
+      const near = nearest(text, every);
+      said.textContent = `no quantity matches ${text}${near ? `; did you mean ${near}?` : ""}`;
+    });
     box.append(said);
     this.meters.append(box);
     const { meters, plots } = this.head, offers = [], closed = el("div", { className: "closed" });
@@ -288,8 +262,8 @@ const COLUMNS = {
   expect: [["", (v) => (v.ok ? "pass" : "FAIL")], ["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value, 6)],
     ["range", (v) => rangeText(v.low, v.high)], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
     ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
-  audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.most)],
-    ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["what was compared", (f) => f.why]],
+  audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.threshold)],
+    ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["comparison", (f) => f.why]],
 };
 
 const rangeText = (low, high) => (low === null && high === null ? "" : low === null
@@ -306,12 +280,6 @@ function table(kind, rows) {
   return el("div", { className: "wide" }, el("table", {}, el("thead", {}, el("tr", {},
     ...columns.map(([name]) => el("th", { textContent: name })))), el("tbody", {}, ...body)));
 }
-
-const nameOf = (head, i) => {
-  const h = el("h2", { textContent: `${i + 1}  ${head.words.apart}` });
-  h.style.borderColor = INKS[i];
-  return h;
-};
 
 function verdictOf({ words }) {
   const held = words.expect.filter((v) => v.ok).length, all = words.expect.length;

@@ -53,7 +53,7 @@ function camera(stage, redraw, hooks = {}) {
   canvas.addEventListener("dblclick", () => { stage.fit(); redraw(); });
 }
 
-// Names of the quantities of what was picked, in the order in which they are looked at.
+// Names of the quantities of a picked element.
 function quantitiesOf(pick, series) {
   if (pick.n.includes("/")) {
     const [a, b] = pick.n.split("/");
@@ -78,7 +78,7 @@ function fold(title, ...kids) {
   return el("details", {}, el("summary", { textContent: title }), ...kids);
 }
 
-// Which speed, of SPEEDS or as `take` says, which then is one of them; set(speed) is called for it.
+// A choice of SPEEDS and of the speed that take(speed) adds; calls set(speed).
 function speedBox(set) {
   const box = el("select", { title: "speed ([ and ])", ariaLabel: "speed", id: "speed", onchange: () => set(+box.value) });
   const every = () => [...box.options].map((one) => +one.value);
@@ -92,18 +92,25 @@ function speedBox(set) {
 }
 
 const STEP = 40;                                          // by which a key moves a picture [px]
-class Viewer {                                            // what a report and a live view share: they have stages, head, t and redraw()
-  constructor(root, keys, pointer) {
-    this.root = root;
+const SHARED_KEYS = [["[ and ]", "slower, faster"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"],
+  ["s", "save the picture"], ["?", "these keys"]];
+class Viewer {                                            // base class; subclasses have stages, head, t, speeds and redraw()
+  constructor(keys, pointer) {
+    this.play = button("play", "\u25b6", "run or pause (space)", () => this.toggle());
+    this.clock = el("output", { id: "clock" });
     this.tip = el("div", { className: "tip", hidden: true });
     this.help = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("dl", {},
-      ...keys.flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
+      ...[...keys, ...SHARED_KEYS].flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
       el("p", { textContent: pointer }), button("", "close", "", () => this.help.close()));
     this.follow = el("select", { title: "the camera goes along with a body", ariaLabel: "follow", onchange: () => {
       const { name } = this.head.bodies[+this.follow.value] || {};
       for (const s of this.stages) s.follow = s.head.bodies.findIndex((body) => body.name === name);
       this.redraw();
     } });
+  }
+  showPlaying() {
+    this.play.textContent = this.playing ? "\u275a\u275a" : "\u25b6";
+    this.play.ariaLabel = this.playing ? "pause" : "play";
   }
   tools(...more) {
     this.film = button("film", "film", "record the motion as a film", () => this.record());
@@ -129,7 +136,7 @@ class Viewer {                                            // what a report and a
     box.open = innerWidth > 900;
     return box;
   }
-  point(pick, e, series, read) {                          // the box beside the pointer; read(name) gives the text of a value
+  point(pick, e, series, read) {                          // values beside the pointer; read(name) is a text
     const { tip } = this;
     tip.hidden = !(pick && pick.n);
     if (tip.hidden) return;
@@ -146,7 +153,7 @@ class Viewer {                                            // what a report and a
   move(x, y) { for (const { pan } of this.stages) { pan[0] += x; pan[1] += y; } this.redraw(); }
   picture() {
     const canvas = el("canvas");
-    seenOn(this.stages, canvas);
+    drawAll(this.stages, canvas);
     canvas.toBlob((blob) => save(blob, `${fileName(this.head.name)}_${this.t.toFixed(3)}s.png`));
   }
   record(begin = () => {}) {                              // begin or end a film
@@ -154,7 +161,7 @@ class Viewer {                                            // what a report and a
     const type = ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"].find((k) => globalThis.MediaRecorder?.isTypeSupported(k));
     if (!type) { this.film.textContent = "no film in this browser"; return; }
     begin();
-    const canvas = el("canvas"), size = seenOn(this.stages, canvas), pieces = [];
+    const canvas = el("canvas"), size = drawAll(this.stages, canvas), pieces = [];
     const recorder = new MediaRecorder(canvas.captureStream(60), { mimeType: type, videoBitsPerSecond: 8e6 });
     recorder.ondataavailable = (e) => pieces.push(e.data);
     recorder.onstop = () => {
@@ -163,10 +170,10 @@ class Viewer {                                            // what a report and a
       this.film.textContent = "film";
     };
     recorder.start();
-    this.filming = { frame: () => seenOn(this.stages, canvas, size), stop: () => { if (recorder.state !== "inactive") recorder.stop(); } };
+    this.filming = { frame: () => drawAll(this.stages, canvas, size), stop: () => { if (recorder.state !== "inactive") recorder.stop(); } };
     this.film.textContent = "stop the film";
   }
-  listen(box, dressed, more) {                            // to keys, but not while something is typed; to changes of the room, to day and night
+  listen(box, dressed, more) {                            // to keys, changes of size, light and dark
     const acts = {
       "[": () => this.speeds.faster(-1), "]": () => this.speeds.faster(1), "+": () => this.zoom(1.25), "-": () => this.zoom(0.8),
       ",": () => this.move(STEP, 0), ".": () => this.move(-STEP, 0), ArrowUp: () => this.move(0, STEP), ArrowDown: () => this.move(0, -STEP),
@@ -176,7 +183,7 @@ class Viewer {                                            // what a report and a
       const on = (what) => e.target.matches?.(what), act = acts[e.key];
       if (!act || !this.stages.length || this.help.open || e.ctrlKey || e.metaKey || e.altKey) return;
       if (on("input:not([type=range]):not([type=checkbox]), select, textarea") || (e.key === " " && on("button, summary"))) return;
-      if (on("input[type=range][data-control]") && /^(Arrow|Home|End|Page)/.test(e.key)) return;   // it moves
+      if (on("input[type=range][data-control]") && /^(Arrow|Home|End|Page)/.test(e.key)) return;   // moves the slider
       e.preventDefault();
       act(e);
     });
@@ -188,22 +195,16 @@ class Viewer {                                            // what a report and a
   }
 }
 
-// A field that takes the name of a quantity or a pattern. `every` gives the names there are,
-// found(names, text) what to do with those that fit, missed(text) what to say where none does; `late` are names that
-// are not offered, and count where no other fits. Who can look for pairs of bodies is given what none fits, by `pairs`.
-function finder(what, every, found, missed, late = () => [], pairs = null) {
+// A field for the name of a quantity or a pattern, of `every()`. Calls found(names, text), or missed(text).
+function finder(what, every, found, missed) {
   const list = el("datalist", { id: "quantities" });
   const input = el("input", {
     type: "search", id: "add", placeholder: `${what}, or a pattern such as *.tension`, ariaLabel: what, autocomplete: "off", maxLength: 1000,
     onfocus: () => { if (!list.children.length) list.append(...every().map((name) => el("option", { value: name }))); },
     onchange: () => {
-      const text = input.value.trim();
-      if (!text) return;
-      const fitting = matching(text, every()), names = fitting.length ? fitting : matching(text, late());
-      if (!names.length && pairs && text.includes("/")) { pairs(text); input.value = ""; return; }
-      const near = names.length ? "" : nearest(text, [...every(), ...late()]);
-      missed(names.length ? "" : `no quantity fits ${text}${near ? `; did you mean ${near}?` : ""}`);
-      if (names.length) { found(names, text); input.value = ""; }
+      const text = input.value.trim(), names = matching(text, every());
+      if (names.length) found(names, text); else if (text) missed(text);
+      if (names.length) input.value = "";
     },
   });
   input.setAttribute("list", "quantities");
@@ -212,9 +213,8 @@ function finder(what, every, found, missed, late = () => [], pairs = null) {
   return box;
 }
 
-// Draw what is seen, all stages beside each other under their names, on one canvas; of a size that is given,
-// so that the frames of a film are alike.
-function seenOn(stages, canvas, size = null) {
+// Draw all stages under their names on one canvas, of a given size for the frames of a film.
+function drawAll(stages, canvas, size = null) {
   const boxes = stages.map((s) => s.canvas.parentElement.getBoundingClientRect());
   const [left, top] = [Math.min(...boxes.map((b) => b.left)), Math.min(...boxes.map((b) => b.top))];
   const [right, bottom] = [Math.max(...boxes.map((b) => b.right)), Math.max(...boxes.map((b) => b.bottom))];

@@ -1,5 +1,4 @@
-// A display list on a canvas: items, styles, sides of labels. Nothing here knows an element.
-// The format is described in sandbox/picture/listing.py.
+// A display list on a canvas; sandbox/picture/listing.py describes its format.
 
 const TAU = 2 * Math.PI, FONT = '"DejaVu Sans", system-ui, sans-serif';
 const SMALL = 500, MOST = 24, FEW = 6;                    // of a picture [px]; numbers in a picture, in a small one
@@ -42,14 +41,16 @@ function mixed(a, b, w) {
 }
 
 class Stage {
-  constructor(canvas, head) {
+  constructor(head, use) {
+    const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion: ${use}` });
+    canvas.style.aspectRatio = String(head.view.aspect);
     Object.assign(this, { canvas, head, list: head.list, ctx: canvas.getContext("2d"), zoom: 1, pan: [0, 0], hover: null, extra: [],
-                          stamp: "", lines: 0, stamps: {}, widths: new Map() });
+                          stamp: "", lines: 0, stamps: {} });
     this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
     this.follow = head.view.follow ? head.bodies.findIndex((b) => b.name === head.view.follow) : -1;
     this.dress();
   }
-  dress() {                                               // take on day or night
+  dress() {                                               // light or dark colours
     this.night = +(getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1");
     this.dark = !!this.night; this.patterns = {}; this.stamps = {};
     this.back = this.ink("paper");
@@ -133,7 +134,7 @@ class Stage {
   items() {
     for (const item of this.list.items) {
       const shown = this.layers.has(item.l) && (item.if === undefined || this.value(item.if) > 0.5);
-      item.seen = shown ? PAINT[item.k](this, item) : null;   // what was painted, for picking
+      item.seen = shown ? PAINT[item.k](this, item) : null;   // for picking
     }
     this.plain();
   }
@@ -194,7 +195,7 @@ class Stage {
   }
   glyph(name, [x, y], turn = 0, k = this.u) {             // a symbol of constant size
     const { ctx, dpr, list } = this, key = `${name}|${k}`, c = dpr * Math.cos(turn), s = dpr * Math.sin(turn);
-    this.stamps[key] = this.stamps[key] || list.glyphs[name].map(([style, d]) => {
+    this.stamps[key] ??= list.glyphs[name].map(([style, d]) => {
       const path = new Path2D();
       subpath(path, d, k, d.c && d.c[4]);
       return [list.styles[style], path, !!d.l];
@@ -240,23 +241,14 @@ class Stage {
     for (let n = a; n <= Math.min(b, a + 200); n++) put(n, [this.px(n * step, y0), this.px(n * step, y1)], [this.px(n * step, 0)[0], this.h - this.foot]);
     for (let n = c; n <= Math.min(d, c + 200); n++) put(n, [this.px(x0, n * step), this.px(x1, n * step)], [this.text * 2.4, this.px(0, n * step)[1]]);
   }
-  widthOf(text) {                                         // of a text in the present font, measured once
-    const key = `${this.ctx.font}|${text}`, known = this.widths.get(key);
-    if (known !== undefined) return known;
-    if (this.widths.size > 4000) this.widths.clear();
-    const width = this.ctx.measureText(text).width;
-    this.widths.set(key, width);
-    return width;
-  }
-
   // -- texts ------------------------------------------------------------------------------------------
   // A text at its side: that of the list, or else, once and for all, the one that its arrow points to.
   say(item, key, text, tip, away, ink, size) {
     const { head } = this;
     let place = item.k === "text" ? ("side" in item ? [item.side, item.show] : null) : item.labels?.[key];
     if (!place && (head.live || !item.placed)) {
-      item.sides = item.sides || {};
-      place = item.sides[key] = item.sides[key] || [away ? (Math.round(Math.atan2(-away[1], away[0]) / (Math.PI / 4)) + 8) % 8 : 2, 1];
+      item.sides ??= {};
+      place = item.sides[key] ??= [away ? (Math.round(Math.atan2(-away[1], away[0]) / (Math.PI / 4)) + 8) % 8 : 2, 1];
     }
     if (!place || this.value(place[1]) <= 0.5) return;
     this.words.push({ text, tip, side: place[0], rank: item.rank ?? 1, ink, size, clear: (item.clear || 0) * this.u, number: item.k !== "text" || "value" in item });
@@ -270,7 +262,7 @@ class Stage {
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
     for (const { text, tip, side, ink, clear, number } of this.words) {
       if (number && numbers >= most) continue;
-      const w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
+      const w = ctx.measureText(text).width / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
       const wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
       const [x, y] = [clamp(wanted[0], w, this.w - w), clamp(wanted[1], h, bottom - h)], box = [x - w, y - h, x + w, y + h];
       if (apart(wanted, [x, y]) > INSIDE * u
@@ -353,7 +345,10 @@ class Stage {
       const item = this.list.items[i], f = item.k === "path" ? item.f : -1;
       if (!item.n || !item.seen || !of(f)) continue;
       if (item.k === "arrows") {
-        for (const [path, row] of item.seen) if (ctx.isPointInPath(path, px, py)) return { n: item.refs?.[row[1]] || item.n, f, row };
+        const { bodies } = this.head, pair = (key) => `${bodies[Math.floor(key / bodies.length)].name}/${bodies[key % bodies.length].name}`;
+        for (const [path, row] of item.seen) {
+          if (ctx.isPointInPath(path, px, py)) return { n: item.l === "contacts" ? pair(row[1]) : item.n, f, row };
+        }
         continue;
       }
       if (f >= 0) this.place(f);
@@ -366,7 +361,7 @@ class Stage {
   }
 }
 
-// -- how each kind is painted; what they give is tested when something is picked -----------------------
+// -- each kind of item; the result is a path for picking -------------------------------------------------
 
 const PAINT = {
   path(s, item) {
