@@ -6,8 +6,8 @@ from collections.abc import Container
 
 import numpy as np
 
+from sandbox.engine.control import Control
 from sandbox.engine.fluid_report import FULL
-from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.errors import Jammed, SimulationDiverged
@@ -17,7 +17,7 @@ PRESSES = 0.01
 """Share of the largest impulse in a jam with which its other rows press."""
 
 
-def diverged(now: float, world: World, tables: Tables, steering: Steering) -> SimulationDiverged:
+def diverged(now: float, world: World, tables: Tables, control: Control) -> SimulationDiverged:
     """What to say at ``now`` [s]: the body that is worst and the loop that led there."""
     model = world.model
     if tables.state.standing[3]:
@@ -46,7 +46,7 @@ def diverged(now: float, world: World, tables: Tables, steering: Steering) -> Si
         reason += (f", driven by {model.bodies.name[world.order[driver]]}, which moves on a "
                    "schedule: past a dead centre or out of reach the connected bodies cannot "
                    "follow")
-    if loop := steering.furthest():
+    if loop := control.furthest():
         reason += f", led by {loop}"
         helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"
     return SimulationDiverged(

@@ -1,8 +1,4 @@
-"""Forces in given poses of a mechanism: the engine without its clock.
-
-Each step begins at given poses and speeds, with given values of the drives, and is solved as in a
-run. Controllers and events do nothing.
-"""
+"""Forces in given poses of a mechanism: steps from given poses, speeds and values of drives."""
 
 from __future__ import annotations
 
@@ -26,11 +22,10 @@ UNDAMPED = 1e-9
 
 
 class Still(Simulation):
-    """A mechanism outside of time; bodies are numbered as the model has them.
+    """A mechanism without time, controllers and events; bodies have the numbers of the model.
 
     Args:
-        mechanism: a valid one; its controllers and events are left out, and its bodies begin
-            without speed.
+        mechanism: a valid one; its free bodies start without speed.
 
     Raises:
         SceneError: as a :class:`Simulation`.
@@ -73,13 +68,13 @@ class Still(Simulation):
         """Put all bodies to a pose, at a speed, by default none."""
         order = self._world.order
         self._world.place(pose[order], np.zeros_like(pose) if speed is None else speed[order])
-        self._wake()
+        self._tables.state.standing[1] = 0
 
     def slow(self, share: float) -> None:
         """Multiply the speeds of the bodies by a share."""
         self._world.velocity[:] = share * self._world.body[:, 3:]
         self._world.write()
-        self._wake()
+        self._tables.state.standing[1] = 0
 
     def driven(self, time: float) -> tuple[Array, Array]:
         """Values of the drives at a time [nd], and where scheduled bodies are then, [ns, 3]."""
@@ -121,7 +116,8 @@ class Still(Simulation):
             if made == count:
                 return
             if not self._tables.state.touching[1]:
-                raise self._ran_away()
+                found = diverged(0.0, self._world, self._tables, self._control)
+                raise SimulationDiverged(0.0, found.culprit, found.reason.partition("; ")[0])
             self._enlarge()
 
     def recording(self) -> Recording:
@@ -132,11 +128,3 @@ class Still(Simulation):
         clock = self._clock
         return builder.finish(np.array([float(clock.force_time(clock.steps))]), Outcome(
             step=clock.step, steps=clock.steps, sample_rate=1 / clock.step))
-
-    def _ran_away(self) -> SimulationDiverged:
-        found = diverged(0.0, self._world, self._tables, self._steering)
-        return SimulationDiverged(0.0, found.culprit, found.reason.partition("; ")[0])
-
-    def _wake(self) -> None:
-        """What stood may move on."""
-        self._tables.state.standing[1] = 0
