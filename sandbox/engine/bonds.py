@@ -61,20 +61,20 @@ def acts(table: int, bond: int) -> bool:
 
 @entry_point("bonds")
 def release_and_engage(table: int, drive: Array) -> None:
-    """Do what events wish, and what drives [nd] want that want something else than before."""
+    """Do what events request, and what drives [nd] want that want something else than before."""
     bonds = at.bonds(table)
     for i in range(len(bonds)):
-        wish, bonds[i]["wish"] = bonds[i]["wish"], records.NONE
+        request, bonds[i]["request"] = bonds[i]["request"], records.NONE
         if bonds[i]["drive"] >= 0:
             driven = 1 if drive[bonds[i]["drive"]] > HELD_ABOVE else 0
             if driven != bonds[i]["driven"]:
-                wish = bonds[i]["driven"] = driven
-        if wish == records.NONE or wish == bonds[i]["held"]:
+                request = bonds[i]["driven"] = driven
+        if request == records.NONE or request == bonds[i]["held"]:
             continue
-        bonds[i]["held"], what, index = wish, bonds[i]["what"], bonds[i]["index"]
-        if wish == 1 and what == records.JOINED:
+        bonds[i]["held"], what, index = request, bonds[i]["what"], bonds[i]["index"]
+        if request == 1 and what == records.JOINED:
             bonds[i]["age"] = records.TAKEN
-        elif wish == 1 and bonds[i]["as_is"]:  # its length now is the one at rest
+        elif request == 1 and bonds[i]["as_is"]:  # its length now is the one at rest
             if what == records.SPRINGY and not at.springs(table)[index]["turning"]:
                 at.springs(table)[index]["rest"] = at.springs(table)[index]["way"]
             for k in range(len(at.cables(table)) if what == records.PULLING else 0):
@@ -196,4 +196,4 @@ def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) ->
 
 def hold(tables: Tables, bond: int, *, held: bool) -> None:
     """Let go of something, or take it up, with the next step."""
-    tables.elements.bonds[bond]["wish"], tables.state.standing[1] = held, 0
+    tables.elements.bonds[bond]["request"], tables.state.standing[1] = held, 0

@@ -1,7 +1,7 @@
-"""What controllers and conditions read: quantities of the running mechanism, one number each.
+"""Quantities of the running simulation, read by controllers and conditions, one number each.
 
-After step k a reading is that of step k alone, as in a recording of every step. Before the
-first step, forces and tensions read 0.
+Readings are those of the last step, as in a recording of every step. Before the first step forces
+and tensions are 0.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from sandbox.elements.quantities import BOND_QUANTITIES, is_live, numbered
-from sandbox.engine.sampler import Sampler
+from sandbox.engine.sampler import NUMBERS, RECORDED, Sampler
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.model.catalogue import Catalogue, Source
@@ -23,23 +23,18 @@ from sandbox.values.expressions import Read, closure
 RESULTS: dict[tuple[str, str], tuple[str, str]] = {
     ("joint", "reaction_x"): ("joints", "fx"), ("joint", "reaction_y"): ("joints", "fy"),
     ("joint", "length"): ("joints", "way"), ("joint", "position"): ("joints", "way"),
-    ("joint", "friction"): ("dry_friction", "force"),
-    ("joint", "sticks"): ("dry_friction", "sticks"),
-    ("spring", "length"): ("springs", "way"),
-    ("tendon", "tension"): ("cables", "tension"), ("tendon", "length"): ("cables", "length"),
-    ("line", "pressure"): ("fluids", "pressure"), ("line", "flow"): ("fluids", "flow"),
-    ("load", "fx"): ("loads", "fx"), ("load", "fy"): ("loads", "fy"),
-    ("load", "torque"): ("loads", "torque"), ("drive", "flow"): ("pumps", "flow")}
-"""Results of the last step that are quantities as they stand: their table and column."""
-NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pumps": "drive"}
-"""Of tables that do not have a row for each element: where they keep its number."""
+    ("spring", "length"): ("springs", "way"), ("load", "fx"): ("loads", "fx"),
+    ("load", "fy"): ("loads", "fy"),
+    **{(kind, quantity): place for key, place in RECORDED.items()
+       for kind, _, quantity in [key.partition("_")]}}
+"""Quantities that are results of the last step: their table and column."""
 
 
 class Readings:
     """Makes functions that read the state of one run.
 
-    ``now`` is the instant [s], ``drive`` [nd] the drives' values in the last step, ``listed``
-    its contacts once they were read. The owner of the loop sets them after every block of steps.
+    After every block of steps :meth:`Control.moved` sets ``now``, the instant [s], ``drive``, the
+    drives' values in the last step [nd], and resets ``listed``, its contacts.
     """
 
     def __init__(
@@ -57,7 +52,7 @@ class Readings:
         Raises:
             UnknownQuantityError: a name that is not in the catalogue.
             WrongValueError: not an expression.
-            KeyError: a quantity that is not live (:func:`sandbox.elements.quantities.is_live`).
+            KeyError: a quantity of complete runs only.
         """
         if text.startswith("=") or ("/" in text and text not in self.catalogue):
             return closure(text, self._named, self.model.mechanism.functions)
@@ -74,27 +69,23 @@ class Readings:
             return _item(self.tables.elements.bonds["held"], int(number))
         if place := RESULTS.get((source.kind, source.quantity)):
             return self._result(*place, source.index)
-        kinds: dict[str, Callable[[Source], Read]] = {
-            "body": self._body, "joint": self._joint, "spring": self._spring,
-            "tendon": self._tendon, "line": self._line, "valve": self._valve,
-            "drive": self._drive, "group": self._group, "pair": self._pair, "meter": self._meter}
-        return kinds[source.kind](source)
+        read: Callable[[Source], Read] = getattr(self, f"_{source.kind}")
+        return read(source)
 
     def _result(self, table: str, column: str, index: int) -> Read:
         """A result of an element."""
+        records = getattr(self.tables.elements, table)
         if key := NUMBERS.get(table):
-            numbers = getattr(self.tables.elements, table)[key]
-            index = int(np.flatnonzero(numbers == index)[0])
-        return _item(getattr(self.tables.elements, table)[column], index)
+            index = int(np.flatnonzero(records[key] == index)[0])
+        return _item(records[column], index)
 
     def _meter(self, source: Source) -> Read:
-        mechanism = self.model.mechanism
-        return closure(mechanism.meters[source.index].value, self._sampled, mechanism.functions)
+        mechanism, half = self.model.mechanism, self.model.mechanism.run.step / 2
 
-    def _sampled(self, name: str) -> Read:
-        """As :meth:`_named`, but the time is that of a sample, as it is in what is recorded."""
-        half = self.model.mechanism.run.step / 2
-        return (lambda: max(self.now - half, 0.0)) if name == "t" else self._named(name)
+        def named(name: str) -> Read:  # the time is that of a sample, as in recordings
+            return (lambda: max(self.now - half, 0.0)) if name == "t" else self._named(name)
+
+        return closure(mechanism.meters[source.index].value, named, mechanism.functions)
 
     def _drive(self, source: Source) -> Read:
         if source.quantity == "value":
@@ -134,7 +125,7 @@ class Readings:
         sense, zero = joints.sense[index].item(), joints.zero[index].item()
 
         def tension() -> float:
-            """Along the line: the force on ``b``, positive towards ``a``."""
+            """Along the line; positive if it pulls ``b`` towards ``a``."""
             size = math.hypot(fx(), fy())
             return -size if dx() * fx() + dy() * fy() > 0 else size
 
@@ -142,7 +133,7 @@ class Readings:
             return 0.5 * (item(n, 3 + j) + mean(n, j))
 
         def speed() -> float:
-            """At which an actuator grows longer."""
+            """Rate of the length of an actuator."""
             return (dx() * (rate(b, 0) - rate(a, 0)) + dy() * (rate(b, 1) - rate(a, 1))
                     + ta() * mean(a, 2) + tb() * mean(b, 2))
 
@@ -168,7 +159,7 @@ class Readings:
         return (lambda: start - length() + wound()) if wound else lambda: start - length()
 
     def _at_guide(self, tendon: int, what: str, number: int) -> Read:
-        """What a tendon has at one of its guides, or in one of its straight pieces."""
+        """A quantity of a guide, or the tension of a straight piece."""
         tendons, elements = self.model.tendons, self.tables.elements
         guide = int(tendons.first[tendon]) + number
         if what == "lifted":
@@ -188,11 +179,8 @@ class Readings:
         volume = float(self.model.lines.volume[source.index])
         return lambda: volume + grown()
 
-    def _valve(self, source: Source) -> Read:
-        return _item(self.tables.elements.valves["flow"], source.index)
-
     def _wound_up(self, tendon: int) -> Read | None:
-        """What wheels at a tendon's ends have wound up since t = 0 [m]; None without such."""
+        """Length that wheels at a tendon's ends have wound up since t = 0 [m]; None without any."""
         if self.model.tendons.closed[tendon]:
             return None
         guides, states = self.model.tendons.guides(tendon), self.tables.elements.guides

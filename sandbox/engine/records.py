@@ -317,7 +317,7 @@ JOINED, SPRINGY, PULLING = 0, 1, 2
 SETTLED, TAKEN = -1.0, -2.0
 """As the time since a joint was taken up: its gap is closed; it is still to be looked at."""
 NONE = -1
-"""No wish."""
+"""No request."""
 
 BOND = np.dtype([
     ("what", np.int64),     # JOINED, SPRINGY or PULLING
@@ -326,7 +326,7 @@ BOND = np.dtype([
     ("over", float),        # time in which a joint's gap closes [s]
     ("as_is", np.int64),    # whether it is taken up with the length that it has then
     ("drive", np.int64),    # that holds it, or -1
-    ("wish", np.int64),     # of an event: to let go, 0, or take up, 1, with the next step; NONE
+    ("request", np.int64),     # of an event: to let go, 0, or take up, 1, with the next step; NONE
     ("driven", np.int64),   # as a drive had it last; at first whether it holds
     ("load", float),        # in this step [N, N m]
     ("last_load", float),   # of the last step, nan where it did not hold then [N, N m]

@@ -1,4 +1,4 @@
-"""Samples: copies of arrays that the compiled loop keeps, turned into recorded values in chunks."""
+"""Samples: copies of tables by the compiled loop, converted to recorded values in chunks."""
 
 from __future__ import annotations
 
@@ -22,39 +22,50 @@ from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts, merge_contacts
 
 CHUNK = 512
-LEAST = 4096
-"""Contacts of gathered samples that there is room for, at least."""
+MIN_CONTACTS = 4096
+"""Minimum room for contacts of the samples that are not yet converted."""
+RECORDED: dict[str, tuple[str, str]] = {
+    "joint_couple": ("joints", "couple"), "joint_friction": ("dry_friction", "force"),
+    "joint_sticks": ("dry_friction", "sticks"), "joint_friction_work": ("dry_friction", "work"),
+    "tendon_length": ("cables", "length"), "tendon_tension": ("cables", "tension"),
+    "tendon_work": ("cables", "work"), "guide_friction": ("slips", "force"),
+    "guide_slip": ("slips", "way"), "line_pressure": ("fluids", "pressure"),
+    "line_flow": ("fluids", "flow"), "line_spilled": ("fluids", "spilled"),
+    "line_work": ("fluids", "work"), "valve_flow": ("valves", "flow"),
+    "valve_loss": ("valves", "loss"), "load_torque": ("loads", "torque"),
+    "load_work": ("loads", "work"), "drive_flow": ("pumps", "flow"), "held": ("bonds", "held")}
+"""Arrays of a recording that are results of elements: their table and column."""
+NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pumps": "drive"}
+"""Columns with the numbers of elements, of tables that do not have a row for each element."""
 
 
 class Sampler:
-    """Room for raw samples of a run; turns each chunk of them into rows of the recording."""
+    """Raw samples of a run, and their conversion into rows of the recording."""
 
     def __init__(
         self, world: World, tables: Tables, builder: RecordingBuilder, every: int,
     ) -> None:
         self.world, self.tables, self.builder, self.every = world, tables, builder, every
         self.model = world.model
-        self.kept = make_snapshot(CHUNK, tables, max(LEAST, 2 * world.room.contacts))
-        self._arrays = builder.blank(CHUNK)
-        """Rows on their way to the recording; what elements do not have stays nan."""
+        self.kept = make_snapshot(CHUNK, tables, max(MIN_CONTACTS, 2 * world.room.contacts))
+        self._arrays = builder.blank(CHUNK)  # values that elements do not have stay nan
         self._entry_points = prepare(tables.constants, tables.elements, advance)
         self.memory = self._memory()
-        """What the compiled loop works on."""
 
     def _memory(self) -> Memory:
         return make_memory(self.world.native, *self.tables, self.kept, self._entry_points)
 
     def restart(self, tables: Tables, builder: RecordingBuilder) -> None:
-        """Gather for another recording, with tables of no more room than those so far."""
+        """Start another recording, with tables of no more room than those so far."""
         self.tables, self.builder = tables, builder
         for counts in (self.kept.taken, self.kept.unfinished, self.kept.sums, self.kept.waiting):
             counts[:] = 0
         self.memory = self._memory()
 
     def enlarge(self, tables: Tables) -> None:
-        """Go on with tables that have more room, that of the world."""
+        """Continue with tables of more room, that of the world."""
         self.tables = tables
-        room = max(LEAST, 2 * self.world.room.contacts)
+        room = max(MIN_CONTACTS, 2 * self.world.room.contacts)
         self._lengthen(contacts=room, mean_contacts=2 * room)
 
     def _lengthen(self, **rows: int) -> None:
@@ -62,27 +73,11 @@ class Sampler:
             old = getattr(self.kept, name)
             new = np.zeros(max(count, len(old)), old.dtype)
             new[:len(old)] = old
-            room: dict[str, Any] = {name: new}
-            self.kept = self.kept._replace(**room)
+            self.kept = self.kept._replace(**{name: new})  # type: ignore[arg-type]
         self.memory = self._memory()
 
-    @property
-    def done(self) -> int:
-        """Samples that are in the recording."""
-        return int(self.kept.taken[1])
-
-    @property
-    def filled(self) -> int:
-        """Samples that are gathered since."""
-        return int(self.kept.taken[0] - self.kept.taken[1])
-
-    @property
-    def full(self) -> bool:
-        """Whether the loop was stopped because there is no room to keep what comes next."""
-        return bool(self.kept.taken[2])
-
     def make_room(self) -> None:
-        """Let the loop go on that found no room for the next sample, or for contacts of a step."""
+        """Make the room that the loop lacks, for the next sample or for contacts of a step."""
         if self.kept.taken[2] == 1:
             self.flush()
         else:
@@ -91,43 +86,58 @@ class Sampler:
         self.kept.taken[2] = 0
 
     def flush(self) -> None:
-        """Work out what was gathered and hand it to the recording."""
+        """Move the samples of the loop to the recording."""
         self.write()
         kept, (first, count) = self.kept, self.kept.unfinished.tolist()
-        kept.taken[1] = kept.taken[0]  # in one go: Ctrl-C leaves each sample once
+        kept.taken[1] = kept.taken[0]  # one assignment: after Ctrl-C no sample is there twice
         kept.mean_contacts[:count] = kept.mean_contacts[first:first + count].copy()
         kept.unfinished[0] = 0
 
     def write(self) -> None:
-        """Compute what was gathered, and go on gathering as if nothing had been written."""
-        n = self.filled
+        """Write the samples of the loop to the recording; they stay in the loop, too."""
+        kept, elements = self.kept, self.tables.elements
+        done = int(kept.taken[1])
+        n = int(kept.taken[0]) - done
         if n == 0:
             return
-        arrays, kept = {key: array[:n] for key, array in self._arrays.items()}, self.kept
+        arrays = {key: array[:n] for key, array in self._arrays.items()}
         for name in ("pose", "velocity", "acceleration"):
             arrays[f"body_{name}"][:] = getattr(kept, name)[:n]
+        for key, (table, column) in RECORDED.items():
+            number = (getattr(elements, table)[NUMBERS[table]] if table in NUMBERS
+                      else slice(arrays[key].shape[1]))
+            arrays[key][:, number] = self._column(table, n, column)[:, :arrays[key].shape[1]]
         self._write_joints(arrays, n)
         self._write_springs(arrays, n)
-        if self.model.tendons.name:
-            self._write_tendons(arrays, n)
-        if len(self.tables.elements.fluids):
-            self._write_lines(arrays, n)
-        loads, number = self._of("loads", n), self.tables.elements.loads["number"]
-        arrays["load_force"][:, number] = np.stack([loads["fx"], loads["fy"]], axis=-1)
-        arrays["load_torque"][:, number] = loads["torque"]
-        arrays["load_work"][:, number] = self._work("loads", n)
+        arrays["guide_lifted"][:] = (
+            self._of("guides", n)["lifted"][:, self.tables.constants.wheels])
+        lines, fluids, loads = self._of("fluids", n), elements.fluids, self._of("loads", n)
+        arrays["line_volume"][:] = lines["grown"] + fluids["volume"]
+        # the content of a gas includes the gas at t = 0 without pressure
+        arrays["line_content"][:] = lines["content"] - np.where(
+            fluids["gas"] > 0, fluids["volume"], 0.0)
+        arrays["line_ahead"][:] = lines["ahead"] * self.world.h
+        arrays["load_force"][:, elements.loads["number"]] = np.stack(
+            [loads["fx"], loads["fy"]], axis=-1)
         self._write_drives(arrays, n)
-        arrays["held"][:] = self._of("bonds", n)["held"]
-        self.builder.put(self.done, arrays)
-        each = np.diff(kept.fill[:n], prepend=0)
-        sample = np.repeat(np.arange(self.done, self.done + n), each)
+        self.builder.put(done, arrays)
+        sample = np.repeat(np.arange(done, done + n), np.diff(kept.fill[:n], prepend=0))
         self.builder.contacts.replace(
-            self.done, *self._contact_rows(sample, kept.contacts[:kept.fill[n - 1]]).values())
-        if self.builder.apart:
-            self._write_means(n)
+            done, *self._contact_rows(sample, kept.contacts[:kept.fill[n - 1]]).values())
+        moved = np.flatnonzero(kept.steady[:n] == 0)
+        if not self.builder.apart or not len(moved):
+            return
+        # means of samples whose intervals are complete, and had several forces
+        self.builder.means.replace(done, moved + done, kept.means[moved])
+        fill = kept.mean_fill[:moved[-1] + 1]
+        found, order = kept.mean_contacts[:fill[-1]], self.world.order
+        numbers = found.view(np.float64).reshape(-1, 9)[:, 2:]
+        self.builder.mean_contacts.replace(
+            done, np.repeat(np.arange(done, done + len(fill)), np.diff(fill, prepend=0)),
+            order[found["a"]], order[found["b"]], numbers / (self.every * self.world.h))
 
     def record_impacts(self, before: int) -> None:
-        """Hand on the impacts of the steps just made in one go; ``before`` these so many were."""
+        """Record the impacts of the last call of the loop, after ``before`` other steps."""
         state, order = self.tables.state, self.world.order
         found = state.impacts[:state.made[3]]
         if len(found):
@@ -136,35 +146,20 @@ class Sampler:
                 order[found["b"]], np.stack([found["x"], found["y"]], axis=1),
                 np.stack([found["px"], found["py"]], axis=1))
 
-    def _write_means(self, n: int) -> None:
-        """Means of samples whose intervals had several forces, and are over."""
-        kept, order, done = self.kept, self.world.order, self.done
-        moved = np.flatnonzero(kept.steady[:n] == 0)
-        if not len(moved):
-            return
-        self.builder.means.replace(done, moved + done, kept.means[moved])
-        fill = kept.mean_fill[:moved[-1] + 1]
-        found = kept.mean_contacts[:fill[-1]]
-        numbers = found.view(np.float64).reshape(-1, 9)[:, 2:]
-        self.builder.mean_contacts.replace(
-            done, np.repeat(np.arange(done, done + len(fill)), np.diff(fill, prepend=0)),
-            order[found["a"]], order[found["b"]], numbers / (self.every * self.world.h))
+    def _of(self, table: str, n: int) -> Any:
+        return self.kept.copied[table][:n]
 
-    def _of(self, view: str, n: int) -> Any:
-        return self.kept.copied[view][:n]
-
-    def _work(self, element: str, n: int, name: str = "work") -> Array:
-        """Work [J] of elements up to the instants of samples, which lie amid their steps."""
-        found = self._of(element, n)
-        work: Array = found[name] - found[f"step_{name}"] / 2
-        return work
+    def _column(self, table: str, n: int, name: str) -> Array:
+        """A column of results; work and losses [J] up to the instants of samples, in mid-step."""
+        found = self._of(table, n)
+        column: Array = found[name]
+        return column - found[f"step_{name}"] / 2 if name in ("work", "loss") else column
 
     def _write_joints(self, arrays: Arrays, n: int) -> None:
         """Joints with their limits and dry friction."""
         elements, results = self.tables.elements, self._of("joints", n)
         arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
         arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
-        arrays["joint_couple"][:] = results["couple"]
         arrays["joint_twist"][:] = np.stack(
             [results["twist_a"], results["twist_b"]], axis=-1) / self.world.h
         hinge, line = elements.joints["hinge"] == 1, elements.joints["line"] == 1
@@ -179,34 +174,6 @@ class Sampler:
             sense = elements.joints["sense"][limit["joint"]]
             arrays["joint_stop"][:, limit["joint"]] += (
                 sense * limit["side"] * impulse / self.world.h)
-        joint, friction = elements.dry_friction["joint"], self._of("dry_friction", n)
-        arrays["joint_friction"][:, joint] = friction["force"]
-        arrays["joint_sticks"][:, joint] = friction["sticks"]
-        arrays["joint_friction_work"][:, joint] = self._work("dry_friction", n)
-
-    def _write_tendons(self, arrays: Arrays, n: int) -> None:
-        whole = slice(len(self.model.tendons.name))  # spans come after these
-        for name in ("length", "tension"):
-            arrays[f"tendon_{name}"][:] = self._of("cables", n)[name][:, whole]
-        arrays["tendon_work"][:] = self._work("cables", n)[:, whole]
-        arrays["guide_friction"][:] = self._of("slips", n)["force"]
-        arrays["guide_slip"][:] = self._of("slips", n)["way"]
-        arrays["guide_lifted"][:] = (
-            self._of("guides", n)["lifted"][:, self.tables.constants.wheels])
-
-    def _write_lines(self, arrays: Arrays, n: int) -> None:
-        results = self._of("fluids", n)
-        fluids = self.tables.elements.fluids
-        arrays["line_pressure"][:], arrays["line_flow"][:] = results["pressure"], results["flow"]
-        arrays["line_volume"][:] = results["grown"] + fluids["volume"]
-        # of a gas the content counts what filled it at t = 0 without pressure
-        arrays["line_content"][:] = results["content"] - np.where(
-            fluids["gas"] > 0, fluids["volume"], 0.0)
-        arrays["line_spilled"][:] = results["spilled"]
-        arrays["line_work"][:] = self._work("fluids", n)
-        arrays["line_ahead"][:] = results["ahead"] * self.world.h
-        arrays["valve_flow"][:] = self._of("valves", n)["flow"]
-        arrays["valve_loss"][:] = self._work("valves", n, "loss")
 
     def _write_drives(self, arrays: Arrays, n: int) -> None:
         elements = self.tables.elements
@@ -217,17 +184,16 @@ class Sampler:
         arrays["drive_torque"][:, actions["drive"][limited]] = (
             actions["sense"][limited] * torque[:, limited])
         arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
-        arrays["drive_flow"][:, pumps] = self._of("pumps", n)["flow"]
         pulled = cables["kind"] == PULL
         work[:] = 0.0
-        work[:, actions["drive"]] = self._work("actions", n)
-        work[:, pumps] = self._work("pumps", n)
-        work[:, cables["drive"][pulled]] = self._work("cables", n)[:, pulled]
+        work[:, actions["drive"]] = self._column("actions", n, "work")
+        work[:, pumps] = self._column("pumps", n, "work")
+        work[:, cables["drive"][pulled]] = self._column("cables", n, "work")[:, pulled]
 
     def _write_springs(self, arrays: Arrays, n: int) -> None:
         """Springs and the damping of hinges, which springs with a rotary damper share."""
         joints, springs = self.model.joints, self.tables.elements.springs
-        results, work = self._of("springs", n), self._work("springs", n)
+        results, work = self._of("springs", n), self._column("springs", n, "work")
         damped = springs["number"] < 0
         hinge = springs["joint"][damped]
         for name, values in (("damping", joints.sense[hinge] * results["effort"][:, damped]),

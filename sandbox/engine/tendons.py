@@ -1,4 +1,10 @@
-"""Tendons: cables over guides, with friction at guides (capstan friction).
+"""Tendons over guides, with friction at guides (capstan friction).
+
+A guide is a circle of radius 0 or more. Along the direction u with the left normal n, a circle with
+its centre right of the path has the sign s = +1, left of it -1; the tendon touches it at p = c + s
+r n, and n . (c2 - c1) = s1 r1 - s2 r2 for a piece between two circles. Every piece pulls its two
+bodies at these points, which also gives the torque s r T of a wheel that winds the tendon up. A
+wheel whose angle of contact would be negative is left out: there the tendon is off it.
 
 Rows of cables, with D v the rate at which a cable shortens and p / h its tension:
 
@@ -28,16 +34,156 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.elements.element import GRAZE
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import acts, holds
 from sandbox.engine.bounded import HOLD_TANGENT, UNBOUNDED, begin_row
-from sandbox.engine.cables import measure, wound_up
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import EVEN, GRIPPED, PULL, STIFF
 from sandbox.engine.rows import LEAST
 from sandbox.engine.state import CABLE_FRICTION, CABLE_LOAD
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Records
+
+
+@kernel
+def _near(angle: float, last: float) -> float:
+    return angle + 2 * math.pi * math.floor((last - angle) / (2 * math.pi) + 0.5)
+
+
+@kernel
+def measure(
+    cable: Any, guides: Records, pose: Array, start: bool,
+) -> float:
+    """Length of a tendon [m] at ``pose`` [nb, 3]; fills its J. ``start``: count turns anew."""
+    length: float = _along(cable, guides, pose, start)
+    if cable["lifts"] and not start:
+        for _ in range(2 * (cable["last"] - cable["first"])):
+            if not _lay(cable, guides, pose):
+                break
+            length = _along(cable, guides, pose, start)
+    return length
+
+
+@kernel
+def _along(
+    cable: Any, guides: Records, pose: Array, start: bool,
+) -> float:
+    """The length over the guides that the tendon lies on, as :func:`measure` has it."""
+    length = 0.0
+    first, last = cable["first"], cable["last"]
+    for i in range(first, last):
+        guides[i]["jx"] = guides[i]["jy"] = guides[i]["jt"] = 0.0
+    angle_in = angle_out = 0.0
+    i = first
+    while i < last - 1:
+        j = i + 1
+        while guides[j]["lifted"]:  # the last one never is
+            j += 1
+        a, b = guides[i], guides[j]
+        ra, rb = a["radius"], b["radius"]
+        straight, ux, uy, ax, ay, bx, by = _stretch(a, b, pose)
+        nx, ny = -uy, ux
+        length += straight
+        a["jx"] -= ux
+        a["jy"] -= uy
+        a["jt"] -= (ax + ra * nx) * uy - (ay + ra * ny) * ux
+        b["jx"] += ux
+        b["jy"] += uy
+        b["jt"] += (bx + rb * nx) * uy - (by + rb * ny) * ux
+        angle = math.atan2(ny, nx)
+        if i == first:
+            angle_out = angle
+            if ra != 0.0 and not cable["closed"]:
+                length -= ra * _unwound(angle - pose[a["body"], 2], a, start)
+        elif ra != 0.0:
+            length += abs(ra) * _wrapped(a, angle_in - angle, start)
+        if rb != 0.0 and j == last - 1:
+            length += (abs(rb) * _wrapped(b, angle - angle_out, start)
+                       if cable["closed"]
+                       else rb * _unwound(angle - pose[b["body"], 2], b, start))
+        angle_in = angle
+        i = j
+    return length
+
+
+@kernel
+def _stretch(
+    a: Any, b: Any, pose: Array,
+) -> tuple[float, float, float, float, float, float, float]:
+    """Length of the tendon between two guides [m], its direction; the guides from their centres."""
+    qa, qb = pose[a["body"]], pose[b["body"]]
+    ca, sa, cb, sb = math.cos(qa[2]), math.sin(qa[2]), math.cos(qb[2]), math.sin(qb[2])
+    ax, ay = ca * a["x"] - sa * a["y"], sa * a["x"] + ca * a["y"]
+    bx, by = cb * b["x"] - sb * b["y"], sb * b["x"] + cb * b["y"]
+    dx, dy = qb[0] + bx - qa[0] - ax, qb[1] + by - qa[1] - ay
+    offset = a["radius"] - b["radius"]
+    distance = math.hypot(dx, dy)
+    straight = math.sqrt(max(distance * distance - offset * offset, 1e-24))
+    square = straight * straight + offset * offset
+    ux, uy = (straight * dx + offset * dy) / square, (straight * dy - offset * dx) / square
+    return straight, ux, uy, ax, ay, bx, by
+
+
+@kernel
+def _lay(cable: Any, guides: Records, pose: Array) -> bool:
+    """Take the tendon off the wheel that it would have to push from, or lay it on one; whether so.
+
+    The angle by which it lies on a wheel goes on below 0 where it is off, as if it were on: it is
+    back on where that is above 0 again. One that comes round an end of the tendon to its other side
+    is a whole turn away from that. Of several the one that is furthest from right is changed.
+    """
+    worst, which, before = 0.0, -1, cable["first"]
+    for i in range(cable["first"] + 1, cable["last"] - 1):
+        if not guides[i]["lifts"]:
+            before = i
+            continue
+        if not guides[i]["lifted"]:
+            before = i
+            wrong = -guides[i]["wrap"] - GRAZE
+        else:
+            after = i + 1
+            while guides[after]["lifted"]:
+                after += 1
+            on, off = _stretch(guides[before], guides[i], pose), _stretch(
+                guides[i], guides[after], pose)
+            turn = math.atan2(on[1], -on[2]) - math.atan2(off[1], -off[2])
+            wrong = _wrapped(guides[i], turn, False)
+        if wrong > worst:
+            worst, which = wrong, i
+    if which >= 0:
+        guides[which]["lifted"] = 1 - guides[which]["lifted"]
+    return which >= 0
+
+
+@kernel
+def _wrapped(guide: Any, turn: float, start: bool) -> float:
+    """The angle of contact of a tendon on a wheel [rad] whose direction turns by ``turn``."""
+    wrap = turn if guide["radius"] > 0 else -turn
+    # a tendon that just touches its wheel must not go once round it by rounding
+    wrap = ((wrap + GRAZE) % (2 * math.pi) - GRAZE + 2 * math.pi * guide["turns"] if start
+            else _near(wrap, guide["wrap"]))
+    guide["wrap"] = wrap
+    return wrap
+
+
+@kernel
+def _unwound(angle: float, guide: Any, start: bool) -> float:
+    """How far the point where a wound tendon leaves its wheel has gone since t = 0 [rad]."""
+    psi = angle if start else _near(angle, guide["wrap"])
+    guide["wrap"] = psi
+    if start:
+        guide["wrap0"] = psi
+    return float(psi - guide["wrap0"])
+
+
+@kernel
+def wound_up(cable: Any, guides: Records) -> float:
+    """The length of a tendon that the wheels at its ends have wound up since t = 0 [m]."""
+    first, last = cable["first"], cable["last"] - 1
+    return float(guides[last]["radius"] * (guides[last]["wrap"] - guides[last]["wrap0"])
+                 - guides[first]["radius"] * (guides[first]["wrap"] - guides[first]["wrap0"]))
+
 
 EXCESS = 1e-10
 """Share of the tensions on both sides of a guide by which its friction may exceed its bound. A
@@ -120,7 +266,7 @@ def slipped(table: int, h: float) -> None:
 
 
 @kernel
-def _stretch(table: int, i: int) -> float:
+def _whole_stretch(table: int, i: int) -> float:
     """By how much a whole tendon is longer than what is in its spans [m]."""
     cables = at.cables(table)
     stretch = 0.0
@@ -167,7 +313,7 @@ def change_whole(table: int, h: float, i: int) -> bool:
             gone += rate
             off += cable_rate(table, h, k) - rate
     ahead = h * gone if cables[first]["kind"] == STIFF else 0.0
-    if _stretch(table, i) <= ahead or off <= 0.0:
+    if _whole_stretch(table, i) <= ahead or off <= 0.0:
         return False
     _set(table, i, 1)
     return True
@@ -253,7 +399,7 @@ def slacken(table: int) -> None:
         elif cables[i]["kind"] == GRIPPED:
             if _drawn(table, i):
                 _set(table, i, 1)
-            elif _stretch(table, i) <= 0.0:
+            elif _whole_stretch(table, i) <= 0.0:
                 _set(table, i, 0)
         elif cables[i]["whole"] < 0 and cables[i]["length"] <= cables[i]["rest"]:
             cables[i]["active"] = 0
