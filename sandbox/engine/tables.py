@@ -111,7 +111,8 @@ def make_tables(world: World) -> Tables:
     piles, unknowns = int(np.count_nonzero(constants.loose >= 0)), len(pattern.starts) - 1
     sizes = {name: len(array) for name, array in constants._asdict().items() if name != "h"}
     sizes |= _lengths(world.room) | {
-        "loaded": len(loaded), "drives": len(model.drives.name), "numbers": NUMBERS, "names": MAX_NAMES,
+        "loaded": len(loaded), "drives": len(model.drives.name), "numbers": NUMBERS,
+        "names": MAX_NAMES,
         "entries": len(pattern.entry_row), "unknowns": unknowns,
         "values": len(pattern.below) + unknowns, "piles": piles, "words": piles // BITS + 1,
         # room for all pairs: only memory in use is allocated by the system
