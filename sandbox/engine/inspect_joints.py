@@ -4,9 +4,9 @@ Involute teeth mesh at other distances of the centres, too, with the pressure an
 cos a' = (r_a + r_b) cos a / distance. Beyond cos a' = 1 the base circles have no common tangent,
 and no step can be made.
 
-Shapes are sorted along the longer axis, so that each is compared only with those whose boxes
-overlap its own. At most :data:`MOST_LOOKED` pairs of shapes (and :data:`MOST_BOXES` pairs of
-boxes) are compared; the report says if this is not all of them.
+Shapes are sorted along the longer axis, and compared with those whose boxes overlap. At most
+:data:`MAX_PAIRS` pairs of shapes (and :data:`MAX_BOXES` pairs of boxes) are compared; the report
+says if this is not all of them.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def joint_problems(model: Model) -> Iterator[Problem]:
         distance, keeps = math.dist(*model.ends(i)), joints.kind[i].keeps
         directionless = (keeps == "distance" and distance < STRAIGHT) or (
             keeps == "groove" and slot_length(model, i) < STRAIGHT)
-        if not (directionless or _begins(model, i)):
+        if not (directionless or model.bonds.begins(int(model.bonds.joint[i]))):
             continue
         if message := _apart(model, i, distance):
             report = error if directionless else look
@@ -53,7 +53,8 @@ def joint_problems(model: Model) -> Iterator[Problem]:
 def shared_problems(model: Model) -> Iterator[Problem]:
     """Redundant joints, whose shares of the load statics does not determine."""
     shared = sorted(shared_joints(model, model.bodies.pose).joints)
-    if shared and all(_begins(model, j) for j in shared):
+    if shared and all(
+            model.bonds.begins(int(model.bonds.joint[j])) for j in shared):
         names = listed([model.joints.name[j] for j in shared])
         yield look("overconstrained", "$.joints", "", f"{names} are overconstrained: statics does "
                    "not determine each reaction; the smallest that balance are recorded",
@@ -63,11 +64,6 @@ def shared_problems(model: Model) -> Iterator[Problem]:
             yield look("overconstrained", f"$.joints[{j}].friction_coefficient",
                        model.joints.name[j], "its friction depends on a reaction that statics does "
                        "not determine", "give 'friction' as a number, or remove redundant joints")
-
-
-def _begins(model: Model, joint: int) -> bool:
-    """Whether a joint is closed at t = 0."""
-    return model.bonds.begins(int(model.bonds.joint[joint]))
 
 
 def _apart(model: Model, joint: int, distance: float) -> str:
@@ -95,7 +91,7 @@ def _apart(model: Model, joint: int, distance: float) -> str:
 
 
 def _advice(model: Model, joint: int, distance: float) -> str:
-    """Advice: the right length of the joint, or to leave an anchor out."""
+    """The right length of the joint, or to leave an anchor out."""
     keeps, most = model.joints.kind[joint].keeps, float(model.joints.reach[joint, 1])
     if keeps == "groove":
         return f"move the {'path' if model.joints.path[joint] else 'groove'} to the point"
@@ -138,7 +134,7 @@ def wheel_problems(model: Model) -> Iterator[Problem]:
 
 
 def _circles(model: Model, joint: int) -> Iterator[Problem]:
-    """Gears or rolling circles at a wrong distance; errors where no step can be made."""
+    """Gears or rolling circles at another distance; errors where no step can be made."""
     joints, path, name = model.joints, f"$.joints[{joint}]", model.joints.name[joint]
     (ra, rb), inside = joints.radii[joint].tolist(), bool(joints.inside[joint])
     distance, sum_, difference = math.dist(*model.ends(joint)), ra + rb, abs(ra - rb)
@@ -226,12 +222,10 @@ def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> floa
     return float(gx * (y - by) - gy * (x - bx))
 
 
-MOST_LOOKED = 20_000
-"""Largest number of compared pairs of shapes."""
-MOST_BOXES = 50_000_000
-"""Largest number of compared pairs of boxes."""
-MOST_REPORTED = 100
-"""Largest number of reported overlaps; further ones are counted."""
+MAX_PAIRS, MAX_BOXES = 20_000, 50_000_000
+"""Maximum numbers of compared pairs of shapes, and of boxes."""
+MAX_REPORTED = 100
+"""Maximum number of reported overlaps; further ones are counted."""
 
 
 def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
@@ -240,33 +234,48 @@ def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
     And the number of compared pairs of bodies that may touch and whose boxes overlap.
     """
     holders, pieces, owner = placed_shapes(model.mechanism.bodies)
-    looked, whole, depths = 0, True, dict[tuple[int, int], float]()
-    for i, others, last in _neighbours(pieces, owner, allowed):
-        whole = whole and not last and len(others) <= MOST_LOOKED - looked
-        others = others[:MOST_LOOKED - looked]
-        looked += len(others)
-        for j in others.tolist():
+    if not pieces:
+        return [], 0
+    boxes = np.array([(box.left, box.bottom, box.right, box.top)
+                      for box in (piece.bb for piece in pieces)])
+    axis = int(np.ptp(boxes[:, 1] + boxes[:, 3]) > np.ptp(boxes[:, 0] + boxes[:, 2]))
+    order = np.argsort(boxes[:, axis], kind="stable")
+    low, high = boxes[order, :2], boxes[order, 2:]
+    ends = np.searchsorted(low[:, axis], high[:, axis], side="right")
+    looked, seen, whole, depths = 0, 0, True, dict[tuple[int, int], float]()
+    for place, end in enumerate(ends.tolist()):
+        i, later = int(order[place]), slice(place + 1, min(end, place + 1 + MAX_BOXES - seen))
+        meets = ((low[later, 1 - axis] <= high[place, 1 - axis])
+                 & (high[later, 1 - axis] >= low[place, 1 - axis])
+                 & allowed[owner[i], owner[order[later]]])
+        others = order[later][meets]
+        whole = later.stop >= end and len(others) <= MAX_PAIRS - looked
+        seen += max(end - place - 1, 0)
+        for j in others[:MAX_PAIRS - looked].tolist():
             pair = (int(min(owner[i], owner[j])), int(max(owner[i], owner[j])))
             depths[pair] = max(_depth(pieces[i], pieces[j]), depths.get(pair, 0.0))
-    del holders  # not before
+        looked = min(looked + len(others), MAX_PAIRS)
+        if not whole:
+            break
+    del holders  # which keep the pieces alive
     names = model.bodies.name
     found = [(pair, depth) for pair, depth in sorted(depths.items()) if depth > NEGLIGIBLE]
     problems = [look("overlap", f"$.bodies[{a}]", names[a], f"overlaps {names[b]!r} by {mm(depth)} "
                      "at t = 0", "move one of them, or add a contact rule with \"collide\": false")
-                for (a, b), depth in found[:MOST_REPORTED]]
+                for (a, b), depth in found[:MAX_REPORTED]]
     if not whole:
         problems.append(look("overlap", "$.bodies", "bodies", "further bodies may overlap at t = 0",
                              f"{looked} pairs of shapes were compared"))
-    elif len(found) > MOST_REPORTED:
+    elif len(found) > MAX_REPORTED:
         problems.append(look("overlap", "$.bodies", "bodies",
-                             f"{len(found) - MOST_REPORTED} more bodies overlap at t = 0"))
+                             f"{len(found) - MAX_REPORTED} more bodies overlap at t = 0"))
     return problems, len(depths)
 
 
 def placed_shapes(
     bodies: Iterable[Body],
 ) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
-    """What keeps shapes alive; the shapes of bodies at t = 0; the place of each one's body."""
+    """Objects that keep the shapes alive; the shapes at t = 0; the index of each one's body."""
     holders, pieces, owner = [], [], []
     for i, body in enumerate(bodies):
         holder = pymunk.Body(body_type=pymunk.Body.STATIC)
@@ -278,36 +287,6 @@ def placed_shapes(
                 pieces[-1].cache_bb()
                 owner.append(i)
     return holders, pieces, np.array(owner, dtype=np.int64)
-
-
-def _neighbours(
-    pieces: list[pymunk.Shape], owner: Integers, allowed: Flags,
-) -> Iterator[tuple[int, Integers, bool]]:
-    """Each shape with the later ones whose boxes overlap and whose bodies may touch it.
-
-    True with the last one if the limit of pairs was reached.
-    """
-    if not pieces:
-        return
-    boxes = np.array([(box.left, box.bottom, box.right, box.top)
-                      for box in (piece.bb for piece in pieces)])
-    axis = int(np.ptp(boxes[:, 1] + boxes[:, 3]) > np.ptp(boxes[:, 0] + boxes[:, 2]))
-    order = np.argsort(boxes[:, axis], kind="stable")
-    low, high = boxes[order, :2], boxes[order, 2:]
-    ends = np.searchsorted(low[:, axis], high[:, axis], side="right")
-    seen = 0
-    for place, end in enumerate(ends.tolist()):
-        window = slice(place + 1, min(end, place + 1 + MOST_BOXES - seen))
-        seen += max(window.stop - window.start, 0)
-        over = window.stop < end
-        across = 1 - axis
-        meets = ((low[window, across] <= high[place, across])
-                 & (high[window, across] >= low[place, across])
-                 & allowed[owner[order[place]], owner[order[window]]])
-        if over or meets.any():
-            yield int(order[place]), order[window][meets], over
-        if over:
-            return
 
 
 def _depth(one: pymunk.Shape, other: pymunk.Shape) -> float:

@@ -1,8 +1,8 @@
-"""The World: pymunk's objects under the mechanism's names, read and written in batches.
+"""pymunk's objects of a mechanism, read and written in batches.
 
 Contact rules become pymunk's shape filters: a group number (no contact within a group) and 32
 category bits. The links of a finger become a group; bodies that meet the same others share a
-category. This is exact up to 32 kinds of body; other pairs are sorted out when contacts are listed.
+category. This is exact up to 32 kinds of body; beyond, contacts are filtered when they are listed.
 """
 
 from __future__ import annotations
@@ -43,14 +43,12 @@ _LISTED = ("dynamic", "scheduled", "fixed")
 
 
 class World:
-    """A pymunk space for one run: where bodies are, and which of them are near one another.
+    """A pymunk space for one run: it moves bodies and finds those that are near one another.
 
-    pymunk moves the bodies and finds the contacts; what acts between them is worked out by
-    :mod:`sandbox.engine.solve`, so its joints are there to be seen and to keep their bodies from
-    touching, and carry nothing. Bodies stand at their centres of mass and are numbered as pymunk
-    lists them: dynamic, scheduled, fixed. They start half a step before t = 0, where their
-    velocities lead back to, as the clock's leapfrog has it. ``body`` [nb, 6] (x, y, angle, vx, vy,
-    omega) and ``velocity`` [nb, 3] are the memory that :meth:`read` fills and :meth:`write` sends.
+    :mod:`sandbox.engine.solve` computes the forces. Bodies stand at their centres of mass and are
+    numbered as pymunk lists them: dynamic, scheduled, fixed. They start half a step before t = 0,
+    as the leapfrog has it. ``body`` [nb, 6] (x, y, angle, vx, vy, omega) and ``velocity`` [nb, 3]
+    are the memory that :meth:`read` fills and :meth:`write` sends.
     """
 
     def __init__(self, model: Model) -> None:
@@ -60,12 +58,11 @@ class World:
         motions = [_LISTED.index(body.motion) for body in model.mechanism.bodies]
         self.order: Integers = np.argsort(motions, kind="stable").astype(np.int64)
         """The model's numbers of the bodies in pymunk's order, [nb]."""
-        self.number = np.empty_like(self.order)
+        self.number: Integers = np.argsort(self.order)
         """Pymunk's numbers of the bodies in the model's order, [nb]."""
-        self.number[self.order] = np.arange(len(self.order))
         self.filters = make_filters(model)
         count = len(self.order)
-        # pymunk moves a buffer elsewhere when it is filled to the brim: leave it room
+        # pymunk reallocates a buffer that is full: leave it room
         memory = np.zeros(6 * count + 6)
         self.body: Array = memory[: 6 * count].reshape(count, 6)
         self.velocity: Array = np.zeros((count, 3))
@@ -80,7 +77,7 @@ class World:
             np.concatenate([np.zeros(0, dtype=SPAN), *self._spans]))
 
     def renew(self) -> None:
-        """Make the space and all in it, in place of the one that there was: all as it begins."""
+        """Make the space and all in it anew, as at the start."""
         self.space = pymunk.Space()
         self.space.iterations = 1
         self.space.collision_persistence = 1  # an arbiter lives as long as its contact
@@ -92,19 +89,18 @@ class World:
         self._spans: list[Records] = []
         self.bodies = [self._add_body(i) for i in self.order.tolist()]
         """In pymunk's order."""
-        for i, pair in enumerate(self.number[self.model.joints.bodies].tolist()):
-            joint = _constraint(self.model, i, *(self.bodies[body] for body in pair))
-            joint.collide_bodies = bool(self.model.joints.collide[i])
-            joint.max_force = 0.0
-            self.space.add(joint)
+        for i, (a, b) in enumerate(self.number[self.model.joints.bodies].tolist()):
+            if not self.model.joints.collide[i]:
+                # a constraint without force only keeps its bodies from touching
+                joint = pymunk.SimpleMotor(self.bodies[a], self.bodies[b], 0.0)
+                joint.max_force, joint.collide_bodies = 0.0, False
+                self.space.add(joint)
         self.room = Room(contacts=32 + 8 * len(self._shape_rows), rows=64 + 4 * len(self.bodies))
         self.finder = native.Finder(self.space, self.room.contacts)
         self.native = native.make_native(
             self.space, self.reader, self.writer, self.placer, self.finder)
         self.read()
         self.velocity[:] = self.body[:, 3:]
-
-    # -- reading, writing, stepping -------------------------------------------------
 
     def read(self) -> None:
         """Fill ``body`` with all poses and velocities."""
@@ -130,8 +126,6 @@ class World:
         self.room = Room(contacts=2 * max(self.room.contacts, found),
                          rows=max(self.room.rows, rows))
         self.native = self.native._replace(raw=self.finder.raw)
-
-    # -- building -------------------------------------------------------------------
 
     def _add_body(self, index: int) -> pymunk.Body:
         spec, bodies = self.model.mechanism.bodies[index], self.model.bodies
@@ -232,51 +226,21 @@ def make_shape(
             return pymunk.Poly(body, [(x - cx, y - cy) for x, y in corners(spec)], radius=margin)
 
 
-def _constraint(
-    model: Model, joint: int, a: pymunk.Body, b: pymunk.Body,
-) -> pymunk.Constraint:
-    """What stands for a joint in pymunk."""
-    joints, path = model.joints, model.joints.path[joint]
-    ends = joints.anchor[joint] - model.bodies.centre[joints.bodies[joint]]
-    on_a, on_b = map(tuple, ends.tolist())
-    reach = joints.reach[joint].tolist()
-    match joints.kind[joint].keeps:
-        case "point":
-            return pymunk.PivotJoint(a, b, on_a, on_b)
-        case "groove" if path is None:
-            centre = model.bodies.centre[joints.bodies[joint, 0]]
-            start, end = map(tuple, (joints.groove[joint] - centre).tolist())
-            return pymunk.GrooveJoint(a, b, start, end, on_b)
-        case "distance":
-            rod = pymunk.PinJoint(a, b, on_a, on_b)
-            rod.distance = reach[0]
-            return rod
-        case "range":
-            return pymunk.SlideJoint(a, b, on_a, on_b, *reach)
-        case _:
-            return pymunk.SlideJoint(a, b, on_a, on_b, 0.0, math.inf)
-
-
 CATEGORIES = 32
 
 
 @dataclass(frozen=True)
 class Filters:
-    """Per body, in mechanism order: group, category bits, mask; and what filters can't say.
+    """Contact rules: pymunk's filters of bodies, and matrices of pairs of bodies."""
 
-    ``allowed`` is the matrix of pairs that may touch, ``friction``, ``static`` and
-    ``restitution`` hold the coefficients of all pairs, each of shape [nb, nb], ``skin`` stiffness
-    and damping of soft contacts, [2, nb, nb], or [2, 0, 0] if there are none.
-    """
-
-    group: Integers
-    category: Integers
+    group: Integers  # of each body, in the model's order, [nb]
+    category: Integers  # bits
     mask: Integers
-    allowed: Flags
+    allowed: Flags  # pairs that may touch, [nb, nb]
     friction: Array
     static: Array
     restitution: Array
-    skin: Array
+    skin: Array  # stiffness and damping of soft contacts, [2, nb, nb]; [2, 0, 0] without any
 
 
 def make_filters(model: Model) -> Filters:
@@ -284,7 +248,7 @@ def make_filters(model: Model) -> Filters:
     mechanism, words = model.mechanism, Words(model.bodies.name)
     count = len(words.names)
     allowed = allowed_pairs(model)
-    settled = np.eye(count, dtype=bool)  # pairs that need no category: told apart otherwise
+    settled = np.eye(count, dtype=bool)  # pairs that need no category
     rests = ~model.bodies.free
     settled[np.ix_(rests, rests)] = True
     i, j = joined(model)
@@ -299,12 +263,12 @@ def make_filters(model: Model) -> Filters:
             group[members] = number
             settled[block] = True
     rows = allowed | settled
-    kinds, kind = 0, np.zeros(0, dtype=np.int64)  # different rows, and which of them each is
+    kinds, kind = 0, np.zeros(0, dtype=np.int64)  # number of different rows, and of each body's
     if count:
         found, inverse = np.unique(rows, axis=0, return_inverse=True)
         kinds, kind = len(found), np.reshape(inverse, -1).astype(np.int64)
     bits = np.left_shift(np.int64(1), kind) if kinds <= CATEGORIES else np.ones_like(kind)
-    mask = np.ones(count, dtype=np.int64)  # beyond that all meet, and are told apart later
+    mask = np.ones(count, dtype=np.int64)  # beyond that contacts are filtered later
     if kinds <= CATEGORIES:
         mask = np.array(
             [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
@@ -322,16 +286,16 @@ def make_filters(model: Model) -> Filters:
 
 
 class ShapeTables(NamedTuple):
-    """What contacts follow."""
+    """Tables of the constants of the same names (:mod:`sandbox.engine.state`)."""
 
-    shapes: Records  # SHAPE, [nz], in the order of their collision types
-    faces: Records  # FACE, of shapes that are pieces of an outline
-    vertices: Array  # corners of the shapes' cores, from the centres of mass [m], [n, 2]
-    spans: Records  # SPAN, of shapes that are curves
+    shapes: Records
+    faces: Records
+    vertices: Array
+    spans: Records
 
 
 class Room(NamedTuple):
-    """How much there is room for in one step."""
+    """Room for points where shapes are near one another, and for bounded rows, in a step."""
 
-    contacts: int  # points in which shapes are near one another
-    rows: int  # bounded rows that carry something
+    contacts: int
+    rows: int
