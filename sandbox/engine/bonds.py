@@ -2,7 +2,7 @@
 
 The pattern of the one solve is made once, so what is let go keeps its rows: they then act on
 nothing, ask for nothing and have a compliance of 1, which makes their impulses 0. Where and when
-something breaks: :mod:`sandbox.engine.breaks`.
+something breaks: :mod:`sandbox.engine.report`.
 
 A joint that is taken up across a gap f asks for no more of it to go than
 
@@ -96,15 +96,15 @@ def release_rows(table: int, h: float) -> None:
     """Empty the rows of what is let go; ask joints that were taken up for less."""
     if len(at.bonds(table)) == 0:
         return
-    results = at.bonds(table)
-    for i in range(len(results)):
-        results[i]["broke"] = 0
+    for i in range(len(at.bonds(table))):
+        at.bonds(table)[i]["broke"] = 0
     joints, springs, rhs = at.joints(table), at.springs(table), at.unknowns(table)[0]
     for k in range(len(joints)):
         joint = joints[k]
-        if not joint_holds(table, k):
+        if not holds(table, joint["bond"]):
             empty_rows(table, joint["entry"], joint["entries"])
-        if joint["bond"] < 0 or not joint_holds(table, k):
+            continue
+        if joint["bond"] < 0:
             continue
         state, teeth = at.bonds(table)[joint["bond"]], toothed(joint)
         for row in (joint["row"], joint["row_y"], joint["row_turn"]):
@@ -153,8 +153,7 @@ def _look(table: int, k: int) -> None:
     vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
     (x, y), (rx, ry) = gaps(joint, px, py, turn[a, 0], turn[a, 1]), (vx, vy)
     if joint["keeps"] == records.GROOVE:
-        out = joint
-        dx, dy = out["dx"], out["dy"]
+        dx, dy = joint["dx"], joint["dy"]
         rx, ry = dx * vy - dy * vx - wa * (dx * px + dy * py), 0.0
         if joint["span"] >= 0:
             x = path_gap(table, 0.0, k)

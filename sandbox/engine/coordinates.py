@@ -23,6 +23,7 @@ from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.narrow_phase import descend, on_span
+from sandbox.engine.plan import add_to
 from sandbox.engine.records import GEAR, GROOVE, POINT, RACK
 from sandbox.numeric import Array, Records
 from sandbox.scene.outlines import curves
@@ -108,13 +109,9 @@ def put_row(J: Array, entry: int, element: Any) -> None:
 @kernel
 def add_effort(element: Any, effort: float, force: Array) -> None:
     """Add an effort along a coordinate to forces and torques on the bodies, [nb, 3]."""
-    a, b = element["a"], element["b"]
-    force[a, 0] -= element["dx"] * effort
-    force[a, 1] -= element["dy"] * effort
-    force[a, 2] += element["ta"] * effort
-    force[b, 0] += element["dx"] * effort
-    force[b, 1] += element["dy"] * effort
-    force[b, 2] += element["tb"] * effort
+    dx, dy = element["dx"] * effort, element["dy"] * effort
+    add_to(force, element["a"], -dx, -dy, element["ta"] * effort)
+    add_to(force, element["b"], dx, dy, element["tb"] * effort)
 
 
 @kernel

@@ -7,7 +7,7 @@ from collections.abc import Container
 import numpy as np
 
 from sandbox.engine.control import Control
-from sandbox.engine.fluid_report import FULL
+from sandbox.engine.fluids import FULL
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.errors import Jammed, SimulationDiverged

@@ -15,7 +15,7 @@ change.
 Break-away: friction that holds with more than it slides with gives way.
 
 A row that held in the last step has the bound of static friction. If it slips against that, its
-load T came to the bound at t = (n - 3/2 + s) h, as in :mod:`sandbox.engine.breaks`, and the
+load T came to the bound at t = (n - 3/2 + s) h, as in :mod:`sandbox.engine.report`, and the
 friction of the step has the impulse
 
     h ((s - 1/2) F_s + (3/2 - s) F_k),      s = A / (A + B)
@@ -38,10 +38,11 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import UNBOUNDED, begin_row, put_coordinate, y_of
+from sandbox.engine.coordinates import rate as coordinate_rate
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import GROOVE
-from sandbox.engine.rows import beyond, joint_rate
+from sandbox.engine.rows import beyond
 from sandbox.engine.state import (
     HOLDS,
     JOINT_FRICTION,
@@ -142,12 +143,11 @@ def change_friction(table: int, n: int) -> bool:
 def report_friction(table: int, h: float, i: int, p: float, mode: int, bound: float) -> None:
     """Note what friction was in the step: its impulse on ``b``, the row's mode and static bound."""
     dry = at.dry_friction(table)[i]
-    k = dry["joint"]
-    joint = at.joints(table)[k]
+    joint = at.joints(table)[dry["joint"]]
     dry["impulse"], dry["mode"], dry["bound"] = p, mode, bound
     dry["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
     # a rigid drive may hold what friction has left at its bound: nothing moves all the same
-    rate = abs(joint_rate(table, k, at.velocity(table)))
+    rate = abs(coordinate_rate(joint, at.velocity(table)))
     still = STILL if joint["keeps"] == GROOVE else STILL_TURNING
     dry["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
 
@@ -157,7 +157,7 @@ def release_friction(table: int, h: float, i: int, p: float) -> None:
     """Let friction of a released joint be none but ``p``; where it held it is not drawn back to."""
     dry = at.dry_friction(table)[i]
     dry["pressed"] = dry["place"] = 0.0
-    rate = joint_rate(table, dry["joint"], at.velocity(table))
+    rate = coordinate_rate(at.joints(table)[dry["joint"]], at.velocity(table))
     report_friction(table, h, i, p, -1 if rate > 0.0 else 1 if rate < 0.0 else 0, math.nan)
     dry["kept"] = 0
     dry["sticks"] = 0.0
@@ -168,7 +168,7 @@ def add_friction_work(table: int, h: float, v: Matrix) -> None:
     """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
     frictions = at.dry_friction(table)
     for i in range(len(frictions)):
-        rate = joint_rate(table, frictions[i]["joint"], v)
+        rate = coordinate_rate(at.joints(table)[frictions[i]["joint"]], v)
         frictions[i]["step_work"] = frictions[i]["impulse"] * rate
         frictions[i]["work"] += frictions[i]["step_work"]
 

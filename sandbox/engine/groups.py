@@ -19,8 +19,14 @@ Bounded rows: :mod:`sandbox.engine.candidates`; results and work: :mod:`sandbox.
 from __future__ import annotations
 
 from sandbox.engine.bonds import release_rows
-from sandbox.engine.fluid_report import contained, flowing
-from sandbox.engine.fluids import change_lines, fluid_rows, join_lines, swell
+from sandbox.engine.fluids import (
+    change_lines,
+    contained,
+    flowing,
+    fluid_rows,
+    join_lines,
+    swell,
+)
 from sandbox.engine.friction import change_friction
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import change_loads, load_rows, press, timed

@@ -303,6 +303,14 @@ def add(x: Array, y: Array, times: float) -> None:
 
 
 @kernel
+def add_to(x: Array, i: int, one: float, two: float, three: float) -> None:
+    """Add three numbers to row ``i`` of ``x`` [n, 3], such as a force and a torque to a body's."""
+    x[i, 0] += one
+    x[i, 1] += two
+    x[i, 2] += three
+
+
+@kernel
 def forward(starts: Integers, below: Integers, values: Array, y: Array) -> None:
     """L^-1 y in place."""
     for j in range(len(starts) - 1):

@@ -135,7 +135,7 @@ MOTOR = np.dtype([
     ("short", float),       # by how much it is not where it was to be [rad]
     ("along", float),       # the rate of its target [rad/s]
     ("seen", float),        # its rate before the step [rad/s]
-    ("asked", float),       # the rate that it is asked for [rad/s]
+    ("command", float),     # the rate that it is to have [rad/s]
     ("bend", float),        # rate by which its line grows besides in the step [m/s]
     ("impulse", float),     # on b, of the last step [N m s]
     ("mode", np.int64),     # -1 and 1 at its least and largest torque, 0 in between

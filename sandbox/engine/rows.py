@@ -18,7 +18,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.bonds import joint_holds, remaining_gap
+from sandbox.engine.bonds import holds, remaining_gap
 from sandbox.engine.coordinates import (
     ends,
     flank,
@@ -36,7 +36,7 @@ from sandbox.engine.coordinates import (
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.narrow_phase import CONFORMING, nearest_start
-from sandbox.engine.plan import backward, forward
+from sandbox.engine.plan import add_to, backward, forward
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.numeric import Array, Records
 
@@ -66,7 +66,7 @@ def path_row(table: int, h: float, k: int) -> None:
     ax, ay, bx, by, px, py = ends(joint, body, turn)
     qx, qy, c, s = ax + px, ay + py, turn[a, 0], turn[a, 1]
     x, y = c * qx + s * qy, c * qy - s * qx
-    if not joint_holds(table, k):
+    if not holds(table, joint["bond"]):
         joint["on"] = nearest_start(spans, joint["span"], joint["span_end"], x, y)
     joint["on"], place, tx, ty, across, curve = on_path(spans, joint["on"], x, y)
     if joint["around"] > 0.0:
@@ -161,12 +161,6 @@ def joint_rows(table: int, h: float) -> None:
 
 
 @kernel
-def joint_rate(table: int, joint: int, velocity: Array) -> float:
-    """Rate [m/s, rad/s] of a joint's free coordinate as bodies move with ``velocity`` [nb, 3]."""
-    return rate(at.joints(table)[joint], velocity)
-
-
-@kernel
 def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: float) -> float:
     """What a row of a joint asks for: that its gap goes, now and ``then``, in a step."""
     seen = 0.0
@@ -247,7 +241,7 @@ def joint_gaps(table: int, h: float) -> float:
     worst = 0.0
     for k in range(len(joints)):
         joint = joints[k]
-        if joint["row"] < 0 or not joint_holds(table, k):
+        if joint["row"] < 0 or not holds(table, joint["bond"]):
             continue
         a, b = joint["a"], joint["b"]
         left_x, left_y, _ = remaining_gap(table, joint["bond"], h)
@@ -319,8 +313,5 @@ def apply_impulses(table: int, impulses: Array, velocity: Array) -> None:
     entry_row, entry_body, WJ = at.entry_row(table), at.entry_body(table), at.entries(table)[1]
     for e in range(len(entry_row)):
         b, p = entry_body[e], impulses[entry_row[e]]
-        if b >= len(velocity):
-            continue
-        velocity[b, 0] += WJ[e, 0] * p
-        velocity[b, 1] += WJ[e, 1] * p
-        velocity[b, 2] += WJ[e, 2] * p
+        if b < len(velocity):
+            add_to(velocity, b, WJ[e, 0] * p, WJ[e, 1] * p, WJ[e, 2] * p)

@@ -40,6 +40,7 @@ from sandbox.engine.bonds import acts, holds
 from sandbox.engine.bounded import HOLD_TANGENT, UNBOUNDED, begin_row
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.plan import add_to
 from sandbox.engine.records import EVEN, GRIPPED, PULL, STIFF
 from sandbox.engine.rows import LEAST
 from sandbox.engine.state import CABLE_FRICTION, CABLE_LOAD
@@ -339,10 +340,7 @@ def cable_rows(table: int, h: float) -> None:
             rhs[r], compliance[r] = 0.0, 1.0
             continue
         for n in range(cable["first"], cable["last"]):
-            e = guides[n]["entry"]
-            J[e, 0] -= guides[n]["jx"]
-            J[e, 1] -= guides[n]["jy"]
-            J[e, 2] -= guides[n]["jt"]
+            add_to(J, guides[n]["entry"], -guides[n]["jx"], -guides[n]["jy"], -guides[n]["jt"])
         rhs[r] = cable_rate(table, h, i)
         compliance[r] = 1.0 / (h * cable_lead(table, h, i))
     slips = at.slips(table)
@@ -459,10 +457,8 @@ def pull(table: int, drive: Array) -> None:
         else:
             cable["tension"] = max(cable["k"] * (cable["length"] - cable["rest"]), 0.0)
         for n in range(cable["first"], cable["last"]):
-            b = guides[n]["body"]
-            out[b, 0] -= guides[n]["jx"] * cable["tension"]
-            out[b, 1] -= guides[n]["jy"] * cable["tension"]
-            out[b, 2] -= guides[n]["jt"] * cable["tension"]
+            b, t = guides[n]["body"], -cable["tension"]
+            add_to(out, b, guides[n]["jx"] * t, guides[n]["jy"] * t, guides[n]["jt"] * t)
 
 
 @kernel
