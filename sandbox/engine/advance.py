@@ -24,11 +24,9 @@ from sandbox.engine.solve import SETTLED, solve
 from sandbox.engine.touching import list_contacts_of_step, short
 from sandbox.numeric import Array, Matrix, Stack
 
-FAR = 1e6
-"""Motion is sound while nothing is further out or faster than this [m, rad, m/s, rad/s]."""
+FAR = 1e6  # limit of valid positions and speeds [m, rad, m/s, rad/s]
 
-UNKEPT = 0
-"""As the step that is due to be kept: none ever is."""
+UNKEPT = 0  # as the step to be sampled: none
 
 
 @kernel

@@ -30,12 +30,9 @@ from sandbox.values.signals import AnySignal, Constant, Ramp, values
 from sandbox.values.tables import Tables
 
 Act = Callable[[float, int], None]
-NEVER = 1 << 62
-"""A step that no run reaches."""
-CHUNK = 4096
-"""Acts whose targets are computed at once."""
-UNLIMITED = 1e300
-"""A change that no rate limit cuts; less than infinity, which cannot be set."""
+NEVER = 1 << 62  # a step that no run reaches
+CHUNK = 4096  # acts whose targets are computed at once
+UNLIMITED = 1e300  # a change that no rate limit cuts; less than infinity, which cannot be set
 
 
 class Setpoint:

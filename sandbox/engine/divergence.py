@@ -13,8 +13,7 @@ from sandbox.engine.world import World
 from sandbox.errors import Jammed, SimulationDiverged
 from sandbox.model.supports import together
 
-PRESSES = 0.01
-"""Share of the largest impulse in a jam with which its other rows press."""
+PRESSES = 0.01  # minimum impulse of the rows of a jam, as a share of the largest
 
 
 def diverged(now: float, world: World, tables: Tables, control: Control) -> SimulationDiverged:

@@ -47,8 +47,7 @@ KEEPS: dict[Keeps, int] = {
 JOINT_ROWS = ("row", "row_y", "row_turn")
 MIN_INSIDE = 1e-3
 """Minimum length of tendon in a span, as a share of that at t = 0: shorter spans are stiffer."""
-DRAG = 1e-7
-"""Of a loop, as a share of the effect of its stiffness in a step."""
+DRAG = 1e-7  # of a loop, as a share of the effect of its stiffness in a step
 BESIDE = -math.pi / 2
 """Where the angle of a tendon that begins off its wheel is counted from [rad]; above - pi."""
 
@@ -81,8 +80,7 @@ class PlacedBodies:
             [1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
         self.pose: Array = np.array([
             (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
-            for i in order]).reshape(-1, 3)
-        """Of the centres of mass, in pymunk's order, [nb, 3]."""
+            for i in order]).reshape(-1, 3)  # of the centres of mass, in pymunk's order, [nb, 3]
 
     def local(self, body: int, point: Array) -> Array:
         """A point of a body's frame seen from its centre of mass [m]."""

@@ -36,20 +36,14 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.plan import add_to
 from sandbox.numeric import Array, Matrix, Records
 
-GIVEN = 1e12
-"""How many times as much as it does a line yields whose pressure is given."""
+GIVEN = 1e12  # compliance of a line with a given pressure, over its own
 LAMINAR = 1e-3
 """A pressure [Pa] below which an orifice without resistance lets through in proportion to it."""
-SHUT = 1e-9
-"""An opening that is none."""
-EVEN = 1e-9
-"""A share of a pressure or a flow that counts as none."""
-SMALLEST = 1e-6
-"""A share of a gas's volume or content at t = 0 below which it is not followed."""
-FULL = 1e15
-"""Pressures and contents are valid below this [Pa, m^3]."""
-STILL = 1e-11
-"""Flow per volume [1/s] that counts as none."""
+SHUT = 1e-9  # opening below which a valve is shut
+EVEN = 1e-9  # relative tolerance of pressures and flows
+SMALLEST = 1e-6  # minimum volume and content of a gas, as a share of those at t = 0
+FULL = 1e15  # pressures and contents are valid below this [Pa, m^3]
+STILL = 1e-11  # flow per volume [1/s] that counts as zero
 ALL = 3
 """Attempts in which all lines and valves change that are wrong; after that the worst one does."""
 

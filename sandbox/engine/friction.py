@@ -54,10 +54,9 @@ from sandbox.engine.state import (
 )
 from sandbox.numeric import Array, Matrix, Records
 
-SAME = 1e-10
-"""By what share of what a joint carries its friction may be measured wrongly."""
+SAME = 1e-10  # relative tolerance of the load of a joint
 NOTHING = 1e-13
-"""A change of rates [m/s, rad/s] that rounding makes: what is off by less is not solved again."""
+"""Change of rates [m/s, rad/s] by rounding: smaller errors are not solved again."""
 
 
 @kernel

@@ -34,8 +34,7 @@ from sandbox.engine.rows import (
 from sandbox.engine.state import NORMAL, TANGENT
 from sandbox.numeric import Array
 
-CLOSINGS = 3
-"""Most times that joints are closed where an impact leads."""
+CLOSINGS = 3  # maximum number of closures of joints after an impact
 
 
 @entry_point("bounces")

@@ -36,16 +36,11 @@ from sandbox.engine.rows import answer, apply_impulses
 from sandbox.engine.state import LIMITED, NORMAL, TANGENT
 from sandbox.numeric import Records
 
-REBOUND = 0.01
-"""A slower approach [m/s] gives nothing back."""
-EXACT = 1e-10
-"""Rates that count as none, as a share of the fastest approach."""
-FAINT = 1e-6
-"""Approaches that small against the first end a chain of impacts."""
-CLOSED = 1e-9
-"""Contacts with gaps up to this [m] are hit together."""
-ORDERED = 100
-"""Most instants of impacts in one step; what is hit after these is reflected together."""
+REBOUND = 0.01  # minimum approach speed [m/s] of a rebound
+EXACT = 1e-10  # tolerance of rates, as a share of the fastest approach
+FAINT = 1e-6  # minimum approach in a chain of impacts, as a share of the first
+CLOSED = 1e-9  # contacts with gaps up to this [m] are hit together
+ORDERED = 100  # maximum number of instants of impacts in a step; later impacts are simultaneous
 
 
 @kernel

@@ -54,8 +54,7 @@ def make_clock(duration: float, step: float, sample_rate: float) -> Clock:
     return Clock(step, steps, every)
 
 
-CHUNK = 4096
-"""Steps whose signals are computed at once; chunks begin at steps 1, CHUNK + 1, ..."""
+CHUNK = 4096  # steps whose signals are computed at once; chunks begin at steps 1, CHUNK + 1, ...
 
 
 class Inputs:

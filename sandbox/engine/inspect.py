@@ -61,10 +61,8 @@ from sandbox.wording import quoted
 class Inspection(NamedTuple):
     """Problems of a mechanism and the estimate of its run."""
 
-    problems: list[Problem]
-    """Errors first, otherwise in the order of the elements."""
-    estimate: Estimate
-    """Of its run."""
+    problems: list[Problem]  # errors first, otherwise in the order of the elements
+    estimate: Estimate  # of its run
 
 
 def inspect(mechanism: Mechanism) -> list[Problem]:
@@ -153,19 +151,15 @@ def _of_run(mechanism: Mechanism) -> Iterator[Problem]:
                "leave 'centre' or 'width' out to have it fitted")
 
 
-STEP = 3e-6
-"""An empty step [s]."""
+STEP = 3e-6  # an empty step [s]
 BODY, ROW, GUIDE, SPRING, DRIVE = 0.12e-6, 0.25e-6, 0.12e-6, 0.6e-6, 0.35e-6
 """For each body; row of a joint; guide of a tendon or chamber; spring, line, valve or load;
 drive [s]."""
 CONTACT, CONTACTS = 0.25e-6, 2e-9
 """Time for each contact, and for each pair of contacts, which may be coupled [s]."""
-PILED, POWER = 0.25e-6, 1.5
-"""Time for the bodies of a pile, times their number to this power [s]."""
-ACT = 12e-6
-"""One evaluation of a controller or a condition [s]."""
-NUMBER = 0.25e-6
-"""Eight bytes that are recorded and written into two files [s]."""
+PILED, POWER = 0.25e-6, 1.5  # time for the bodies of a pile, times their number to this power [s]
+ACT = 12e-6  # one evaluation of a controller or a condition [s]
+NUMBER = 0.25e-6  # eight bytes that are recorded and written into two files [s]
 ROWS = {"point": 2, "groove": 1, "distance": 1, "range": 1, "gear": 1, "rack": 1, "roll": 2}
 """Of joints, by constraint."""
 
@@ -180,8 +174,7 @@ class Estimate:
     """In every sample, as assumed: one for each free body with shapes, or as many pairs as are
     near each other at t = 0 if that is more; no more than pairs that may touch."""
     seconds: float
-    recorded_bytes: int
-    """Contacts included."""
+    recorded_bytes: int  # contacts included
 
     def __str__(self) -> str:
         return (f"would take about {_time(self.seconds)} and {_size(self.recorded_bytes)} "

@@ -217,12 +217,9 @@ def load_problems(model: Model) -> Iterator[Problem]:
                     "a division by zero, or out of range")
 
 
-UNLIKE = 1e6
-"""Mass ratio up to which the accuracy of the engine is tested."""
-WRONG = 1e10
-"""Mass ratio from which forces may be wrong."""
-SLENDER = 10.0
-"""Largest 1 + m r^2/I of ordinary bodies: a rod pushed at its end has 4."""
+UNLIKE = 1e6  # mass ratio up to which the accuracy of the engine is tested
+WRONG = 1e10  # mass ratio from which forces may be wrong
+SLENDER = 10.0  # largest 1 + m r^2/I of ordinary bodies: a rod pushed at its end has 4
 
 
 def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
@@ -305,8 +302,7 @@ def unmoved(model: Model) -> Iterator[Problem]:
                        "it changes nothing")
 
 
-INSTANTS = 257
-"""Instants of a run at which the target of a drive is checked."""
+INSTANTS = 257  # instants of a run at which the target of a drive is checked
 
 
 def idle_problems(model: Model) -> Iterator[Problem]:

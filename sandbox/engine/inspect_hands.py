@@ -32,8 +32,7 @@ from sandbox.numeric import Array, Flags
 from sandbox.scene.geometry import Pose, pose_of, reach_of, to_body, to_world
 from sandbox.wording import listed
 
-Chain = dict[int, int]
-"""The phalanges of a finger with their near hinges, the proximal one first."""
+Chain = dict[int, int]  # the phalanges of a finger with their near hinges, the proximal one first
 
 
 def chains(model: Model) -> dict[str, Chain]:
@@ -192,8 +191,7 @@ def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[StringEnd
     return found
 
 
-MAX_ERROR = 0.01
-"""Of a rocker's shares, beyond which it is reported."""
+MAX_ERROR = 0.01  # of a rocker's shares, beyond which it is reported
 
 
 def reaches(model: Model) -> Iterator[str]:

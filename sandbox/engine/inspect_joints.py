@@ -224,8 +224,7 @@ def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> floa
 
 MAX_PAIRS, MAX_BOXES = 20_000, 50_000_000
 """Maximum numbers of compared pairs of shapes, and of boxes."""
-MAX_REPORTED = 100
-"""Maximum number of reported overlaps; further ones are counted."""
+MAX_REPORTED = 100  # maximum number of reported overlaps; further ones are counted
 
 
 def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:

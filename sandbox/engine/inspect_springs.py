@@ -53,10 +53,8 @@ from sandbox.model.supports import (
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import Pulls, pulls_at_start, rest_lengths
 
-COARSE = 0.5
-"""h w at which the frequency is 1 % off: (0.5)^2 / 24."""
-OVERDAMPED = 5.0
-"""Step over a damper's settling time beyond which the step hides the motion."""
+COARSE = 0.5  # h w at which the frequency is 1 % off: (0.5)^2 / 24
+OVERDAMPED = 5.0  # step over a damper's settling time beyond which the step hides the motion
 
 
 def against_step(model: Model) -> Iterator[Problem]:
@@ -159,34 +157,26 @@ def over_centre(model: Model, spring: int, hinge: int) -> float | None:
     return min(angles, key=lambda angle: abs(angle - start), default=None)
 
 
-PERIODS = 15
-"""Number of periods after which an oscillation should have decayed to :data:`LEFT`."""
+PERIODS = 15  # number of periods after which an oscillation should have decayed to LEFT
 LEFT = 0.01
-ENOUGH = -math.log(LEFT) / (2 * math.pi * PERIODS)
-"""The damping ratio for that: 5 %."""
+ENOUGH = -math.log(LEFT) / (2 * math.pi * PERIODS)  # the damping ratio for that: 5 %
 
 
 class _Mode(NamedTuple):
     """A mode with most of its energy in stiff tendons; the least damped comes first."""
 
-    ratio: float
-    """Damping ratio."""
-    omega: float
-    """[rad/s]"""
-    cable: int
-    """The tendon with the largest share."""
-    damping: float
-    """Damping of this tendon [N s/m] for :data:`ENOUGH`."""
+    ratio: float  # damping ratio
+    omega: float  # [rad/s]
+    cable: int  # the tendon with the largest share
+    damping: float  # damping of this tendon [N s/m] for ENOUGH
 
 
 class _Element(NamedTuple):
     """A spring, tendon or damper."""
 
-    parts: Parts
-    """Forces and moments about the centres of mass of 1 N or 1 N m of it."""
+    parts: Parts  # forces and moments about the centres of mass of 1 N or 1 N m of it
     stiffness: float
-    damping: float
-    """With h k added if it is solved at the end of a step h."""
+    damping: float  # with h k added if it is solved at the end of a step h
     cable: int = NONE
 
 

@@ -12,8 +12,7 @@ from sandbox.numeric import Flags, Integers, connected_components
 
 NEGLIGIBLE = 1e-5
 """Gaps and overlaps up to this [m] are accepted: scenes may be written in hundredths of a mm."""
-STRAIGHT = 1e-9
-"""Two points nearer than this coincide [m]."""
+STRAIGHT = 1e-9  # two points nearer than this coincide [m]
 
 
 def error(code: str, path: str, element: str, message: str, advice: str) -> Problem:

@@ -22,8 +22,7 @@ from sandbox.engine.candidates import normal_row
 from sandbox.engine.kernel import kernel
 from sandbox.engine.narrow_phase import rotated
 
-FLAT = 1e3
-"""A radius of curvature [m] from which a surface counts as flat."""
+FLAT = 1e3  # a radius of curvature [m] from which a surface counts as flat
 ITERATIONS = 3
 TIME_TOLERANCE = 1e-6
 """Instants nearer to the pose than this share of the step are that of the pose."""

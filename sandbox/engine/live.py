@@ -39,8 +39,7 @@ from sandbox.values.paths import parse_path
 from sandbox.values.units import in_range
 from sandbox.wording import WrongValueError, listed, near, quoted
 
-ENDLESS = 1e6
-"""Duration [s] of a run without an end: eleven days."""
+ENDLESS = 1e6  # duration [s] of a run without an end: eleven days
 
 
 class Live(Simulation):
@@ -55,8 +54,7 @@ class Live(Simulation):
 
     def __init__(self, scene: Scene | Mechanism | Checked) -> None:
         self.scene = checked(scene, ())  # without the drives of the hand
-        self.inputs: list[Input] = []
-        """Pushes and settings so far, in order."""
+        self.inputs: list[Input] = []  # pushes and settings so far, in order
         super().__init__(Checked(_endless(self.scene)))
         self._grasped: tuple[str, tuple[float, float]] | None = None  # body and point
         self._next_push: tuple[str, tuple[float, float], tuple[float, float]] | None = None
@@ -275,14 +273,10 @@ def _finite(value: object) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
-QUICK = 40.0
-"""w [1/s]: a tenth of the distance is left after 0.1 s."""
-EVERY = 4e-3
-"""Time between two forces [s]; at least a step."""
-MAX_RATIO = 5.0
-"""Of m to the effective mass at the point: w T times this is 0.8."""
-MAX_WEIGHTS = 50.0
-"""Maximum force, in weights of the connected bodies."""
+QUICK = 40.0  # w [1/s]: a tenth of the distance is left after 0.1 s
+EVERY = 4e-3  # time between two forces [s]; at least a step
+MAX_RATIO = 5.0  # of m to the effective mass at the point: w T times this is 0.8
+MAX_WEIGHTS = 50.0  # maximum force, in weights of the connected bodies
 FINE = 1e-6
 """Forces are multiples of about this share of the maximum: at rest no new input is needed."""
 GRAVITY = 9.81  # [m/s^2]

@@ -31,10 +31,8 @@ from sandbox.engine.records import PACED, PLACED, SPRUNG
 from sandbox.engine.state import DRIVEN
 from sandbox.numeric import Array
 
-CAUTION = 0.999
-"""Share of the possible deceleration that a drive uses."""
-LEAST = 0.01
-"""The minimum share, under large loads."""
+CAUTION = 0.999  # share of the possible deceleration that a drive uses
+LEAST = 0.01  # the minimum share, under large loads
 
 
 @entry_point("motors")

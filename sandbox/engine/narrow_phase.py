@@ -27,20 +27,15 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Records
 
-AT_CORNER = 1e-4
-"""Nearer to a corner than this share of the margin, a point is at the corner."""
+AT_CORNER = 1e-4  # distance from a corner, as a share of the margin, that counts as none
 CONFORMING = 0.05
 """The least sum of two curvatures, as a share of their magnitudes. Below it the surfaces conform,
 and the contact has no definite point."""
 ITERATIONS = 40
-CONVERGED = 1e-12
-"""Change of the parameter of a span in one iteration."""
-SAME_WAY = 0.5
-"""The least cosine between pymunk's normal and the exact one."""
-SAME_PLACE = 1e-6
-"""Contacts of the same two shapes nearer to each other than this are one [m]."""
-DROPPED, EXACT, AS_FOUND = 0, 1, 2
-"""What becomes of a contact that pymunk found on a curve."""
+CONVERGED = 1e-12  # change of the parameter of a span in one iteration
+SAME_WAY = 0.5  # the least cosine between pymunk's normal and the exact one
+SAME_PLACE = 1e-6  # distance below which contacts of two shapes are the same [m]
+DROPPED, EXACT, AS_FOUND = 0, 1, 2  # states of a contact of pymunk on a curve
 
 
 @kernel

@@ -86,8 +86,7 @@ call_for_words: Any = intrinsic(lambda context, address, one, two: _caller(
 real_at, word_at, int_at = _loaded(_REAL, types.float64), _loaded(_WORD), _loaded(_INT)
 byte_to: Any = intrinsic(_byte_to)
 as_pointer: Any = intrinsic(_pointer_to)
-copy_words: Any = intrinsic(_copy)
-"""Copy so many words of 8 bytes."""
+copy_words: Any = intrinsic(_copy)  # copy so many words of 8 bytes
 
 
 FOUND = np.dtype([
@@ -97,8 +96,7 @@ FOUND = np.dtype([
     ("ax", float), ("ay", float),   # places on both surfaces, from the bodies' centres of
     ("bx", float), ("by", float),   # mass [m]
     ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
-])
-"""A point in which two shapes meet, as pymunk has it, and curvatures for the engine's use."""
+])  # a point in which two shapes meet, as pymunk has it, and curvatures for the engine's use
 
 
 class Native(NamedTuple):

@@ -35,8 +35,7 @@ from sandbox.numeric import Array, Integers
 
 MOST = 5_000_000
 """Products that factoring the matrix may take in a step: some hundredths of a second."""
-HUB = 12
-"""A free body with more entries than this is a hub."""
+HUB = 12  # a free body with more entries than this is a hub
 
 
 class Pattern(NamedTuple):
@@ -55,8 +54,7 @@ class Pattern(NamedTuple):
     pairs: Annotated[Integers, "pairs 3"]
     """(slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots."""
     joined: Integers  # the slots of rows that are joined besides
-    direct: Annotated[Integers, "direct 3"]
-    """(slot, entry, axis) of the entries on hubs, [q, 3]."""
+    direct: Annotated[Integers, "direct 3"]  # (slot, entry, axis) of the entries on hubs, [q, 3]
     body_starts: Integers  # where the entries of each free body that is no hub begin, [nb + 1]
     body_entries: Integers  # these entries, body by body
     branch_starts: Integers

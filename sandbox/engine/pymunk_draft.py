@@ -27,8 +27,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.values.expressions import parse_expression
 from sandbox.values.signals import AnySignal, Constant, Ramp, Table
 
-DIGITS = 12
-"""Significant digits of numbers in a script; the calls have no more."""
+DIGITS = 12  # significant digits of numbers in a script; the calls have no more
 LISTS = ("joints", "springs", "tendons", "lines", "valves", "loads", "drives", "controllers")
 """Lists of elements in the order of their calls."""
 

@@ -26,10 +26,8 @@ from sandbox.samples.contacts import merge_contacts
 from sandbox.samples.outcome import INTERRUPTED, LIMITED, Outcome
 from sandbox.scene.mechanism import Mechanism
 
-FARTHEST = 1e6
-"""Beyond this position or speed of a body [m, m/s] a run has diverged."""
-CHUNK = 64
-"""Samples that are recorded together."""
+FARTHEST = 1e6  # beyond this position or speed of a body [m, m/s] a run has diverged
+CHUNK = 64  # samples that are recorded together
 
 
 def run_pymunk(

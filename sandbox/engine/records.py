@@ -62,8 +62,7 @@ SPRING = np.dtype([
     ("work", float), ("step_work", float),  # since t = 0, and of the last step [J]
 ])
 
-POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6
-"""What joints keep."""
+POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6  # constraints of joints
 PACED, SPRUNG, PLACED = 0, 1, 2
 """What motors do: keep a rate, or none; go to a place as a spring would, or rigidly."""
 STOP, LINE, FLANK = 0, 1, 2
@@ -309,15 +308,12 @@ SUM, SLOPES, GIVEN, YIELDS, AXES, SCRATCH = 0, 1, 4, 5, 6, 9
 """Rows of numbers of each loaded body, three a row: the sum of its loads [N, N, N m]; by how much
 that grows with each velocity after the step; what of it is among the known forces; the rates at
 which loads slow motion along each of three axes [1/s]; these axes; scratch."""
-NUMBERS = 13
-"""How many rows there are."""
+NUMBERS = 13  # number of rows
 
-JOINED, SPRINGY, PULLING = 0, 1, 2
-"""What is released: a joint, a spring, a tendon."""
+JOINED, SPRINGY, PULLING = 0, 1, 2  # kinds of bonds: a joint, a spring, a tendon
 SETTLED, TAKEN = -1.0, -2.0
 """As the time since a joint was taken up: its gap is closed; it is still to be looked at."""
-NONE = -1
-"""No request."""
+NONE = -1  # no request
 
 BOND = np.dtype([
     ("what", np.int64),     # JOINED, SPRINGY or PULLING
@@ -347,5 +343,4 @@ SAMPLED = {
     "actions": "work", "springs": "way", "cables": "work", "guides": "lifted", "slips": "way",
     "joints": "twist_a", "limits": "impulse", "dry_friction": "work", "fluids": "content",
     "valves": "flow", "pumps": "work", "loads": "work", "bonds": "held",
-}
-"""The tables that samples copy, and from which field on; recorded values are computed later."""
+}  # the tables that samples copy, and from which field on; recorded values are computed later

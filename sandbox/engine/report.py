@@ -218,10 +218,8 @@ def _tangential_impulse(table: int, body: int) -> float:
     return p
 
 
-TOGETHER = 1e-6
-"""Share of a step within which two elements break at once."""
-NEVER = 2.0
-"""The instant of a load that is not reached, as a share of the step."""
+TOGETHER = 1e-6  # share of a step within which two elements break at once
+NEVER = 2.0  # the instant of a load that is not reached, as a share of the step
 
 
 @entry_point("bonds")

@@ -40,8 +40,7 @@ from sandbox.engine.plan import add_to, backward, forward
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.numeric import Array, Records
 
-LEAST = 1e-100
-"""Stiffness of a spring that a drive lets go, so that its row stays one."""
+LEAST = 1e-100  # minimum lead of a row [N s/m]
 CLOSED = 1e-6
 """Gaps that a joint may be left with, in steps squared [m/s^2]: the next step closes them, which
 takes a force of so much times the mass."""

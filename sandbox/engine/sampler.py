@@ -22,8 +22,7 @@ from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts, merge_contacts
 
 CHUNK = 512
-MIN_CONTACTS = 4096
-"""Minimum room for contacts of the samples that are not yet converted."""
+MIN_CONTACTS = 4096  # minimum room for contacts of the samples that are not yet converted
 RECORDED: dict[str, tuple[str, str]] = {
     "joint_couple": ("joints", "couple"), "joint_friction": ("dry_friction", "force"),
     "joint_sticks": ("dry_friction", "sticks"), "joint_friction_work": ("dry_friction", "work"),

@@ -58,10 +58,8 @@ from sandbox.samples.outcome import (
 from sandbox.values.expressions import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
-BLOCK = 256
-"""Maximum number of steps between two looks for Ctrl-C and updates of the progress bar."""
-MAX_CONTACTS = 2000
-"""In one step; room for twice as many takes up to 4 GB."""
+BLOCK = 256  # maximum number of steps between two looks for Ctrl-C and updates of the progress bar
+MAX_CONTACTS = 2000  # in one step; room for twice as many takes up to 4 GB
 
 
 class Simulation:

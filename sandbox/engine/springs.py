@@ -35,8 +35,7 @@ from sandbox.engine.records import DAMPED, SOFT
 from sandbox.engine.rows import LEAST, NOTHING
 from sandbox.numeric import Array, Matrix
 
-SAME = 1e-10
-"""Relative difference of two forces that count as equal."""
+SAME = 1e-10  # relative difference of two forces that count as equal
 
 
 @entry_point("springs")

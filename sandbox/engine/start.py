@@ -23,8 +23,7 @@ from sandbox.engine.tables import WORKSPACE, Tables
 from sandbox.engine.world import World
 from sandbox.numeric import Array
 
-TIMES = 3
-"""Each trial multiplies the error of a by some h."""
+TIMES = 3  # each trial multiplies the error of a by some h
 
 
 def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Array) -> bool:

@@ -24,8 +24,7 @@ from sandbox.numeric import Array, Integers, Records
 STILL, STILL_TURNING = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
 
-COARSE = 1e-8
-"""Steps with a larger residual [m/s, rad/s] are counted."""
+COARSE = 1e-8  # steps with a larger residual [m/s, rad/s] are counted
 
 NORMAL, TANGENT, LIMITED, DRIVEN = 0, 1, 2, 3
 CABLE_FRICTION, CABLE_LOAD, JOINT_FRICTION, JOINT_LOAD = 4, 5, 6, 7
@@ -86,15 +85,13 @@ SHAPE = np.dtype([
 ])
 FACE = np.dtype([
     ("x0", float), ("y0", float), ("x1", float), ("y1", float),     # ends, counter-clockwise
-])
-"""An arc of unit normals, in the body's frame, with which a piece of an outline is its surface."""
+])  # an arc of unit normals, in the body's frame, with which a piece of an outline is its surface
 SPAN = np.dtype([
     *((f"{axis}{n}", float) for axis in "xy" for n in range(6)),
     ("before", np.int64), ("after", np.int64),      # its neighbours; -1 at an end
     ("corner", np.int64),   # whether there is a corner between it and the span before
     ("start", float),       # of the path of a slot: arc length up to the span [m]
-])
-"""A quintic piece of a curve, x = sum x_n w^n for w in [0, 1], from the centre of mass [m]."""
+])  # a quintic piece of a curve, x = sum x_n w^n for w in [0, 1], from the centre of mass [m]
 TOUCH = np.dtype([
     ("shape_a", np.int64), ("shape_b", np.int64), ("feature", np.int64),    # which point it is
     ("a", np.int64), ("b", np.int64),       # bodies, a < b
@@ -127,8 +124,7 @@ PILE_BODY = np.dtype([
     ("place", np.int64),    # in the order of elimination, -1 without one
     ("x", float), ("y", float), ("t", float),   # change of its velocity without contacts
     ("fastest", float),     # of the lowest: the largest free rate of the island's contacts [m/s]
-])
-"""A free body that nothing but contacts connects (:mod:`sandbox.engine.islands`)."""
+])  # a free body that nothing but contacts connects (islands)
 PILED = np.dtype([
     ("touch", np.int64), ("a", np.int64), ("b", np.int64),  # PILE_BODY or -1
     ("slot", np.int64),     # block of the two
@@ -143,8 +139,7 @@ PILED = np.dtype([
         "base_n", "base_t",     # response of the bodies to an impulse of 1
         "stiffness", "along",   # tangential [N/m]; what of want_t its spring gives
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
-])
-"""A contact of a pile while its step is solved (:mod:`sandbox.engine.piles`)."""
+])  # a contact of a pile while its step is solved (piles)
 AWAY, CLOSING, RESTING = 0, 1, 2
 """Phases of a contact: it carries nothing; it was hit, and the next step closes its gap; it
 carries."""
@@ -163,8 +158,7 @@ CONTACT_SUMS = np.dtype([
     ("nx", float), ("ny", float),       # normal impulse on a [N s]
     ("px", float), ("py", float),       # impulse on a [N s]
     ("normal", float),                  # size of the normal impulse [N s]
-])
-"""A contact's sums over the steps of a sample interval, numbers as in ``mean_contact_force``."""
+])  # a contact's sums over the steps of a sample interval, numbers as in `mean_contact_force`
 IMPACT = np.dtype([
     ("step", np.int64),     # counted from 0 among those made in one go
     ("a", np.int64), ("b", np.int64),   # bodies

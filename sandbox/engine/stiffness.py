@@ -137,12 +137,9 @@ def across(model: Model) -> dict[frozenset[int], int]:
             for hinge in model.joints.hinges.tolist()}
 
 
-TRIED = 1025
-"""Stretches at which a law's slope is looked at."""
-LEAST = 1e-6
-"""Of the range of stretches [m, rad]."""
-INSTANTS = 257
-"""Of a run, at which a signal is looked at."""
+TRIED = 1025  # stretches at which a law's slope is evaluated
+LEAST = 1e-6  # of the range of stretches [m, rad]
+INSTANTS = 257  # of a run, at which a signal is evaluated
 
 
 def largest_stiffness(model: Model) -> Array:

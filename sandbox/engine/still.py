@@ -17,8 +17,7 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 
-UNDAMPED = 1e-9
-"""Share of a hinge's damping: it has no effect at rest, and would only delay that."""
+UNDAMPED = 1e-9  # share of the damping of hinges, which only delays the rest
 
 
 class Still(Simulation):

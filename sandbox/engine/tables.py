@@ -43,12 +43,9 @@ from sandbox.numeric import Array, Integers, Records
 
 WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen",
              "pile_adjacent", "pile_work", "pile_vectors", "pile_diagonal", "pile_lower",
-             "pile_upper", "piled", "pile_jacobian")
-"""Fields of a :class:`Result` that no later step needs."""
-MAX_NAMES = 16
-"""That a law reads."""
-MIN_PILE = 12
-"""Fewer bodies have too few rows for :mod:`sandbox.engine.piles` to be faster."""
+             "pile_upper", "piled", "pile_jacobian")  # fields of a Result that no later step needs
+MAX_NAMES = 16  # that a law reads
+MIN_PILE = 12  # fewer bodies have too few rows for piles to be faster
 BREAKS_EACH, MIN_BREAKS = 8, 1024
 """Room for breaks in one call of the loop: for each element that can break, and in total."""
 

@@ -30,8 +30,7 @@ from sandbox.engine.narrow_phase import (
 )
 from sandbox.numeric import Array, Records
 
-ON_CURVE = -1
-"""The feature of all contacts on a curve."""
+ON_CURVE = -1  # the feature of all contacts on a curve
 ASKEW = 1e-6
 """By how much a normal may miss those of a surface, an angle: pymunk finds it to 1e-9 or so."""
 

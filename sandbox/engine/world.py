@@ -87,8 +87,7 @@ class World:
         self._faces: list[Array] = []
         self._cores: list[Array] = []
         self._spans: list[Records] = []
-        self.bodies = [self._add_body(i) for i in self.order.tolist()]
-        """In pymunk's order."""
+        self.bodies = [self._add_body(i) for i in self.order.tolist()]  # in pymunk's order
         for i, (a, b) in enumerate(self.number[self.model.joints.bodies].tolist()):
             if not self.model.joints.collide[i]:
                 # a constraint without force only keeps its bodies from touching
