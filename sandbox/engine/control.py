@@ -45,11 +45,7 @@ class Setpoint:
         self._values: list[float] = []
 
     def at(self, act: int) -> float:
-        """The value for an act, counted from 0 at t = 0.
-
-        Raises:
-            SceneError: it has no finite value at some act of the run.
-        """
+        """The value for an act, counted from 0 at t = 0."""
         ramp = self.signal
         if self.fixed is None and isinstance(ramp, Ramp) and (
                 act * self.period >= ramp.start + ramp.over):
@@ -69,10 +65,7 @@ class Setpoint:
 
 
 class DriveValues:
-    """The drive values that controllers and events set, as a list and as rows for the engine.
-
-    ``readings`` have the values in the last step, whoever set them; ``floor`` [nd] are the minima.
-    """
+    """The drive values that controllers and events set, as a list and as rows for the engine."""
 
     def __init__(self, readings: Readings, floor: Array) -> None:
         self._readings, self._floor = readings, floor.tolist()

@@ -20,9 +20,9 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.contacts import descend, on_span
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.narrow_phase import descend, on_span
 from sandbox.engine.plan import add_to
 from sandbox.engine.records import GEAR, GROOVE, POINT, RACK
 from sandbox.numeric import Array, Records
@@ -130,12 +130,7 @@ def toothed(joint: Any) -> bool:
 
 @kernel
 def flank(joint: Any, side: float, h: float, body: Array, velocity: Array) -> Any:
-    """A flank of a JOINT where ``velocity`` [nb, 3] leads from the poses of the step in ``h``.
-
-    Returns:
-        gap [m] of the teeth on this ``side`` (+1 or -1), were there no play; of the row that keeps
-        it: direction x, y of the push on b, moments of the push on a and on b for 1 N [m].
-    """
+    """A flank of teeth after ``h``: gap, direction of the push on b, moments on a and b for 1 N."""
     xa, ya, angle_a, ca, sa = ahead(h, body, velocity, joint["a"])
     xb, yb, angle_b, cb, sb = ahead(h, body, velocity, joint["b"])
     ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
@@ -180,13 +175,7 @@ def rolled(joint: Any, h: float, body: Array, velocity: Array) -> float:
 
 @kernel
 def on_path(spans: Records, start: int, x: float, y: float) -> Any:
-    """The place nearest to the point (x, y) on the path of a slot, searched from a span on.
-
-    An open path continues straight beyond its ends.
-
-    Returns:
-        Span, arc length [m], unit tangent, distance of the point to the left [m], curvature [1/m].
-    """
+    """Nearest place on a path: span, arc length, unit tangent, distance to the left, curvature."""
     k, w, end = descend(spans, start, True, x, y)
     px, py, dx, dy, ddx, ddy = on_span(spans[k], w)
     speed = math.hypot(dx, dy)

@@ -442,10 +442,7 @@ def flowing(table: int) -> bool:
 
 @kernel
 def _head(fluid: Any, pressure: float) -> float:
-    """Work that brings fluid from 0 Pa to a pressure, per content [J/m^3].
-
-    Of a gas that of an ideal compressor.
-    """
+    """Work that brings fluid from 0 Pa to a pressure, per content [J/m^3]; a gas ideally."""
     n, ratio = fluid["gas"], pressure / ATMOSPHERE + 1.0
     if n == 0.0:
         return pressure
@@ -458,10 +455,7 @@ def _head(fluid: Any, pressure: float) -> float:
 
 @entry_point("fluids")
 def add_fluid_work(table: int, h: float, v: Matrix) -> None:
-    """Work of lines on bodies, of pumps on fluid, and what valves take, of the step just made.
-
-    ``v`` [nb, 3] are the means of the velocities before and after it.
-    """
+    """Work of lines, pumps and valves in the step, for the mean velocities ``v`` [nb, 3]."""
     fluids = at.fluids(table)
     for i in range(len(fluids)):
         fluids[i]["step_work"] = h * fluids[i]["pressure"] * growth(table, i, v)

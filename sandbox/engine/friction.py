@@ -61,11 +61,7 @@ NOTHING = 1e-13
 
 @kernel
 def _along(table: int, h: float, dry: Any, out: Any) -> None:
-    """The coefficients of a joint's free rate: of turning, or along its groove.
-
-    Where a groove turns, or bodies turn against it, the way bends: the step asks for that in
-    advance, and for what is left of it in the next one, so that what holds stays where it is.
-    """
+    """The free rate of a joint, with what its way bends, and a return to where it held."""
     joint, body, before, turn = (
         at.joints(table)[dry["joint"]], at.body(table), at.before(table), at.turn(table))
     put_coordinate(out, joint, 1.0)

@@ -72,11 +72,7 @@ def update_rows(table: int, h: float, drive: Array) -> None:
 def change(
     table: int, h: float, drive: Array, attempt: int, n: int, again: bool,
 ) -> tuple[bool, bool]:
-    """Change active sets and linearisations that the solution contradicts.
-
-    Returns whether the step must be solved again, and whether this is sure to converge. If it is
-    solved ``again`` in any case, active sets stay as they are.
-    """
+    """Change contradicted active sets and linearisations: whether any; whether it converges."""
     changed, converging = change_laws(table, h, drive), change_loads(table, h)
     changed |= change_friction(table, n)
     changed |= again or change_cables(table, h, attempt) or change_lines(table, h, drive, attempt)

@@ -66,10 +66,7 @@ class Inspection(NamedTuple):
 
 
 def inspect(mechanism: Mechanism) -> list[Problem]:
-    """Errors and warnings of a mechanism, errors first, otherwise in the order of its elements.
-
-    Paths are those of the mechanism; problems of an element have its name.
-    """
+    """Errors and warnings of a mechanism, errors first, otherwise in the order of its elements."""
     return look_over(mechanism).problems
 
 
@@ -197,13 +194,7 @@ class Estimate:
 
 
 def estimate(model: Model, allowed: Flags, *, near: int) -> Estimate:
-    """Estimate the cost of a run.
-
-    Args:
-        model: the mechanism.
-        allowed: pairs of bodies that may touch, [nb, nb].
-        near: pairs of bodies that may touch and are together at t = 0.
-    """
+    """Estimate the cost of a run; ``near`` pairs of the ``allowed`` are together at t = 0."""
     mechanism, run = model.mechanism, model.mechanism.run
     clock = make_clock(run.duration, run.step, run.sample_rate)
     shaped = np.array([bool(body.shapes) for body in mechanism.bodies], dtype=bool)

@@ -48,10 +48,7 @@ def control_problems(mechanism: Mechanism) -> list[Problem]:
 
 @dataclass(frozen=True)
 class Checked:
-    """A mechanism whose control was found to work, by reading it and by an inspection.
-
-    Who has done both, as ``sandbox run`` has, hands it on so, and it is not done again.
-    """
+    """A mechanism that was read and inspected, and is not checked again."""
 
     mechanism: Mechanism
 
@@ -61,11 +58,7 @@ Runnable = Scene | Mechanism | Checked | str | os.PathLike[str] | Mapping[str, A
 
 
 def checked(scene: Runnable, customs: Sequence[Custom]) -> Mechanism:
-    """The mechanism of a scene, once its controllers, events and callables can work.
-
-    Raises:
-        SceneError: every problem of control; of a scene that is loaded, of any kind.
-    """
+    """The mechanism of a scene; SceneError with every problem of its control."""
     problems: list[Problem] = []
     name = ""
     if isinstance(scene, Checked):
@@ -114,10 +107,7 @@ class LiveCatalogue(Catalogue):
     """All quantities, and what readings come from."""
 
     def late(self, names: Iterable[str]) -> list[str]:
-        """Those of the names that a run cannot give while it goes on; of meters what they read.
-
-        Of each meter the first few.
-        """
+        """Those of the names that cannot be read during a run; of meters the first in them."""
         found: set[str] = set()
         for name in names:
             if name not in self:
@@ -147,11 +137,7 @@ def _names(text: str, known: Catalogue) -> list[str]:
 
 
 def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
-    """What is wrong with a quantity or an expression that is to be read while a run goes on.
-
-    Raises:
-        WrongValueError: it is no expression.
-    """
+    """Problems of a quantity or an expression that is to be read during a run."""
     if not text.startswith("=") and "/" not in text and dotted(parse_expression(text).tree) is None:
         yield Problem("bad-quantity",
                       f"{quoted(text)} is an expression", path, allowed=quoted(f"={text}"))
@@ -166,10 +152,7 @@ def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
 
 
 def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
-    """Laws without memory that read, directly or through each other, what they write.
-
-    One circle for all laws that depend on each other so.
-    """
+    """Laws without memory that read, directly or through each other, what they write."""
     controllers = mechanism.controllers
     laws = [("law", i) for i, law in enumerate(controllers) if law.immediate]
     writer = {f"{name}.value": law for law in laws for name in controllers[law[1]].written}

@@ -223,10 +223,7 @@ SLENDER = 10.0  # largest 1 + m r^2/I of ordinary bodies: a rod pushed at its en
 
 
 def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
-    """Connected bodies with a mass ratio above :data:`UNLIKE`.
-
-    ``allowed`` are the pairs that may touch, [nb, nb].
-    """
+    """Connected bodies with a mass ratio above :data:`UNLIKE`; ``allowed`` pairs may touch."""
     bodies, free = model.bodies, np.flatnonzero(model.bodies.free)
     reach = _reaches(model)
     share = np.ones(len(bodies.name))

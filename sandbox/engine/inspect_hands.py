@@ -110,10 +110,7 @@ class StringEnd(NamedTuple):
 
 
 def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
-    """Displacement of each pivot of a tree until all fingers are closed [m].
-
-    nan where it is unknown: for leaves other than fingers, and fingers without stops.
-    """
+    """Displacement of each pivot of a tree until all fingers are closed [m]; nan if unknown."""
     fingers = list(chains(model).values())
     strings, found = strings_of(model, names), dict[int, float]()
 
@@ -132,10 +129,7 @@ def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
 
 
 def _shortening(model: Model, fingers: list[Chain], tendon: int) -> float:
-    """Shortening of a tendon while its finger closes from t = 0 to its stops [m].
-
-    nan unless it passes points of one finger, with all stops, and of other bodies.
-    """
+    """Shortening of a tendon while its one finger closes to its stops [m]; nan if unknown."""
     tendons, joints = model.tendons, model.joints
     guides = list(range(len(tendons.guide_body))[tendons.guides(tendon)]) if tendon != NONE else []
     passed = tendons.guide_body[guides].tolist()

@@ -185,11 +185,7 @@ def _askew(model: Model, joint: int, slot: int, way: Vec) -> Problem:
 
 
 def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
-    """A slot in which a rack slides in another direction than its pitch line, and the direction.
-
-    The slot prevents rotation and is fixed to the same body as the gear's centre. The direction is
-    that of the groove in the rack's frame, of length 1.
-    """
+    """A slot in which a rack slides in another direction than its pitch line, and the direction."""
     joints, free = model.joints, model.bodies.free
     gear, rack = joints.bodies[joint].tolist()
     pins = joints.bodies[joints.keeping("point")]
@@ -211,10 +207,7 @@ def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
 
 
 def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> float:
-    """Distance at t = 0 [m] of a gear's centre from the pitch line of its rack.
-
-    ``along`` takes the place of the line's own direction, with the gear to its left.
-    """
+    """Distance at t = 0 [m] of a gear's centre from the pitch line of its rack."""
     joints = model.joints
     x, y = to_body(pose_of(model.mechanism.bodies[joints.bodies[joint, 1]]), model.ends(joint)[0])
     bx, by = joints.anchor[joint, 1].tolist()
@@ -228,10 +221,7 @@ MAX_REPORTED = 100  # maximum number of reported overlaps; further ones are coun
 
 
 def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
-    """Overlapping bodies at t = 0; ``allowed`` are the pairs that may touch, [nb, nb].
-
-    And the number of compared pairs of bodies that may touch and whose boxes overlap.
-    """
+    """Overlaps of ``allowed`` pairs of bodies at t = 0; the number of pairs with common boxes."""
     holders, pieces, owner = placed_shapes(model.mechanism.bodies)
     if not pieces:
         return [], 0
@@ -289,10 +279,7 @@ def placed_shapes(
 
 
 def _depth(one: pymunk.Shape, other: pymunk.Shape) -> float:
-    """Depth of the overlap of two shapes [m]; 0 if there is none.
-
-    The sign of Chipmunk's distances depends on the order of the shapes.
-    """
+    """Depth of the overlap of two shapes [m]; 0 if there is none."""
     try:
         points = one.shapes_collide(other).points
     except AssertionError:  # pymunk raises it if there is no point

@@ -136,11 +136,7 @@ def without_arm(model: Model) -> Iterator[Problem]:
 
 
 def over_centre(model: Model, spring: int, hinge: int) -> float | None:
-    """The hinge angle [rad] at which a straight spring passes over the centre of the hinge.
-
-    The nearest to the start (of two equally near, the lower) within the limits of the
-    hinge; None if there is none, or if an end is on the hinge.
-    """
+    """The nearest hinge angle [rad] at which a straight spring passes over the hinge, or None."""
     springs, joints = model.springs, model.joints
     centre = model.ends(hinge)[0]
     anchors = dict(zip(springs.bodies[spring].tolist(), springs.anchor[spring], strict=True))

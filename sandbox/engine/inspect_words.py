@@ -43,11 +43,7 @@ def deg(angle: float) -> str:
 def groups(
     model: Model, *, springs: bool = False, contacts: Flags | None = None,
 ) -> list[Integers]:
-    """Groups of free bodies that joints and tendons connect.
-
-    Optionally also springs, and the pairs that may touch, ``contacts`` of
-    :func:`sandbox.model.pairs.allowed_pairs`.
-    """
+    """Groups of free bodies that joints, tendons, and optionally springs and contacts connect."""
     tendons, free = model.tendons, np.flatnonzero(model.bodies.free)
     found = np.zeros((len(model.bodies.name),) * 2, dtype=bool)
     for pairs in (model.joints.bodies, *([model.springs.bodies] if springs else [])):

@@ -60,11 +60,7 @@ def _set(read: Array, k: int, value: float, by_x: float, by_y: float, by_turn: f
 def _motion(
     table: int, load: Any, h: float, after: Array, end: bool, lag: float,
 ) -> tuple[float, float, float, float]:
-    """Put what a law reads, with slopes by the velocities ``after`` the step.
-
-    ``lag`` is 1 / h for slopes by the acceleration, 0 without these. Returns cosine and sine of
-    the body's angle, and the arm of the force from its centre of mass [m].
-    """
+    """Set what a law reads, with slopes; cosine and sine of the body's angle, arm of the force."""
     body, before, read = at.body(table), at.before(table), at.read_names(table)
     b = load["body"]
     ahead, share = (h, 1.0) if end else (0.0, 0.5)
@@ -320,11 +316,7 @@ def add_load_work(table: int, h: float, v: Matrix) -> None:
 def below(
     sides: Array, first: int, last: int, c: float, s: float, angle: float, height: float,
 ) -> tuple[float, float]:
-    """Area below a level [m^2], and its moment about the upright line through the centre [m^3].
-
-    ``c`` and ``s`` are cosine and sine of the body's angle, ``height`` is that of its centre of
-    mass over the level [m].
-    """
+    """Area below a level [m^2], and its moment about the upright line through the centre [m^3]."""
     area, moment = 0.0, 0.0
     for k in range(first, last):
         px, py, radius = sides[k, 0], sides[k, 1], sides[k, 4]

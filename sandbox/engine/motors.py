@@ -37,12 +37,7 @@ LEAST = 0.01  # the minimum share, under large loads
 
 @entry_point("motors")
 def brake_in_time(table: int, h: float, n: int) -> None:
-    """Limit the rates of rigid drives to those from which they can brake, and to their maximum.
-
-    The deceleration follows from G and the free rates of the rows: (limit - f) / I, with I the
-    inertia while all other such drives hold, and f the load that pushes it on. Loads that help to
-    brake are not counted: they may have gone by then.
-    """
+    """Limit the rates of rigid drives to those from which they can brake, and to their maximum."""
     rows, motors = at.rows(table), at.motors(table)
     chosen, m = at.chosen(table), 0
     for k in range(n):

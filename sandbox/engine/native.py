@@ -159,11 +159,9 @@ def make_native(
 
 
 class Finder:
-    """Notes every pair of shapes that pymunk finds near one another, and keeps it from answering.
+    """Lists the pairs of shapes that pymunk finds near one another, instead of solving them.
 
-    pymunk's own contact solver then has nothing to do. A shape's number is one less than its
-    collision type. The callback is compiled: Python would be slow there, and cffi prints and
-    drops what a callback raises, a Ctrl-C that happens to arrive in it included.
+    The callback is compiled: in Python it would be slow, and cffi drops its exceptions and Ctrl-C.
     """
 
     def __init__(self, space: pymunk.Space, room: int) -> None:

@@ -189,14 +189,7 @@ def _left_over(
 def elimination(
     groups: list[set[int]], before: list[set[int]] | None = None,
 ) -> tuple[list[int], dict[int, set[int]]]:
-    """An order with little fill, and whom each unknown still meets when it goes.
-
-    Least degree: the unknown that meets the fewest others goes first; those it met then meet each
-    other. ``before[i]`` are unknowns that have to go before i.
-
-    Raises:
-        SandboxError: so much fill that no step could be made in a moment.
-    """
+    """An order of least degree, and the unknowns that each one still meets in its turn."""
     graph = [set(group) - {i} for i, group in enumerate(groups)]
     waits = [set(w) for w in before] if before else [set() for _ in groups]
     heap = [(len(graph[i]), i) for i in range(len(graph)) if not waits[i]]

@@ -31,11 +31,7 @@ RESULTS: dict[tuple[str, str], tuple[str, str]] = {
 
 
 class Readings:
-    """Makes functions that read the state of one run.
-
-    After every block of steps :meth:`Control.moved` sets ``now``, the instant [s], ``drive``, the
-    drives' values in the last step [nd], and resets ``listed``, its contacts.
-    """
+    """Functions that read the state of one run; :meth:`Control.moved` updates it."""
 
     def __init__(
         self, world: World, tables: Tables, sampler: Sampler, catalogue: Catalogue,
@@ -47,13 +43,7 @@ class Readings:
         self.listed: Contacts | None = None
 
     def of(self, text: str) -> Read:
-        """A function for a quantity, a meter or an expression of them.
-
-        Raises:
-            UnknownQuantityError: a name that is not in the catalogue.
-            WrongValueError: not an expression.
-            KeyError: a quantity of complete runs only.
-        """
+        """A function for a quantity, a meter or an expression; KeyError if it is not live."""
         if text.startswith("=") or ("/" in text and text not in self.catalogue):
             return closure(text, self._named, self.model.mechanism.functions)
         return self._named(text)

@@ -21,6 +21,8 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine import records
+from sandbox.engine import state as sources
 from sandbox.engine.bonds import acts, empty_rows, holds, report_bonds
 from sandbox.engine.bounded import push
 from sandbox.engine.coordinates import rate, toothed
@@ -31,29 +33,7 @@ from sandbox.engine.islands import PILED
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
 from sandbox.engine.plan import add_to
-from sandbox.engine.records import (
-    FLANK,
-    GRIPPED,
-    GROOVE,
-    JOINED,
-    LINE,
-    POINT,
-    PULLING,
-    ROLL,
-    SPRINGY,
-)
 from sandbox.engine.springs import add_spring_work, report_springs
-from sandbox.engine.state import (
-    CABLE_FRICTION,
-    CABLE_LOAD,
-    DRIVEN,
-    HOLDS,
-    JOINT_FRICTION,
-    JOINT_LOAD,
-    LIMITED,
-    NORMAL,
-    TANGENT,
-)
 from sandbox.engine.tendons import add_cable_work, report_cables, slipped
 from sandbox.numeric import Array
 
@@ -106,24 +86,24 @@ def _report_bounded(table: int, h: float, n: int) -> None:
     for k in range(n):
         row = rows[k]
         i, p = row["index"], row["p"]
-        if row["source"] == NORMAL:
+        if row["source"] == sources.NORMAL:
             touches[i]["normal"] = max(p, 0.0)
             touches[i]["listed"] = 1 if p > 0.0 else 0
-        elif row["source"] == TANGENT:
-            mode = 0 if row["phase"] == HOLDS else row["mode"]
+        elif row["source"] == sources.TANGENT:
+            mode = 0 if row["phase"] == sources.HOLDS else row["mode"]
             touches[i]["tangent"], touches[i]["mode"] = p, mode
-        elif row["source"] == LIMITED:
+        elif row["source"] == sources.LIMITED:
             limits[i]["impulse"] = max(p, 0.0)
             add_limit(table, h, k)
-        elif row["source"] == CABLE_LOAD:
+        elif row["source"] == sources.CABLE_LOAD:
             slips[i]["pressed"] = p
-        elif row["source"] == CABLE_FRICTION:
+        elif row["source"] == sources.CABLE_FRICTION:
             slips[i]["impulse"], slips[i]["mode"] = p, row["mode"]
-        elif row["source"] == JOINT_LOAD:
+        elif row["source"] == sources.JOINT_LOAD:
             frictions[i]["pressed"] = p
-        elif row["source"] == JOINT_FRICTION:
+        elif row["source"] == sources.JOINT_FRICTION:
             mode, bound = row["mode"], math.nan
-            if row["phase"] == HOLDS:
+            if row["phase"] == sources.HOLDS:
                 mode, bound = 0, row["high"]
                 if row["normal"] >= 0:
                     bound = row["friction"] * rows[row["normal"]]["p"]
@@ -139,10 +119,10 @@ def add_limit(table: int, h: float, k: int) -> None:
     row = at.rows(table)[k]
     limit, p = at.limits(table)[row["index"]], max(row["p"], 0.0)
     out = at.joints(table)[limit["joint"]]
-    if limit["what"] == LINE:
+    if limit["what"] == records.LINE:
         out["fx"] += limit["side"] * out["dx"] * p / h
         out["fy"] += limit["side"] * out["dy"] * p / h
-    if limit["what"] == FLANK:
+    if limit["what"] == records.FLANK:
         out["fx"] += row["bx"] * p / h
         out["fy"] += row["by"] * p / h
 
@@ -153,16 +133,16 @@ def joint_force(h: float, joint: Any, unknown: Array) -> None:
     joint["fx"], joint["fy"], joint["couple"] = joint["kick_x"] / h, joint["kick_y"] / h, 0.0
     if joint["row"] >= 0:
         p = unknown[joint["row"]] / h
-        if joint["keeps"] == POINT:
+        if joint["keeps"] == records.POINT:
             joint["fx"] += p
             joint["fy"] += unknown[joint["row_y"]] / h
-        elif joint["keeps"] == GROOVE:
+        elif joint["keeps"] == records.GROOVE:
             joint["fx"] -= joint["dy"] * p
             joint["fy"] += joint["dx"] * p
         else:
             joint["fx"] += joint["dx"] * p
             joint["fy"] += joint["dy"] * p
-        if joint["keeps"] == ROLL:
+        if joint["keeps"] == records.ROLL:
             p = unknown[joint["row_y"]] / h
             if joint["ra"] + joint["rb"] < 0.0:
                 p = -p
@@ -174,11 +154,7 @@ def joint_force(h: float, joint: Any, unknown: Array) -> None:
 
 @entry_point()
 def add_work(table: int, h: float) -> None:
-    """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``.
-
-    The free velocities are overwritten by the means of before and after the step, and by what
-    impacts displace: h times that is the way on which forces do their work.
-    """
+    """Add the work [J] of the step; the free velocities become the means over the step."""
     body, before, v, shift = at.body(table), at.before(table), at.free(table), at.shift(table)
     for i in range(len(body)):
         for j in range(3):
@@ -249,9 +225,9 @@ def breaks(table: int, h: float, n: int) -> bool:
             one["bond"], one["row"], one["when"] = i, made[1], when
             made[2] += 1
         what, k = bonds[i]["what"], bonds[i]["index"]
-        if what == JOINED:
+        if what == records.JOINED:
             _cut_joint(table, h, n, k, share)
-        elif what == PULLING:
+        elif what == records.PULLING:
             _cut_cable(table, h, k, share)
             for span in range(at.cables(table)[k]["spans"], at.cables(table)[k]["spans_end"]):
                 _cut_cable(table, h, span, share)
@@ -274,20 +250,20 @@ def _when(load: float, most: float, last: float) -> float:
 def _load(table: int, h: float, n: int, bond: int) -> float:
     what, i = at.bonds(table)[bond]["what"], at.bonds(table)[bond]["index"]
     rows, unknown = at.rows(table), at.unknowns(table)[3]
-    if what == JOINED:
+    if what == records.JOINED:
         joint = at.joints(table)[i]
         joint_force(h, joint, unknown)
         for k in range(n):
-            if rows[k]["source"] == LIMITED and (
+            if rows[k]["source"] == sources.LIMITED and (
                     at.limits(table)[rows[k]["index"]]["joint"] == i):
                 add_limit(table, h, k)
         return math.hypot(joint["fx"], joint["fy"])
-    if what == SPRINGY:
+    if what == records.SPRINGY:
         row = at.springs(table)[i]["row"]
         return float(abs(
             unknown[row] / h if row >= 0 else at.springs(table)[i]["effort"]))
     cable = at.cables(table)[i]
-    if cable["kind"] != GRIPPED:
+    if cable["kind"] != records.GRIPPED:
         return _tension(table, h, i)
     most = 0.0
     for k in range(cable["spans"], cable["spans_end"]):
@@ -355,11 +331,11 @@ def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
             limits[k]["impulse"] = 0.0
     for k in range(n):
         source, i, p = rows[k]["source"], rows[k]["index"], share * rows[k]["p"]
-        if source == LIMITED and limits[i]["joint"] == j:
+        if source == sources.LIMITED and limits[i]["joint"] == j:
             limits[i]["impulse"] = p
-        elif source == JOINT_FRICTION and at.dry_friction(table)[i]["joint"] == j:
+        elif source == sources.JOINT_FRICTION and at.dry_friction(table)[i]["joint"] == j:
             at.dry_friction(table)[i]["impulse"] = p
-        elif source == DRIVEN and at.motors(table)[i]["bond"] == bond:
+        elif source == sources.DRIVEN and at.motors(table)[i]["bond"] == bond:
             motors[i]["impulse"] = p
         else:
             continue
@@ -386,7 +362,7 @@ def _cut_spring(table: int, h: float, k: int, share: float) -> None:
 @kernel
 def _cut_cable(table: int, h: float, i: int, share: float) -> None:
     cable = at.cables(table)[i]
-    if cable["kind"] == GRIPPED:
+    if cable["kind"] == records.GRIPPED:
         cable["active"] = 0
         return
     tension = _tension(table, h, i)

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.elements.arrays import Arrays
-from sandbox.engine.advance import advance
+from sandbox.engine.advance import advance, list_contacts, make_snapshot
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import Memory, make_memory
 from sandbox.engine.records import PULL, STOP
-from sandbox.engine.snapshot import list_contacts, make_snapshot
 from sandbox.engine.state import CONTACT
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World

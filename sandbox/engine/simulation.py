@@ -19,6 +19,7 @@ from sandbox import __version__
 from sandbox.elements.controllers.custom import Custom, customs
 from sandbox.engine.advance import advance
 from sandbox.engine.bonds import taken_breaks
+from sandbox.engine.contacts import rows_for
 from sandbox.engine.control import Control
 from sandbox.engine.divergence import diverged
 from sandbox.engine.inputs import Clock, Inputs, make_clock
@@ -30,7 +31,6 @@ from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.start import start
 from sandbox.engine.tables import WORKSPACE, Tables, enlarged, make_tables
-from sandbox.engine.touching import rows_for
 from sandbox.engine.world import World
 from sandbox.errors import (
     ControllerFailed,

@@ -43,8 +43,16 @@ from sandbox.engine.groups import (
     set_rows,
     update_rows,
 )
-from sandbox.engine.impact_poses import displaced_gaps, lead_back, take_impacts
-from sandbox.engine.impacts import foresee_impacts, impacts, land, late_hits, leave
+from sandbox.engine.impacts import (
+    displaced_gaps,
+    foresee_impacts,
+    impacts,
+    land,
+    late_hits,
+    lead_back,
+    leave,
+    take_impacts,
+)
 from sandbox.engine.islands import list_piles, stretch_skin
 from sandbox.engine.kernel import kernel
 from sandbox.engine.piles import solve_piles

@@ -27,15 +27,7 @@ TIMES = 3  # each trial multiplies the error of a by some h
 
 
 def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Array) -> bool:
-    """Put the bodies where the first step begins; False if a trial step lacked room.
-
-    Args:
-        world: with all bodies half a step back along their velocities.
-        tables: of the run.
-        memory: of the run.
-        drive: values of the drives in the first steps, [1, nd] or [2, nd].
-        speeds: velocities of scheduled bodies after it, [1, ns, 3].
-    """
+    """Put the bodies where the first step begins; False if a trial step lacked room."""
     first = world.body.copy()
     free = tables.constants.inverse_mass[:, 0] > 0
     results = tables.result._asdict()
@@ -61,11 +53,7 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
 
 
 def _jumps(tables: Tables, body: Array, drive: Array) -> Array:
-    """Differences at t = 0 between the speeds of motors and of their hinges, [nd].
-
-    Only of motors that kept their speed in the step. The speed at t = 0 follows from those at the
-    ends of the first two steps.
-    """
+    """Speeds at t = 0 of motors that kept theirs, minus those of their hinges, [nd]."""
     result, motors = np.zeros(drive.shape[1]), tables.elements.motors
     begins = 2 * drive[0] - drive[-1]
     holds = (motors["mode"] == 0) & np.isfinite(motors["most"]) & np.isnan(

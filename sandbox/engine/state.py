@@ -243,12 +243,7 @@ class State(NamedTuple):
 
 
 class Result(NamedTuple):
-    """What the last step gave, and room to work in.
-
-    No step reads what the one before left there, but for three things: ``columns`` are 0 from step
-    to step, of ``unknowns`` the compliances of rigid rows and hubs are those of the start, and
-    ``pile_starts`` and ``pile_below`` are kept.
-    """
+    """Results of the last step, and scratch memory."""
 
     velocity: Annotated[Array, "bodies 3"]  # after the step; pymunk's, which takes it from here
     before: Annotated[Array, "bodies 3"]  # velocities before the step

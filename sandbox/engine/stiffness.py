@@ -29,10 +29,7 @@ def too_stiff(model: Model, h: float) -> Flags:
 
 
 def stiff_servos(model: Model, h: float) -> Flags:
-    """Whether each drive that acts as a spring towards a place is solved at the step's end, [nd].
-
-    False of other drives.
-    """
+    """Whether each drive with a stiffness is solved at the step's end, [nd]."""
     drives, joints = model.drives, model.joints
     found = np.zeros(len(drives.name), dtype=bool)
     for i in np.flatnonzero(np.isfinite(drives.stiffness)).tolist():
@@ -44,10 +41,7 @@ def stiff_servos(model: Model, h: float) -> Flags:
 
 
 def stiff_cables(model: Model, h: float) -> Flags:
-    """Whether each tendon, if no drive pulls it, is solved at the end of a step h [s], [nt].
-
-    By its largest stiffness, as springs are.
-    """
+    """Whether each tendon, if no drive pulls it, is solved at the end of a step h [s], [nt]."""
     k = largest_cable_stiffness(model)
     return np.asarray((k >= RIGID) | (h * h * k * cable_responses(model) > SOFT))
 
@@ -143,13 +137,7 @@ INSTANTS = 257  # of a run, at which a signal is evaluated
 
 
 def largest_stiffness(model: Model) -> Array:
-    """The largest stiffness [N/m, N m/rad] of every spring, shape [ns].
-
-    Of one with a law of its own the law's largest slope, where it may come to.
-
-    Of one that a drive sets: by the drive's signal, the upper limits of a controller that writes
-    it, and what events set it to. What a controller without limits does is not known.
-    """
+    """The largest stiffness [N/m, N m/rad] of every spring, by its law or drive, [ns]."""
     found = _largest_set(model, model.springs.stiffness, model.springs.drive)
     for i, law in enumerate(model.springs.law):
         if law is not None:
@@ -178,11 +166,7 @@ def _largest_set(model: Model, own: Array, setter: Integers) -> Array:
 
 
 def range_of_stretch(model: Model, spring: int) -> Array:
-    """Stretches [m, rad] that a spring may reach, [TRIED].
-
-    Lengths from 0 to twice the larger of those at t = 0 and at rest; angles between the hinge's
-    stops, or up to half a turn from rest and from the start.
-    """
+    """Stretches [m, rad] that a spring may reach, [TRIED]."""
     springs, rest = model.springs, float(model.springs.rest[spring])
     start = float(springs.start[spring])
     if springs.straight[spring]:

@@ -21,14 +21,7 @@ UNDAMPED = 1e-9  # share of the damping of hinges, which only delays the rest
 
 
 class Still(Simulation):
-    """A mechanism without time, controllers and events; bodies have the numbers of the model.
-
-    Args:
-        mechanism: a valid one; its free bodies start without speed.
-
-    Raises:
-        SceneError: as a :class:`Simulation`.
-    """
+    """A mechanism without time, controllers and events; bodies have the numbers of the model."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         bodies = tuple(
@@ -88,18 +81,7 @@ class Still(Simulation):
     def move(
         self, drive: Array, speeds: Array | None = None, *, count: int = 1, kept: bool = False,
     ) -> None:
-        """Make steps with drives that stay as they are.
-
-        Args:
-            drive: values of all drives, [nd].
-            speeds: that scheduled bodies have after each, [ns, 3]; none by default.
-            count: how many.
-            kept: whether :meth:`recording` has the last.
-
-        Raises:
-            SimulationDiverged: the motion stopped being finite.
-            SandboxError: more contacts than can be solved together.
-        """
+        """Make steps with constant drives [nd]; ``speeds`` [ns, 3] are of scheduled bodies."""
         self._inputs.apply(drive)
         rows = np.tile(drive, (count, 1))
         after = np.zeros((count, len(self.scheduled), 3))

@@ -7,24 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.engine import element_tables as et
 from sandbox.engine.blocks import BITS
-from sandbox.engine.element_tables import (
-    JOINT_ROWS,
-    PlacedBodies,
-    Rows,
-    add_paths,
-    bond_table,
-    cable_tables,
-    drive_tables,
-    dry_friction_table,
-    fill,
-    fluid_tables,
-    joint_table,
-    law_tables,
-    limit_table,
-    load_tables,
-    spring_table,
-)
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
 from sandbox.engine.state import (
@@ -63,30 +47,30 @@ class Tables(NamedTuple):
 def make_tables(world: World) -> Tables:
     """Tables for all elements of the world's model."""
     model, h, order, shapes = world.model, world.h, world.order, world.shape_tables
-    places, rows = PlacedBodies(model, order), Rows()
+    places, rows = et.PlacedBodies(model, order), et.Rows()
     count = len(order)
-    motors, actions = drive_tables(places, h)
-    joints = joint_table(places, rows)
-    spans = add_paths(joints, model, shapes.spans)
+    motors, actions = et.drive_tables(places, h)
+    joints = et.joint_table(places, rows)
+    spans = et.add_paths(joints, model, shapes.spans)
     rigid = len(rows.bodies)
-    programs, stack, codes = law_tables(model)
-    springs = spring_table(places, h, codes, rows)
-    cables = cable_tables(places, h, rows)
-    frictions, sums = dry_friction_table(joints, model, count + 2 * len(cables.slips))
-    fluids, meet = fluid_tables(places, h, rows)
-    loads, loaded, sides = load_tables(places, codes, rows)
+    programs, stack, codes = et.law_tables(model)
+    springs = et.spring_table(places, h, codes, rows)
+    cables = et.cable_tables(places, h, rows)
+    frictions, sums = et.dry_friction_table(joints, model, count + 2 * len(cables.slips))
+    fluids, meet = et.fluid_tables(places, h, rows)
+    loads, loaded, sides = et.load_tables(places, codes, rows)
     pattern = make_pattern(rows.bodies, places.inverse_mass, rigid, slips=len(cables.slips),
                            sums=[*cables.sums, *sums], joined=meet)
     cables.slips["row"] = pattern.hubs[cables.slips["slide"], 0]
     valves = fluids["valves"]
     valves["slot"][(valves["a"] >= 0) & (valves["b"] >= 0)] = pattern.joined
-    for table, names in ((joints, JOINT_ROWS), (springs, ("row",)), (cables.cables, ("row",)),
-                         (fluids["fluids"], ("row",)), (loaded, JOINT_ROWS)):
+    for table, names in ((joints, et.JOINT_ROWS), (springs, ("row",)), (cables.cables, ("row",)),
+                         (fluids["fluids"], ("row",)), (loaded, et.JOINT_ROWS)):
         for name in names:  # the numbers of rows become those of their unknowns
             if len(pattern.unknown):
                 table[name] = np.where(table[name] < 0, -1, pattern.unknown[table[name]])
     x, y = model.bodies.centre[order].T
-    bodies = fill(BODY, count, number=order, x=x, y=y)
+    bodies = et.fill(BODY, count, number=order, x=x, y=y)
     pairs, filters = np.ix_(order, order), world.filters
     constants = Constants(
         h=h, gravity=np.array(model.mechanism.gravity, dtype=float),
@@ -99,11 +83,11 @@ def make_tables(world: World) -> Tables:
         loose=_loose_bodies(pattern, places.inverse_mass, joints, shapes.shapes),
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
         **programs)
-    bonds = bond_table(model, springs, cables.cables)
+    bonds = et.bond_table(model, springs, cables.cables)
     motors["target"] = math.nan
     elements = Elements(
         actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
-        slips=cables.slips, joints=joints, limits=limit_table(places), motors=motors,
+        slips=cables.slips, joints=joints, limits=et.limit_table(places), motors=motors,
         dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
     piles, unknowns = int(np.count_nonzero(constants.loose >= 0)), len(pattern.starts) - 1
     sizes = {name: len(array) for name, array in constants._asdict().items() if name != "h"}
@@ -116,8 +100,8 @@ def make_tables(world: World) -> Tables:
         "slots": piles * (piles - 1) // 2}
     breaking = int(np.isfinite(model.bonds.breaks_at).sum())
     state: State = allocate(
-        State, sizes, body=world.body,
-        pile_bodies=fill(PILE_BODY, piles, number=np.flatnonzero(constants.loose >= 0), place=-1),
+        State, sizes, body=world.body, pile_bodies=et.fill(
+            PILE_BODY, piles, number=np.flatnonzero(constants.loose >= 0), place=-1),
         broken=np.zeros(max(BREAKS_EACH * breaking, MIN_BREAKS if breaking else 0), BROKEN))
     state.last_drive[:] = math.nan
     result: Result = allocate(

@@ -128,12 +128,7 @@ def _stretch(
 
 @kernel
 def _lay(cable: Any, guides: Records, pose: Array) -> bool:
-    """Take the tendon off the wheel that it would have to push from, or lay it on one; whether so.
-
-    The angle by which it lies on a wheel goes on below 0 where it is off, as if it were on: it is
-    back on where that is above 0 again. One that comes round an end of the tendon to its other side
-    is a whole turn away from that. Of several the one that is furthest from right is changed.
-    """
+    """Change the wheel whose angle of contact contradicts its state most; whether any."""
     worst, which, before = 0.0, -1, cable["first"]
     for i in range(cable["first"] + 1, cable["last"] - 1):
         if not guides[i]["lifts"]:
