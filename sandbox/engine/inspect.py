@@ -22,26 +22,12 @@ import numpy as np
 from sandbox.elements.arrays import CONTACT as CONTACT_ROW
 from sandbox.elements.arrays import MEAN, MEAN_CONTACT, PER_SAMPLE, row_bytes
 from sandbox.elements.controllers.controller import every
+from sandbox.engine import inspect_elements as of
 from sandbox.engine.inputs import make_clock
-from sandbox.engine.inspect_control import beyond_stops, control_problems
-from sandbox.engine.inspect_elements import (
-    grasp_problems,
-    idle_problems,
-    line_problems,
-    load_problems,
-    mass_problems,
-    tendon_problems,
-    unmoved,
-)
+from sandbox.engine.inspect_control import control_problems
+from sandbox.engine.inspect_elements import NEGLIGIBLE, deg, look, mm
 from sandbox.engine.inspect_hands import hand_problems
-from sandbox.engine.inspect_joints import (
-    joint_problems,
-    overlaps,
-    shared_problems,
-    wheel_problems,
-)
 from sandbox.engine.inspect_springs import against_step, ringing_problems, without_arm
-from sandbox.engine.inspect_words import NEGLIGIBLE, deg, look, mm
 from sandbox.engine.islands import MANY
 from sandbox.errors import Problem
 from sandbox.model.compile import compile_mechanism
@@ -74,21 +60,18 @@ def look_over(mechanism: Mechanism) -> Inspection:
     """The problems of :func:`inspect`, and the cost of a run."""
     model = compile_mechanism(mechanism)
     allowed = allowed_pairs(model)
-    (solids, near), cables = overlaps(model, allowed), list(tendon_problems(model))
+    (solids, near), cables = of.overlaps(model, allowed), list(of.tendon_problems(model))
     astray = {problem.path for problem in cables if problem.blocks}  # no check of their vibration
     problems = [
-        *nothing_to_run(mechanism), *joint_problems(model), *wheel_problems(model),
-        *shared_problems(model),
-        *solids, *mass_problems(model, allowed), *cables,
-        *hand_problems(model, allowed),
-        *line_problems(model), *load_problems(model),
+        *nothing_to_run(mechanism), *of.joint_problems(model), *of.wheel_problems(model),
+        *of.shared_problems(model), *solids, *of.mass_problems(model, allowed), *cables,
+        *hand_problems(model, allowed), *of.line_problems(model), *of.load_problems(model),
         *against_step(model),
         *(problem for problem in ringing_problems(model) if problem.path not in astray),
-        *without_arm(model), *unmoved(model), *_of_scene(mechanism), *check_quantities(mechanism),
-        *check_shown(mechanism), *control_problems(mechanism),
-        *beyond_stops(model), *idle_problems(model), *grasp_problems(model, allowed),
-        *_of_run(mechanism),
-    ]
+        *without_arm(model), *of.unmoved(model), *_of_scene(mechanism),
+        *check_quantities(mechanism), *check_shown(mechanism), *control_problems(mechanism),
+        *of.beyond_stops(model), *of.idle_problems(model), *of.grasp_problems(model, allowed),
+        *_of_run(mechanism)]
     return Inspection(sorted(problems, key=lambda problem: problem.severity != "error"),
                       estimate(model, allowed, near=near))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,18 +10,15 @@ from typing import Any
 
 from sandbox.elements.controllers.custom import Custom
 from sandbox.elements.quantities import LIVE, is_live
-from sandbox.engine.inspect_words import look
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import misread, names_read, order, rings
-from sandbox.model.model import Model
 from sandbox.scene.check.control import rate_problems
 from sandbox.scene.check.ranges import nothing_to_run
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import read_scene, sound
 from sandbox.values.expressions import dotted, names_in, parse_expression
-from sandbox.values.signals import Constant, Ramp, Table
 from sandbox.wording import MOST_NAMED, NearMisses, listed, quoted
 
 
@@ -176,43 +172,3 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
         yield Problem("algebraic-loop", f"an algebraic loop: {path}; each reads the value that the "
                       "next one writes", f"$.controllers[{members[0]}].value",
                       allowed="a law with memory in the loop, such as a pid")
-
-
-def beyond_stops(model: Model) -> Iterator[Problem]:
-    """Events that wait for a hinge to pass its stop, controllers that lead one there: warnings."""
-    joints, mechanism = model.joints, model.mechanism
-    stops = {f"{joints.name[i]}.angle": joints.stops[i].tolist() for i in joints.stopped}
-    free = (-math.inf, math.inf)
-    for i, event in enumerate(mechanism.events):
-        for name, sign, value in _bounds(event.when or ""):
-            low, high = stops.get(name, free)
-            if (sign > 0 and value >= high) or (sign < 0 and value <= low):
-                yield look("outside-limits", f"$.events[{i}].when", event.name,
-                           f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, but its "
-                           f"stops are at {low:.4g} and {high:.4g} rad",
-                           "it will probably never happen")
-    for i, controller in enumerate(mechanism.controllers):
-        for name, target in zip(controller.readings, controller.signals, strict=False):
-            low, high = stops.get(name, free)
-            goal = (target.constant if isinstance(target, Constant) else
-                    target.to if isinstance(target, Ramp) else
-                    target.table[-1][1] if isinstance(target, Table) else math.nan)
-            if goal < low or goal > high:
-                yield look("outside-limits", f"$.controllers[{i}]", controller.name,
-                           f"leads {name} to {goal:.4g} rad, but its stops are at {low:.4g} and "
-                           f"{high:.4g} rad", "it cannot reach this")
-
-
-def _bounds(text: str) -> Iterator[tuple[str, int, float]]:
-    """(name, +1 for above or -1 for below, value) of a plain comparison with a number."""
-    body = text.removeprefix("=")
-    for sign, symbol in ((1, ">"), (-1, "<")):
-        if body.count(symbol) != 1:
-            continue
-        left, _, right = body.partition(symbol)
-        for name, other, side in ((left, right, sign), (right, left, -sign)):
-            try:
-                value = parse_expression(other.strip("= ")).evaluate({})
-            except ValueError:
-                continue
-            yield name.strip("= "), side, float(value)

@@ -24,8 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.engine.inspect_joints import placed_shapes
-from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, look, mm
+from sandbox.engine.inspect_elements import NEGLIGIBLE, STRAIGHT, look, mm, placed_shapes
 from sandbox.errors import Problem
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array, Flags

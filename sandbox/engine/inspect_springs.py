@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.elements.tendons import RIGID
-from sandbox.engine.inspect_words import STRAIGHT, deg, groups, look
+from sandbox.engine.inspect_elements import STRAIGHT, deg, groups, look
 from sandbox.engine.records import SOFT
 from sandbox.engine.stiffness import (
     across,

@@ -24,8 +24,12 @@ from sandbox.engine.control import Control
 from sandbox.engine.divergence import diverged
 from sandbox.engine.inputs import Clock, Inputs, make_clock
 from sandbox.engine.inspect_control import Checked, Runnable, checked
-from sandbox.engine.inspect_elements import line_problems, load_problems, tendon_problems
-from sandbox.engine.inspect_joints import joint_problems
+from sandbox.engine.inspect_elements import (
+    joint_problems,
+    line_problems,
+    load_problems,
+    tendon_problems,
+)
 from sandbox.engine.islands import DAMPING, STIFFNESS, TANGENTIAL
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
