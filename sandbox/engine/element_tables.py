@@ -16,24 +16,10 @@ import numpy as np
 from sandbox.elements.element import ATMOSPHERE
 from sandbox.elements.joint import Keeps
 from sandbox.engine import records
-from sandbox.engine.stiffness import (
-    cable_responses,
-    line_responses,
-    responses,
-    stiff_cables,
-    stiff_servos,
-    too_stiff,
-)
+from sandbox.engine import stiffness as stiffnesses
 from sandbox.engine.tendons import measure
 from sandbox.engine.world import span_table
-from sandbox.model.joints import (
-    flank_of,
-    place_in_slot,
-    sliding,
-    slip_of,
-    slot_length,
-    turning,
-)
+from sandbox.model import joints as of_joint
 from sandbox.model.laws import MOVED
 from sandbox.model.model import Model
 from sandbox.model.programs import Program, curve_tables, stack_for, step_table
@@ -121,7 +107,7 @@ def drive_tables(places: PlacedBodies, h: float) -> tuple[Records, Records]:
     """MOTOR, of motors, servos and brakes; ACTION, of all drives that act on bodies."""
     model = places.model
     drives, joints, bonds = model.drives, model.joints, model.bonds
-    stiff = stiff_servos(model, h)
+    stiff = stiffnesses.stiff_servos(model, h)
     motors: list[Row] = []
     actions: list[Row] = []
     for i in drives.giving("force", "torque", "push", "surface").tolist():
@@ -198,11 +184,11 @@ def _wheel_fields(model: Model, i: int) -> Row:
     c, s = math.cos(joints.pressure[i]), math.sin(joints.pressure[i])
     if keeps == "roll":
         return {"ra": ra, "rb": sign * rb, "reach": abs(ra + sign * rb),
-                "start": slip_of(model, i, pose)[0]}
+                "start": of_joint.slip_of(model, i, pose)[0]}
     push = sign if keeps == "gear" else 1.0
     row = {"ra": ra * c, "push": push, "k": joints.stiffness[i],
-           "start": push * flank_of(model, i, pose, 1).gap,
-           "start_back": push * flank_of(model, i, pose, -1).gap}
+           "start": push * of_joint.flank_of(model, i, pose, 1).gap,
+           "start_back": push * of_joint.flank_of(model, i, pose, -1).gap}
     if keeps == "gear":
         return row | {"rb": -sign * rb * c, "reach": abs(ra + sign * rb) * s}
     gx, gy = joints.along[i]
@@ -229,7 +215,7 @@ def limit_table(places: PlacedBodies) -> Records:
         if kind.keeps == "range":
             add(i, records.LINE, *joints.reach[i])
         if kind.keeps == "groove":
-            add(i, records.LINE, 0.0, slot_length(places.model, i))
+            add(i, records.LINE, 0.0, of_joint.slot_length(places.model, i))
         if joints.play[i] > 0:
             play = joints.play[i] * math.cos(joints.pressure[i]) / 2
             add(i, records.FLANK, -play, -play)
@@ -245,8 +231,8 @@ def dry_friction_table(
     table = fill(records.DRY_FRICTION, len(held), ux=1.0, bound=np.nan, joint=held, sum=-1,
                  most=friction.friction[held], share=friction.coefficient[held],
                  static=friction.static[held])
-    table["mode"] = [-np.sign(sliding(model, j) if friction.kind[j].keeps == "groove"
-                              else turning(model, j)) for j in held]
+    table["mode"] = [-np.sign(of_joint.sliding(model, j) if friction.kind[j].keeps == "groove"
+                              else of_joint.turning(model, j)) for j in held]
     loaded = table["share"] > 0
     table["sum"][loaded] = first + np.arange(np.count_nonzero(loaded))
     return table, [(one, two if two >= 0 else one)
@@ -259,7 +245,7 @@ def spring_table(
     """Rotary springs, straight springs, damping of hinges."""
     model = places.model
     springs, joints, bonds = model.springs, model.joints, model.bonds
-    stiff, response = too_stiff(model, h), responses(model)
+    stiff, response = stiffnesses.too_stiff(model, h), stiffnesses.responses(model)
     table: list[Row] = []
     for i in np.argsort(springs.straight, kind="stable").tolist():
         law = springs.law[i]
@@ -361,7 +347,7 @@ def fluid_tables(
         records.FLUID, len(lines.name), first=lines.first[:-1], last=lines.first[1:],
         drive=lines.drive, volume=lines.volume, c=lines.compliance, gas=np.nan_to_num(lines.gas),
         start=lines.pressure, pressure=lines.pressure, least=lines.least, most=lines.most,
-        response=line_responses(model))
+        response=stiffnesses.line_responses(model))
     with np.errstate(divide="ignore"):
         of_gas = fluids["volume"] * (fluids["start"] / ATMOSPHERE + 1.0) ** (1.0 / fluids["gas"])
     fluids["content"] = np.where(fluids["gas"] > 0, of_gas, fluids["c"] * fluids["start"])
@@ -420,7 +406,7 @@ def add_paths(joints: Records, model: Model, spans: Records) -> Records:
         table = span_table(path.nodes, (x, y), first, closed=path.closed)
         table["start"] = path.starts[:-1]
         tables.append(table)
-        place = float(place_in_slot(model, j, model.bodies.pose).along)
+        place = float(of_joint.place_in_slot(model, j, model.bodies.pose).along)
         joints[j]["span"], joints[j]["span_end"] = first, first + len(table)
         joints[j]["around"] = path.length if path.closed else 0.0
         joints[j]["place"] = place
@@ -459,11 +445,11 @@ def cable_tables(places: PlacedBodies, h: float, rows: Rows) -> CableTables:
         into=-1, out_of=-1, first=[0, *ends[:-1]][:len(ends)], last=ends)
     for name, values in (("closed", tendons.closed), ("drive", tendons.drive),
                          ("stiffener", tendons.stiffener), ("k", tendons.stiffness),
-                         ("c", tendons.damping), ("response", cable_responses(model))):
+                         ("c", tendons.damping), ("response", stiffnesses.cable_responses(model))):
         cables[name][:whole] = values
     found = CableTables(cables, guides, np.zeros(len(tendons.grips), records.SLIP),
                         np.zeros(len(tendons.grips)), [])
-    stiff = stiff_cables(model, h)
+    stiff = stiffnesses.stiff_cables(model, h)
     for e, cable in enumerate(cables):
         cable["lifts"] = guides["lifts"][cable["first"]:cable["last"]].any()
         cable["length"] = measure(cable, guides, places.pose, True)

@@ -194,21 +194,17 @@ def estimate(model: Model, allowed: Flags, *, near: int) -> Estimate:
             + GUIDE * (len(model.tendons.guide_body) + len(model.lines.gain))
             + SPRING * sum(map(len, (model.springs.name, model.lines.name, model.valves.name,
                                      model.loads.name)))
-            + DRIVE * len(model.drives.name) + CONTACT * contacts + _coupled(model, contacts))
-    seconds = (clock.steps * step + ACT * sum(clock.steps / every(rate, clock.step)
-                                              for rate in rates) + NUMBER * size / 8)
-    return Estimate(clock.steps, clock.samples, contacts, seconds, size)
-
-
-def _coupled(model: Model, contacts: int) -> float:
-    """Seconds for what contacts do to one another; of piles as the sparse solver takes them."""
+            + DRIVE * len(model.drives.name) + CONTACT * contacts)
     held = np.zeros(len(model.bodies.name), dtype=bool)
     for bodies in (model.joints.bodies, model.tendons.guide_body, model.springs.bodies):
         held[bodies.ravel()] = True
     loose = int(np.count_nonzero(model.bodies.free & ~held))
-    if 2 * min(contacts, loose) > MANY:
-        return float(PILED * loose**POWER)
-    return CONTACTS * contacts**2
+    # contacts are coupled; the sparse solver takes those of piles
+    step += (float(PILED * loose**POWER) if 2 * min(contacts, loose) > MANY
+             else CONTACTS * contacts**2)
+    seconds = (clock.steps * step + ACT * sum(clock.steps / every(rate, clock.step)
+                                              for rate in rates) + NUMBER * size / 8)
+    return Estimate(clock.steps, clock.samples, contacts, seconds, size)
 
 
 def _time(seconds: float) -> str:

@@ -95,9 +95,9 @@ def joint_problems(model: Model) -> Iterator[Problem]:
             keeps == "groove" and slot_length(model, i) < STRAIGHT)
         if not (directionless or model.bonds.begins(int(model.bonds.joint[i]))):
             continue
-        if message := _apart(model, i, distance):
+        message, advice = _apart(model, i, distance)
+        if message:
             report = error if directionless else look
-            advice = _advice(model, i, distance)
             yield report("not-assembled", f"$.joints[{i}]", name, "not assembled at t = 0: "
                          f"{message}", f"move a body or an anchor, or {advice}")
         low, high = joints.stops[i].tolist()
@@ -123,39 +123,32 @@ def shared_problems(model: Model) -> Iterator[Problem]:
                        "not determine", "give 'friction' as a number, or remove redundant joints")
 
 
-def _apart(model: Model, joint: int, distance: float) -> str:
-    """The error of a joint's anchors at t = 0 in words; empty if there is none."""
-    least, most = model.joints.reach[joint].tolist()
-    match model.joints.kind[joint].keeps:
-        case "point" if distance > NEGLIGIBLE:
-            return f"its anchors are {mm(distance)} apart"
-        case "groove":
-            length = slot_length(model, joint)
-            if length < STRAIGHT:
-                return "the ends of its groove coincide, so it has no direction"
-            place = place_in_slot(model, joint, model.bodies.pose)
-            beyond = max(-float(place.along), float(place.along) - length, 0.0)
-            off = math.hypot(float(place.across), beyond)
-            word = "path" if model.joints.path[joint] else "groove"
-            return f"its point is {mm(off)} off the {word}" if off > NEGLIGIBLE else ""
-        case "distance" if least <= NEGLIGIBLE:
-            return "its ends coincide, so it has no direction: use a pin"
-        case "distance" if abs(distance - least) > NEGLIGIBLE:
-            return f"its ends are {mm(distance)} apart, its length is {mm(least)}"
-        case "range" if not least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE:
-            return f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}"
-    return ""
-
-
-def _advice(model: Model, joint: int, distance: float) -> str:
-    """The right length of the joint, or to leave an anchor out."""
-    keeps, most = model.joints.kind[joint].keeps, float(model.joints.reach[joint, 1])
+def _apart(model: Model, joint: int, distance: float) -> tuple[str, str]:
+    """The error of a joint's anchors at t = 0, and how to change the joint; empty without one."""
+    (least, most), keeps = model.joints.reach[joint].tolist(), model.joints.kind[joint].keeps
     if keeps == "groove":
-        return f"move the {'path' if model.joints.path[joint] else 'groove'} to the point"
-    if keeps not in ("distance", "range") or distance < STRAIGHT:
-        return "leave one anchor out"
+        length, word = slot_length(model, joint), "path" if model.joints.path[joint] else "groove"
+        advice = f"move the {word} to the point"
+        if length < STRAIGHT:
+            return "the ends of its groove coincide, so it has no direction", advice
+        place = place_in_slot(model, joint, model.bodies.pose)
+        beyond = max(-float(place.along), float(place.along) - length, 0.0)
+        off = math.hypot(float(place.across), beyond)
+        return (f"its point is {mm(off)} off the {word}" if off > NEGLIGIBLE else ""), advice
     field = "length" if keeps == "distance" else "longest" if distance > most else "shortest"
-    return f"make {field!r} {fitting(distance)}"
+    advice = ("leave one anchor out" if keeps not in ("distance", "range") or distance < STRAIGHT
+              else f"make {field!r} {fitting(distance)}")
+    match keeps:
+        case "point" if distance > NEGLIGIBLE:
+            return f"its anchors are {mm(distance)} apart", advice
+        case "distance" if least <= NEGLIGIBLE:
+            return "its ends coincide, so it has no direction: use a pin", advice
+        case "distance" if abs(distance - least) > NEGLIGIBLE:
+            return f"its ends are {mm(distance)} apart, its length is {mm(least)}", advice
+        case "range" if not least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE:
+            return (f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}",
+                    advice)
+    return "", advice
 
 
 ASKEW = 1e-4

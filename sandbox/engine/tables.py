@@ -8,26 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.engine import element_tables as et
+from sandbox.engine import state as st
 from sandbox.engine.blocks import BITS
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
-from sandbox.engine.state import (
-    BODY,
-    PILE_BODY,
-    Constants,
-    Elements,
-    Result,
-    State,
-    allocate,
-    declared,
-    zeros,
-)
 from sandbox.engine.world import Room, World
 from sandbox.numeric import Array, Integers, Records
 
 WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen",
              "pile_adjacent", "pile_work", "pile_vectors", "pile_diagonal", "pile_lower",
-             "pile_upper", "piled", "pile_jacobian")  # fields of a Result that no later step needs
+             "pile_upper", "piled", "pile_jacobian")  # scratch fields of a Result
 MAX_NAMES = 16  # that a law reads
 MIN_PILE = 12  # fewer bodies have too few rows for piles to be faster
 BREAKS_EACH, MIN_BREAKS = 8, 1024
@@ -37,10 +27,10 @@ BREAKS_EACH, MIN_BREAKS = 8, 1024
 class Tables(NamedTuple):
     """All arrays of a run but those of samples."""
 
-    constants: Constants
-    elements: Elements
-    state: State
-    result: Result
+    constants: st.Constants
+    elements: st.Elements
+    state: st.State
+    result: st.Result
     pattern: Pattern
 
 
@@ -70,9 +60,9 @@ def make_tables(world: World) -> Tables:
             if len(pattern.unknown):
                 table[name] = np.where(table[name] < 0, -1, pattern.unknown[table[name]])
     x, y = model.bodies.centre[order].T
-    bodies = et.fill(BODY, count, number=order, x=x, y=y)
+    bodies = et.fill(st.BODY, count, number=order, x=x, y=y)
     pairs, filters = np.ix_(order, order), world.filters
-    constants = Constants(
+    constants = st.Constants(
         h=h, gravity=np.array(model.mechanism.gravity, dtype=float),
         inverse_mass=places.inverse_mass, bodies=bodies,
         scheduled=np.flatnonzero(model.bodies.scheduled[order]), wheels=model.tendons.wheels,
@@ -85,7 +75,7 @@ def make_tables(world: World) -> Tables:
         **programs)
     bonds = et.bond_table(model, springs, cables.cables)
     motors["target"] = math.nan
-    elements = Elements(
+    elements = st.Elements(
         actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
         slips=cables.slips, joints=joints, limits=et.limit_table(places), motors=motors,
         dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
@@ -99,13 +89,13 @@ def make_tables(world: World) -> Tables:
         # room for all pairs: only memory in use is allocated by the system
         "slots": piles * (piles - 1) // 2}
     breaking = int(np.isfinite(model.bonds.breaks_at).sum())
-    state: State = allocate(
-        State, sizes, body=world.body, pile_bodies=et.fill(
-            PILE_BODY, piles, number=np.flatnonzero(constants.loose >= 0), place=-1),
+    state: st.State = st.allocate(
+        st.State, sizes, body=world.body, pile_bodies=et.fill(
+            st.PILE_BODY, piles, number=np.flatnonzero(constants.loose >= 0), place=-1),
         broken=np.zeros(max(BREAKS_EACH * breaking, MIN_BREAKS if breaking else 0), BROKEN))
     state.last_drive[:] = math.nan
-    result: Result = allocate(
-        Result, sizes, velocity=world.velocity, before=world.velocity.copy(), stack=stack)
+    result: st.Result = st.allocate(
+        st.Result, sizes, velocity=world.velocity, before=world.velocity.copy(), stack=stack)
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they are in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
@@ -135,9 +125,9 @@ def enlarged(tables: Tables, room: Room) -> Tables:
     """The same tables with more room; the contacts of the last step are kept."""
     sizes = _lengths(room)
     more: list[dict[str, Any]] = [
-        {name: zeros(part, name, sizes | {"unknowns": tables.result.unknowns.shape[1]})
-         for name, (_, shape) in declared(part).items() if set(sizes).intersection(shape)}
-        for part in (State, Result)]
+        {name: st.zeros(part, name, sizes | {"unknowns": tables.result.unknowns.shape[1]})
+         for name, (_, shape) in st.declared(part).items() if set(sizes).intersection(shape)}
+        for part in (st.State, st.Result)]
     more[0]["touches"][:len(tables.state.touches)] = tables.state.touches
     return tables._replace(state=tables.state._replace(**more[0]),
                            result=tables.result._replace(**more[1]))

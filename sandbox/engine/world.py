@@ -21,16 +21,7 @@ from sandbox.engine.state import FACE, SHAPE, SPAN
 from sandbox.model.model import Model
 from sandbox.model.pairs import Words, allowed_pairs, joined, pair_skins
 from sandbox.numeric import Array, Flags, Integers, Records
-from sandbox.scene.bodies import (
-    Box,
-    Capsule,
-    Circle,
-    Material,
-    Polygon,
-    Polyline,
-    Shape,
-    Solid,
-)
+from sandbox.scene import bodies as kinds
 from sandbox.scene.geometry import Vec, core, corners, pose_of, solids, to_world, true_curves
 from sandbox.scene.outlines.curves import spans_of
 
@@ -145,8 +136,8 @@ class World:
         self.shapes[index] = found = []
         for shape in spec.shapes:
             margin = min(MARGIN * _extent(shape), MOST_MARGIN)
-            first, last, closed = -1, -1, isinstance(shape, Polygon)
-            if isinstance(shape, Polygon | Polyline) and shape.nodes:
+            first, last, closed = -1, -1, isinstance(shape, kinds.Polygon)
+            if isinstance(shape, kinds.Polygon | kinds.Polyline) and shape.nodes:
                 first = sum(map(len, self._spans))
                 for nodes in true_curves(shape):
                     self._spans.append(span_table(
@@ -158,7 +149,7 @@ class World:
         return body
 
     def _add_shape(
-        self, body: pymunk.Body, spec: Solid, faces: Array | None, margin: float, centre: Vec,
+        self, body: pymunk.Body, spec: kinds.Solid, faces: Array | None, margin: float, centre: Vec,
         index: int, curve: tuple[int, int, int, int],
     ) -> pymunk.Shape:
         shape = make_shape(body, spec, centre, margin)
@@ -179,14 +170,14 @@ class World:
         return shape
 
 
-def _extent(spec: Shape) -> float:
+def _extent(spec: kinds.Shape) -> float:
     """The smallest extent of a shape [m]; of one that is not convex, that of its hull."""
     match spec:
-        case Circle() | Capsule():
+        case kinds.Circle() | kinds.Capsule():
             return 2 * spec.radius
-        case Polyline():
+        case kinds.Polyline():
             return 2 * spec.radius or max(math.dist(p, q) for p, q in pairwise(spec.points))
-        case Box() | Polygon():
+        case kinds.Box() | kinds.Polygon():
             points = np.array(corners(spec))
             edges = np.roll(points, -1, axis=0) - points
             normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1)
@@ -210,18 +201,18 @@ def span_table(nodes: Array, centre: Vec, first: int, *, closed: bool) -> Record
 
 
 def make_shape(
-    body: pymunk.Body, spec: Solid, centre: tuple[float, float], margin: float = 0.0,
+    body: pymunk.Body, spec: kinds.Solid, centre: tuple[float, float], margin: float = 0.0,
 ) -> pymunk.Shape:
     """The convex shape of ``spec`` about ``centre``, larger all round by ``margin`` [m]."""
     cx, cy = centre
     match spec:
-        case Circle():
+        case kinds.Circle():
             return pymunk.Circle(body, spec.radius + margin, (spec.at[0] - cx, spec.at[1] - cy))
-        case Capsule():
+        case kinds.Capsule():
             (x0, y0), (x1, y1) = spec.start, spec.end
             return pymunk.Segment(
                 body, (x0 - cx, y0 - cy), (x1 - cx, y1 - cy), spec.radius + margin)
-        case Box() | Polygon():
+        case kinds.Box() | kinds.Polygon():
             return pymunk.Poly(body, [(x - cx, y - cy) for x, y in corners(spec)], radius=margin)
 
 
@@ -271,7 +262,7 @@ def make_filters(model: Model) -> Filters:
     if kinds <= CATEGORIES:
         mask = np.array(
             [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
-    materials = [mechanism.materials.get(body.material or "", Material())
+    materials = [mechanism.materials.get(body.material or "", kinds.Material())
                  for body in mechanism.bodies]
     roots = np.sqrt([[m.friction, m.static, m.restitution] for m in materials]).reshape(-1, 3).T
     pairs = np.ascontiguousarray(roots[:, :, None] * roots[:, None, :])  # geometric means
