@@ -33,8 +33,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Integers
 
-MOST = 5_000_000
-"""Products that factoring the matrix may take in a step: some hundredths of a second."""
+MOST = 5_000_000  # maximum number of products in a factorisation: some hundredths of a second
 HUB = 12  # a free body with more entries than this is a hub
 
 
@@ -47,8 +46,7 @@ class Pattern(NamedTuple):
     of each sum its two rows and the first of these."""
     starts: Integers  # where the slots below the diagonal begin, column by column, [m + 1]
     below: Integers  # the unknown of each slot's row, [slots]
-    updates: Integers
-    """The slots that the products of two slots of a column are taken from, in turn."""
+    updates: Integers  # slots that products of two slots of a column are subtracted from, in turn
     entry_row: Integers  # the unknown of each entry, [ne]
     entry_body: Integers  # the body of each entry, [ne]
     pairs: Annotated[Integers, "pairs 3"]
@@ -60,7 +58,7 @@ class Pattern(NamedTuple):
     branch_starts: Integers
     """Where the branch of each body, slip and sum begins, [nb + nf + sums + 1]."""
     branches: Integers
-    """The unknowns that a force on a body reaches in a forward substitution, in order."""
+    """Unknowns that a force on a body reaches in a forward substitution, in order."""
 
 
 def make_pattern(

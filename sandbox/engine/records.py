@@ -14,8 +14,7 @@ STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
 that of the pose; soft with a damper, solved at mid-step. Of spans of a tendon that guides hold by
 friction: soft, solved evenly about the pose; and that tendon as a whole, whose spans pull."""
 SOFT = 1.0
-"""h^2 k s from which on an element is solved at the step's end (:mod:`sandbox.engine.stiffness`); a
-leapfrog breaks down at 4."""
+"""H^2 k s above which an element is solved at the step's end; a leapfrog is unstable from 4."""
 
 ACTION = np.dtype([
     ("drive", np.int64),    # whose value it takes
@@ -312,7 +311,7 @@ NUMBERS = 13  # number of rows
 
 JOINED, SPRINGY, PULLING = 0, 1, 2  # kinds of bonds: a joint, a spring, a tendon
 SETTLED, TAKEN = -1.0, -2.0
-"""As the time since a joint was taken up: its gap is closed; it is still to be looked at."""
+"""Ages of joints: the gap is closed; just engaged, the gap is not measured yet."""
 NONE = -1  # no request
 
 BOND = np.dtype([

@@ -32,8 +32,7 @@ CABLE_FRICTION, CABLE_LOAD, JOINT_FRICTION, JOINT_LOAD = 4, 5, 6, 7
 guide and its tendon, and what that is measured by: the sum of the tensions on either side; friction
 in a joint, and its measure: what the joint carries."""
 SLIDES, HOLDS, TRIED = 0, 1, 2
-"""Phases of a row with static friction in a step: it has sliding friction; static friction; or it
-slipped against that, and sliding friction is tried (:mod:`sandbox.engine.friction`)."""
+"""Phases of a row with static friction: sliding; holding; slipped, sliding is tried."""
 
 BOUND = np.dtype([
     ("source", np.int64), ("index", np.int64),  # NORMAL ... DRIVEN, and which one
@@ -141,8 +140,7 @@ PILED = np.dtype([
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
 ])  # a contact of a pile while its step is solved (piles)
 AWAY, CLOSING, RESTING = 0, 1, 2
-"""Phases of a contact: it carries nothing; it was hit, and the next step closes its gap; it
-carries."""
+"""Phases of a contact: free; hit, and closed by the next step; with a force."""
 
 CONTACT = np.dtype([
     ("a", np.int64), ("b", np.int64),   # bodies
@@ -173,8 +171,7 @@ class Constants(NamedTuple):
 
     h: float  # the step [s]
     gravity: Array  # [m/s^2], [2]
-    inverse_mass: Annotated[Array, "bodies 2"]
-    """1 / mass and 1 / inertia; 0 for bodies that do not move freely."""
+    inverse_mass: Annotated[Array, "bodies 2"]  # 1 / mass and 1 / inertia; 0 unless free
     bodies: Annotated[Records, BODY]
     scheduled: Integers  # numbers of the bodies that move as a schedule has it
     wheels: Integers  # guides whose wheels a tendon can lift off, [nw]
@@ -186,13 +183,11 @@ class Constants(NamedTuple):
     steps: Annotated[Records, STEP]  # of the programs of all laws (`programs`)
     curves: Annotated[Records, CURVE]  # of the scene's tables
     knots: Annotated[Records, KNOT]  # of these
-    friction: Annotated[Array, "bodies bodies"]
-    """Coefficient of every pair of bodies, negative where they may not touch."""
+    friction: Annotated[Array, "bodies bodies"]  # of every pair, below 0 if they may not touch
     static: Annotated[Array, "bodies bodies"]  # static over sliding friction of every pair
     restitution: Annotated[Array, "bodies bodies"]  # of every pair
     skin: Annotated[Array, "2 bodies bodies"]
-    """Stiffness [N/m] and damping [N s/m] of the contacts of every pair of bodies, 0 where they are
-    rigid; [2, 0, 0] if all are."""
+    """Stiffness [N/m], damping [N s/m] of contacts of every pair, 0 of rigid ones; or [2, 0, 0]."""
     loose: Integers  # the PILE_BODY of each body, or -1
 
 
@@ -221,15 +216,13 @@ class State(NamedTuple):
     """All that changes in a run and that the next step needs."""
 
     body: Annotated[Array, "bodies 6"]
-    """x, y, angle, vx, vy, omega of the centres of mass; pymunk's, filled after moves."""
+    """X, y, angle, vx, vy, omega of the centres of mass; pymunk's memory."""
     made: Annotated[Integers, "4"]
-    """Steps made, this one among them, but for those in which all was at rest; which of those made
-    in one go this one is, from 0; how many of ``broken`` and of ``impacts`` are filled."""
+    """Steps made, without those at rest; index of this one in the call; rows of broken, impacts."""
     broken: Annotated[Records, records.BROKEN]  # what broke in the steps made in one go
     impacts: Annotated[Records, IMPACT, "impacts"]  # of the steps made in one go
     touches: Annotated[Records, TOUCH, "contacts"]  # of the last step
-    touching: Annotated[Integers, "2"]
-    """How many of these there are; whether a step waits for more room before it continues."""
+    touching: Annotated[Integers, "2"]  # their number; whether a step waits for more room
     last_drive: Annotated[Array, "drives"]  # values of the drives in the last step
     standing: Annotated[Integers, "6"]
     """In how many steps modes were not found; for how many steps all has been at rest; how often
@@ -237,9 +230,7 @@ class State(NamedTuple):
     steps impacts were too many to be put in order."""
     pile_bodies: Annotated[Records, PILE_BODY, "piles"]
     accuracy: Annotated[Array, "5"]
-    """Residual of the bounded rows in the last step [m/s, rad/s]; the largest so far; the step that
-    it was in, counted as ``made``; steps with piles that were awake; steps with a residual above
-    :data:`COARSE`."""
+    """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE."""
 
 
 class Result(NamedTuple):
@@ -248,28 +239,25 @@ class Result(NamedTuple):
     velocity: Annotated[Array, "bodies 3"]  # after the step; pymunk's, which takes it from here
     before: Annotated[Array, "bodies 3"]  # velocities before the step
     force: Annotated[Array, "bodies 3"]
-    """Forces and torques that the poses tell [N, N m]; once they are in ``free``, scratch:
-    cosine and sine of the angles one step on."""
+    """Forces and torques at the poses [N, N m]; later cosine, sine of the angles one step on."""
     free: Annotated[Array, "bodies 3"]
-    """Velocities that these alone, and impacts, lead to; after the step the mean of before and
-    after."""
+    """Velocities by these forces and impacts; after the step the mean of before and after."""
     kick: Annotated[Array, "bodies 3"]  # velocities that impacts add, in ``free`` already
     delayed: Annotated[Array, "bodies 3"]
-    """The same, each times the instant of its impact after the pose [m, rad]."""
+    """The same, times the instant of the impact after the pose [m, rad]."""
     shift: Annotated[Array, "bodies 3"]
-    """How far impacts after the pose displace it, so that the next one is right."""
+    """Displacement by impacts after the pose, so that the next pose is right."""
     turn: Annotated[Array, "bodies 2"]  # cosine and sine of the bodies' angles
     pressing: Annotated[Array, "loaded numbers 3"]  # NUMBERS of the loaded bodies
     felt: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
     belts: Annotated[Array, "bodies"]
-    """Speeds at which surfaces run, counter-clockwise round their bodies [m/s]."""
+    """Speeds of surfaces, counter-clockwise round their bodies [m/s]."""
     stack: Annotated[Array, "stack 4"]  # scratch of laws: values with their slopes
     read_names: Annotated[Array, "names 4"]  # scratch: what a law reads, values with slopes
     entries: Annotated[Array, "2 entries 3"]  # J and W J of the entries
     values: Annotated[Array, "values"]  # the matrix and its factor
     unknowns: Annotated[Array, "6 unknowns"]
-    """What rows ask for; compliances, of hubs - mass and - inertia; the forward-substituted right
-    side; the solution; scratch; gaps that joints may keep in this step, 0 but for impacts."""
+    """Right sides; compliances; substituted right sides; solution; scratch; allowed gaps."""
     found: Annotated[Records, TOUCH, "contacts"]  # as pymunk found them in this step
     order: Annotated[Integers, "contacts"]  # scratch
     rows: Annotated[Records, BOUND, "rows"]  # the rows that are solved for
@@ -279,57 +267,47 @@ class Result(NamedTuple):
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
     pile_starts: Annotated[Integers, "piles+1"]
-    """This and the next: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`); a step
-    keeps it if it has all that meets in it."""
+    """With the next, the pattern of the matrix of piles (blocks.py)."""
     pile_below: Annotated[Integers, "slots"]
     pile_adjacent: Annotated[Integers, "piles words"]  # scratch of its order
     pile_work: Annotated[Integers, "3 piles"]  # the same
     pile_vectors: Annotated[Array, "7 piles 3"]
-    """Velocities of the bodies of piles: the result, a trial, those without contacts; inverse
-    masses; forces, a right side, a change."""
+    """Velocities: result, trial, without contacts; inverse masses; forces, right side, change."""
     pile_diagonal: Annotated[Array, "piles 3 3"]  # blocks of the matrix
     pile_lower: Annotated[Array, "slots 3 3"]  # those below the diagonal
     pile_upper: Annotated[Array, "slots 3 3"]  # and above
     piled: Annotated[Records, PILED, "contacts"]
     pile_jacobian: Annotated[Array, "contacts 4 3"]
-    """Of the normal and the tangential rate of each with respect to both bodies: normal a, b,
-    tangential a, b."""
+    """Of the normal rate by a, b, then of the tangential rate by a, b."""
 
 
 class Snapshot(NamedTuple):
     """Memory for samples on their way to the recording, an axis of samples before all others."""
 
     pose: Annotated[Array, "samples bodies 3"]
-    """x, y, angle of the bodies' frames, in the model's order as all of bodies."""
+    """X, y, angle of the bodies' frames, in the model's order."""
     velocity: Annotated[Array, "samples bodies 3"]  # of the centres of mass, when they are there
     acceleration: Annotated[Array, "samples bodies 3"]
     copied: Mapping[str, Records]  # samples of the tables in `SAMPLED`
     copies: Annotated[Integers, "copies 5"]
-    """Of each the address of what is copied of the first record, that of the first sample, records,
-    words of a record, words to copy of it."""
+    """Addresses of the first record and sample; records; words of a record, words to copy."""
     drive: Annotated[Array, "samples drives"]  # values of the drives in the step of each sample
     contacts: Annotated[Records, CONTACT, "contacts"]  # of all samples, one after the other
     fill: Annotated[Integers, "samples"]  # how many contacts there are up to the end of each sample
     taken: Annotated[Integers, "4"]
-    """Samples kept since the start of the run; how many of these were handed on; whether there is
-    no room for the next one (1), or for what touches in the next step (2); samples whose means are
-    kept."""
+    """Samples kept, samples written, missing room (1: sample, 2: contacts), means kept."""
     sums: Annotated[Array, "forces"]
-    """Sums of forces over the steps of a sample interval, in the columns of the recorded
-    ``mean_force`` [N, N m]."""
+    """Sums of forces over a sample interval, in the columns of `mean_force` [N, N m]."""
     means: Annotated[Array, "samples forces"]  # means of these around each sample
     steady: Annotated[Integers, "samples"]
-    """Whether these are the forces of the sample's step: all steps were the same, or the interval
-    goes on."""
+    """1 if the means are the forces of the sample: equal steps, or an unfinished interval."""
     waiting: Annotated[Array, "2"]
-    """How many steps were made that are not in the sums, with the forces of the last one; whether
-    there is anything in the sums."""
+    """Steps not yet in the sums, with the last forces; whether the sums have any."""
     mean_contacts: Annotated[Records, CONTACT_SUMS, "mean_contacts"]
-    """Of the sample intervals, one after the other; last the unfinished one."""
+    """Of intervals in order; last the unfinished one."""
     mean_fill: Annotated[Integers, "samples"]
-    """How many of these there are up to the end of each sample's interval."""
-    unfinished: Annotated[Integers, "2"]
-    """The first of these that belongs to the unfinished interval; how many do."""
+    """Their number up to the end of each sample's interval."""
+    unfinished: Annotated[Integers, "2"]  # first of the unfinished interval; their number
 
 
 _ITEMS = {str(Array): float, str(Integers): np.int64, str(NDArray[np.intc]): np.intc}
