@@ -19,7 +19,7 @@ from sandbox.elements.controllers.custom import Custom, StopRun
 from sandbox.elements.registry import Controller
 from sandbox.engine.bonds import hold
 from sandbox.engine.inputs import Clock
-from sandbox.engine.readings import Readings
+from sandbox.engine.sampler import Readings
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array

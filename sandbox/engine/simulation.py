@@ -31,8 +31,7 @@ from sandbox.engine.inspect_elements import (
     tendon_problems,
 )
 from sandbox.engine.islands import DAMPING, STIFFNESS, TANGENTIAL
-from sandbox.engine.readings import Readings
-from sandbox.engine.sampler import Sampler
+from sandbox.engine.sampler import Readings, Sampler
 from sandbox.engine.start import start
 from sandbox.engine.tables import WORKSPACE, Tables, enlarged, make_tables
 from sandbox.engine.world import World
