@@ -1,15 +1,15 @@
-"""Release and engagement of joints, springs and cables, and their tables.
+"""Release and engagement of joints, springs and tendons.
 
-The pattern of the one solve is made once, so what is let go keeps its rows: they then act on
-nothing, ask for nothing and have a compliance of 1, which makes their impulses 0. Where and when
-something breaks: :mod:`sandbox.engine.report`.
+The pattern of the solve is fixed, so a released element keeps its rows: they have no coefficients,
+no right side and a compliance of 1, so that their impulses are 0. Breaks:
+:mod:`sandbox.engine.report`.
 
-A joint that is taken up across a gap f asks for no more of it to go than
+A joint that engages across a gap f closes it as
 
     f(t) = (f0 + (f0' + f0 / T) t) exp(-t / T)
 
-has it, t the time since then: a body of mass m is moved by m f0 / T^2 at most, where the whole gap
-at once would take m f0 / h^2.
+with t the time since then: a body of mass m needs a force of m f0 / T^2 at most, where the whole
+gap at once would take m f0 / h^2.
 """
 
 from __future__ import annotations

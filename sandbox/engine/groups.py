@@ -1,8 +1,8 @@
 """Groups of elements in the phases of a step.
 
-A group is a set of elements that are solved together, such as all tendons. It has a function for
-some of the phases. Most of these are entry points: they are called through their address and
-compiled only for scenes that have the group. The step and its solve know the phases only:
+A group is a set of elements that are solved together, such as all tendons, with a function for some
+of the phases, mostly an entry point, which is compiled for scenes with the group only. The step and
+its solve use the phases only:
 
     apply_forces    measure coordinates at the pose; apply the forces that follow from it
     set_rows        bilateral rows that the pose determines, before the solve
@@ -12,8 +12,6 @@ compiled only for scenes that have the group. The step and its solve know the ph
     change          active sets and linearisations, after each solve
     is_changing     whether a mechanism whose bodies rest changes nevertheless
     is_valid        whether the results are in their ranges
-
-Bounded rows: :mod:`sandbox.engine.candidates`; results and work: :mod:`sandbox.engine.report`.
 """
 
 from __future__ import annotations

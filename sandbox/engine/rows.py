@@ -1,15 +1,12 @@
 """The bilateral rows of joints.
 
-At the pose x of the step, with W the inverse masses and v_f the velocities that all forces known
-from the pose lead to, impulses p of the rows B give v = v_f + W B^T p, and that of a joint asks for
+At the pose x of the step, with W the inverse masses and v_f the velocities by all known forces,
+impulses p of the rows B give v = v_f + W B^T p. The row of a joint is
 
     B v = - gap / h
 
-Other rows: :mod:`sandbox.engine.springs`, :mod:`sandbox.engine.tendons`, fluids and loads.
-
-A joint besides asks for how its points bend away from their tangents, - h/2 times that, as the
-velocities before have it, and then for what :func:`joint_gaps` finds open where the velocities
-after lead (SHAKE, solved to the end).
+minus h/2 times the acceleration of its gap at the velocities before. Then :func:`joint_gaps` finds
+the gaps that are open after the step, and the rows close these, too (SHAKE, solved to the end).
 """
 
 from __future__ import annotations

@@ -1,11 +1,10 @@
-"""Largest stiffnesses of springs and cables, and which of them are too stiff for the step.
+"""Largest stiffnesses of springs and tendons, and which of them are too stiff for the step.
 
 A spring of stiffness k whose bodies have the response s to a unit push has w^2 = k s; a leapfrog of
-step h is unstable beyond h w = 2. s depends on the pose and on all other joints, which only make it
-smaller, so a bound for every pose decides: from h^2 k s = 1 on, which leaves a factor of four, a
-spring is a row of the solve, taken at the step's end. It is then stable for every k, and its
-vibration is damped to 1 / sqrt(1 + (h w)^2) in a step. The same bound decides for tendons; from
-:data:`RIGID` on, where they stand for inextensible ones, they are rows at any step.
+step h is unstable beyond h w = 2. s depends on the pose and on all other joints, which only reduce
+it, so a bound for every pose decides: from h^2 k s = 1 on, a spring is a row of the solve, taken at
+the step's end. It is then stable for every k, and its vibration is damped to 1 / sqrt(1 + (h w)^2)
+in a step. The same holds for tendons; from :data:`RIGID` on they are rows at any step.
 """
 
 from __future__ import annotations
