@@ -30,8 +30,7 @@ from sandbox.samples.outcome import Happened
 if TYPE_CHECKING:
     from sandbox.engine.tables import Tables
 
-CLOSED_AFTER = 40.0
-"""So many times that time after it was taken up a joint is closed: e^-40 of its gap is left."""
+CLOSED_AFTER = 40.0  # times `over`, after which a joint is closed: e^-40 of its gap is left
 
 
 @kernel

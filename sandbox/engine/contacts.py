@@ -31,9 +31,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Records
 
 AT_CORNER = 1e-4  # distance from a corner, as a share of the margin, that counts as none
-CONFORMING = 0.05
-"""The least sum of two curvatures, as a share of their magnitudes. Below it the surfaces conform,
-and the contact has no definite point."""
+CONFORMING = 0.05  # minimum sum of two curvatures, as a share of their magnitudes
 ITERATIONS = 40
 CONVERGED = 1e-12  # change of the parameter of a span in one iteration
 SAME_WAY = 0.5  # the least cosine between pymunk's normal and the exact one
@@ -379,8 +377,7 @@ def _advance(spans: Records, k: int, w: float, step: float) -> Any:
 
 
 ON_CURVE = -1  # the feature of all contacts on a curve
-ASKEW = 1e-6
-"""By how much a normal may miss those of a surface, an angle: pymunk finds it to 1e-9 or so."""
+ASKEW = 1e-6  # tolerance of normals [rad]: pymunk finds them to about 1e-9
 
 
 @kernel

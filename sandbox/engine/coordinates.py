@@ -29,7 +29,7 @@ from sandbox.numeric import Array, Records
 from sandbox.scene.outlines import curves
 
 ABSCISSAE, WEIGHTS = tuple(curves.ABSCISSAE.tolist()), tuple(curves.WEIGHTS.tolist())
-"""Quadrature of the arc lengths of spans."""
+"""Of arc lengths."""
 
 
 @kernel

@@ -31,11 +31,9 @@ KEEPS: dict[Keeps, int] = {
     "point": records.POINT, "groove": records.GROOVE, "distance": records.DISTANCE,
     "range": records.RANGE, "gear": records.GEAR, "rack": records.RACK, "roll": records.ROLL}
 JOINT_ROWS = ("row", "row_y", "row_turn")
-MIN_INSIDE = 1e-3
-"""Minimum length of tendon in a span, as a share of that at t = 0: shorter spans are stiffer."""
+MIN_INSIDE = 1e-3  # minimum length of tendon in a span, as a share of that at t = 0
 DRAG = 1e-7  # of a loop, as a share of the effect of its stiffness in a step
-BESIDE = -math.pi / 2
-"""Where the angle of a tendon that begins off its wheel is counted from [rad]; above - pi."""
+BESIDE = -math.pi / 2  # initial angle of a tendon that begins off its wheel [rad]
 
 Row = dict[str, Any]
 Code = tuple[int, int]  # first step of a program and where it ends, -1 without one
@@ -422,8 +420,7 @@ class CableTables(NamedTuple):
     slips: Records
     drag: Array  # of the slips of loops [N s^2/m], 0 of others
     sums: list[tuple[int, int]]
-    """Rows of the spans on either side of each guide with friction; where a drive pulls behind it,
-    that of the span before, twice."""
+    """Rows of the spans on either side of each guide, or of the one span."""
 
 
 def cable_tables(places: PlacedBodies, h: float, rows: Rows) -> CableTables:

@@ -37,15 +37,13 @@ from sandbox.engine.plan import add_to
 from sandbox.numeric import Array, Matrix, Records
 
 GIVEN = 1e12  # compliance of a line with a given pressure, over its own
-LAMINAR = 1e-3
-"""A pressure [Pa] below which an orifice without resistance lets through in proportion to it."""
+LAMINAR = 1e-3  # pressure [Pa] up to which the flow of an orifice is proportional to it
 SHUT = 1e-9  # opening below which a valve is shut
 EVEN = 1e-9  # relative tolerance of pressures and flows
 SMALLEST = 1e-6  # minimum volume and content of a gas, as a share of those at t = 0
 FULL = 1e15  # pressures and contents are valid below this [Pa, m^3]
 STILL = 1e-11  # flow per volume [1/s] that counts as zero
-ALL = 3
-"""Attempts in which all lines and valves change that are wrong; after that the worst one does."""
+ALL = 3  # attempts in which all wrong lines and valves change; later only the worst
 
 
 @entry_point("fluids")

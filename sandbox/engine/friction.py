@@ -49,8 +49,7 @@ from sandbox.engine.state import (
 from sandbox.numeric import Array, Matrix, Records
 
 SAME = 1e-10  # relative tolerance of the load of a joint
-NOTHING = 1e-13
-"""Change of rates [m/s, rad/s] by rounding: smaller errors are not solved again."""
+NOTHING = 1e-13  # change of rates [m/s, rad/s] by rounding, which is not solved again
 
 
 @kernel

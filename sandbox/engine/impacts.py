@@ -62,8 +62,7 @@ from sandbox.numeric import Array, Records
 
 FLAT = 1e3  # a radius of curvature [m] from which a surface counts as flat
 ITERATIONS = 3
-TIME_TOLERANCE = 1e-6
-"""Instants nearer to the pose than this share of the step are that of the pose."""
+TIME_TOLERANCE = 1e-6  # instants nearer to the pose are that of the pose, as a share of the step
 
 
 @kernel

@@ -132,16 +132,13 @@ def _of_run(mechanism: Mechanism) -> Iterator[Problem]:
 
 
 STEP = 3e-6  # an empty step [s]
-BODY, ROW, GUIDE, SPRING, DRIVE = 0.12e-6, 0.25e-6, 0.12e-6, 0.6e-6, 0.35e-6
-"""For each body; row of a joint; guide of a tendon or chamber; spring, line, valve or load;
-drive [s]."""
-CONTACT, CONTACTS = 0.25e-6, 2e-9
-"""Time for each contact, and for each pair of contacts, which may be coupled [s]."""
+BODY, ROW, GUIDE, SPRING, DRIVE = 0.12e-6, 0.25e-6, 0.12e-6, 0.6e-6, 0.35e-6  # per element [s]
+CONTACT, CONTACTS = 0.25e-6, 2e-9  # per contact, and per pair of contacts [s]
 PILED, POWER = 0.25e-6, 1.5  # time for the bodies of a pile, times their number to this power [s]
 ACT = 12e-6  # one evaluation of a controller or a condition [s]
 NUMBER = 0.25e-6  # eight bytes that are recorded and written into two files [s]
 ROWS = {"point": 2, "groove": 1, "distance": 1, "range": 1, "gear": 1, "rack": 1, "roll": 2}
-"""Of joints, by constraint."""
+"""Of joints."""
 
 
 @dataclass(frozen=True)
@@ -151,8 +148,7 @@ class Estimate:
     steps: int
     samples: int
     contacts: int
-    """In every sample, as assumed: one for each free body with shapes, or as many pairs as are
-    near each other at t = 0 if that is more; no more than pairs that may touch."""
+    """In every sample: one for each free body with shapes, at least those near at t = 0."""
     seconds: float
     recorded_bytes: int  # contacts included
 

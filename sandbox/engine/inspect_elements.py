@@ -39,8 +39,7 @@ from sandbox.values.expressions import parse_expression
 from sandbox.values.signals import Constant, Ramp, Table, values
 from sandbox.wording import listed, quoted
 
-NEGLIGIBLE = 1e-5
-"""Gaps and overlaps up to this [m] are accepted: scenes may be written in hundredths of a mm."""
+NEGLIGIBLE = 1e-5  # accepted gaps and overlaps [m]: scenes may be written in hundredths of a mm
 STRAIGHT = 1e-9  # two points nearer than this coincide [m]
 
 
@@ -151,9 +150,7 @@ def _apart(model: Model, joint: int, distance: float) -> tuple[str, str]:
     return "", advice
 
 
-ASKEW = 1e-4
-"""Sine of the smallest reported angle between the pitch line of a rack and its groove: 0.1 mm in a
-travel of 1 m."""
+ASKEW = 1e-4  # maximum sine of the angle between the pitch line of a rack and its groove
 
 
 def wheel_problems(model: Model) -> Iterator[Problem]:
@@ -265,8 +262,7 @@ def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> floa
     return float(gx * (y - by) - gy * (x - bx))
 
 
-MAX_PAIRS, MAX_BOXES = 20_000, 50_000_000
-"""Maximum numbers of compared pairs of shapes, and of boxes."""
+MAX_PAIRS, MAX_BOXES = 20_000, 50_000_000  # of compared shapes, and of boxes
 MAX_REPORTED = 100  # maximum number of reported overlaps; further ones are counted
 
 
@@ -337,8 +333,7 @@ def _depth(one: pymunk.Shape, other: pymunk.Shape) -> float:
     return max((abs(point.distance) for point in points), default=0.0)
 
 
-MOST_STRETCH = 0.1
-"""Elongation of an inextensible tendon at t = 0 that is accepted, relative to its length."""
+MOST_STRETCH = 0.1  # accepted elongation of an inextensible tendon at t = 0, relative
 
 
 def tendon_problems(model: Model) -> Iterator[Problem]:

@@ -277,8 +277,7 @@ QUICK = 40.0  # w [1/s]: a tenth of the distance is left after 0.1 s
 EVERY = 4e-3  # time between two forces [s]; at least a step
 MAX_RATIO = 5.0  # of m to the effective mass at the point: w T times this is 0.8
 MAX_WEIGHTS = 50.0  # maximum force, in weights of the connected bodies
-FINE = 1e-6
-"""Forces are multiples of about this share of the maximum: at rest no new input is needed."""
+FINE = 1e-6  # forces are multiples of about this share of the maximum: at rest they stay the same
 GRAVITY = 9.81  # [m/s^2]
 
 

@@ -43,11 +43,9 @@ from sandbox.engine.springs import SAME
 from sandbox.numeric import Array, Matrix
 
 (X, Y, ANGLE, VX, VY, OMEGA, SPEED, AX, AY, ALPHA, TIME, MASS, INERTIA) = range(13)
-"""What programs of loads read, as :data:`sandbox.elements.loads.MOTION` has it."""
+"""See elements.loads.MOTION."""
 WEAK = 1e-14  # minimum rate of a row, times h
-DRIVING = -0.9
-"""The least h l of a row: what drives more, so that a body would have next to no inertia, is found
-by repetition."""
+DRIVING = -0.9  # minimum h l of a row: loads that drive more are found by repetition
 SWEEPS = 12  # of Jacobi's rotations: each squares the off-diagonal entries
 
 

@@ -14,7 +14,7 @@ STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
 that of the pose; soft with a damper, solved at mid-step. Of spans of a tendon that guides hold by
 friction: soft, solved evenly about the pose; and that tendon as a whole, whose spans pull."""
 SOFT = 1.0
-"""H^2 k s above which an element is solved at the step's end; a leapfrog is unstable from 4."""
+"""The h^2 k s from which an element is solved at the step's end; a leapfrog needs 4 at most."""
 
 ACTION = np.dtype([
     ("drive", np.int64),    # whose value it takes
@@ -63,9 +63,8 @@ SPRING = np.dtype([
 
 POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6  # constraints of joints
 PACED, SPRUNG, PLACED = 0, 1, 2
-"""What motors do: keep a rate, or none; go to a place as a spring would, or rigidly."""
-STOP, LINE, FLANK = 0, 1, 2
-"""What is limited: a hinge's angle; the way along a groove or a distance; the play of teeth."""
+"""Motors: with a rate, or none; a spring to a place; rigid to a place."""
+STOP, LINE, FLANK = 0, 1, 2  # limits: angle of a hinge; position or distance; play of teeth
 
 JOINT = np.dtype([
     ("keeps", np.int64),    # POINT ... ROLL
@@ -310,8 +309,7 @@ which loads slow motion along each of three axes [1/s]; these axes; scratch."""
 NUMBERS = 13  # number of rows
 
 JOINED, SPRINGY, PULLING = 0, 1, 2  # kinds of bonds: a joint, a spring, a tendon
-SETTLED, TAKEN = -1.0, -2.0
-"""Ages of joints: the gap is closed; just engaged, the gap is not measured yet."""
+SETTLED, TAKEN = -1.0, -2.0  # ages of joints: closed; engaged, the gap is not yet measured
 NONE = -1  # no request
 
 BOND = np.dtype([

@@ -25,15 +25,8 @@ from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.numeric import Array, Records
 
 LEAST = 1e-100  # minimum lead of a row [N s/m]
-CLOSED = 1e-6
-"""Gaps that a joint may be left with, in steps squared [m/s^2]: the next step closes them, which
-takes a force of so much times the mass."""
-NOTHING = 1e-13
-"""A gap [m, rad] that is left alone: what rounding makes of none, in coordinates of some metres.
-
-Where more rows meet than there are freedoms their gaps cannot all be closed, and the forces that
-try to would follow the rounding for ever.
-"""
+CLOSED = 1e-6  # gaps left by a step, over h^2 [m/s^2]: closing them takes this times the mass
+NOTHING = 1e-13  # gap [m, rad] within rounding, which is left: redundant rows cannot close it
 
 
 @entry_point("paths")

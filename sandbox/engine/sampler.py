@@ -44,7 +44,7 @@ RECORDED: dict[str, tuple[str, str]] = {
     "load_work": ("loads", "work"), "drive_flow": ("pumps", "flow"), "held": ("bonds", "held")}
 """Arrays of a recording that are results of elements: their table and column."""
 NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pumps": "drive"}
-"""Columns with the numbers of elements, of tables that do not have a row for each element."""
+"""Columns with the numbers of elements, of tables without a row for each."""
 
 
 class Sampler:
@@ -248,8 +248,7 @@ RESULTS: dict[tuple[str, str], tuple[str, str]] = {
     ("spring", "length"): ("springs", "way"), ("load", "fx"): ("loads", "fx"),
     ("load", "fy"): ("loads", "fy"),
     **{(kind, quantity): place for key, place in RECORDED.items()
-       for kind, _, quantity in [key.partition("_")]}}
-"""Quantities that are results of the last step: their table and column."""
+       for kind, _, quantity in [key.partition("_")]}}  # table and column
 
 
 class Readings:

@@ -21,8 +21,7 @@ from sandbox.engine import records
 from sandbox.model.programs import CURVE, KNOT, STEP
 from sandbox.numeric import Array, Integers, Records
 
-STILL, STILL_TURNING = 1e-11, 1e-10
-"""Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
+STILL, STILL_TURNING = 1e-11, 1e-10  # speeds [m/s, rad/s] of a mechanism at rest
 
 COARSE = 1e-8  # steps with a larger residual [m/s, rad/s] are counted
 
@@ -139,8 +138,7 @@ PILED = np.dtype([
         "stiffness", "along",   # tangential [N/m]; what of want_t its spring gives
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
 ])  # a contact of a pile while its step is solved (piles)
-AWAY, CLOSING, RESTING = 0, 1, 2
-"""Phases of a contact: free; hit, and closed by the next step; with a force."""
+AWAY, CLOSING, RESTING = 0, 1, 2  # phases of a contact: free; hit, gap closing; in contact
 
 CONTACT = np.dtype([
     ("a", np.int64), ("b", np.int64),   # bodies
@@ -215,8 +213,7 @@ class Elements(NamedTuple):
 class State(NamedTuple):
     """All that changes in a run and that the next step needs."""
 
-    body: Annotated[Array, "bodies 6"]
-    """X, y, angle, vx, vy, omega of the centres of mass; pymunk's memory."""
+    body: Annotated[Array, "bodies 6"]  # positions and velocities of the centres of mass
     made: Annotated[Integers, "4"]
     """Steps made, without those at rest; index of this one in the call; rows of broken, impacts."""
     broken: Annotated[Records, records.BROKEN]  # what broke in the steps made in one go
@@ -225,9 +222,7 @@ class State(NamedTuple):
     touching: Annotated[Integers, "2"]  # their number; whether a step waits for more room
     last_drive: Annotated[Array, "drives"]  # values of the drives in the last step
     standing: Annotated[Integers, "6"]
-    """In how many steps modes were not found; for how many steps all has been at rest; how often
-    modes were not found in this step; which row is jammed, from 1, or 0; how many rows; in how many
-    steps impacts were too many to be put in order."""
+    """Steps without modes, steps at rest, failures now, jammed row, rows, unordered steps."""
     pile_bodies: Annotated[Records, PILE_BODY, "piles"]
     accuracy: Annotated[Array, "5"]
     """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE."""
@@ -243,15 +238,12 @@ class Result(NamedTuple):
     free: Annotated[Array, "bodies 3"]
     """Velocities by these forces and impacts; after the step the mean of before and after."""
     kick: Annotated[Array, "bodies 3"]  # velocities that impacts add, in ``free`` already
-    delayed: Annotated[Array, "bodies 3"]
-    """The same, times the instant of the impact after the pose [m, rad]."""
-    shift: Annotated[Array, "bodies 3"]
-    """Displacement by impacts after the pose, so that the next pose is right."""
+    delayed: Annotated[Array, "bodies 3"]  # the same, times their instants after the pose
+    shift: Annotated[Array, "bodies 3"]  # displacement of the pose by later impacts
     turn: Annotated[Array, "bodies 2"]  # cosine and sine of the bodies' angles
     pressing: Annotated[Array, "loaded numbers 3"]  # NUMBERS of the loaded bodies
     felt: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
-    belts: Annotated[Array, "bodies"]
-    """Speeds of surfaces, counter-clockwise round their bodies [m/s]."""
+    belts: Annotated[Array, "bodies"]  # speeds of surfaces, counter-clockwise [m/s]
     stack: Annotated[Array, "stack 4"]  # scratch of laws: values with their slopes
     read_names: Annotated[Array, "names 4"]  # scratch: what a law reads, values with slopes
     entries: Annotated[Array, "2 entries 3"]  # J and W J of the entries
@@ -266,8 +258,7 @@ class Result(NamedTuple):
     delassus: Annotated[Array, "rows rows"]  # what the rows make of one another, G
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
-    pile_starts: Annotated[Integers, "piles+1"]
-    """With the next, the pattern of the matrix of piles (blocks.py)."""
+    pile_starts: Annotated[Integers, "piles+1"]  # and pile_below: pattern of the matrix of piles
     pile_below: Annotated[Integers, "slots"]
     pile_adjacent: Annotated[Integers, "piles words"]  # scratch of its order
     pile_work: Annotated[Integers, "3 piles"]  # the same
@@ -284,8 +275,7 @@ class Result(NamedTuple):
 class Snapshot(NamedTuple):
     """Memory for samples on their way to the recording, an axis of samples before all others."""
 
-    pose: Annotated[Array, "samples bodies 3"]
-    """X, y, angle of the bodies' frames, in the model's order."""
+    pose: Annotated[Array, "samples bodies 3"]  # of the bodies' frames, in the model's order
     velocity: Annotated[Array, "samples bodies 3"]  # of the centres of mass, when they are there
     acceleration: Annotated[Array, "samples bodies 3"]
     copied: Mapping[str, Records]  # samples of the tables in `SAMPLED`
@@ -303,8 +293,7 @@ class Snapshot(NamedTuple):
     """1 if the means are the forces of the sample: equal steps, or an unfinished interval."""
     waiting: Annotated[Array, "2"]
     """Steps not yet in the sums, with the last forces; whether the sums have any."""
-    mean_contacts: Annotated[Records, CONTACT_SUMS, "mean_contacts"]
-    """Of intervals in order; last the unfinished one."""
+    mean_contacts: Annotated[Records, CONTACT_SUMS, "mean_contacts"]  # by intervals
     mean_fill: Annotated[Integers, "samples"]
     """Their number up to the end of each sample's interval."""
     unfinished: Annotated[Integers, "2"]  # first of the unfinished interval; their number

@@ -20,8 +20,7 @@ WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system
              "pile_upper", "piled", "pile_jacobian")  # scratch fields of a Result
 MAX_NAMES = 16  # that a law reads
 MIN_PILE = 12  # fewer bodies have too few rows for piles to be faster
-BREAKS_EACH, MIN_BREAKS = 8, 1024
-"""Room for breaks in one call of the loop: for each element that can break, and in total."""
+BREAKS_EACH, MIN_BREAKS = 8, 1024  # room for breaks in a call of the loop, per element and total
 
 
 class Tables(NamedTuple):

@@ -181,9 +181,7 @@ def wound_up(cable: Any, guides: Records) -> float:
                  - guides[first]["radius"] * (guides[first]["wrap"] - guides[first]["wrap0"]))
 
 
-EXCESS = 1e-10
-"""Share of the tensions on both sides of a guide by which its friction may exceed its bound. A
-stiff cable hardly slips under a force far beyond its bound: rates say little of it."""
+EXCESS = 1e-10  # accepted excess of friction, as a share of both tensions: stiff cables hardly slip
 
 
 @kernel

@@ -29,7 +29,7 @@ POSE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE
 PUSH = batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
 STATE = POSE | PUSH
 MARGIN, MOST_MARGIN = 0.05, 1e-3
-"""How far shapes stand out in pymunk: a share of their smallest extent, and the most [m]."""
+"""Of shapes in pymunk: a share of their smallest extent, maximum [m]."""
 _LISTED = ("dynamic", "scheduled", "fixed")
 
 
