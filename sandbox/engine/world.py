@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pymunk
@@ -22,6 +22,7 @@ from sandbox.model.model import Model
 from sandbox.model.pairs import Words, allowed_pairs, joined, pair_skins
 from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene import bodies as kinds
+from sandbox.scene.bodies import Material
 from sandbox.scene.geometry import Vec, core, corners, pose_of, solids, to_world, true_curves
 from sandbox.scene.outlines.curves import spans_of
 
@@ -79,12 +80,26 @@ class World:
         self._cores: list[Array] = []
         self._spans: list[Records] = []
         self.bodies = [self._add_body(i) for i in self.order.tolist()]  # in pymunk's order
-        for i, (a, b) in enumerate(self.number[self.model.joints.bodies].tolist()):
-            if not self.model.joints.collide[i]:
-                # a constraint without force only keeps its bodies from touching
-                joint = pymunk.SimpleMotor(self.bodies[a], self.bodies[b], 0.0)
-                joint.max_force, joint.collide_bodies = 0.0, False
-                self.space.add(joint)
+        joints = self.model.joints
+        for i, pair in enumerate(self.number[joints.bodies].tolist()):
+            a, b = (self.bodies[body] for body in pair)
+            keeps, centres = joints.kind[i].keeps, self.model.bodies.centre[joints.bodies[i]]
+            on_a, on_b = map(tuple, (joints.anchor[i] - centres).tolist())
+            reach = joints.reach[i].tolist()
+            joint: Any  # a constraint without force, which keeps its bodies from touching
+            if keeps == "point":
+                joint = pymunk.PivotJoint(a, b, on_a, on_b)
+            elif keeps == "groove" and joints.path[i] is None:
+                groove = map(tuple, (joints.groove[i] - centres[0]).tolist())
+                joint = pymunk.GrooveJoint(a, b, *groove, on_b)
+            elif keeps == "distance":
+                joint = pymunk.PinJoint(a, b, on_a, on_b)
+                joint.distance = reach[0]
+            else:
+                joint = pymunk.SlideJoint(
+                    a, b, on_a, on_b, *(reach if keeps == "range" else (0.0, math.inf)))
+            joint.collide_bodies, joint.max_force = bool(joints.collide[i]), 0.0
+            self.space.add(joint)
         self.room = Room(contacts=32 + 8 * len(self._shape_rows), rows=64 + 4 * len(self.bodies))
         self.finder = native.Finder(self.space, self.room.contacts)
         self.native = native.make_native(
@@ -262,7 +277,7 @@ def make_filters(model: Model) -> Filters:
     if kinds <= CATEGORIES:
         mask = np.array(
             [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
-    materials = [mechanism.materials.get(body.material or "", kinds.Material())
+    materials = [mechanism.materials.get(body.material or "", Material())
                  for body in mechanism.bodies]
     roots = np.sqrt([[m.friction, m.static, m.restitution] for m in materials]).reshape(-1, 3).T
     pairs = np.ascontiguousarray(roots[:, :, None] * roots[:, None, :])  # geometric means
