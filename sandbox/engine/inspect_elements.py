@@ -160,11 +160,10 @@ def wheel_problems(model: Model) -> Iterator[Problem]:
     for i in joints.keeping("gear", "roll", "rack").tolist():
         if joints.kind[i].keeps != "rack":
             yield from _circles(model, i)
-        elif slide := _slide(model, i):
-            askew.add(i)
-            yield _askew(model, i, *slide)
-        else:
-            yield from _rack(model, i)
+            continue
+        slide = _slide(model, i)
+        askew |= {i} if slide else set()
+        yield from _rack(model, i, slide)
     tied = {*springs.bodies[springs.straight].ravel().tolist(), *model.tendons.guide_body.tolist()}
     for i in sorted(parting_wheels(model, model.bodies.pose) - askew):
         path, name, bodies = f"$.joints[{i}]", joints.name[i], joints.bodies[i].tolist()
@@ -209,26 +208,27 @@ def _circles(model: Model, joint: int) -> Iterator[Problem]:
                    f"would push at {deg(math.acos(share))} instead of {deg(pressure)}", advice)
 
 
-def _rack(model: Model, joint: int) -> Iterator[Problem]:
-    """A rack whose pitch line is not at the pitch circle."""
-    right, off = float(model.joints.radii[joint, 0]), _from_pitch_line(model, joint)
-    if abs(off - right) > NEGLIGIBLE:
+def _rack(model: Model, joint: int, slide: tuple[int, Vec] | None) -> Iterator[Problem]:
+    """A rack whose pitch line is not at the pitch circle, or not along the slot that it slides in.
+
+    ``slide`` is such a slot, and its direction.
+    """
+    joints, path, name = model.joints, f"$.joints[{joint}]", model.joints.name[joint]
+    right = float(joints.radii[joint, 0])
+    if slide:
+        slot, (x, y) = slide
+        gx, gy = joints.along[joint].tolist()
+        off = abs(abs(_from_pitch_line(model, joint, (x, y))) - right)
+        move = f", and move the rack or its 'on_b' by {fitting(off)}" if off > NEGLIGIBLE else ""
+        yield look("bad-mesh", f"{path}.along", name, "its pitch line is turned by "
+                   f"{deg(math.acos(min(abs(gx * x + gy * y), 1.0)))} from the groove of "
+                   f"{joints.name[slot]!r}, in which its rack slides: its teeth leave the gear, or "
+                   f"jam", f"make 'along' [{x + 0.0:.6g}, {y + 0.0:.6g}]{move}")
+    elif abs((off := _from_pitch_line(model, joint)) - right) > NEGLIGIBLE:
         instead = f", or make 'radius' {fitting(off)}" if off > NEGLIGIBLE else ""
-        yield look("bad-mesh", f"$.joints[{joint}]", model.joints.name[joint], "does not mesh at "
-                   f"t = 0: its pitch line is {mm(off)} from the gear's centre, the pitch circle "
-                   f"has a radius of {mm(right)}",
+        yield look("bad-mesh", path, name, f"does not mesh at t = 0: its pitch line is {mm(off)} "
+                   f"from the gear's centre, the pitch circle has a radius of {mm(right)}",
                    f"move the rack or its 'on_b' by {fitting(abs(off - right))}{instead}")
-
-
-def _askew(model: Model, joint: int, slot: int, way: Vec) -> Problem:
-    """A rack that slides in a slot along ``way``, in another direction than its pitch line."""
-    (x, y), (gx, gy) = way, model.joints.along[joint].tolist()
-    off = abs(abs(_from_pitch_line(model, joint, way)) - float(model.joints.radii[joint, 0]))
-    move = f", and move the rack or its 'on_b' by {fitting(off)}" if off > NEGLIGIBLE else ""
-    return look("bad-mesh", f"$.joints[{joint}].along", model.joints.name[joint], "its pitch line "
-                f"is turned by {deg(math.acos(min(abs(gx * x + gy * y), 1.0)))} from the groove of "
-                f"{model.joints.name[slot]!r}, in which its rack slides: its teeth leave the "
-                "gear, or jam", f"make 'along' [{x + 0.0:.6g}, {y + 0.0:.6g}]{move}")
 
 
 def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:

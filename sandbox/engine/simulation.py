@@ -17,6 +17,7 @@ import pymunk
 
 from sandbox import __version__
 from sandbox.elements.controllers.custom import Custom, customs
+from sandbox.engine import inspect_elements as of
 from sandbox.engine.advance import advance
 from sandbox.engine.bonds import taken_breaks
 from sandbox.engine.contacts import rows_for
@@ -24,12 +25,6 @@ from sandbox.engine.control import Control
 from sandbox.engine.fluids import FULL
 from sandbox.engine.inputs import Clock, Inputs, make_clock
 from sandbox.engine.inspect_control import Checked, Runnable, checked
-from sandbox.engine.inspect_elements import (
-    joint_problems,
-    line_problems,
-    load_problems,
-    tendon_problems,
-)
 from sandbox.engine.islands import DAMPING, STIFFNESS, TANGENTIAL
 from sandbox.engine.sampler import Readings, Sampler
 from sandbox.engine.start import start
@@ -99,8 +94,8 @@ class Simulation:
                 "'direct' in steps; sandbox.simulate, 'sandbox run' and 'sandbox sweep'")
         self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
         self._model = compile_mechanism(self.mechanism)
-        found = [*joint_problems(self._model), *tendon_problems(self._model),
-                 *line_problems(self._model), *load_problems(self._model)]
+        found = [*of.joint_problems(self._model), *of.tendon_problems(self._model),
+                 *of.line_problems(self._model), *of.load_problems(self._model)]
         if blocking := [one for one in found if one.blocks]:
             raise SceneError(blocking)
         self._world = world = World(self._model)
