@@ -418,25 +418,22 @@ def _without_effect(tendon: Tendon, path: str) -> Iterator[Problem]:
                    "it turns no wheel: the loop slides over all its guides without friction",
                    "friction at the wheels that it should turn")
     for k, guide in enumerate(tendon.guides):
-        tied, found = not tendon.closed and k in (0, last), list[tuple[str, str, str, str]]()
+        tied, fixed = not tendon.closed and k in (0, last), "the tendon is fixed there"
         friction, turns = f"friction of {guide.friction:g} has", f"{guide.turns} turns have"
-        if guide.friction and tied:
-            found.append(("friction", friction, "the tendon is fixed there",
-                          "friction where it slides, at a guide between its ends"))
-        elif guide.friction and tendon.closed and not tendon.gripping:
-            found.append(("friction", friction, "no other guide holds the loop",
-                          "friction at another guide, too"))
-        if guide.begins and k not in tendon.lifting:
-            found.append(("begins", f"{guide.begins!r} has", "the tendon can only leave a wheel "
-                          "between its ends that has no friction and no turns",
-                          f"no {guide.begins!r}"))
-        if guide.turns and not guide.radius:
-            found.append(("turns", turns, "it has no wheel", "a radius, or no turns"))
-        elif guide.turns and tied:
-            found.append(("turns", turns, "the tendon is fixed there", "no turns"))
-        for field, what, why, advice in found:
-            yield look("no-effect", f"{path}.guides[{k}].{field}", tendon.name,
-                       f"its {what} no effect: {why}", advice)
+        for useless, field, what, why, advice in (
+            (guide.friction and tied, "friction", friction, fixed,
+             "friction where it slides, at a guide between its ends"),
+            (guide.friction and tendon.closed and not tendon.gripping, "friction", friction,
+             "no other guide holds the loop", "friction at another guide, too"),
+            (guide.begins and k not in tendon.lifting, "begins", f"{guide.begins!r} has",
+             "the tendon can only leave a wheel between its ends that has no friction and no turns",
+             f"no {guide.begins!r}"),
+            (guide.turns and not guide.radius, "turns", turns, "it has no wheel",
+             "a radius, or no turns"),
+            (guide.turns and guide.radius and tied, "turns", turns, fixed, "no turns")):
+            if useless:
+                yield look("no-effect", f"{path}.guides[{k}].{field}", tendon.name,
+                           f"its {what} no effect: {why}", advice)
 
 
 def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator[Problem]:
