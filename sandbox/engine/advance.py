@@ -314,7 +314,7 @@ def sound(h: float, body: Array) -> bool:
 
 @kernel
 def _again(table: int, drive: Array, speeds: Array) -> bool:
-    """Whether all is at rest, and this step, with these inputs, the last one over again."""
+    """Whether all is at rest and this step repeats the last one."""
     standing, last, changed = at.standing(table), at.last_drive(table), False
     for j in range(len(last)):
         changed |= last[j] != drive[j]
@@ -328,7 +328,7 @@ def _again(table: int, drive: Array, speeds: Array) -> bool:
 
 @kernel
 def _move(table: int, h: float) -> bool:
-    """Move the bodies, unless a step is half made; whether there is room for what is near then."""
+    """Move the bodies, unless a step is unfinished; whether there is room for all contacts."""
     touching = at.touching(table)
     if not touching[1]:
         at.near(table)[0] = at.read_count(table)[0] = 0
@@ -340,7 +340,7 @@ def _move(table: int, h: float) -> bool:
 
 @kernel
 def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
-    """Find the velocities after the step and hand them on; whether it is sound, and not jammed."""
+    """Find the velocities after the step and give them to pymunk; whether they are valid."""
     body, velocity = at.body(table), at.velocity(table)
     release_and_engage(table, drive)
     begin(table)

@@ -53,14 +53,14 @@ def spring_holds(table: int, spring: Any) -> bool:
 
 @kernel
 def acts(table: int, bond: int) -> bool:
-    """Whether it holds and has, or broke in this very step with a force that is noted already."""
+    """Whether a bond holds, or did not break in this step, in which its force is stored already."""
     return bool(bond < 0 or (at.bonds(table)[bond]["held"] == 1
                             or at.bonds(table)[bond]["broke"] == 0))
 
 
 @entry_point("bonds")
 def release_and_engage(table: int, drive: Array) -> None:
-    """Do what events request, and what drives [nd] want that want something else than before."""
+    """Release and engage elements as events and changed drives [nd] request."""
     bonds = at.bonds(table)
     for i in range(len(bonds)):
         request, bonds[i]["request"] = bonds[i]["request"], records.NONE
@@ -92,7 +92,7 @@ def empty_rows(table: int, entry: int, count: int) -> None:
 
 @entry_point("bonds")
 def release_rows(table: int, h: float) -> None:
-    """Empty the rows of what is let go; ask joints that were taken up for less."""
+    """Empty the rows of released elements; let engaging joints close their gaps gradually."""
     if len(at.bonds(table)) == 0:
         return
     for i in range(len(at.bonds(table))):
@@ -141,7 +141,7 @@ def remaining_gap(table: int, bond: int, ahead: float) -> tuple[float, float, fl
 
 @kernel
 def _look(table: int, k: int) -> None:
-    """Note the gaps of a joint that is taken up, and how they change."""
+    """Store the gaps of a joint that engages, and their rates."""
     joint, body, before, turn = (
         at.joints(table)[k], at.body(table), at.before(table), at.turn(table))
     state = at.bonds(table)[joint["bond"]]
@@ -170,7 +170,7 @@ def _look(table: int, k: int) -> None:
 
 @entry_point("bonds")
 def report_bonds(table: int, h: float) -> None:
-    """What the next step has to know of this one."""
+    """Store loads and ages for the next step."""
     bonds = at.bonds(table)
     for i in range(len(bonds)):
         bonds[i]["last_load"] = bonds[i]["load"] if bonds[i]["held"] == 1 else math.nan
@@ -181,7 +181,7 @@ def report_bonds(table: int, h: float) -> None:
 
 
 def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:
-    """What broke in the steps made since this was last asked, after ``before`` others."""
+    """The breaks since the last call, after ``before`` steps."""
     made, broken = tables.state.made, tables.state.broken
     found: list[Happened] = []
     for one in broken[:made[2]]:
@@ -193,5 +193,5 @@ def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) ->
 
 
 def hold(tables: Tables, bond: int, *, held: bool) -> None:
-    """Let go of something, or take it up, with the next step."""
+    """Release or engage an element with the next step."""
     tables.elements.bonds[bond]["request"], tables.state.standing[1] = held, 0

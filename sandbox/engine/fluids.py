@@ -48,7 +48,7 @@ ALL = 3  # attempts in which all wrong lines and valves change; later only the w
 
 @entry_point("fluids")
 def swell(table: int, drive: Array) -> None:
-    """How lines stand at the poses of the step: volumes, forces of 1 Pa, pressures if all stays."""
+    """Volumes of lines at the poses of the step, forces of 1 Pa, pressures without flow."""
     fluids = at.fluids(table)
     chambers, body, turn = at.chambers(table), at.body(table), at.turn(table)
     for i in range(len(fluids)):
@@ -79,7 +79,7 @@ def swell(table: int, drive: Array) -> None:
 
 @kernel
 def _fill(fluid: Any) -> None:
-    """The pressure of what is in a line at its volume, and how it yields there."""
+    """The pressure of a line at its volume and content, and its compliance there."""
     fluid["ahead"] = fluid["least_ahead"]
     if fluid["gas"] == 0.0:
         fluid["rigid"] = (fluid["content"] - fluid["grown"]) / fluid["c"]
@@ -112,7 +112,7 @@ def _weights(fluid: Any) -> tuple[float, float, float]:
 
 @kernel
 def _straighten(table: int, drive: Array) -> None:
-    """What valves and pumps add to the flows of lines, straight in the pressures."""
+    """Flows of valves and pumps, linearised in the pressures."""
     fluids, valves = at.fluids(table), at.valves(table)
     for i in range(len(fluids)):
         fluids[i]["lets"] = fluids[i]["gets"] = 0.0
@@ -293,7 +293,7 @@ def _turn(table: int, valve: int) -> None:
 
 @kernel
 def _flows(table: int) -> bool:
-    """Take the laws of valves straight about the flows that were found; whether these are new."""
+    """Linearise the laws of valves about the last flows; whether these changed."""
     valves, fluids = at.valves(table), at.fluids(table)
     changed = False
     for i in range(len(valves)):
@@ -312,7 +312,7 @@ def _flows(table: int) -> bool:
 
 @kernel
 def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
-    """By what pressure a line breaks its mode, and the mode that it should have."""
+    """Pressure by which a line contradicts its mode, and its right mode."""
     fluids, valves = at.fluids(table), at.valves(table)
     fluid, mode = fluids[line], fluids[line]["mode"]
     if fluid["drive"] >= 0:
@@ -339,7 +339,7 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
 
 @kernel
 def _turned(table: int, valve: int) -> float:
-    """By what pressure a check valve is open or shut where it should not be."""
+    """Pressure by which a check valve contradicts its state."""
     v, fluids, across = at.valves(table)[valve], at.fluids(table), _across(table, valve)
     size = EVEN * (1.0 + (abs(fluids[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
                    + (abs(fluids[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
@@ -350,7 +350,7 @@ def _turned(table: int, valve: int) -> float:
 
 @entry_point("fluids")
 def report_lines(table: int, h: float, drive: Array) -> None:
-    """Pressures and flows of the step, and what is in the lines after it."""
+    """Pressures and flows of the step, and the contents of lines after it."""
     fluids = at.fluids(table)
     if len(fluids) == 0:
         return
@@ -364,7 +364,7 @@ def report_lines(table: int, h: float, drive: Array) -> None:
             holds = _holds(fluid, growing(table, h, i))
             if fluid["drive"] < 0:
                 fluid["spilled"] += new - holds
-            else:  # what is lacking comes from the source
+            else:  # the source supplies the rest
                 _give(table, i, (holds - new) / h)
             new = holds
         if fluid["gas"] > 0.0:
@@ -396,7 +396,7 @@ def _gather(table: int, drive: Array) -> None:
 
 @kernel
 def _give(table: int, line: int, flow: float) -> None:
-    """Let a line's source without resistance give so much more."""
+    """Add a flow to that of a line's source without resistance."""
     pumps = at.pumps(table)
     for i in range(len(pumps)):
         if pumps[i]["line"] == line and pumps[i]["source"]:
@@ -406,7 +406,7 @@ def _give(table: int, line: int, flow: float) -> None:
 
 @kernel
 def _holds(fluid: Any, growing: float) -> float:
-    """What is in a line at its pressure [m^3]."""
+    """Content of a line at its pressure [m^3]."""
     if fluid["gas"] == 0.0:
         return float(fluid["grown"] + growing + fluid["c"] * fluid["pressure"])
     volume = max(fluid["volume"] + fluid["grown"] + growing, SMALLEST * fluid["volume"])

@@ -153,7 +153,7 @@ def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> N
 
 @kernel
 def _rates(numbers: Array, w: float, wt: float) -> None:
-    """What of the slopes is against motion: rates and axes, by Jacobi's rotations."""
+    """Rates and axes of the symmetric part of the slopes, by Jacobi's rotations."""
     root = (math.sqrt(w), math.sqrt(w), math.sqrt(wt))
     A, Q = numbers[SCRATCH:SCRATCH + 3], numbers[AXES:AXES + 3]
     for i in range(3):
@@ -194,7 +194,7 @@ def _rotate(A: Array, Q: Array, i: int, j: int) -> None:
 
 @kernel
 def _weigh(table: int, k: int, h: float, after: Array) -> None:
-    """Find the sum of a body's loads for the velocities after a step, and how it is to be taken."""
+    """Find the sum of a body's loads for the velocities after a step, and its integration."""
     loaded, numbers = at.loaded(table)[k], at.pressing(table)[k]
     w = at.inverse_mass(table)[loaded["body"]]
     if loaded["row"] >= 0:
@@ -224,7 +224,7 @@ def press(table: int, h: float) -> None:
 
 @kernel
 def _ask(table: int, k: int, h: float, after: Array) -> None:
-    """Let a body's rows ask for what its loads are beside those at the velocities ``after``."""
+    """Set the rows of a body for the linearisation of its loads at the velocities ``after``."""
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
     loaded, numbers, J = at.loaded(table)[k], at.pressing(table)[k], at.entries(table)[0]
     b, rows = loaded["body"], (loaded["row"], loaded["row_y"], loaded["row_turn"])
@@ -251,7 +251,7 @@ def load_rows(table: int, h: float) -> None:
 
 @entry_point("loads")
 def change_loads(table: int, h: float) -> bool:
-    """Take the tangents of loads where the step has led; whether any force was another."""
+    """Linearise loads at the new velocities; whether any force changed."""
     loaded, pressing, J = at.loaded(table), at.pressing(table), at.entries(table)[0]
     given, free, inverse = at.unknowns(table)[3], at.free(table), at.inverse_mass(table)
     changed = False
@@ -279,7 +279,7 @@ def change_loads(table: int, h: float) -> bool:
 
 @kernel
 def _same(numbers: Array, acted: Array, w: float, wt: float) -> bool:
-    """Whether loads are what acted, to rounding; each by what it does to its body."""
+    """Whether loads equal those that acted, to rounding, as accelerations of the body."""
     off, size, slope = 0.0, 0.0, 0.0
     for j in range(3):
         weight = wt if j == 2 else w
@@ -292,7 +292,7 @@ def _same(numbers: Array, acted: Array, w: float, wt: float) -> bool:
 
 @entry_point("loads")
 def timed(table: int) -> bool:
-    """Whether any load hangs on the time: what stands still for that may move on."""
+    """Whether any load depends on time: then rest may end."""
     found = False
     for i in range(len(at.loads(table))):
         found |= at.loads(table)[i]["timed"] != 0

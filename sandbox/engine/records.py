@@ -317,13 +317,13 @@ BOND = np.dtype([
     ("index", np.int64),    # in the table of these
     ("breaks_at", float),   # [N, N m]
     ("over", float),        # time in which a joint's gap closes [s]
-    ("as_is", np.int64),    # whether it is taken up with the length that it has then
+    ("as_is", np.int64),    # whether it engages with its current length
     ("drive", np.int64),    # that holds it, or -1
-    ("request", np.int64),     # of an event: to let go, 0, or take up, 1, with the next step; NONE
+    ("request", np.int64),     # of an event for the next step: 0 release, 1 engage, NONE
     ("driven", np.int64),   # as a drive had it last; at first whether it holds
     ("load", float),        # in this step [N, N m]
     ("last_load", float),   # of the last step, nan where it did not hold then [N, N m]
-    ("age", float),         # since a joint was taken up [s], SETTLED or TAKEN
+    ("age", float),         # time since a joint engaged [s], SETTLED or TAKEN
     ("x", float), ("y", float), ("t", float),       # its gaps then [m, m, rad]
     ("vx", float), ("vy", float), ("vt", float),    # and their rates
     ("turns", float),       # whole turns that a couple leaves alone [rad]
@@ -331,7 +331,7 @@ BOND = np.dtype([
     ("held", np.int64),
 ])
 BROKEN = np.dtype([
-    ("bond", np.int64),      # what came to its load
+    ("bond", np.int64),      # that broke
     ("row", np.int64),      # the step in which it did, counted from 0 among those made in one go
     ("when", float),        # since the middle of the step before it, as a share of the step
 ])

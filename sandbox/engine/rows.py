@@ -64,7 +64,7 @@ def path_row(table: int, h: float, k: int) -> None:
 
 @kernel
 def beyond(gap: float) -> float:
-    """What a gap is more than none."""
+    """The part of a gap beyond :data:`NOTHING`."""
     if gap > NOTHING:
         return gap - NOTHING
     if gap < -NOTHING:
@@ -74,7 +74,7 @@ def beyond(gap: float) -> float:
 
 @kernel
 def closed(h: float) -> float:
-    """A gap that a joint may be left with by a step [m]; twice what is left alone, at least."""
+    """Tolerance of the gap of a joint after a step [m]."""
     return max(CLOSED * h * h, 2 * NOTHING)
 
 
@@ -138,7 +138,7 @@ def joint_rows(table: int, h: float) -> None:
 
 @kernel
 def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: float) -> float:
-    """What a row of a joint asks for: that its gap goes, now and ``then``, in a step."""
+    """Right side of a joint's row that closes its gap now and ``then``, in a step."""
     seen = 0.0
     for n in range(3):
         seen += J[0, n] * before[joint["a"], n] + J[1, n] * before[joint["b"], n]
@@ -255,7 +255,7 @@ def note_turns(body: Array, turn: Array) -> None:
 
 @kernel
 def right_side(table: int, free: Array, asked: Array) -> None:
-    """What rows ask for [m], less what the free velocities [nb, 3] already give."""
+    """Right sides of rows less their rates at the free velocities [nb, 3]."""
     entry_row, entry_body, hubs = at.entry_row(table), at.entry_body(table), at.hubs(table)
     inverse_mass, J, rhs = at.inverse_mass(table), at.entries(table)[0], at.unknowns(table)[2]
     for r in range(len(rhs)):
@@ -273,7 +273,7 @@ def right_side(table: int, free: Array, asked: Array) -> None:
 
 @kernel
 def answer(table: int, free: Array, asked: Array, impulses: Array) -> None:
-    """Impulses [m] of bilateral rows that ask for ``asked`` at free velocities [nb, 3]."""
+    """Impulses [m] of bilateral rows with right sides ``asked`` at free velocities [nb, 3]."""
     solved, starts, below, values = (
         at.unknowns(table)[2], at.starts(table), at.below(table), at.values(table))
     right_side(table, free, asked)

@@ -178,7 +178,7 @@ def report_springs(table: int, h: float) -> None:
         s = springs[i]
         if s["row"] >= 0 and acts(table, s["bond"]) and acts(table, s["hinge_bond"]):
             effort = unknown[s["row"]] / h
-            # the row of a released spring has an impulse of next to nothing
+            # the row of a released spring has a negligible impulse
             s["effort"] = effort if abs(effort) > LEAST else 0.0
 
 

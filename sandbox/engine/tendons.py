@@ -19,7 +19,7 @@ goes with it, and both its length and M count what was wound up. What slips over
 out of the span before and into the one after, at the rate s, adds to the rows of both and has no
 mass, so that the tensions differ by the friction f alone:
 
-    span i       D v + s_i - s_(i+1) + c p_i = asked              M_i += h (s_i - s_(i+1))
+    span i       D v + s_i - s_(i+1) + c p_i = r                  M_i += h (s_i - s_(i+1))
     guide j      p_j - p_(j-1) = h f_j,   |f_j| <= tanh(mu phi / 2) (T_j + T_(j-1)),   f s >= 0
 
 The bound is that of Euler and Eytelwein, T_(j-1) e^(-mu phi) <= T_j <= T_(j-1) e^(mu phi), over the
@@ -230,7 +230,7 @@ def report_cables(table: int, h: float) -> None:
 
 @entry_point("slips")
 def slipped(table: int, h: float) -> None:
-    """Move tendon from span to span as it slipped, and note the tension behind the last guide."""
+    """Move tendon between spans by its slip, and store the tension after the last guide."""
     cables, slips, unknown = at.cables(table), at.slips(table), at.unknowns(table)[3]
     for i in range(len(slips)):
         slip = slips[i]
@@ -261,7 +261,7 @@ def slipped(table: int, h: float) -> None:
 
 @kernel
 def _whole_stretch(table: int, i: int) -> float:
-    """By how much a whole tendon is longer than what is in its spans [m]."""
+    """Length of a whole tendon minus the rest lengths in its spans [m]."""
     cables = at.cables(table)
     stretch = 0.0
     for k in range(cables[i]["spans"], cables[i]["spans_end"]):
@@ -287,7 +287,7 @@ def _drawn(table: int, i: int) -> bool:
 
 @entry_point("slips")
 def change_whole(table: int, h: float, i: int) -> bool:
-    """Let go of a whole tendon all of which would push, take up one that would pull; whether so."""
+    """Release a whole tendon that would push, engage one that would pull; whether it changed."""
     if _drawn(table, i):
         return False
     cables, unknown = at.cables(table), at.unknowns(table)[3]
@@ -382,7 +382,7 @@ def shortening(table: int, i: int, velocity: Array) -> float:
 
 @entry_point("cables")
 def slacken(table: int) -> None:
-    """Let go of all tendons that are not stretched: their dampers do not pull before they do."""
+    """Release all tendons that are not stretched: dampers do not pull slack tendons."""
     cables = at.cables(table)
     for i in range(len(cables)):
         if not holds(table, cables[i]["bond"]):
@@ -398,7 +398,7 @@ def slacken(table: int) -> None:
 
 @entry_point("cables")
 def change_cables(table: int, h: float, attempt: int) -> bool:
-    """Release tendons that would push, take up stretched ones that would pull; whether any."""
+    """Release tendons that would push, engage stretched ones that would pull; whether any."""
     cables, unknown = at.cables(table), at.unknowns(table)[3]
     changed, worst, which = False, 0.0, -1
     for i in range(len(cables)):

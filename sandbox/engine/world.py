@@ -90,8 +90,8 @@ class World:
             if keeps == "point":
                 joint = pymunk.PivotJoint(a, b, on_a, on_b)
             elif keeps == "groove" and joints.path[i] is None:
-                groove = map(tuple, (joints.groove[i] - centres[0]).tolist())
-                joint = pymunk.GrooveJoint(a, b, *groove, on_b)
+                start, end = map(tuple, (joints.groove[i] - centres[0]).tolist())
+                joint = pymunk.GrooveJoint(a, b, start, end, on_b)
             elif keeps == "distance":
                 joint = pymunk.PinJoint(a, b, on_a, on_b)
                 joint.distance = reach[0]
