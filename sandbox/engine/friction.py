@@ -31,21 +31,13 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine import state as st
 from sandbox.engine.bounded import UNBOUNDED, begin_row, put_coordinate, y_of
 from sandbox.engine.coordinates import rate as coordinate_rate
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import GROOVE
 from sandbox.engine.rows import beyond
-from sandbox.engine.state import (
-    HOLDS,
-    JOINT_FRICTION,
-    JOINT_LOAD,
-    SLIDES,
-    STILL,
-    STILL_TURNING,
-    TRIED,
-)
 from sandbox.numeric import Array, Matrix, Records
 
 SAME = 1e-10  # relative tolerance of the load of a joint
@@ -88,18 +80,18 @@ def friction_rows(table: int, h: float, i: int, n: int) -> int:
     by_load = dry["share"] > 0.0
     if by_load:
         out = rows[n]
-        begin_row(out, JOINT_LOAD, i, dry["sum"], dry["sum"], dry["pressed"], 0)
+        begin_row(out, st.JOINT_LOAD, i, dry["sum"], dry["sum"], dry["pressed"], 0)
         out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
         out["ax"], out["ay"] = -dry["ux"], -dry["uy"]
     m = n + 1 if by_load else n
     out = rows[m]
-    begin_row(out, JOINT_FRICTION, i, joint["a"], joint["b"], dry["impulse"], dry["mode"])
+    begin_row(out, st.JOINT_FRICTION, i, joint["a"], joint["b"], dry["impulse"], dry["mode"])
     out["passive"] = 1
     _along(table, h, dry, out)
     most = 0.0 if by_load else h * more * dry["most"]
     out["low"], out["high"] = -most, most
     out["normal"], out["friction"] = n if by_load else -1, more * dry["share"]
-    out["static"], out["phase"] = dry["static"], HOLDS if holds and more > 1.0 else SLIDES
+    out["static"], out["phase"] = dry["static"], st.HOLDS if holds and more > 1.0 else st.SLIDES
     out["spare"], out["gave"], out["slip"] = dry["bound"], dry["impulse"], dry["mode"]
     return m + 1
 
@@ -110,7 +102,7 @@ def change_friction(table: int, n: int) -> bool:
     rows, frictions = at.rows(table), at.dry_friction(table)
     unknown, changed = at.unknowns(table)[3], False
     for k in range(n - 1):
-        if rows[k]["source"] != JOINT_LOAD:
+        if rows[k]["source"] != st.JOINT_LOAD:
             continue
         row, friction = rows[k], rows[k + 1]
         i = row["index"]
@@ -136,7 +128,7 @@ def report_friction(table: int, h: float, i: int, p: float, mode: int, bound: fl
     dry["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
     # a rigid drive may hold what friction has left at its bound: nothing moves all the same
     rate = abs(coordinate_rate(joint, at.velocity(table)))
-    still = STILL if joint["keeps"] == GROOVE else STILL_TURNING
+    still = st.STILL if joint["keeps"] == GROOVE else st.STILL_TURNING
     dry["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
 
 
@@ -170,25 +162,25 @@ def break_away(table: int, n: int) -> bool:
         if row["static"] <= 1.0:
             continue
         y = y_of(rows, n, G, k)
-        if row["phase"] == SLIDES and mode * row["slip"] < 0.0:
-            row["phase"], row["mode"], row["spare"] = HOLDS, 0, math.nan
+        if row["phase"] == st.SLIDES and mode * row["slip"] < 0.0:
+            row["phase"], row["mode"], row["spare"] = st.HOLDS, 0, math.nan
             _multiply(row, row["static"])
             changed = True
-        elif row["phase"] == HOLDS and mode != 0 and abs(y) > STILL:
-            row["phase"], row["slip"] = TRIED, abs(y)
+        elif row["phase"] == st.HOLDS and mode != 0 and abs(y) > st.STILL:
+            row["phase"], row["slip"] = st.TRIED, abs(y)
             row["spare"] -= mode * row["gave"]
             row["gave"] = row["p"]
             _multiply(row, 1.0 / row["static"])
             changed = True
-        tried |= row["phase"] == TRIED
+        tried |= row["phase"] == st.TRIED
     if tried and not changed:
         for k in range(n):
             rows[k]["wrong"] = _share(rows, n, G, k)
         for k in range(n):
-            if rows[k]["static"] > 1.0 and rows[k]["phase"] == TRIED:
+            if rows[k]["static"] > 1.0 and rows[k]["phase"] == st.TRIED:
                 s = rows[k]["wrong"]
                 _multiply(rows[k], max((s - 0.5) * rows[k]["static"] + 1.5 - s, 0.0))
-                rows[k]["phase"], rows[k]["slip"] = SLIDES, 0.0
+                rows[k]["phase"], rows[k]["slip"] = st.SLIDES, 0.0
     return changed or tried
 
 
@@ -205,7 +197,7 @@ def _share(rows: Records, n: int, G: Array, k: int) -> float:
     before = beyond = slip = more = 0.0
     for i in range(n):
         row = rows[i]
-        if row["static"] > 1.0 and row["phase"] == TRIED and G[k, i] != 0.0:
+        if row["static"] > 1.0 and row["phase"] == st.TRIED and G[k, i] != 0.0:
             before += row["slip"] * row["spare"]
             beyond += row["slip"] * abs(row["gave"] - row["p"])
             slip += row["slip"] * row["slip"]

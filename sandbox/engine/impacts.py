@@ -26,21 +26,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.engine import bounded as unilateral
 from sandbox.engine import memory as at
+from sandbox.engine import rows as bilateral
 from sandbox.engine.bonds import release_rows
-from sandbox.engine.bounded import (
-    choose,
-    columns,
-    couple,
-    eliminate,
-    free_rate,
-    make_system,
-    push,
-    rate,
-    relax,
-    solve_modes,
-    wipe,
-)
 from sandbox.engine.candidates import normal_row, tangent_row
 from sandbox.engine.contacts import rotated
 from sandbox.engine.coordinates import ends
@@ -48,15 +37,6 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.plan import add, backward, clear, forward, put
 from sandbox.engine.records import GEAR, GROOVE, ROLL
-from sandbox.engine.rows import (
-    answer,
-    apply_impulses,
-    closed,
-    joint_gaps,
-    joint_rows,
-    note_turns,
-    right_side,
-)
 from sandbox.engine.state import LIMITED, NORMAL, TANGENT
 from sandbox.numeric import Array, Records
 
@@ -118,7 +98,7 @@ def place_as_found(table: int, i: int) -> None:
 @kernel
 def _motion(table: int, h: float, row: Any, s: float) -> tuple[float, float]:
     """The rate of a row at the instant ``s``, and how it changes with s."""
-    before, free = rate(row, at.before(table)), rate(row, at.velocity(table))
+    before, free = unilateral.rate(row, at.before(table)), unilateral.rate(row, at.velocity(table))
     return before + (0.5 + s / h) * (free - before), (free - before) / h
 
 
@@ -206,7 +186,7 @@ def displaced_gaps(table: int, h: float) -> float:
     """:func:`joint_gaps` where the velocities lead from the displaced pose."""
     clear(at.unknowns(table)[4])
     add_shift(table, h)
-    gap = joint_gaps(table, h)
+    gap = bilateral.joint_gaps(table, h)
     remove_shift(table)
     return gap
 
@@ -219,18 +199,18 @@ def place_joints(table: int, h: float, now: float) -> None:
         for j in range(3):
             kept[b, j] = body[b, j]
             body[b, j] += now * mean(table, h, now, b, j)
-    note_turns(body, turn)
-    joint_rows(table, h)
+    bilateral.note_turns(body, turn)
+    bilateral.joint_rows(table, h)
     release_rows(table, h)
     put(body, kept)
-    note_turns(body, turn)
+    bilateral.note_turns(body, turn)
 
 
 @kernel
 def answer_of_joints(table: int, velocity: Array) -> None:
     """Impulses with which bilateral rows answer a change of velocities, into ``unknowns``."""
     clear(at.unknowns(table)[4])
-    answer(table, velocity, at.unknowns(table)[4], at.unknowns(table)[5])
+    bilateral.answer(table, velocity, at.unknowns(table)[4], at.unknowns(table)[5])
 
 
 @kernel
@@ -286,7 +266,7 @@ def take_impacts(table: int, h: float, struck: bool) -> None:
             for j in range(3):
                 shift[b, j] = -delayed[b, j]
                 velocity[b, j] = shift[b, j] / h
-        joint_gaps(table, h)
+        bilateral.joint_gaps(table, h)
         for r in range(unknowns.shape[1]):
             unknowns[5, r] = -h * unknowns[4, r]
     add(at.free(table), at.kick(table), 1.0)
@@ -302,19 +282,19 @@ def lead_back(table: int, h: float, n: int) -> None:
         for j in range(3):
             shift[b, j] = -delayed[b, j]
     clear(unknowns[4])
-    right_side(table, shift, unknowns[4])
+    bilateral.right_side(table, shift, unknowns[4])
     forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
     m = 0
-    for q in range(choose(rows, n, chosen)):
+    for q in range(unilateral.choose(rows, n, chosen)):
         if _held_before(table, rows[chosen[q]]):
             chosen[m] = chosen[q]
             m += 1
-    make_system(rows, n, at.delassus(table), A, chosen, m)
+    unilateral.make_system(rows, n, at.delassus(table), A, chosen, m)
     for q in range(m):
         k = chosen[q]
-        A[q, m] = 0.0 if rows[k]["out"] else -free_rate(
+        A[q, m] = 0.0 if rows[k]["out"] else -unilateral.free_rate(
             table, rows[k], Y[k], reached[k], shift, 0.0)
-    eliminate(A, m)
+    unilateral.eliminate(A, m)
     for r in range(unknowns.shape[1]):
         unknowns[4, r] = unknowns[2, r]
     for q in range(m):
@@ -323,7 +303,7 @@ def lead_back(table: int, h: float, n: int) -> None:
         if k + 1 < n and rows[k + 1]["normal"] == k and rows[k + 1]["mode"] != 0:
             _answer(table, k + 1, rows[k + 1]["mode"] * rows[k + 1]["friction"] * A[q, m])
     backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
-    apply_impulses(table, unknowns[4], shift)
+    bilateral.apply_impulses(table, unknowns[4], shift)
     _close(table, h)
 
 
@@ -333,13 +313,13 @@ def _close(table: int, h: float) -> None:
     unknowns = at.unknowns(table)
     clear(unknowns[5])
     for _ in range(CLOSINGS):
-        if displaced_gaps(table, h) < closed(h):
+        if displaced_gaps(table, h) < bilateral.closed(h):
             break
         forward(at.starts(table), at.below(table), at.values(table), unknowns[4])
         backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
         for r in range(unknowns.shape[1]):
             unknowns[4, r] *= h
-        apply_impulses(table, unknowns[4], at.shift(table))
+        bilateral.apply_impulses(table, unknowns[4], at.shift(table))
 
 
 @kernel
@@ -357,7 +337,7 @@ def _answer(table: int, k: int, p: float) -> None:
         at.rows(table)[k], at.unknowns(table)[4], at.columns(table)[k], at.reached(table)[k])
     for q in range(row["branch"]):
         answer[reached[q]] -= y[reached[q]] * p
-    push(at.inverse_mass(table), row, p, at.shift(table))
+    unilateral.push(at.inverse_mass(table), row, p, at.shift(table))
 
 
 REBOUND = 0.01  # minimum approach speed [m/s] of a rebound
@@ -375,9 +355,9 @@ def _hit(table: int, h: float) -> bool:
         t = touches[i]
         if t["restitution"] > 0.0:
             normal_row(h, touches, i, row)
-            u = rate(row, before)
+            u = unilateral.rate(row, before)
             if u < -REBOUND and (
-                    t["late"] == 1 or h * min(u, rate(row, free)) + t["gap"] < 0.0):
+                    t["late"] == 1 or h * min(u, unilateral.rate(row, free)) + t["gap"] < 0.0):
                 return True
     return False
 
@@ -410,7 +390,7 @@ def late_hits(table: int, n: int) -> bool:
         if row["source"] == NORMAL and row["p"] > 0.0:
             t = touches[row["index"]]
             if (t["restitution"] > 0.0 and t["bounce"] == 0.0 and t["late"] == 0
-                    and rate(row, before) < -REBOUND):
+                    and unilateral.rate(row, before) < -REBOUND):
                 t["late"], found = 1, True
     return found
 
@@ -429,8 +409,8 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
             return event > 0
         fastest = _struck(rows, n, touches, now, end, CLOSED if event < ORDERED else math.inf)
         end = max(end, FAINT * fastest)
-        if solve_modes(rows, n, G, A, chosen, EXACT * fastest) < 0:
-            relax(rows, n, G)
+        if unilateral.solve_modes(rows, n, G, A, chosen, EXACT * fastest) < 0:
+            unilateral.relax(rows, n, G)
         for q in range(n):
             p = rows[q]["p"]
             if p != 0.0:
@@ -440,7 +420,7 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
                     t["bounce"] += p
                 else:
                     t["drag"] += p
-                push(inverse_mass, rows[q], p * now, delayed)
+                unilateral.push(inverse_mass, rows[q], p * now, delayed)
                 for k in range(n):
                     change = G[k, q] * p
                     rows[k]["want"] += change
@@ -514,9 +494,9 @@ def foresee_impacts(table: int, h: float, kept: int) -> bool:
     velocity, bounded = at.velocity(table), at.rows(table)  # bounded rows as in the last step
     put(velocity, free)
     for k in range(kept):
-        push(at.inverse_mass(table), bounded[k], bounded[k]["last"], velocity)
-    answer(table, velocity, unknowns[0], unknowns[4])
-    apply_impulses(table, unknowns[4], velocity)
+        unilateral.push(at.inverse_mass(table), bounded[k], bounded[k]["last"], velocity)
+    bilateral.answer(table, velocity, unknowns[0], unknowns[4])
+    bilateral.apply_impulses(table, unknowns[4], velocity)
     if len(at.joints(table)) > 0:
         rows = at.rows(table)[len(at.rows(table)) // 2:]
         n, now = _list(table, h, rows)
@@ -535,14 +515,14 @@ def impacts(table: int, h: float, kept: int) -> bool:
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
     n, now = _list(table, h, rows)
-    columns(table, begin, 0, n)
-    couple(table, begin, 0, n)
+    unilateral.columns(table, begin, 0, n)
+    unilateral.couple(table, begin, 0, n)
     struck = _reflect(table, h, rows, n, now)
     for k in range(n):
         i = rows[k]["index"]
         t = touches[i]
-        push(at.inverse_mass(table), rows[k],
-             t["bounce"] if rows[k]["normal"] < 0 else t["drag"], kick)
+        unilateral.push(at.inverse_mass(table), rows[k],
+                        t["bounce"] if rows[k]["normal"] < 0 else t["drag"], kick)
         if t["bounce"] == 0.0:
             place_as_found(table, i)
         elif rows[k]["normal"] < 0:
@@ -558,7 +538,7 @@ def impacts(table: int, h: float, kept: int) -> bool:
         elif row["source"] == TANGENT:
             tangent_row(h, body, touches, row["index"], row["normal"], row)
         row["last"], row["mode"] = last, mode
-    wipe(rows, n, Y, reached)
+    unilateral.wipe(rows, n, Y, reached)
     if struck and len(at.joints(table)) > 0:
         answer_of_joints(table, delayed)
         add_joints(table, delayed, 1.0)
@@ -575,7 +555,7 @@ def leave(table: int, h: float, n: int) -> None:
     for k in range(n):
         row = rows[k]
         if row["source"] == LIMITED and limits[row["index"]]["since"] >= h:
-            gain = (row["free"] - row["want"] - rate(row, before)) / h
+            gain = (row["free"] - row["want"] - unilateral.rate(row, before)) / h
             row["free"] -= max(gain, 0.0) * (limits[row["index"]]["since"] + h / 2)
 
 
@@ -598,7 +578,7 @@ def _since(table: int, h: float, row: Any, last: float, since: float) -> float:
         return 0.0
     if last > 0.0:
         return since + h if 0.0 < since < h else 0.0
-    start, free = rate(row, at.before(table)), row["free"] - row["want"]
+    start, free = unilateral.rate(row, at.before(table)), row["free"] - row["want"]
     if row["want"] <= 0.0 or start >= 0.0:
         return 0.0
     t = time_to_close(h * row["want"], (start + free) / 2, (free - start) / h)
