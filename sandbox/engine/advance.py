@@ -1,34 +1,304 @@
-"""The inner loop: move, measure, apply forces, solve, report, sample."""
+"""The inner loop: move, measure, apply forces, solve, report, sample.
+
+Samples are copies of arrays, contacts, and means of forces over sample intervals. An interval lies
+around its sample, so the mean belongs to the instant of the sample, to second order. With an even
+number of steps per interval, the step between two samples counts half for either. Intervals meet,
+so that the sum of means is the sum of impulses.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
+import numpy as np
+
+from sandbox.elements.arrays import FORCES
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import release_and_engage
-from sandbox.engine.entry_points import CalledFromPython
+from sandbox.engine.contacts import list_contacts_of_step, short
+from sandbox.engine.entry_points import CalledFromPython, entry_point
 from sandbox.engine.groups import apply_forces, is_valid
+from sandbox.engine.impacts import REBOUND
 from sandbox.engine.islands import soften
 from sandbox.engine.kernel import kernel
-from sandbox.engine.native import call_each, call_step
+from sandbox.engine.native import call_each, call_step, copy_words
+from sandbox.engine.records import SAMPLED, STOP
 from sandbox.engine.report import add_work
-from sandbox.engine.snapshot import (
-    add_forces,
-    count_step,
-    note_impacts,
-    room_for_contacts,
-    room_to_keep,
-    take,
-)
 from sandbox.engine.solve import SETTLED, solve
-from sandbox.engine.touching import list_contacts_of_step, short
-from sandbox.numeric import Array, Matrix, Stack
+from sandbox.engine.state import AWAY, CLOSING, RESTING, Snapshot, allocate
+from sandbox.engine.tables import Tables
+from sandbox.numeric import Array, Matrix, Records, Stack
 
-FAR = 1e6
-"""Motion is sound while nothing is further out or faster than this [m, rad, m/s, rad/s]."""
 
-UNKEPT = 0
-"""As the step that is due to be kept: none ever is."""
+def make_snapshot(samples: int, tables: Tables, contacts: int) -> Snapshot:
+    """Memory for so many samples of a run, and so many contacts in all of them together."""
+    elements, copied, copies = tables.elements, {}, []
+    for name, begin in SAMPLED.items():
+        records = getattr(elements, name)
+        fields = records.dtype.descr
+        offset = records.dtype.fields[begin][1]
+        tail = np.dtype([field for field in fields if records.dtype.fields[field[0]][1] >= offset])
+        copied[name] = np.zeros((samples, len(records)), tail)
+        copies.append((records.ctypes.data + offset, copied[name].ctypes.data, len(records),
+                       records.itemsize // 8, tail.itemsize // 8))
+    drives = len(tables.state.last_drive)
+    tendons = int(np.count_nonzero(elements.cables["whole"] < 0))
+    sizes = {
+        "samples": samples, "bodies": len(tables.constants.bodies), "drives": drives,
+        "contacts": contacts, "mean_contacts": 2 * contacts,
+        "forces": FORCES * len(elements.joints) + tendons + len(elements.slips) + drives}
+    made: Snapshot = allocate(Snapshot, sizes, copied=copied, copies=np.array(copies))
+    return made
+
+
+@kernel
+def room_to_keep(table: int) -> bool:
+    """Whether one more sample can be kept, however many contacts it has; noted if not."""
+    fill, taken = at.kept_fill(table), at.kept_taken(table)
+    n = taken[0] - taken[1]
+    used = fill[n - 1] if n > 0 else 0
+    if (n == len(fill) or used + len(at.touches(table)) > len(at.kept_contacts(table))
+            or 2 * at.kept_unfinished(table)[0] > len(at.kept_mean_contacts(table))):
+        taken[2] = 1
+    return bool(taken[2] == 0)
+
+
+@entry_point()
+def take(table: int, h: float, drive: Array) -> None:
+    """Copy the step just made, with its drives [nd], into the next row that samples are kept in."""
+    taken = at.kept_taken(table)
+    n = taken[0] - taken[1]
+    _take_bodies(table, h, n)
+    _note_rates(table)
+    copies = at.kept_copies(table)
+    for i in range(len(copies)):
+        count, words = copies[i, 2], copies[i, 4]
+        for k in range(count):
+            copy_words(copies[i, 0] + 8 * k * copies[i, 3],
+                       copies[i, 1] + 8 * (n * count + k) * words, words)
+    kept_drive = at.kept_drive(table)
+    for i in range(len(drive)):
+        kept_drive[n, i] = drive[i]
+    fill = at.kept_fill(table)
+    first = fill[n - 1] if n > 0 else 0
+    fill[n] = list_contacts(
+        at.touches(table), at.touching(table)[0], at.body(table), at.kept_contacts(table), first)
+    at.kept_steady(table)[n] = 1
+    taken[0] += 1
+
+
+@kernel
+def _take_bodies(table: int, h: float, n: int) -> None:
+    body, before, turn, bodies = at.body(table), at.before(table), at.turn(table), at.bodies(table)
+    pose, velocity, acceleration = (
+        at.kept_pose(table), at.kept_velocity(table), at.kept_acceleration(table))
+    for i in range(len(body)):
+        b, c, s = bodies[i], turn[i, 0], turn[i, 1]
+        m = b["number"]
+        pose[n, m, 0] = body[i, 0] - (c * b["x"] - s * b["y"])
+        pose[n, m, 1] = body[i, 1] - (s * b["x"] + c * b["y"])
+        pose[n, m, 2] = body[i, 2]
+        for j in range(3):  # an assignment of arrays would compile its error messages
+            velocity[n, m, j] = (before[i, j] + body[i, 3 + j]) / 2
+            acceleration[n, m, j] = (body[i, 3 + j] - before[i, j]) / h
+
+
+@kernel
+def _note_rates(table: int) -> None:
+    """Rates of the angles of hinges and of the lengths of actuators at the instant of the pose."""
+    joints, body, before = at.joints(table), at.body(table), at.before(table)
+    for i in range(len(joints)):
+        joint, a, b = joints[i], joints[i]["a"], joints[i]["b"]
+        if joint["hinge"]:
+            joint["rate"] = joint["sense"] * (
+                body[b, 5] + before[b, 2] - body[a, 5] - before[a, 2]) / 2
+        elif joint["line"]:
+            joint["rate"] = (
+                joint["dx"] * (body[b, 3] + before[b, 0] - body[a, 3] - before[a, 0])
+                + joint["dy"] * (body[b, 4] + before[b, 1] - body[a, 4] - before[a, 1])
+                + joint["ta"] * (body[a, 5] + before[a, 2])
+                + joint["tb"] * (body[b, 5] + before[b, 2])) / 2
+
+
+@kernel
+def list_contacts(touches: Records, count: int, body: Array, out: Records, m: int) -> int:
+    """Note the points that carry something from row ``m`` of ``out`` on; where it ends."""
+    for i in range(count):
+        t, c = touches[i], out[m]
+        normal = t["normal"] + t["bounce"]
+        if normal > 0.0:
+            c["a"], c["b"], c["gap"] = t["a"], t["b"], t["gap"]
+            c["x"], c["y"] = body[t["a"], 0] + t["ax"], body[t["a"], 1] + t["ay"]
+            c["nx"], c["ny"] = t["nx"], t["ny"]
+            c["normal"], c["tangent"] = normal, t["tangent"] + t["drag"]
+            c["twist"] = 0.0
+            if t["bounce"] != 0.0:  # an impact is where both surfaces will be when it happens
+                x = body[t["b"], 0] + t["bx"] - body[t["a"], 0] - t["ax"]
+                y = body[t["b"], 1] + t["by"] - body[t["a"], 1] - t["ay"]
+                tangent = t["tangent"] + t["drag"]
+                c["twist"] = (x * (normal * t["ny"] + tangent * t["nx"])
+                              - y * (normal * t["nx"] - tangent * t["ny"]))
+            m += 1
+    return m
+
+
+@kernel
+def room_for_contacts(table: int) -> bool:
+    """Whether there is room for the impacts and mean contacts of one more step; noted if not."""
+    near, unfinished = len(at.touches(table)), at.kept_unfinished(table)
+    rows = unfinished[0] + unfinished[1] + 2 * near
+    impacts = at.made(table)[3] + near
+    if rows > len(at.kept_mean_contacts(table)) or impacts > len(at.impacts(table)):
+        at.kept_taken(table)[2] = 2
+        return False
+    return True
+
+
+@kernel
+def count_step(table: int, h: float, every: int, due: int) -> None:
+    """Count the step to the means of samples ``every`` steps apart, the next in ``due`` steps."""
+    waiting = at.kept_waiting(table)
+    if every - due != every // 2:
+        waiting[0] += 1.0
+        return
+    share = 1.0 if every % 2 else 0.5
+    waiting[0] += share
+    keep_means(table, h, every)
+    waiting[0] = 1.0 - share
+
+
+@entry_point()
+def keep_means(table: int, h: float, every: int) -> None:
+    """Keep the means of an interval, if it is that of a sample, and begin the next one."""
+    sums, taken = at.kept_sums(table), at.kept_taken(table)
+    unfinished, waiting = at.kept_unfinished(table), at.kept_waiting(table)
+    if taken[3] < taken[0]:
+        n = taken[0] - taken[1] - 1
+        if waiting[1] > 0.0:
+            add_forces(table, h)
+            at.kept_steady(table)[n] = 0
+            for k in range(len(sums)):
+                at.kept_means(table)[n, k] = sums[k] / every
+            unfinished[0] += unfinished[1]
+        at.kept_mean_fill(table)[n] = unfinished[0]
+        taken[3] = taken[0]
+    if waiting[1] > 0.0:
+        for k in range(len(sums)):
+            sums[k] = 0.0
+        unfinished[1] = 0
+        touches = at.touches(table)
+        for i in range(at.touching(table)[0]):
+            touches[i]["sums"] = -1
+        waiting[1] = 0.0
+
+
+@entry_point()
+def add_forces(table: int, h: float) -> None:
+    """Add the forces of the last step to the unfinished interval, as often as they are waiting."""
+    waiting = at.kept_waiting(table)
+    share = waiting[0]
+    waiting[0], waiting[1] = 0.0, 1.0
+    sums, joints = at.kept_sums(table), at.joints(table)
+    for i in range(len(joints)):
+        k = FORCES * i
+        sums[k] += share * joints[i]["fx"]
+        sums[k + 1] += share * joints[i]["fy"]
+        sums[k + 2] += share * joints[i]["couple"]
+    limits = at.limits(table)
+    for i in range(len(limits)):
+        if limits[i]["what"] == STOP and limits[i]["impulse"] > 0.0:
+            j = limits[i]["joint"]
+            torque = joints[j]["sense"] * limits[i]["side"] * limits[i]["impulse"] / h
+            sums[FORCES * j + 3] += share * torque
+    frictions = at.dry_friction(table)
+    for i in range(len(frictions)):
+        sums[FORCES * frictions[i]["joint"] + 4] += share * frictions[i]["force"]
+    k = FORCES * len(joints)
+    cables, slips = at.cables(table), at.slips(table)
+    tendons = len(sums) - k - len(slips) - len(at.last_drive(table))
+    for i in range(tendons):  # spans of tendons come after these
+        sums[k + i] += share * cables[i]["tension"]
+    k += tendons
+    for i in range(len(slips)):
+        sums[k + i] += share * slips[i]["force"]
+    k += len(slips)
+    actions = at.actions(table)
+    for i in range(len(actions)):
+        if actions[i]["motor"] >= 0:
+            sums[k + actions[i]["drive"]] += share * actions[i]["sense"] * actions[i]["torque"]
+    _add_contacts(table, share)
+
+
+@kernel
+def _add_contacts(table: int, share: float) -> None:
+    touches, body, unfinished = at.touches(table), at.body(table), at.kept_unfinished(table)
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        normal = share * (t["normal"] + t["bounce"])
+        if normal > 0.0:
+            new = t["sums"] < 0
+            if new:
+                t["sums"] = unfinished[1]
+                unfinished[1] += 1
+            c = at.kept_mean_contacts(table)[unfinished[0] + t["sums"]]
+            if new:
+                c["a"], c["b"] = t["a"], t["b"]
+                c["x"] = c["y"] = c["nx"] = c["ny"] = c["px"] = c["py"] = c["normal"] = 0.0
+            px, py = _impulse(t)
+            c["x"] += normal * (body[t["a"], 0] + t["ax"])
+            c["y"] += normal * (body[t["a"], 1] + t["ay"])
+            c["nx"] -= normal * t["nx"]
+            c["ny"] -= normal * t["ny"]
+            c["px"] += share * px
+            c["py"] += share * py
+            c["normal"] += normal
+
+
+@kernel
+def _impulse(touch: Any) -> tuple[float, float]:
+    """Of a contact on its first body in the step just made [N s]."""
+    normal, tangent = touch["normal"] + touch["bounce"], touch["tangent"] + touch["drag"]
+    return (tangent * touch["ny"] - normal * touch["nx"],
+            -tangent * touch["nx"] - normal * touch["ny"])
+
+
+@entry_point("shapes")
+def note_impacts(table: int) -> None:
+    """Note contacts hit in this step: free before, and faster than REBOUND or still closing."""
+    touches, body, made = at.touches(table), at.body(table), at.made(table)
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        last = t["phase"]
+        t["phase"] = RESTING if t["normal"] + t["bounce"] > 0.0 else AWAY
+        if t["phase"] == AWAY:
+            continue
+        fast = last == AWAY and _approach(at.before(table), t) > REBOUND
+        if fast and _approach(at.velocity(table), t) > REBOUND:
+            t["phase"] = CLOSING
+        if fast or last == CLOSING or t["bounce"] > 0.0:
+            one = at.impacts(table)[made[3]]
+            made[3] += 1
+            one["step"], one["a"], one["b"] = made[1], t["a"], t["b"]
+            one["x"], one["y"] = body[t["a"], 0] + t["ax"], body[t["a"], 1] + t["ay"]
+            one["px"], one["py"] = _impulse(t)
+            one["after"] = t["instant"] if t["bounce"] > 0.0 else 0.0
+
+
+@kernel
+def _approach(velocity: Array, touch: Any) -> float:
+    """Rate at which two bodies approach at a contact [m/s]."""
+    a, b = touch["a"], touch["b"]
+    x = (velocity[b, 0] - velocity[b, 2] * touch["by"]
+         - velocity[a, 0] + velocity[a, 2] * touch["ay"])
+    y = (velocity[b, 1] + velocity[b, 2] * touch["bx"]
+         - velocity[a, 1] - velocity[a, 2] * touch["ax"])
+    return float(-touch["nx"] * x - touch["ny"] * y)
+
+
+FAR = 1e6  # limit of valid positions and speeds [m, rad, m/s, rad/s]
+
+UNKEPT = 0  # as the step to be sampled: none
 
 
 @kernel
@@ -44,7 +314,7 @@ def sound(h: float, body: Array) -> bool:
 
 @kernel
 def _again(table: int, drive: Array, speeds: Array) -> bool:
-    """Whether all is at rest, and this step, with these inputs, the last one over again."""
+    """Whether all is at rest and this step repeats the last one."""
     standing, last, changed = at.standing(table), at.last_drive(table), False
     for j in range(len(last)):
         changed |= last[j] != drive[j]
@@ -58,7 +328,7 @@ def _again(table: int, drive: Array, speeds: Array) -> bool:
 
 @kernel
 def _move(table: int, h: float) -> bool:
-    """Move the bodies, unless a step is half made; whether there is room for what is near then."""
+    """Move the bodies, unless a step is unfinished; whether there is room for all contacts."""
     touching = at.touching(table)
     if not touching[1]:
         at.near(table)[0] = at.read_count(table)[0] = 0
@@ -70,7 +340,7 @@ def _move(table: int, h: float) -> bool:
 
 @kernel
 def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
-    """Find the velocities after the step and hand them on; whether it is sound, and not jammed."""
+    """Find the velocities after the step and give them to pymunk; whether they are valid."""
     body, velocity = at.body(table), at.velocity(table)
     release_and_engage(table, drive)
     begin(table)
@@ -104,15 +374,11 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
 def advance(
     table: int, h: float, drive: Matrix, speeds: Stack, due: int, every: int,
 ) -> int:
-    """Make one step for each row of ``drive`` [n, nd]; how many were made and left it sound.
+    """Make one step for each row of ``drive`` [n, nd]; returns the number of valid steps.
 
-    Step ``due`` of these, counted from 1, is kept as a sample, and then each ``every``-th.
-    Fewer are made where the motion is no longer sound; where there is no room to keep the
-    next sample, or the contacts and impacts of the next step; and where there is none for what
-    touches. That step is then left half made: bodies moved, ``touching[1]`` set.
-
-    ``speeds`` [n, ns, 3] are the velocities of scheduled bodies after each step, ``table``
-    is that of :class:`sandbox.engine.memory.Memory`.
+    Step ``due`` of these, counted from 1, is sampled, and then each ``every``-th. Fewer steps are
+    made where the motion becomes invalid or where there is no room for a sample or for contacts.
+    ``speeds`` [n, ns, 3] are the velocities of scheduled bodies after each step.
     """
     at.made(table)[3] = 0
     for i in range(len(drive)):

@@ -1,15 +1,15 @@
-"""Release and engagement of joints, springs and cables, and their tables.
+"""Release and engagement of joints, springs and tendons.
 
-The pattern of the one solve is made once, so what is let go keeps its rows: they then act on
-nothing, ask for nothing and have a compliance of 1, which makes their impulses 0. Where and when
-something breaks: :mod:`sandbox.engine.breaks`.
+The pattern of the solve is fixed, so a released element keeps its rows: they have no coefficients,
+no right side and a compliance of 1, so that their impulses are 0. Breaks:
+:mod:`sandbox.engine.report`.
 
-A joint that is taken up across a gap f asks for no more of it to go than
+A joint that engages across a gap f closes it as
 
     f(t) = (f0 + (f0' + f0 / T) t) exp(-t / T)
 
-has it, t the time since then: a body of mass m is moved by m f0 / T^2 at most, where the whole gap
-at once would take m f0 / h^2.
+with t the time since then: a body of mass m needs a force of m f0 / T^2 at most, where the whole
+gap at once would take m f0 / h^2.
 """
 
 from __future__ import annotations
@@ -30,8 +30,7 @@ from sandbox.samples.outcome import Happened
 if TYPE_CHECKING:
     from sandbox.engine.tables import Tables
 
-CLOSED_AFTER = 40.0
-"""So many times that time after it was taken up a joint is closed: e^-40 of its gap is left."""
+CLOSED_AFTER = 40.0  # times `over`, after which a joint is closed: e^-40 of its gap is left
 
 
 @kernel
@@ -54,27 +53,27 @@ def spring_holds(table: int, spring: Any) -> bool:
 
 @kernel
 def acts(table: int, bond: int) -> bool:
-    """Whether it holds and has, or broke in this very step with a force that is noted already."""
+    """Whether a bond holds, or did not break in this step, in which its force is stored already."""
     return bool(bond < 0 or (at.bonds(table)[bond]["held"] == 1
                             or at.bonds(table)[bond]["broke"] == 0))
 
 
 @entry_point("bonds")
 def release_and_engage(table: int, drive: Array) -> None:
-    """Do what events wish, and what drives [nd] want that want something else than before."""
+    """Release and engage elements as events and changed drives [nd] request."""
     bonds = at.bonds(table)
     for i in range(len(bonds)):
-        wish, bonds[i]["wish"] = bonds[i]["wish"], records.NONE
+        request, bonds[i]["request"] = bonds[i]["request"], records.NONE
         if bonds[i]["drive"] >= 0:
             driven = 1 if drive[bonds[i]["drive"]] > HELD_ABOVE else 0
             if driven != bonds[i]["driven"]:
-                wish = bonds[i]["driven"] = driven
-        if wish == records.NONE or wish == bonds[i]["held"]:
+                request = bonds[i]["driven"] = driven
+        if request == records.NONE or request == bonds[i]["held"]:
             continue
-        bonds[i]["held"], what, index = wish, bonds[i]["what"], bonds[i]["index"]
-        if wish == 1 and what == records.JOINED:
+        bonds[i]["held"], what, index = request, bonds[i]["what"], bonds[i]["index"]
+        if request == 1 and what == records.JOINED:
             bonds[i]["age"] = records.TAKEN
-        elif wish == 1 and bonds[i]["as_is"]:  # its length now is the one at rest
+        elif request == 1 and bonds[i]["as_is"]:  # its length now is the one at rest
             if what == records.SPRINGY and not at.springs(table)[index]["turning"]:
                 at.springs(table)[index]["rest"] = at.springs(table)[index]["way"]
             for k in range(len(at.cables(table)) if what == records.PULLING else 0):
@@ -93,18 +92,18 @@ def empty_rows(table: int, entry: int, count: int) -> None:
 
 @entry_point("bonds")
 def release_rows(table: int, h: float) -> None:
-    """Empty the rows of what is let go; ask joints that were taken up for less."""
+    """Empty the rows of released elements; let engaging joints close their gaps gradually."""
     if len(at.bonds(table)) == 0:
         return
-    results = at.bonds(table)
-    for i in range(len(results)):
-        results[i]["broke"] = 0
+    for i in range(len(at.bonds(table))):
+        at.bonds(table)[i]["broke"] = 0
     joints, springs, rhs = at.joints(table), at.springs(table), at.unknowns(table)[0]
     for k in range(len(joints)):
         joint = joints[k]
-        if not joint_holds(table, k):
+        if not holds(table, joint["bond"]):
             empty_rows(table, joint["entry"], joint["entries"])
-        if joint["bond"] < 0 or not joint_holds(table, k):
+            continue
+        if joint["bond"] < 0:
             continue
         state, teeth = at.bonds(table)[joint["bond"]], toothed(joint)
         for row in (joint["row"], joint["row_y"], joint["row_turn"]):
@@ -142,7 +141,7 @@ def remaining_gap(table: int, bond: int, ahead: float) -> tuple[float, float, fl
 
 @kernel
 def _look(table: int, k: int) -> None:
-    """Note the gaps of a joint that is taken up, and how they change."""
+    """Store the gaps of a joint that engages, and their rates."""
     joint, body, before, turn = (
         at.joints(table)[k], at.body(table), at.before(table), at.turn(table))
     state = at.bonds(table)[joint["bond"]]
@@ -153,8 +152,7 @@ def _look(table: int, k: int) -> None:
     vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
     (x, y), (rx, ry) = gaps(joint, px, py, turn[a, 0], turn[a, 1]), (vx, vy)
     if joint["keeps"] == records.GROOVE:
-        out = joint
-        dx, dy = out["dx"], out["dy"]
+        dx, dy = joint["dx"], joint["dy"]
         rx, ry = dx * vy - dy * vx - wa * (dx * px + dy * py), 0.0
         if joint["span"] >= 0:
             x = path_gap(table, 0.0, k)
@@ -172,7 +170,7 @@ def _look(table: int, k: int) -> None:
 
 @entry_point("bonds")
 def report_bonds(table: int, h: float) -> None:
-    """What the next step has to know of this one."""
+    """Store loads and ages for the next step."""
     bonds = at.bonds(table)
     for i in range(len(bonds)):
         bonds[i]["last_load"] = bonds[i]["load"] if bonds[i]["held"] == 1 else math.nan
@@ -183,7 +181,7 @@ def report_bonds(table: int, h: float) -> None:
 
 
 def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:
-    """What broke in the steps made since this was last asked, after ``before`` others."""
+    """The breaks since the last call, after ``before`` steps."""
     made, broken = tables.state.made, tables.state.broken
     found: list[Happened] = []
     for one in broken[:made[2]]:
@@ -195,5 +193,5 @@ def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) ->
 
 
 def hold(tables: Tables, bond: int, *, held: bool) -> None:
-    """Let go of something, or take it up, with the next step."""
-    tables.elements.bonds[bond]["wish"], tables.state.standing[1] = held, 0
+    """Release or engage an element with the next step."""
+    tables.elements.bonds[bond]["request"], tables.state.standing[1] = held, 0

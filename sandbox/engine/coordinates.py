@@ -20,15 +20,16 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.contacts import descend, on_span
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.narrow_phase import descend, on_span
+from sandbox.engine.plan import add_to
 from sandbox.engine.records import GEAR, GROOVE, POINT, RACK
 from sandbox.numeric import Array, Records
 from sandbox.scene.outlines import curves
 
 ABSCISSAE, WEIGHTS = tuple(curves.ABSCISSAE.tolist()), tuple(curves.WEIGHTS.tolist())
-"""Quadrature of the arc lengths of spans."""
+"""Of arc lengths."""
 
 
 @kernel
@@ -108,13 +109,9 @@ def put_row(J: Array, entry: int, element: Any) -> None:
 @kernel
 def add_effort(element: Any, effort: float, force: Array) -> None:
     """Add an effort along a coordinate to forces and torques on the bodies, [nb, 3]."""
-    a, b = element["a"], element["b"]
-    force[a, 0] -= element["dx"] * effort
-    force[a, 1] -= element["dy"] * effort
-    force[a, 2] += element["ta"] * effort
-    force[b, 0] += element["dx"] * effort
-    force[b, 1] += element["dy"] * effort
-    force[b, 2] += element["tb"] * effort
+    dx, dy = element["dx"] * effort, element["dy"] * effort
+    add_to(force, element["a"], -dx, -dy, element["ta"] * effort)
+    add_to(force, element["b"], dx, dy, element["tb"] * effort)
 
 
 @kernel
@@ -133,12 +130,7 @@ def toothed(joint: Any) -> bool:
 
 @kernel
 def flank(joint: Any, side: float, h: float, body: Array, velocity: Array) -> Any:
-    """A flank of a JOINT where ``velocity`` [nb, 3] leads from the poses of the step in ``h``.
-
-    Returns:
-        gap [m] of the teeth on this ``side`` (+1 or -1), were there no play; of the row that keeps
-        it: direction x, y of the push on b, moments of the push on a and on b for 1 N [m].
-    """
+    """A flank of teeth after ``h``: gap, direction of the push on b, moments on a and b for 1 N."""
     xa, ya, angle_a, ca, sa = ahead(h, body, velocity, joint["a"])
     xb, yb, angle_b, cb, sb = ahead(h, body, velocity, joint["b"])
     ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
@@ -183,13 +175,7 @@ def rolled(joint: Any, h: float, body: Array, velocity: Array) -> float:
 
 @kernel
 def on_path(spans: Records, start: int, x: float, y: float) -> Any:
-    """The place nearest to the point (x, y) on the path of a slot, searched from a span on.
-
-    An open path continues straight beyond its ends.
-
-    Returns:
-        Span, arc length [m], unit tangent, distance of the point to the left [m], curvature [1/m].
-    """
+    """Nearest place on a path: span, arc length, unit tangent, distance to the left, curvature."""
     k, w, end = descend(spans, start, True, x, y)
     px, py, dx, dy, ddx, ddy = on_span(spans[k], w)
     speed = math.hypot(dx, dy)

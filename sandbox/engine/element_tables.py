@@ -1,6 +1,6 @@
 """Tables of elements for the compiled step: one record for each element, bodies in pymunk's order.
 
-Bilateral rows of elements are added to :class:`Rows` on the way; they are numbered as they come.
+The bilateral rows of elements are added to :class:`Rows` in this order.
 """
 
 from __future__ import annotations
@@ -9,45 +9,39 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sandbox.elements.element import ATMOSPHERE
 from sandbox.elements.joint import Keeps
 from sandbox.engine import records
-from sandbox.engine.stiffness import line_responses, responses, stiff_servos, too_stiff
+from sandbox.engine import stiffness as stiffnesses
+from sandbox.engine.tendons import measure
 from sandbox.engine.world import span_table
-from sandbox.model.joints import (
-    flank_of,
-    place_in_slot,
-    sliding,
-    slip_of,
-    slot_length,
-    turning,
-)
+from sandbox.model import joints as of_joint
 from sandbox.model.laws import MOVED
 from sandbox.model.model import Model
 from sandbox.model.programs import Program, curve_tables, stack_for, step_table
-from sandbox.numeric import Array, Integers, Records
+from sandbox.model.tendons import CableSpan, lifted_at_start, spans_of
+from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene.geometry import to_world
 
 KEEPS: dict[Keeps, int] = {
     "point": records.POINT, "groove": records.GROOVE, "distance": records.DISTANCE,
     "range": records.RANGE, "gear": records.GEAR, "rack": records.RACK, "roll": records.ROLL}
-"""How compiled code tells apart what joints keep."""
 JOINT_ROWS = ("row", "row_y", "row_turn")
-SLOPES = 3
-"""By how many variables a law has slopes."""
+MIN_INSIDE = 1e-3  # minimum length of tendon in a span, as a share of that at t = 0
+DRAG = 1e-7  # of a loop, as a share of the effect of its stiffness in a step
+BESIDE = -math.pi / 2  # initial angle of a tendon that begins off its wheel [rad]
 
 Row = dict[str, Any]
-Code = tuple[int, int]
-"""First step of a program and where it ends, -1 without one."""
+Code = tuple[int, int]  # first step of a program and where it ends, -1 without one
 
 
 @dataclass
 class Rows:
-    """The bilateral rows, as they come: of each the bodies of its entries."""
+    """The bilateral rows: of each the bodies of its entries."""
 
     bodies: list[list[int]] = field(default_factory=list)
     entries: int = 0
@@ -59,19 +53,22 @@ class Rows:
         return len(self.bodies) - 1, self.entries - len(bodies)
 
 
-@dataclass(frozen=True)
 class PlacedBodies:
-    """Where bodies are: their numbers in pymunk's order, inverse masses, poses at t = 0."""
+    """Where bodies are; ``order`` are the model's numbers of the bodies as pymunk lists them."""
 
-    model: Model
-    number: Integers  # by the model's numbers, [nb]
-    inverse_mass: Array  # in pymunk's order, [nb, 2]
-    pose: Array  # Of the centres of mass, in pymunk's order, [nb, 3]
+    def __init__(self, model: Model, order: Integers) -> None:
+        bodies = model.bodies
+        self.model = model
+        self.number: Integers = np.argsort(order)  # by the model's numbers, [nb]
+        self.inverse_mass: Array = np.stack(
+            [1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
+        self.pose: Array = np.array([
+            (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
+            for i in order]).reshape(-1, 3)  # of the centres of mass, in pymunk's order, [nb, 3]
 
     def local(self, body: int, point: Array) -> Array:
         """A point of a body's frame seen from its centre of mass [m]."""
-        local: Array = point - self.model.bodies.centre[body]
-        return local
+        return np.asarray(point - self.model.bodies.centre[body])
 
     def ends(self, bodies: Integers, *points: Array) -> Row:
         """Bodies ``a`` and ``b`` of an element, and its points on them."""
@@ -87,19 +84,17 @@ class PlacedBodies:
         return bool(self.inverse_mass[[row["a"], row["b"]]].any())
 
 
-def place_bodies(model: Model, order: Integers) -> PlacedBodies:
-    """Bodies as pymunk lists them; ``order`` are the model's numbers of these."""
-    bodies = model.bodies
-    inverse = np.stack([1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
-    pose: Array = np.array([
-        (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
-        for i in order]).reshape(-1, 3)
-    return PlacedBodies(model, np.argsort(order), inverse, pose)
+def fill(record: np.dtype[Any], count: int, **columns: Any) -> Records:
+    """A table with some columns; the others are 0."""
+    table = np.zeros(count, record)
+    for name, values in columns.items():
+        table[name] = values
+    return table
 
 
 def records_of(rows: Sequence[Row], record: np.dtype[Any]) -> Records:
     """A table of rows that are given as mappings; fields left out are 0."""
-    table = np.zeros(len(rows), dtype=record)
+    table = np.zeros(len(rows), record)
     for row, values in zip(table, rows, strict=True):
         for key, value in values.items():
             row[key] = value
@@ -110,7 +105,7 @@ def drive_tables(places: PlacedBodies, h: float) -> tuple[Records, Records]:
     """MOTOR, of motors, servos and brakes; ACTION, of all drives that act on bodies."""
     model = places.model
     drives, joints, bonds = model.drives, model.joints, model.bonds
-    stiff = stiff_servos(model, h)
+    stiff = stiffnesses.stiff_servos(model, h)
     motors: list[Row] = []
     actions: list[Row] = []
     for i in drives.giving("force", "torque", "push", "surface").tolist():
@@ -165,7 +160,8 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
             row["reach"] = math.hypot(*along)
         if kind.keeps == "distance":
             row["reach"] = joints.reach[i, 0]
-        row |= _wheel_fields(model, i)
+        if kind.keeps == "roll" or kind.teeth:
+            row |= _wheel_fields(model, i)
         if places.moves(row):
             a, b, row["entry"] = row["a"], row["b"], rows.entries
             if kind.keeps != "range" and not joints.play[i] > 0:
@@ -180,19 +176,17 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
 
 
 def _wheel_fields(model: Model, i: int) -> Row:
-    """Fields of JOINT that joint ``i`` has besides, if it is one of wheels."""
+    """Fields of JOINT of wheels and racks."""
     joints, pose = model.joints, model.bodies.pose
     keeps, (ra, rb), sign = joints.kind[i].keeps, joints.radii[i], -1.0 if joints.inside[i] else 1.0
     c, s = math.cos(joints.pressure[i]), math.sin(joints.pressure[i])
     if keeps == "roll":
         return {"ra": ra, "rb": sign * rb, "reach": abs(ra + sign * rb),
-                "start": slip_of(model, i, pose)[0]}
-    if not joints.kind[i].teeth:
-        return {}
+                "start": of_joint.slip_of(model, i, pose)[0]}
     push = sign if keeps == "gear" else 1.0
     row = {"ra": ra * c, "push": push, "k": joints.stiffness[i],
-           "start": push * flank_of(model, i, pose, 1).gap,
-           "start_back": push * flank_of(model, i, pose, -1).gap}
+           "start": push * of_joint.flank_of(model, i, pose, 1).gap,
+           "start_back": push * of_joint.flank_of(model, i, pose, -1).gap}
     if keeps == "gear":
         return row | {"rb": -sign * rb * c, "reach": abs(ra + sign * rb) * s}
     gx, gy = joints.along[i]
@@ -219,7 +213,7 @@ def limit_table(places: PlacedBodies) -> Records:
         if kind.keeps == "range":
             add(i, records.LINE, *joints.reach[i])
         if kind.keeps == "groove":
-            add(i, records.LINE, 0.0, slot_length(places.model, i))
+            add(i, records.LINE, 0.0, of_joint.slot_length(places.model, i))
         if joints.play[i] > 0:
             play = joints.play[i] * math.cos(joints.pressure[i]) / 2
             add(i, records.FLANK, -play, -play)
@@ -229,22 +223,18 @@ def limit_table(places: PlacedBodies) -> Records:
 def dry_friction_table(
     joints: Records, model: Model, first: int,
 ) -> tuple[Records, list[tuple[int, int]]]:
-    """Dry friction of joints, and pairs of rows whose load bounds it."""
-    held = [j for j in model.joints.frictional.tolist() if joints[j]["row"] >= 0]
-    table = np.zeros(len(held), records.DRY_FRICTION)
-    table["ux"], table["bound"] = 1.0, np.nan
-    sums: list[tuple[int, int]] = []
-    for dry, j in zip(table, held, strict=True):
-        dry["joint"], dry["sum"] = j, -1
-        dry["most"], dry["share"] = model.joints.friction[j], model.joints.coefficient[j]
-        dry["static"] = model.joints.static[j]
-        if dry["share"] > 0:
-            dry["sum"] = first + len(sums)
-            one, two = int(joints[j]["row"]), int(joints[j]["row_y"])
-            sums.append((one, two if two >= 0 else one))
-        slides = model.joints.kind[j].keeps == "groove"
-        dry["mode"] = -np.sign(sliding(model, j) if slides else turning(model, j))
-    return table, sums
+    """Dry friction of joints, and the pairs of rows whose load bounds it."""
+    friction = model.joints
+    held = friction.frictional[joints["row"][friction.frictional] >= 0]
+    table = fill(records.DRY_FRICTION, len(held), ux=1.0, bound=np.nan, joint=held, sum=-1,
+                 most=friction.friction[held], share=friction.coefficient[held],
+                 static=friction.static[held])
+    table["mode"] = [-np.sign(of_joint.sliding(model, j) if friction.kind[j].keeps == "groove"
+                              else of_joint.turning(model, j)) for j in held]
+    loaded = table["share"] > 0
+    table["sum"][loaded] = first + np.arange(np.count_nonzero(loaded))
+    return table, [(one, two if two >= 0 else one)
+                   for one, two in joints[["row", "row_y"]][held[loaded]].tolist()]
 
 
 def spring_table(
@@ -253,7 +243,7 @@ def spring_table(
     """Rotary springs, straight springs, damping of hinges."""
     model = places.model
     springs, joints, bonds = model.springs, model.joints, model.bonds
-    stiff, response = too_stiff(model, h), responses(model)
+    stiff, response = stiffnesses.too_stiff(model, h), stiffnesses.responses(model)
     table: list[Row] = []
     for i in np.argsort(springs.straight, kind="stable").tolist():
         law = springs.law[i]
@@ -298,7 +288,7 @@ def law_tables(model: Model) -> tuple[dict[str, Any], Array, dict[int, Code]]:
     codes = {id(program): code
              for program, code in zip(programs, pairwise(ends.tolist()), strict=True)}
     return ({"steps": steps, "curves": curves, "knots": knots},
-            stack_for(programs, SLOPES), codes)
+            stack_for(programs, 3), codes)
 
 
 def load_tables(
@@ -323,17 +313,14 @@ def load_tables(
             loads[-1][f"{axis}_code"], loads[-1][f"{axis}_end"] = code
     table = records_of(loads, records.LOAD)
     bodies, first = np.unique(table["body"], return_index=True)
-    loaded = np.zeros(len(bodies), records.LOADED)
-    loaded["body"], loaded["first"] = bodies, first
-    loaded["last"] = [*first[1:], len(order)]
-    for name in JOINT_ROWS:
-        loaded[name] = -1
+    loaded = fill(records.LOADED, len(bodies), body=bodies, first=first,
+                  last=[*first[1:], len(order)], row=-1, row_y=-1, row_turn=-1)
     for row in loaded:
         own = [given.law[i] for i in table["number"][row["first"]:row["last"]]]
         if any(law is not None and law.names & MOVED for law in own):
-            row["row"], row["entry"] = rows.add(int(row["body"]))
-            row["row_y"], _ = rows.add(int(row["body"]))
-            row["row_turn"], _ = rows.add(int(row["body"]))
+            row["entry"] = rows.entries
+            for name in JOINT_ROWS:
+                row[name], _ = rows.add(int(row["body"]))
     sides, centres = given.sides.copy(), model.bodies.centre[given.body]
     centre = np.repeat(centres, np.diff(given.first), axis=0)
     sides[:, :2] -= centre
@@ -350,27 +337,21 @@ def fluid_tables(
     lines, joints = model.lines, model.joints
     chambers: list[Row] = []
     for n, joint in enumerate(lines.joint.tolist()):
-        if joint >= 0:
-            sense = joints.sense[joint]
-            chambers.append(places.ends(lines.bodies[n]) | {
-                "turns": 1, "gain": sense * lines.gain[n],
-                "start": sense * (lines.start[n] + joints.zero[joint])})
-        else:
-            chambers.append(places.ends(lines.bodies[n], *lines.anchor[n]) | {
-                "gain": lines.gain[n], "start": lines.start[n]})
-    fluids = np.zeros(len(lines.name), records.FLUID)
-    fluids["first"], fluids["last"] = lines.first[:-1], lines.first[1:]
-    fluids["drive"], fluids["volume"], fluids["c"] = lines.drive, lines.volume, lines.compliance
-    fluids["gas"] = np.nan_to_num(lines.gas)
-    fluids["start"] = fluids["pressure"] = lines.pressure
-    fluids["least"], fluids["most"] = lines.least, lines.most
-    fluids["response"] = line_responses(model)
+        sense, zero = (joints.sense[joint], joints.zero[joint]) if joint >= 0 else (1.0, 0.0)
+        ends = places.ends(lines.bodies[n], *(() if joint >= 0 else lines.anchor[n]))
+        chambers.append(ends | {"turns": joint >= 0, "gain": sense * lines.gain[n],
+                                "start": sense * (lines.start[n] + zero)})
+    fluids = fill(
+        records.FLUID, len(lines.name), first=lines.first[:-1], last=lines.first[1:],
+        drive=lines.drive, volume=lines.volume, c=lines.compliance, gas=np.nan_to_num(lines.gas),
+        start=lines.pressure, pressure=lines.pressure, least=lines.least, most=lines.most,
+        response=stiffnesses.line_responses(model))
     with np.errstate(divide="ignore"):
         of_gas = fluids["volume"] * (fluids["start"] / ATMOSPHERE + 1.0) ** (1.0 / fluids["gas"])
     fluids["content"] = np.where(fluids["gas"] > 0, of_gas, fluids["c"] * fluids["start"])
     stiff = h * h * fluids["response"] > records.SOFT * lines.compliance
     meet = [(a, b) for a, b in model.valves.lines.tolist() if a >= 0 and b >= 0]
-    beside = stiff.copy()  # lines that are stiff, and those that valves join to them
+    beside = stiff.copy()  # stiff lines, and those that valves join to them
     for a, b in len(meet) * meet:
         beside[a] = beside[b] = beside[a] or beside[b]
     fluids["least_ahead"], fluids["ratio"] = stiff, np.where(beside, 1.5, 2.0)
@@ -381,43 +362,39 @@ def fluid_tables(
         for chamber in own:
             for end in "ab":
                 chamber[f"entry_{end}"] = entry + bodies.index(chamber[end])
-    valves = np.zeros(len(model.valves.name), records.VALVE)
-    valves["a"], valves["b"] = model.valves.lines.T
-    valves["r"], valves["k"] = model.valves.resistance, model.valves.orifice
-    valves["one_way"], valves["drive"] = model.valves.one_way, model.valves.drive
-    valves["slot"] = -1
+    valves = fill(
+        records.VALVE, len(model.valves.name), a=model.valves.lines[:, 0],
+        b=model.valves.lines[:, 1], r=model.valves.resistance, k=model.valves.orifice,
+        one_way=model.valves.one_way, drive=model.valves.drive, slot=-1)
     which = drives.giving("flow", "pressure")
-    pumps = np.zeros(len(which), records.PUMP)
-    pumps["drive"], pumps["line"] = which, drives.target[which]
-    pumps["source"] = np.isfinite(drives.resistance[which])
-    pumps["r"] = np.nan_to_num(drives.resistance[which])
+    pumps = fill(records.PUMP, len(which), drive=which, line=drives.target[which],
+                 source=np.isfinite(drives.resistance[which]),
+                 r=np.nan_to_num(drives.resistance[which]))
     own_rows = fluids["row"].tolist()
     return ({"fluids": fluids, "chambers": records_of(chambers, records.CHAMBER),
              "valves": valves, "pumps": pumps}, [(own_rows[a], own_rows[b]) for a, b in meet])
 
 
 def bond_table(model: Model, springs: Records, cables: Records) -> Records:
-    """BOND, [nr]; spans of tendons get the number of theirs."""
+    """BOND, [nr]; spans of tendons get the number of their tendon's."""
     bonds = model.bonds
-    table = np.zeros(len(bonds.name), records.BOND)
-    table["breaks_at"], table["over"] = bonds.breaks_at, bonds.over
-    table["as_is"], table["drive"] = bonds.as_is, bonds.drive
-    table["held"] = table["driven"] = bonds.held
-    table["last_load"], table["age"], table["wish"] = np.nan, records.SETTLED, records.NONE
+    table = fill(
+        records.BOND, len(bonds.name), breaks_at=bonds.breaks_at, over=bonds.over,
+        as_is=bonds.as_is, drive=bonds.drive, held=bonds.held, driven=bonds.held,
+        last_load=np.nan, age=records.SETTLED, request=records.NONE)
     for row in np.flatnonzero(springs["bond"] >= 0):
         own = table[springs["bond"][row]]
         own["what"], own["index"] = records.SPRINGY, row
     for what, numbers in ((records.JOINED, bonds.joint), (records.PULLING, bonds.tendon)):
         own = np.flatnonzero(numbers >= 0)
         table["what"][numbers[own]], table["index"][numbers[own]] = what, own
-    whole = len(model.tendons.name)
-    cables["bond"][:whole] = bonds.tendon
-    cables["bond"][whole:] = bonds.tendon[cables["whole"][whole:]]
+    numbers = np.where(cables["whole"] < 0, np.arange(len(cables)), cables["whole"])
+    cables["bond"] = bonds.tendon[numbers]
     return table
 
 
 def add_paths(joints: Records, model: Model, spans: Records) -> Records:
-    """Put the paths of slots into JOINT; the SPANs with theirs added."""
+    """Put the paths of slots into JOINT; returns ``spans`` with theirs added."""
     tables = [spans]
     for j, path in enumerate(model.joints.path):
         if path is None:
@@ -427,9 +404,126 @@ def add_paths(joints: Records, model: Model, spans: Records) -> Records:
         table = span_table(path.nodes, (x, y), first, closed=path.closed)
         table["start"] = path.starts[:-1]
         tables.append(table)
-        place = float(place_in_slot(model, j, model.bodies.pose).along)
+        place = float(of_joint.place_in_slot(model, j, model.bodies.pose).along)
         joints[j]["span"], joints[j]["span_end"] = first, first + len(table)
         joints[j]["around"] = path.length if path.closed else 0.0
         joints[j]["place"] = place
         joints[j]["on"] = first + np.searchsorted(path.starts[1:-1], place, side="right")
     return np.concatenate(tables)
+
+
+class CableTables(NamedTuple):
+    """CABLE and GUIDE, spans after whole tendons; SLIP."""
+
+    cables: Records
+    guides: Records
+    slips: Records
+    drag: Array  # of the slips of loops [N s^2/m], 0 of others
+    sums: list[tuple[int, int]]
+    """Rows of the spans on either side of each guide, or of the one span."""
+
+
+def cable_tables(places: PlacedBodies, h: float, rows: Rows) -> CableTables:
+    """Tables of all tendons; their rows are added."""
+    model, tendons = places.model, places.model.tendons
+    whole = len(tendons.name)
+    spans = [span for cable in range(whole) for span in spans_of(tendons, cable)]
+    path = np.array([*range(len(tendons.guide_body)), *(g for span in spans for g in span.guides)],
+                    dtype=np.int64)
+    body, off = tendons.guide_body[path], lifted_at_start(model)[path]
+    x, y = (tendons.guide_at[path] - model.bodies.centre[body]).T
+    guides = fill(
+        records.GUIDE, len(path), body=places.number[body], x=x, y=y,
+        radius=tendons.guide_radius[path], turns=tendons.guide_turns[path],
+        lifts=np.isin(path, tendons.wheels), lifted=off, wrap=np.where(off, BESIDE, 0.0))
+    ends = np.cumsum([*np.diff(tendons.first), *(len(span.guides) for span in spans)])
+    cables = fill(
+        records.CABLE, whole + len(spans), active=1, row=-1, drive=-1, stiffener=-1, whole=-1,
+        into=-1, out_of=-1, first=[0, *ends[:-1]][:len(ends)], last=ends)
+    for name, values in (("closed", tendons.closed), ("drive", tendons.drive),
+                         ("stiffener", tendons.stiffener), ("k", tendons.stiffness),
+                         ("c", tendons.damping), ("response", stiffnesses.cable_responses(model))):
+        cables[name][:whole] = values
+    found = CableTables(cables, guides, np.zeros(len(tendons.grips), records.SLIP),
+                        np.zeros(len(tendons.grips)), [])
+    stiff = stiffnesses.stiff_cables(model, h)
+    for e, cable in enumerate(cables):
+        cable["lifts"] = guides["lifts"][cable["first"]:cable["last"]].any()
+        cable["length"] = measure(cable, guides, places.pose, True)
+        if e >= whole:
+            continue
+        length = float(cable["length"])
+        rest = length if np.isnan(tendons.rest[e]) else tendons.rest[e]
+        if not np.isnan(tendons.pretension[e]):
+            rest = length - tendons.pretension[e] / tendons.stiffness[e]
+        cable["rest"] = rest + tendons.slack[e]
+        if len(tendons.gripped(e)):
+            cable["kind"] = records.GRIPPED
+            continue
+        cable["kind"] = (records.PULL if cable["drive"] >= 0 else records.STIFF if stiff[e]
+                         else records.DAMPED if cable["c"] > 0 else records.ELASTIC)
+        if cable["kind"] in (records.STIFF, records.DAMPED) and cable["response"] > 0:
+            _add_row(found, rows, e, [])
+    _add_spans(places, found, spans, rows, stiff, h)
+    return found
+
+
+def _add_row(found: CableTables, rows: Rows, e: int, slides: list[int]) -> None:
+    """The row of a tendon: entries of its bodies, then of the slips into it and out of it."""
+    cable = found.cables[e]
+    own = found.guides[cable["first"]:cable["last"]]
+    bodies, place = np.unique(own["body"], return_inverse=True)
+    cable["row"], cable["entry"] = rows.add(*bodies.tolist(), *slides)
+    cable["entries"], own["entry"] = len(bodies), cable["entry"] + place
+
+
+def _add_spans(
+    places: PlacedBodies, found: CableTables, spans: list[CableSpan], rows: Rows, stiff: Flags,
+    h: float,
+) -> None:
+    """The spans after the whole tendons, and the slips between them."""
+    tendons, bodies, cables = places.model.tendons, len(places.inverse_mass), found.cables
+    whole, count = len(tendons.name), len(tendons.grips)
+    for e, span in enumerate(spans, start=whole):
+        cable, own = cables[e], cables[span.tendon]
+        cable["whole"] = span.tendon
+        if own["spans_end"] == 0:
+            own["spans"] = e
+        own["spans_end"] = e + 1
+        cable["k"], cable["c"] = own["k"] * own["rest"], own["c"] * own["rest"]
+        if span.out_of < 0 and own["drive"] >= 0:
+            cable["kind"], cable["drive"] = records.PULL, own["drive"]
+            continue
+        _add_row(found, rows, e, [bodies + k for k in (span.into, span.out_of) if k >= 0])
+        entry = cable["entry"] + cable["entries"]
+        if span.into >= 0:
+            cable["into"], entry = entry, entry + 1
+        if span.out_of >= 0:
+            cable["out_of"] = entry
+    for e in np.flatnonzero(cables["kind"] == records.GRIPPED).tolist():
+        own, length, rest = cables[e], float(cables[e]["length"]), float(cables[e]["rest"])
+        part = cables[int(own["spans"]):int(own["spans_end"])]
+        # the tendon in a span at t = 0 is stretched like the whole, or has its share of the slack;
+        # the tendon on wheels that hold it is stretched, too, but does not hang
+        inside = part["length"] * (
+            rest / length if rest <= length else 1 + (rest - length) / part["length"].sum())
+        part["rest"] = part["inside"] = inside
+        part["least"] = MIN_INSIDE * inside
+        # all spans are solved alike: at the step's end if one of them is too stiff
+        largest = (part["k"] / inside).max()
+        quick = stiff[e] or h * h * largest * own["response"] > records.SOFT
+        part["kind"][part["row"] >= 0] = records.STIFF if quick else records.EVEN
+        if own["closed"]:
+            found.drag[tendons.gripped(e)] = DRAG * h * h * largest
+    before = {span.out_of: e for e, span in enumerate(spans, start=whole)}
+    after = {span.into: e for e, span in enumerate(spans, start=whole)}
+    for k, slip in enumerate(found.slips):
+        slip["before"], slip["after"] = before[k], after[k]
+        slip["cable"] = cable = cables[before[k]]["whole"]
+        slip["guide"], slip["friction"] = tendons.grips[k], tendons.friction[k]
+        path = tendons.guides(int(cable))
+        first = tendons.closed[cable] and slip["guide"] == path.start
+        slip["twin"] = path.stop - 1 if first else -1
+        slip["slide"], slip["sum"] = bodies + k, bodies + count + k
+        one, two = (int(cables[e]["row"]) for e in (before[k], after[k]))
+        found.sums.append((one, two if two >= 0 else one))

@@ -60,14 +60,7 @@ _everything = False
 
 
 class EntryPoint:
-    """A function that is compiled separately and called by its address.
-
-    Args:
-        function: the first argument is the address of a run's table; all arguments are annotated
-            with one of ``int``, ``float``, ``bool``, ``Array``, ``Matrix`` and ``Stack``.
-        feature: only compiled for scenes that have this feature; empty for all.
-        default: result in scenes without the feature.
-    """
+    """A compiled function that is called by its address, if the scene has its ``feature``."""
 
     def __init__(self, function: Callable[..., Any], feature: str, default: int) -> None:
         self.py_func, self.name, self.feature = function, function.__name__, feature

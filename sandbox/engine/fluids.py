@@ -33,25 +33,22 @@ from sandbox.engine import memory as at
 from sandbox.engine.coordinates import ends
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.numeric import Array, Records
+from sandbox.engine.plan import add_to
+from sandbox.numeric import Array, Matrix, Records
 
-GIVEN = 1e12
-"""How many times as much as it does a line yields whose pressure is given."""
-LAMINAR = 1e-3
-"""A pressure [Pa] below which an orifice without resistance lets through in proportion to it."""
-SHUT = 1e-9
-"""An opening that is none."""
-EVEN = 1e-9
-"""A share of a pressure or a flow that counts as none."""
-SMALLEST = 1e-6
-"""A share of a gas's volume or content at t = 0 below which it is not followed."""
-ALL = 3
-"""Attempts in which all lines and valves change that are wrong; after that the worst one does."""
+GIVEN = 1e12  # compliance of a line with a given pressure, over its own
+LAMINAR = 1e-3  # pressure [Pa] up to which the flow of an orifice is proportional to it
+SHUT = 1e-9  # opening below which a valve is shut
+EVEN = 1e-9  # relative tolerance of pressures and flows
+SMALLEST = 1e-6  # minimum volume and content of a gas, as a share of those at t = 0
+FULL = 1e15  # pressures and contents are valid below this [Pa, m^3]
+STILL = 1e-11  # flow per volume [1/s] that counts as zero
+ALL = 3  # attempts in which all wrong lines and valves change; later only the worst
 
 
 @entry_point("fluids")
 def swell(table: int, drive: Array) -> None:
-    """How lines stand at the poses of the step: volumes, forces of 1 Pa, pressures if all stays."""
+    """Volumes of lines at the poses of the step, forces of 1 Pa, pressures without flow."""
     fluids = at.fluids(table)
     chambers, body, turn = at.chambers(table), at.body(table), at.turn(table)
     for i in range(len(fluids)):
@@ -82,7 +79,7 @@ def swell(table: int, drive: Array) -> None:
 
 @kernel
 def _fill(fluid: Any) -> None:
-    """The pressure of what is in a line at its volume, and how it yields there."""
+    """The pressure of a line at its volume and content, and its compliance there."""
     fluid["ahead"] = fluid["least_ahead"]
     if fluid["gas"] == 0.0:
         fluid["rigid"] = (fluid["content"] - fluid["grown"]) / fluid["c"]
@@ -115,7 +112,7 @@ def _weights(fluid: Any) -> tuple[float, float, float]:
 
 @kernel
 def _straighten(table: int, drive: Array) -> None:
-    """What valves and pumps add to the flows of lines, straight in the pressures."""
+    """Flows of valves and pumps, linearised in the pressures."""
     fluids, valves = at.fluids(table), at.valves(table)
     for i in range(len(fluids)):
         fluids[i]["lets"] = fluids[i]["gets"] = 0.0
@@ -171,13 +168,9 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
     for n in range(len(chambers)):
         J[chambers[n]["entry_a"]] = J[chambers[n]["entry_b"]] = 0.0
     for n in range(len(chambers)):
-        p, i, j = chambers[n], chambers[n]["entry_a"], chambers[n]["entry_b"]
-        J[i, 0] -= p["x"]
-        J[i, 1] -= p["y"]
-        J[i, 2] += p["ta"]
-        J[j, 0] += p["x"]
-        J[j, 1] += p["y"]
-        J[j, 2] += p["tb"]
+        p = chambers[n]
+        add_to(J, p["entry_a"], -p["x"], -p["y"], p["ta"])
+        add_to(J, p["entry_b"], p["x"], p["y"], p["tb"])
     for i in range(len(fluids)):
         fluid, r = fluids[i], fluids[i]["row"]
         if fluid["lets"] > 0.0:  # only ahead within a step, so that attempts end
@@ -300,7 +293,7 @@ def _turn(table: int, valve: int) -> None:
 
 @kernel
 def _flows(table: int) -> bool:
-    """Take the laws of valves straight about the flows that were found; whether these are new."""
+    """Linearise the laws of valves about the last flows; whether these changed."""
     valves, fluids = at.valves(table), at.fluids(table)
     changed = False
     for i in range(len(valves)):
@@ -319,7 +312,7 @@ def _flows(table: int) -> bool:
 
 @kernel
 def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
-    """By what pressure a line breaks its mode, and the mode that it should have."""
+    """Pressure by which a line contradicts its mode, and its right mode."""
     fluids, valves = at.fluids(table), at.valves(table)
     fluid, mode = fluids[line], fluids[line]["mode"]
     if fluid["drive"] >= 0:
@@ -346,10 +339,137 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
 
 @kernel
 def _turned(table: int, valve: int) -> float:
-    """By what pressure a check valve is open or shut where it should not be."""
+    """Pressure by which a check valve contradicts its state."""
     v, fluids, across = at.valves(table)[valve], at.fluids(table), _across(table, valve)
     size = EVEN * (1.0 + (abs(fluids[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
                    + (abs(fluids[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
     # the linearised flow has the right sign before it is found, the pressure may not have it
     off = across if v["shut"] else -across if through(table, valve) < 0.0 else 0.0
     return float(off if off > size else 0.0)
+
+
+@entry_point("fluids")
+def report_lines(table: int, h: float, drive: Array) -> None:
+    """Pressures and flows of the step, and the contents of lines after it."""
+    fluids = at.fluids(table)
+    if len(fluids) == 0:
+        return
+    pressures(table, h, drive)
+    _gather(table, drive)
+    for i in range(len(fluids)):
+        fluid = fluids[i]
+        new = fluid["content"] + h * fluid["flow"]
+        if fluid["drive"] >= 0 or fluid["mode"] > 0:
+            fluid["ahead"] = 0.5  # its content is that of the step's end
+            holds = _holds(fluid, growing(table, h, i))
+            if fluid["drive"] < 0:
+                fluid["spilled"] += new - holds
+            else:  # the source supplies the rest
+                _give(table, i, (holds - new) / h)
+            new = holds
+        if fluid["gas"] > 0.0:
+            new = max(new, SMALLEST * fluid["volume"])
+        fluid["content"] = new
+
+
+@kernel
+def _gather(table: int, drive: Array) -> None:
+    """Flows of valves and pumps, and their sums in the lines."""
+    fluids, valves = at.fluids(table), at.valves(table)
+    for i in range(len(fluids)):
+        fluids[i]["flow"] = 0.0
+    for i in range(len(valves)):
+        flow = valves[i]["flow"] = through(table, i)
+        if valves[i]["a"] >= 0:
+            fluids[valves[i]["a"]]["flow"] -= flow
+        if valves[i]["b"] >= 0:
+            fluids[valves[i]["b"]]["flow"] += flow
+    pumps = at.pumps(table)
+    for i in range(len(pumps)):
+        pump, value = pumps[i], drive[pumps[i]["drive"]]
+        line = fluids[pump["line"]]
+        pump["flow"] = 0.0 if pump["source"] else value
+        if pump["r"] > 0.0:
+            pump["flow"] = (value - line["pressure"]) / pump["r"]
+        line["flow"] += pump["flow"]
+
+
+@kernel
+def _give(table: int, line: int, flow: float) -> None:
+    """Add a flow to that of a line's source without resistance."""
+    pumps = at.pumps(table)
+    for i in range(len(pumps)):
+        if pumps[i]["line"] == line and pumps[i]["source"]:
+            pumps[i]["flow"] += flow
+            at.fluids(table)[line]["flow"] += flow
+
+
+@kernel
+def _holds(fluid: Any, growing: float) -> float:
+    """Content of a line at its pressure [m^3]."""
+    if fluid["gas"] == 0.0:
+        return float(fluid["grown"] + growing + fluid["c"] * fluid["pressure"])
+    volume = max(fluid["volume"] + fluid["grown"] + growing, SMALLEST * fluid["volume"])
+    return float(volume * (fluid["pressure"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"]))
+
+
+@entry_point("fluids", default=1)
+def contained(table: int) -> bool:
+    """Whether all pressures and contents are finite and below :data:`FULL`."""
+    fluids = at.fluids(table)
+    for i in range(len(fluids)):  # written so that NaN is not sound
+        if not (abs(fluids[i]["pressure"]) < FULL and abs(fluids[i]["content"]) < FULL):
+            return False
+    return True
+
+
+@entry_point("fluids")
+def flowing(table: int) -> bool:
+    """Whether anything flows: what stands still for that is not at rest."""
+    fluids, pumps = at.fluids(table), at.pumps(table)
+    valves, moving = at.valves(table), False
+    for i in range(len(fluids)):
+        moving |= abs(fluids[i]["flow"]) > STILL * fluids[i]["volume"]
+    for i in range(len(valves)):
+        line = valves[i]["a"] if valves[i]["a"] >= 0 else valves[i]["b"]
+        moving |= abs(valves[i]["flow"]) > STILL * fluids[line]["volume"]
+    for i in range(len(pumps)):
+        moving |= abs(pumps[i]["flow"]) > STILL * fluids[pumps[i]["line"]]["volume"]
+    return moving
+
+
+@kernel
+def _head(fluid: Any, pressure: float) -> float:
+    """Work that brings fluid from 0 Pa to a pressure, per content [J/m^3]; a gas ideally."""
+    n, ratio = fluid["gas"], pressure / ATMOSPHERE + 1.0
+    if n == 0.0:
+        return pressure
+    if ratio <= 0.0:
+        return 0.0
+    if n < 1.0 + 1e-9:
+        return ATMOSPHERE * math.log(ratio)
+    return float(ATMOSPHERE * n / (n - 1.0) * (ratio ** ((n - 1.0) / n) - 1.0))
+
+
+@entry_point("fluids")
+def add_fluid_work(table: int, h: float, v: Matrix) -> None:
+    """Work of lines, pumps and valves in the step, for the mean velocities ``v`` [nb, 3]."""
+    fluids = at.fluids(table)
+    for i in range(len(fluids)):
+        fluids[i]["step_work"] = h * fluids[i]["pressure"] * growth(table, i, v)
+        fluids[i]["work"] += fluids[i]["step_work"]
+    valves = at.valves(table)
+    for i in range(len(valves)):
+        head = 0.0
+        for end in range(2):
+            line, sign = (valves[i]["a"], 1.0) if end == 0 else (valves[i]["b"], -1.0)
+            if line >= 0:
+                head += sign * _head(fluids[line], fluids[line]["pressure"])
+        valves[i]["step_loss"] = h * valves[i]["flow"] * head
+        valves[i]["loss"] += valves[i]["step_loss"]
+    pumps = at.pumps(table)
+    for i in range(len(pumps)):
+        line = pumps[i]["line"]
+        head = _head(fluids[line], fluids[line]["pressure"])
+        pumps[i]["step_work"] = h * pumps[i]["flow"] * head
+        pumps[i]["work"] += pumps[i]["step_work"]

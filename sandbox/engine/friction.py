@@ -1,34 +1,28 @@
-"""Dry friction in joints: of a pin against turning, of a slot against sliding along its groove.
+"""Dry friction in joints: of a pin against rotation, of a slot against sliding along its groove.
 
-What a joint leaves free of its motion is the rate y of one more row with bounds
-(:mod:`sandbox.engine.bounded`), so friction holds with whatever it takes, up to its bound, and
-slips against it. The bound is a number, h f, or depends on what the joint carries in the same step,
+The free rate y of a joint is one more row with bounds (:mod:`sandbox.engine.bounded`): friction
+holds up to its bound, and slips at it. The bound is a number, h f, or depends on the load of the
+joint in the same step,
 
     |p| <= s |q|        q: the impulses of the joint's rows, two of a pin, one of a slot
 
-s the coefficient, of a pin times its radius. Of two rows |q| is taken as u . q, u the direction in
-which the joint pushed last; that is a row of its own, which measures and acts on nothing. After the
-step u is compared with where q points now, and where that is not the same the step is solved again
-with the new one: the error of |q| is that of u squared. Only of one row is the sign of q what may
-change.
+s the coefficient, of a pin times its radius. Of two rows |q| is taken as u . q, u the direction of
+q in the last solve; that is a row of its own, which measures and acts on nothing. If q has another
+direction, the step is solved again with the new u: the error of |q| is that of u squared.
 
-Break-away: friction that holds with more than it slides with gives way.
-
-A row that held in the last step has the bound of static friction. If it slips against that, its
-load T came to the bound at t = (n - 3/2 + s) h, as in :mod:`sandbox.engine.breaks`, and the
-friction of the step has the impulse
+Break-away: static friction that gives way. A row that held in the last step has the bound of static
+friction. If it slips against that, its load T reached the bound at t = (n - 3/2 + s) h, as in
+:mod:`sandbox.engine.report`, and the friction of the step has the impulse
 
     h ((s - 1/2) F_s + (3/2 - s) F_k),      s = A / (A + B)
 
-F_s and F_k are static and sliding friction, A = F_s - T is what was left of the bound in the last
-step, B = T - F_s the load beyond it in this one. Velocities and places are then right to second
-order, unless F_s > 3 F_k: friction never drives. T is not known. The step is solved with F_s, which
-gives the rate of slip y_s, and with F_k, which gives y_k. Rates are linear in friction, so
-B = (F_s - F_k) y_s / (y_k - y_s). Rows that act on each other, as those of a box on two corners,
-slip as one: A and B are sums, weighted with y_s.
-
-A row that slides back passes through rest, and is tried with static friction, too. What was left of
-its bound is not known: s = 1/2.
+F_s and F_k are static and sliding friction, A = F_s - T is the reserve of the last step and B = T -
+F_s the excess in this one. Velocities and positions are then right to second order, unless F_s > 3
+F_k: friction never drives. T is not known. The step is solved with F_s, which gives the slip rate
+y_s, and with F_k, which gives y_k. Rates are linear in friction, so B = (F_s - F_k) y_s / (y_k -
+y_s). Rows that act on each other, as those of a box on two corners, slip as one: A and B are sums,
+weighted with y_s. A row that slides back passes through rest, and is tried with static friction,
+too. Its reserve is not known: s = 1/2.
 """
 
 from __future__ import annotations
@@ -37,35 +31,22 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine import state as st
 from sandbox.engine.bounded import UNBOUNDED, begin_row, put_coordinate, y_of
+from sandbox.engine.coordinates import rate as coordinate_rate
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import GROOVE
-from sandbox.engine.rows import beyond, joint_rate
-from sandbox.engine.state import (
-    HOLDS,
-    JOINT_FRICTION,
-    JOINT_LOAD,
-    SLIDES,
-    STILL,
-    STILL_TURNING,
-    TRIED,
-)
+from sandbox.engine.rows import beyond
 from sandbox.numeric import Array, Matrix, Records
 
-SAME = 1e-10
-"""By what share of what a joint carries its friction may be measured wrongly."""
-NOTHING = 1e-13
-"""A change of rates [m/s, rad/s] that rounding makes: what is off by less is not solved again."""
+SAME = 1e-10  # relative tolerance of the load of a joint
+NOTHING = 1e-13  # change of rates [m/s, rad/s] by rounding, which is not solved again
 
 
 @kernel
 def _along(table: int, h: float, dry: Any, out: Any) -> None:
-    """The coefficients of a joint's free rate: of turning, or along its groove.
-
-    Where a groove turns, or bodies turn against it, the way bends: the step asks for that in
-    advance, and for what is left of it in the next one, so that what holds stays where it is.
-    """
+    """The free rate of a joint, with what its way bends, and a return to where it held."""
     joint, body, before, turn = (
         at.joints(table)[dry["joint"]], at.body(table), at.before(table), at.turn(table))
     put_coordinate(out, joint, 1.0)
@@ -99,18 +80,18 @@ def friction_rows(table: int, h: float, i: int, n: int) -> int:
     by_load = dry["share"] > 0.0
     if by_load:
         out = rows[n]
-        begin_row(out, JOINT_LOAD, i, dry["sum"], dry["sum"], dry["pressed"], 0)
+        begin_row(out, st.JOINT_LOAD, i, dry["sum"], dry["sum"], dry["pressed"], 0)
         out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
         out["ax"], out["ay"] = -dry["ux"], -dry["uy"]
     m = n + 1 if by_load else n
     out = rows[m]
-    begin_row(out, JOINT_FRICTION, i, joint["a"], joint["b"], dry["impulse"], dry["mode"])
+    begin_row(out, st.JOINT_FRICTION, i, joint["a"], joint["b"], dry["impulse"], dry["mode"])
     out["passive"] = 1
     _along(table, h, dry, out)
     most = 0.0 if by_load else h * more * dry["most"]
     out["low"], out["high"] = -most, most
     out["normal"], out["friction"] = n if by_load else -1, more * dry["share"]
-    out["static"], out["phase"] = dry["static"], HOLDS if holds and more > 1.0 else SLIDES
+    out["static"], out["phase"] = dry["static"], st.HOLDS if holds and more > 1.0 else st.SLIDES
     out["spare"], out["gave"], out["slip"] = dry["bound"], dry["impulse"], dry["mode"]
     return m + 1
 
@@ -121,7 +102,7 @@ def change_friction(table: int, n: int) -> bool:
     rows, frictions = at.rows(table), at.dry_friction(table)
     unknown, changed = at.unknowns(table)[3], False
     for k in range(n - 1):
-        if rows[k]["source"] != JOINT_LOAD:
+        if rows[k]["source"] != st.JOINT_LOAD:
             continue
         row, friction = rows[k], rows[k + 1]
         i = row["index"]
@@ -142,13 +123,12 @@ def change_friction(table: int, n: int) -> bool:
 def report_friction(table: int, h: float, i: int, p: float, mode: int, bound: float) -> None:
     """Note what friction was in the step: its impulse on ``b``, the row's mode and static bound."""
     dry = at.dry_friction(table)[i]
-    k = dry["joint"]
-    joint = at.joints(table)[k]
+    joint = at.joints(table)[dry["joint"]]
     dry["impulse"], dry["mode"], dry["bound"] = p, mode, bound
     dry["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
     # a rigid drive may hold what friction has left at its bound: nothing moves all the same
-    rate = abs(joint_rate(table, k, at.velocity(table)))
-    still = STILL if joint["keeps"] == GROOVE else STILL_TURNING
+    rate = abs(coordinate_rate(joint, at.velocity(table)))
+    still = st.STILL if joint["keeps"] == GROOVE else st.STILL_TURNING
     dry["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
 
 
@@ -157,7 +137,7 @@ def release_friction(table: int, h: float, i: int, p: float) -> None:
     """Let friction of a released joint be none but ``p``; where it held it is not drawn back to."""
     dry = at.dry_friction(table)[i]
     dry["pressed"] = dry["place"] = 0.0
-    rate = joint_rate(table, dry["joint"], at.velocity(table))
+    rate = coordinate_rate(at.joints(table)[dry["joint"]], at.velocity(table))
     report_friction(table, h, i, p, -1 if rate > 0.0 else 1 if rate < 0.0 else 0, math.nan)
     dry["kept"] = 0
     dry["sticks"] = 0.0
@@ -168,7 +148,7 @@ def add_friction_work(table: int, h: float, v: Matrix) -> None:
     """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
     frictions = at.dry_friction(table)
     for i in range(len(frictions)):
-        rate = joint_rate(table, frictions[i]["joint"], v)
+        rate = coordinate_rate(at.joints(table)[frictions[i]["joint"]], v)
         frictions[i]["step_work"] = frictions[i]["impulse"] * rate
         frictions[i]["work"] += frictions[i]["step_work"]
 
@@ -182,25 +162,25 @@ def break_away(table: int, n: int) -> bool:
         if row["static"] <= 1.0:
             continue
         y = y_of(rows, n, G, k)
-        if row["phase"] == SLIDES and mode * row["slip"] < 0.0:
-            row["phase"], row["mode"], row["spare"] = HOLDS, 0, math.nan
+        if row["phase"] == st.SLIDES and mode * row["slip"] < 0.0:
+            row["phase"], row["mode"], row["spare"] = st.HOLDS, 0, math.nan
             _multiply(row, row["static"])
             changed = True
-        elif row["phase"] == HOLDS and mode != 0 and abs(y) > STILL:
-            row["phase"], row["slip"] = TRIED, abs(y)
+        elif row["phase"] == st.HOLDS and mode != 0 and abs(y) > st.STILL:
+            row["phase"], row["slip"] = st.TRIED, abs(y)
             row["spare"] -= mode * row["gave"]
             row["gave"] = row["p"]
             _multiply(row, 1.0 / row["static"])
             changed = True
-        tried |= row["phase"] == TRIED
+        tried |= row["phase"] == st.TRIED
     if tried and not changed:
         for k in range(n):
             rows[k]["wrong"] = _share(rows, n, G, k)
         for k in range(n):
-            if rows[k]["static"] > 1.0 and rows[k]["phase"] == TRIED:
+            if rows[k]["static"] > 1.0 and rows[k]["phase"] == st.TRIED:
                 s = rows[k]["wrong"]
                 _multiply(rows[k], max((s - 0.5) * rows[k]["static"] + 1.5 - s, 0.0))
-                rows[k]["phase"], rows[k]["slip"] = SLIDES, 0.0
+                rows[k]["phase"], rows[k]["slip"] = st.SLIDES, 0.0
     return changed or tried
 
 
@@ -217,7 +197,7 @@ def _share(rows: Records, n: int, G: Array, k: int) -> float:
     before = beyond = slip = more = 0.0
     for i in range(n):
         row = rows[i]
-        if row["static"] > 1.0 and row["phase"] == TRIED and G[k, i] != 0.0:
+        if row["static"] > 1.0 and row["phase"] == st.TRIED and G[k, i] != 0.0:
             before += row["slip"] * row["spare"]
             beyond += row["slip"] * abs(row["gave"] - row["p"])
             slip += row["slip"] * row["slip"]

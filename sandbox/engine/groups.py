@@ -1,8 +1,8 @@
 """Groups of elements in the phases of a step.
 
-A group is a set of elements that are solved together, such as all tendons. It has a function for
-some of the phases. Most of these are entry points: they are called through their address and
-compiled only for scenes that have the group. The step and its solve know the phases only:
+A group is a set of elements that are solved together, such as all tendons, with a function for some
+of the phases, mostly an entry point, which is compiled for scenes with the group only. The step and
+its solve use the phases only:
 
     apply_forces    measure coordinates at the pose; apply the forces that follow from it
     set_rows        bilateral rows that the pose determines, before the solve
@@ -12,15 +12,19 @@ compiled only for scenes that have the group. The step and its solve know the ph
     change          active sets and linearisations, after each solve
     is_changing     whether a mechanism whose bodies rest changes nevertheless
     is_valid        whether the results are in their ranges
-
-Bounded rows: :mod:`sandbox.engine.candidates`; results and work: :mod:`sandbox.engine.report`.
 """
 
 from __future__ import annotations
 
 from sandbox.engine.bonds import release_rows
-from sandbox.engine.fluid_report import contained, flowing
-from sandbox.engine.fluids import change_lines, fluid_rows, join_lines, swell
+from sandbox.engine.fluids import (
+    change_lines,
+    contained,
+    flowing,
+    fluid_rows,
+    join_lines,
+    swell,
+)
 from sandbox.engine.friction import change_friction
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import change_loads, load_rows, press, timed
@@ -66,11 +70,7 @@ def update_rows(table: int, h: float, drive: Array) -> None:
 def change(
     table: int, h: float, drive: Array, attempt: int, n: int, again: bool,
 ) -> tuple[bool, bool]:
-    """Change active sets and linearisations that the solution contradicts.
-
-    Returns whether the step must be solved again, and whether this is sure to converge. If it is
-    solved ``again`` in any case, active sets stay as they are.
-    """
+    """Change contradicted active sets and linearisations: whether any; whether it converges."""
     changed, converging = change_laws(table, h, drive), change_loads(table, h)
     changed |= change_friction(table, n)
     changed |= again or change_cables(table, h, attempt) or change_lines(table, h, drive, attempt)

@@ -1,14 +1,24 @@
-"""Impacts: contacts that give back speed, in the order in which they are hit within the step.
+"""Impacts: contacts with restitution, in the order of their instants within the step.
 
-Each contact that approaches is hit when its gap closes (:mod:`sandbox.engine.instants`). Those that
-are hit at one instant are reflected together, and what that changes may hit others. Five balls in a
-row then hand on what hits them, whether they touch or not, and a box that falls flat on two corners
-leaves its floor flat. Friction takes its part: what slides is slowed by at most μ times the blow.
+Contacts that are hit at one instant are reflected together, and the change of velocities may hit
+others. Five balls in a row hand on an impact, whether they touch or not, and a box that falls flat
+on two corners leaves its floor flat. Friction slows sliding by at most μ times the normal impulse.
 
-What comes to a limit at the instant t of a step is stopped in two steps: the first one leads to the
-limit, the second one leaves no speed. Their mean instant is t, so places are right to second order.
-But what an acceleration a > 0 drives back leaves the limit at t already. A third step, which begins
-at rest and shows what a is, gives the speed that the motion has gained since then.
+The pose x of a step is that of its middle. A contact with an open gap closes s later, with its
+normal and arms of that instant; both surfaces are replaced by their circles of curvature. The
+velocities at s are
+
+    v(s) = v_before + (1/2 + s / h) (v_free - v_before)
+
+with v_free those at the end of a step without impacts. Joints respond to an impact with their
+directions at s. An impact that changes the velocities by Δv leads the pose x back along the new
+path: the next pose is x - s Δv + h v. At x - s Δv joints are open by some s²; the step leaves that,
+so that its velocities are right, and the pose is then displaced further to close the joints.
+
+A motion that reaches a limit at the instant t of a step is stopped in two steps: the first one
+leads to the limit, the second one leaves no speed. Their mean instant is t, so positions are right
+to second order. But an acceleration a > 0 away from the limit acts from t on. A third step, which
+begins at rest and gives a, adds the speed gained since then.
 """
 
 from __future__ import annotations
@@ -16,36 +26,325 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.engine import bounded as unilateral
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import (
-    columns,
-    couple,
-    push,
-    rate,
-    relax,
-    solve_modes,
-    wipe,
-)
+from sandbox.engine import rows as bilateral
+from sandbox.engine.bonds import release_rows
 from sandbox.engine.candidates import normal_row, tangent_row
+from sandbox.engine.contacts import rotated
+from sandbox.engine.coordinates import ends
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.impact_poses import add_joints, answer_of_joints, note_joints, place_joints
-from sandbox.engine.instants import meet, place_as_found, tangent_motion, time_to_close
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import add, clear, put
-from sandbox.engine.rows import answer, apply_impulses
+from sandbox.engine.plan import add, backward, clear, forward, put
+from sandbox.engine.records import GEAR, GROOVE, ROLL
 from sandbox.engine.state import LIMITED, NORMAL, TANGENT
-from sandbox.numeric import Records
+from sandbox.numeric import Array, Records
 
-REBOUND = 0.01
-"""A slower approach [m/s] gives nothing back."""
-EXACT = 1e-10
-"""Rates that count as none, as a share of the fastest approach."""
-FAINT = 1e-6
-"""Approaches that small against the first end a chain of impacts."""
-CLOSED = 1e-9
-"""Contacts with gaps up to this [m] are hit together."""
-ORDERED = 100
-"""Most instants of impacts in one step; what is hit after these is reflected together."""
+FLAT = 1e3  # a radius of curvature [m] from which a surface counts as flat
+ITERATIONS = 3
+TIME_TOLERANCE = 1e-6  # instants nearer to the pose are that of the pose, as a share of the step
+
+
+@kernel
+def time_to_close(gap: float, speed: float, trend: float) -> float:
+    """The instant at which gap + speed s + trend s² / 2 falls to 0; inf if it does not."""
+    square = speed * speed - 2.0 * trend * gap
+    if square >= 0.0 and speed < 0.0:
+        return float(2.0 * gap / (math.sqrt(square) - speed))
+    if square >= 0.0 and trend < 0.0:
+        return float((speed + math.sqrt(square)) / -trend)
+    return math.inf
+
+
+@kernel
+def meet(table: int, h: float, i: int, row: Any) -> float:
+    """Bring contact ``i`` to the instant at which it closes; 0 if not in this step."""
+    t = at.found(table)[i]
+    place_as_found(table, i)
+    normal_row(h, at.touches(table), i, row)
+    start, trend = _motion(table, h, row, 0.0)
+    row["want"], row["trend"] = start, trend
+    row["gap"], row["closing"], row["bend"] = max(t["gap"], 0.0), start, trend
+    s = time_to_close(t["gap"], start, trend)
+    if t["listed"] or (t["gap"] < 0.0 and not -h <= s < 0.0):
+        return 0.0
+    for _ in range(ITERATIONS):
+        s = _within(h, s)
+        _carry(table, h, i, s)
+        normal_row(h, at.touches(table), i, row)
+        row["want"], row["trend"] = _motion(table, h, row, 0.0)
+        row["gap"] = t["gap"]
+        if abs(s) < TIME_TOLERANCE * h:
+            return s
+        row["bend"] = (row["want"] + row["trend"] * s - start) / s
+        s = time_to_close(t["gap"], start, row["bend"])
+    return _within(h, s)
+
+
+@kernel
+def _within(h: float, s: float) -> float:
+    """An instant of this step, which rounding may have put just outside; 0 for any other."""
+    return min(max(s, -h), h) if abs(s) <= h * (1.0 + TIME_TOLERANCE) else 0.0
+
+
+@kernel
+def place_as_found(table: int, i: int) -> None:
+    """Put contact ``i`` where it is at the pose."""
+    t, now = at.found(table)[i], at.touches(table)[i]
+    now["nx"], now["ny"] = t["nx"], t["ny"]
+    now["ax"], now["ay"], now["bx"], now["by"] = t["ax"], t["ay"], t["bx"], t["by"]
+
+
+@kernel
+def _motion(table: int, h: float, row: Any, s: float) -> tuple[float, float]:
+    """The rate of a row at the instant ``s``, and how it changes with s."""
+    before, free = unilateral.rate(row, at.before(table)), unilateral.rate(row, at.velocity(table))
+    return before + (0.5 + s / h) * (free - before), (free - before) / h
+
+
+@kernel
+def tangent_motion(table: int, h: float, row: Any, belt: float) -> None:
+    """Rate and trend of a tangential row."""
+    row["want"], row["trend"] = _motion(table, h, row, 0.0)
+    row["want"] += belt
+
+
+@kernel
+def mean(table: int, h: float, s: float, b: int, j: int) -> float:
+    """Component ``j`` of the velocity of a body from the pose to the instant ``s``."""
+    before = at.before(table)[b, j]
+    return float(before + (0.5 + 0.5 * s / h) * (at.velocity(table)[b, j] - before))
+
+
+@kernel
+def _carry(table: int, h: float, i: int, s: float) -> None:
+    """Take normal and arms of contact ``i`` from the pose to the instant ``s``."""
+    t, now = at.found(table)[i], at.touches(table)[i]
+    ka, da, kb, db = t["ka"], t["da"], t["kb"], t["db"]
+    a, b, nx, ny, gap = t["a"], t["b"], t["nx"], t["ny"], t["gap"]
+    wa, wb = mean(table, h, s, a, 2), mean(table, h, s, b, 2)
+    # arms of the surfaces' points, half a gap from the middle
+    ax, ay = t["ax"] - gap / 2 * nx, t["ay"] - gap / 2 * ny
+    bx, by = t["bx"] + gap / 2 * nx, t["by"] + gap / 2 * ny
+    slide = (nx * (mean(table, h, s, b, 1) + wb * bx - mean(table, h, s, a, 1) - wa * ax)
+             - ny * (mean(table, h, s, b, 0) - wb * by - mean(table, h, s, a, 0) + wa * ay))
+    below = ka * db + kb * da + ka * kb * gap
+    turn, along_a, along_b = wa, 0.0, 0.0
+    if below > 0.0:
+        turn = (ka * kb * slide + kb * da * wa + ka * db * wb) / below
+        along_a = da * (kb * slide + db * (wb - wa) - kb * wa * gap) / below
+        along_b = db * (ka * slide + da * (wa - wb) - ka * wb * gap) / below
+    mx, my = rotated(nx, ny, turn * s)
+    if abs(da) < FLAT * abs(ka) and abs(db) < FLAT * abs(kb):  # along the line of the centres
+        ra, rb = da / ka, db / kb
+        ox, oy = rotated(ax - ra * nx, ay - ra * ny, wa * s)
+        px, py = rotated(bx + rb * nx, by + rb * ny, wb * s)
+        ux = mean(table, h, s, b, 0) - mean(table, h, s, a, 0)
+        uy = mean(table, h, s, b, 1) - mean(table, h, s, a, 1)
+        mx, my = gap * nx + s * ux + px - ox + ax - bx, gap * ny + s * uy + py - oy + ay - by
+        size = math.copysign(math.hypot(mx, my), ra + rb + gap)
+        mx, my = mx / size, my / size
+    now["nx"], now["ny"] = mx, my
+    now["ax"], now["ay"] = _arm(ax, ay, nx, ny, mx, my, ka, da, wa * s, along_a * s)
+    now["bx"], now["by"] = _arm(bx, by, -nx, -ny, -mx, -my, kb, db, wb * s, along_b * s)
+
+
+@kernel
+def _arm(
+    x: float, y: float, nx: float, ny: float, mx: float, my: float, k: float, d: float,
+    angle: float, along: float,
+) -> tuple[float, float]:
+    """An arm when its body has turned and the outer normal has become (mx, my)."""
+    if abs(d) < FLAT * abs(k):
+        x, y = rotated(x - d / k * nx, y - d / k * ny, angle)
+        return x + d / k * mx, y + d / k * my
+    x, y = rotated(x, y, angle)
+    return x - along * my, y + along * mx
+
+
+CLOSINGS = 3  # maximum number of closures of joints after an impact
+
+
+@entry_point("bounces")
+def add_shift(table: int, h: float) -> None:
+    """Let ``velocity`` lead from the displaced pose, until :func:`remove_shift`."""
+    shift, velocity = at.shift(table), at.velocity(table)
+    put(at.placed(table), velocity)
+    for b in range(len(shift)):
+        for j in range(3):
+            velocity[b, j] += shift[b, j] / h
+
+
+@entry_point("bounces")
+def remove_shift(table: int) -> None:
+    """Undo :func:`add_shift`."""
+    put(at.velocity(table), at.placed(table))
+
+
+@kernel
+def displaced_gaps(table: int, h: float) -> float:
+    """:func:`joint_gaps` where the velocities lead from the displaced pose."""
+    clear(at.unknowns(table)[4])
+    add_shift(table, h)
+    gap = bilateral.joint_gaps(table, h)
+    remove_shift(table)
+    return gap
+
+
+@kernel
+def place_joints(table: int, h: float, now: float) -> None:
+    """Coefficients of the joints where the step leads at an instant."""
+    body, turn, kept = at.body(table), at.turn(table), at.placed(table)
+    for b in range(len(body)):
+        for j in range(3):
+            kept[b, j] = body[b, j]
+            body[b, j] += now * mean(table, h, now, b, j)
+    bilateral.note_turns(body, turn)
+    bilateral.joint_rows(table, h)
+    release_rows(table, h)
+    put(body, kept)
+    bilateral.note_turns(body, turn)
+
+
+@kernel
+def answer_of_joints(table: int, velocity: Array) -> None:
+    """Impulses with which bilateral rows answer a change of velocities, into ``unknowns``."""
+    clear(at.unknowns(table)[4])
+    bilateral.answer(table, velocity, at.unknowns(table)[4], at.unknowns(table)[5])
+
+
+@kernel
+def add_joints(table: int, velocity: Array, times: float) -> None:
+    """Add what these impulses of joints alone do to velocities."""
+    joints, impulses, entry_row = at.joints(table), at.unknowns(table)[5], at.entry_row(table)
+    entry_body, WJ = at.entry_body(table), at.entries(table)[1]
+    for k in range(len(joints)):
+        for e in range(joints[k]["entry"], joints[k]["entry"] + joints[k]["entries"]):
+            for j in range(3):
+                velocity[entry_body[e], j] += times * WJ[e, j] * impulses[entry_row[e]]
+
+
+@kernel
+def note_joints(table: int, times: float) -> None:
+    """Add these impulses to what joints carry besides the impulses of their rows."""
+    joints, impulses = at.joints(table), at.unknowns(table)[5]
+    J, entry_row = at.entries(table)[0], at.entry_row(table)
+    for k in range(len(joints)):
+        joint, first = joints[k], joints[k]["entry"]
+        for e in range(first, first + joint["entries"], 2):
+            p = times * impulses[entry_row[e]]
+            joint["kick_x"] += p * J[e + 1, 0]
+            joint["kick_y"] += p * J[e + 1, 1]
+            joint["twist_a"] += p * J[e, 2]
+            joint["twist_b"] += p * J[e + 1, 2]
+
+
+@entry_point("bounces")
+def take_impacts(table: int, h: float, struck: bool) -> None:
+    """Add impacts to the free velocities; rows of joints respond at the pose of the step again."""
+    shift, delayed, velocity, unknowns = (
+        at.shift(table), at.delayed(table), at.velocity(table), at.unknowns(table))
+    if struck and len(at.joints(table)) > 0:
+        add_joints(table, at.kick(table), -1.0)
+        note_joints(table, -1.0)
+        body, turn = at.body(table), at.turn(table)
+        for k in range(len(at.joints(table))):  # twists keep what forces at the points do not do
+            joint = at.joints(table)[k]
+            ax, ay, bx, by, px, py = ends(joint, body, turn)
+            share = 0.0  # of the way to the point of b, to where a slot or wheels act on a
+            if joint["keeps"] == GROOVE:
+                share = 1.0
+            elif joint["keeps"] == GEAR or joint["keeps"] == ROLL:
+                share = joint["ra"] / (joint["ra"] + joint["rb"])
+                bx, by = bx - (1.0 - share) * px, by - (1.0 - share) * py
+            ax, ay = ax + share * px, ay + share * py
+            joint["twist_a"] -= ay * joint["kick_x"] - ax * joint["kick_y"]
+            joint["twist_b"] -= bx * joint["kick_y"] - by * joint["kick_x"]
+        clear(unknowns[4])
+        clear(unknowns[5])
+        for b in range(len(shift)):
+            for j in range(3):
+                shift[b, j] = -delayed[b, j]
+                velocity[b, j] = shift[b, j] / h
+        bilateral.joint_gaps(table, h)
+        for r in range(unknowns.shape[1]):
+            unknowns[5, r] = -h * unknowns[4, r]
+    add(at.free(table), at.kick(table), 1.0)
+
+
+@entry_point("bounces")
+def lead_back(table: int, h: float, n: int) -> None:
+    """Displace the pose by what impacts after it change, times their instants; joints answer."""
+    rows, unknowns, shift, delayed = (
+        at.rows(table), at.unknowns(table), at.shift(table), at.delayed(table))
+    Y, reached, A, chosen = at.columns(table), at.reached(table), at.system(table), at.chosen(table)
+    for b in range(len(shift)):
+        for j in range(3):
+            shift[b, j] = -delayed[b, j]
+    clear(unknowns[4])
+    bilateral.right_side(table, shift, unknowns[4])
+    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
+    m = 0
+    for q in range(unilateral.choose(rows, n, chosen)):
+        if _held_before(table, rows[chosen[q]]):
+            chosen[m] = chosen[q]
+            m += 1
+    unilateral.make_system(rows, n, at.delassus(table), A, chosen, m)
+    for q in range(m):
+        k = chosen[q]
+        A[q, m] = 0.0 if rows[k]["out"] else -unilateral.free_rate(
+            table, rows[k], Y[k], reached[k], shift, 0.0)
+    unilateral.eliminate(A, m)
+    for r in range(unknowns.shape[1]):
+        unknowns[4, r] = unknowns[2, r]
+    for q in range(m):
+        k = chosen[q]
+        _answer(table, k, A[q, m])
+        if k + 1 < n and rows[k + 1]["normal"] == k and rows[k + 1]["mode"] != 0:
+            _answer(table, k + 1, rows[k + 1]["mode"] * rows[k + 1]["friction"] * A[q, m])
+    backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+    bilateral.apply_impulses(table, unknowns[4], shift)
+    _close(table, h)
+
+
+@kernel
+def _close(table: int, h: float) -> None:
+    """Displace the pose further, so that joints are closed where the velocities lead from there."""
+    unknowns = at.unknowns(table)
+    clear(unknowns[5])
+    for _ in range(CLOSINGS):
+        if displaced_gaps(table, h) < bilateral.closed(h):
+            break
+        forward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+        backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+        for r in range(unknowns.shape[1]):
+            unknowns[4, r] *= h
+        bilateral.apply_impulses(table, unknowns[4], at.shift(table))
+
+
+@kernel
+def _held_before(table: int, row: Any) -> bool:
+    """Whether a row was active before the impacts; a contact that closes in the step was not."""
+    if row["source"] == NORMAL or row["source"] == TANGENT:
+        return bool(at.found(table)[row["index"]]["listed"] == 1)
+    return not row["measure"]
+
+
+@kernel
+def _answer(table: int, k: int, p: float) -> None:
+    """Add what bounded row ``k`` answers to the displacement, and to what bilateral rows do."""
+    row, answer, y, reached = (
+        at.rows(table)[k], at.unknowns(table)[4], at.columns(table)[k], at.reached(table)[k])
+    for q in range(row["branch"]):
+        answer[reached[q]] -= y[reached[q]] * p
+    unilateral.push(at.inverse_mass(table), row, p, at.shift(table))
+
+
+REBOUND = 0.01  # minimum approach speed [m/s] of a rebound
+EXACT = 1e-10  # tolerance of rates, as a share of the fastest approach
+FAINT = 1e-6  # minimum approach in a chain of impacts, as a share of the first
+CLOSED = 1e-9  # contacts with gaps up to this [m] are hit together
+ORDERED = 100  # maximum number of instants of impacts in a step; later impacts are simultaneous
 
 
 @kernel
@@ -56,9 +355,9 @@ def _hit(table: int, h: float) -> bool:
         t = touches[i]
         if t["restitution"] > 0.0:
             normal_row(h, touches, i, row)
-            u = rate(row, before)
+            u = unilateral.rate(row, before)
             if u < -REBOUND and (
-                    t["late"] == 1 or h * min(u, rate(row, free)) + t["gap"] < 0.0):
+                    t["late"] == 1 or h * min(u, unilateral.rate(row, free)) + t["gap"] < 0.0):
                 return True
     return False
 
@@ -91,7 +390,7 @@ def late_hits(table: int, n: int) -> bool:
         if row["source"] == NORMAL and row["p"] > 0.0:
             t = touches[row["index"]]
             if (t["restitution"] > 0.0 and t["bounce"] == 0.0 and t["late"] == 0
-                    and rate(row, before) < -REBOUND):
+                    and unilateral.rate(row, before) < -REBOUND):
                 t["late"], found = 1, True
     return found
 
@@ -110,8 +409,8 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
             return event > 0
         fastest = _struck(rows, n, touches, now, end, CLOSED if event < ORDERED else math.inf)
         end = max(end, FAINT * fastest)
-        if solve_modes(rows, n, G, A, chosen, EXACT * fastest) < 0:
-            relax(rows, n, G)
+        if unilateral.solve_modes(rows, n, G, A, chosen, EXACT * fastest) < 0:
+            unilateral.relax(rows, n, G)
         for q in range(n):
             p = rows[q]["p"]
             if p != 0.0:
@@ -121,7 +420,7 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
                     t["bounce"] += p
                 else:
                     t["drag"] += p
-                push(inverse_mass, rows[q], p * now, delayed)
+                unilateral.push(inverse_mass, rows[q], p * now, delayed)
                 for k in range(n):
                     change = G[k, q] * p
                     rows[k]["want"] += change
@@ -156,10 +455,7 @@ def _next(table: int, h: float, rows: Records, n: int, now: float, end: float) -
 def _struck(
     rows: Records, n: int, touches: Records, now: float, end: float, near: float,
 ) -> float:
-    """Make ready those that are hit now, with gaps up to ``near``; the fastest approach.
-
-    Reflected, a contact has y = v + e v_before >= 0; all others have no force to give.
-    """
+    """Prepare the contacts that are hit now, with gaps up to ``near``; the fastest approach."""
     fastest = 0.0
     for k in range(n):
         row = rows[k]
@@ -181,11 +477,7 @@ def _struck(
 
 @entry_point("bounces")
 def foresee_impacts(table: int, h: float, kept: int) -> bool:
-    """Forget impacts of a trial without late hits; whether a contact is hit in this step.
-
-    If so, ``velocity`` is that after the step without impacts: ``kept`` rows carry about what they
-    did in the last step. If there are joints they are put to the pose of the first impact.
-    """
+    """Reset impacts; whether a contact is hit in this step, with the velocity without impacts."""
     free, kick, delayed, shift, unknowns = (
         at.free(table), at.kick(table), at.delayed(table), at.shift(table), at.unknowns(table))
     add(free, kick, -1.0)
@@ -202,9 +494,9 @@ def foresee_impacts(table: int, h: float, kept: int) -> bool:
     velocity, bounded = at.velocity(table), at.rows(table)  # bounded rows as in the last step
     put(velocity, free)
     for k in range(kept):
-        push(at.inverse_mass(table), bounded[k], bounded[k]["last"], velocity)
-    answer(table, velocity, unknowns[0], unknowns[4])
-    apply_impulses(table, unknowns[4], velocity)
+        unilateral.push(at.inverse_mass(table), bounded[k], bounded[k]["last"], velocity)
+    bilateral.answer(table, velocity, unknowns[0], unknowns[4])
+    bilateral.apply_impulses(table, unknowns[4], velocity)
     if len(at.joints(table)) > 0:
         rows = at.rows(table)[len(at.rows(table)) // 2:]
         n, now = _list(table, h, rows)
@@ -216,25 +508,21 @@ def foresee_impacts(table: int, h: float, kept: int) -> bool:
 
 @entry_point("bounces")
 def impacts(table: int, h: float, kept: int) -> bool:
-    """Reflect approaches; the contacts' impulses are put into ``kick``. Whether there are any.
-
-    What tendons and dampers make of them is found with all else that they carry. The impulses of
-    the joints in the pose of the impact are in the last row of ``unknowns``.
-    """
+    """Reflect approaches; the contacts' impulses are put into ``kick``. Whether there are any."""
     kick, delayed, touches, body = (
         at.kick(table), at.delayed(table), at.touches(table), at.body(table))
     begin = len(at.rows(table)) // 2
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
     n, now = _list(table, h, rows)
-    columns(table, begin, 0, n)
-    couple(table, begin, 0, n)
+    unilateral.columns(table, begin, 0, n)
+    unilateral.couple(table, begin, 0, n)
     struck = _reflect(table, h, rows, n, now)
     for k in range(n):
         i = rows[k]["index"]
         t = touches[i]
-        push(at.inverse_mass(table), rows[k],
-             t["bounce"] if rows[k]["normal"] < 0 else t["drag"], kick)
+        unilateral.push(at.inverse_mass(table), rows[k],
+                        t["bounce"] if rows[k]["normal"] < 0 else t["drag"], kick)
         if t["bounce"] == 0.0:
             place_as_found(table, i)
         elif rows[k]["normal"] < 0:
@@ -250,7 +538,7 @@ def impacts(table: int, h: float, kept: int) -> bool:
         elif row["source"] == TANGENT:
             tangent_row(h, body, touches, row["index"], row["normal"], row)
         row["last"], row["mode"] = last, mode
-    wipe(rows, n, Y, reached)
+    unilateral.wipe(rows, n, Y, reached)
     if struck and len(at.joints(table)) > 0:
         answer_of_joints(table, delayed)
         add_joints(table, delayed, 1.0)
@@ -267,7 +555,7 @@ def leave(table: int, h: float, n: int) -> None:
     for k in range(n):
         row = rows[k]
         if row["source"] == LIMITED and limits[row["index"]]["since"] >= h:
-            gain = (row["free"] - row["want"] - rate(row, before)) / h
+            gain = (row["free"] - row["want"] - unilateral.rate(row, before)) / h
             row["free"] -= max(gain, 0.0) * (limits[row["index"]]["since"] + h / 2)
 
 
@@ -290,7 +578,7 @@ def _since(table: int, h: float, row: Any, last: float, since: float) -> float:
         return 0.0
     if last > 0.0:
         return since + h if 0.0 < since < h else 0.0
-    start, free = rate(row, at.before(table)), row["free"] - row["want"]
+    start, free = unilateral.rate(row, at.before(table)), row["free"] - row["want"]
     if row["want"] <= 0.0 or start >= 0.0:
         return 0.0
     t = time_to_close(h * row["want"], (start + free) / 2, (free - start) / h)

@@ -1,19 +1,17 @@
-"""What the outside sets over time: values of drives and poses of scheduled bodies.
+"""Inputs over time: values of drives and poses of scheduled bodies.
 
-Values are those of the instant of the step's pose, but for motors, whose rate is that of the step's
-end, half a step later, and rigid servos, which get the target of the next step. No value is below
-its drive's floor.
+Values are those at the pose of the step, but those of motors at the step's end, half a step later,
+and of rigid servos at the pose of the next step. No value is below its drive's floor.
 
 Time comes from the step's index. pymunk moves positions first, then velocities: after step k the
 poses, and the forces of step k, belong to t = (k - 1/2) h, the velocities to t = k h. Labelled so,
-the scheme is a leapfrog and its error is second order.
+the scheme is a leapfrog of second order.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +27,7 @@ from sandbox.values.units import range_of
 
 @dataclass(frozen=True)
 class Clock:
-    """Step h [s], number of steps, and every how many steps a sample is kept."""
+    """Step h [s], number of steps, and steps between two samples."""
 
     step: float
     steps: int
@@ -56,8 +54,7 @@ def make_clock(duration: float, step: float, sample_rate: float) -> Clock:
     return Clock(step, steps, every)
 
 
-CHUNK = 4096
-"""Steps whose signals are worked out in one go; chunks begin at steps 1, CHUNK + 1, ..."""
+CHUNK = 4096  # steps whose signals are computed at once; chunks begin at steps 1, CHUNK + 1, ...
 
 
 class Inputs:
@@ -71,48 +68,54 @@ class Inputs:
         self._drives: Array = np.zeros((0, len(self.mechanism.drives)))
         bodies = [(i, self.mechanism.bodies[i]) for i in world.order.tolist()]
         self._moved = [(i, body, body.path) for i, body in bodies if body.path is not None]
-        """In pymunk's order."""
         self._speeds: Array = np.zeros((0, len(self._moved), 3))
-        kinds = self.model.drives.kind
-        self._latches = {i: _radius(world, i) for i, kind in enumerate(kinds) if kind.latched}
-        self._latched: dict[int, float] = {}
-        """What pymunk was last given of each drive."""
+        drives = self.model.drives
+        self._circles: dict[int, tuple[pymunk.Circle, float]] = {}
+        """The circles in pymunk whose radii drives set, and by how much they stand out there."""
+        for i in (i for i, kind in enumerate(drives.kind) if kind.latched):
+            circle, = world.shapes[int(drives.target[i])][int(drives.shape[i])]
+            assert isinstance(circle, pymunk.Circle)  # references are checked when a scene is read
+            self._circles[i] = circle, float(
+                world.shape_tables.shapes["margin"][circle.collision_type - 1])
+        self._latched: dict[int, float] = {}  # their values in pymunk
         self._place()
 
     @property
     def at_once(self) -> int:
-        """Most steps at a time: one if something that pymunk latches has a signal that varies."""
+        """Maximum number of steps at a time: one if a varying signal sets a radius in pymunk."""
         switched = {name for event in self.mechanism.events for name in event.set}
         controlled = {name for controller in self.mechanism.controllers
                       if controller.active and f"{controller.name}.active" not in switched
                       for name in controller.written}
         drives = self.mechanism.drives
         varied = any(not isinstance(drives[i].value, Constant) and drives[i].name not in controlled
-                     for i in self._latches)
+                     for i in self._circles)
         return 1 if varied else CHUNK
 
     def rows(self, k: int, most: int) -> Array:
-        """Values of all drives for up to ``most`` steps from step k on, fewer at a chunk's end."""
+        """Values of all drives for up to ``most`` steps from step k, fewer at a chunk's end."""
         if not self._start <= k < self._start + len(self._drives):
             self._fill(k)
         row = k - self._start
         return self._drives[row : row + most]
 
     def apply(self, row: Array) -> None:
-        """Set in pymunk what it latches, from the values of all drives [nd]."""
-        for i, latch in self._latches.items():
+        """Set the radii in pymunk, from the values of all drives [nd]."""
+        for i, (circle, margin) in self._circles.items():
             value = float(row[i])
             if self._latched.get(i) != value:
                 self._latched[i] = value
-                latch(value)
+                # a controller's value is not checked, and pymunk refuses some
+                circle.unsafe_set_radius(min(value, range_of("length").most) + margin)
+                self.world.space.reindex_shape(circle)  # pymunk keeps the bounds of fixed bodies
 
     def speeds(self, k: int, count: int) -> Array:
-        """Velocities of scheduled bodies after the steps from k on, as :meth:`rows`, [n, ns, 3]."""
+        """Velocities of scheduled bodies after the steps from k, as :meth:`rows`, [n, ns, 3]."""
         row = k - self._start
         return self._speeds[row : row + count]
 
     def _place(self) -> None:
-        """Put scheduled bodies where they are half a step before t = 0, paths continued."""
+        """Put scheduled bodies to their poses half a step before t = 0, paths continued."""
         if not self._moved:
             return
         self._fill(1)
@@ -145,15 +148,15 @@ class Inputs:
         speeds = np.stack(
             [self._speeds_of(body, path, start, stop) for _, body, path in self._moved], axis=1,
         ) if self._moved else np.zeros((stop - start, 0, 3))
-        # only now, when no signal was found to be without a value
+        # only now: a signal without a value raises an error
         self._start, self._speeds = start, speeds
         self._drives = np.maximum(drives, self.model.drives.floor)
 
     def _speeds_of(self, body: Body, path: Path, start: int, stop: int) -> Array:
-        """Velocities [n, 3] that lead from the poses of steps ``start`` … ``stop`` - 1 onward."""
+        """Velocities [n, 3] after the steps ``start`` … ``stop`` - 1."""
         last = min(stop, self.clock.steps)
         poses = self._poses(body, path, max(start - 2, 1), last)
-        if start == 1:  # the two before the first go on as it begins
+        if start == 1:  # continue the path before the first
             begin = np.array([*body.at, body.angle])
             poses = np.vstack([2 * begin - poses[0], poses])
         speeds = np.diff(poses, axis=0) / self.clock.step
@@ -177,21 +180,3 @@ class Inputs:
             return values(signal, times, self.mechanism.functions)
         except ValueError as error:
             raise SceneError([Problem("bad-argument", f"{what}: {error}")]) from None
-
-
-Latch = Callable[[float], None]
-
-
-def _radius(world: World, drive: int) -> Latch:
-    """A function that sets the radius of a drive's circle in pymunk."""
-    drives = world.model.drives
-    circle, = world.shapes[int(drives.target[drive])][int(drives.shape[drive])]
-    margin = float(world.shape_tables.shapes["margin"][circle.collision_type - 1])
-
-    def latch(value: float) -> None:
-        assert isinstance(circle, pymunk.Circle)  # references are checked when a scene is read
-        # what is worked out as it goes may be anything; what pymunk is given may not
-        circle.unsafe_set_radius(min(value, range_of("length").most) + margin)
-        world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
-
-    return latch

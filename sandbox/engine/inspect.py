@@ -22,26 +22,12 @@ import numpy as np
 from sandbox.elements.arrays import CONTACT as CONTACT_ROW
 from sandbox.elements.arrays import MEAN, MEAN_CONTACT, PER_SAMPLE, row_bytes
 from sandbox.elements.controllers.controller import every
+from sandbox.engine import inspect_elements as of
 from sandbox.engine.inputs import make_clock
-from sandbox.engine.inspect_control import beyond_stops, control_problems
-from sandbox.engine.inspect_elements import (
-    grasp_problems,
-    idle_problems,
-    line_problems,
-    load_problems,
-    mass_problems,
-    tendon_problems,
-    unmoved,
-)
+from sandbox.engine.inspect_control import control_problems
+from sandbox.engine.inspect_elements import NEGLIGIBLE, deg, look, mm
 from sandbox.engine.inspect_hands import hand_problems
-from sandbox.engine.inspect_joints import (
-    joint_problems,
-    overlaps,
-    shared_problems,
-    wheel_problems,
-)
 from sandbox.engine.inspect_springs import against_step, ringing_problems, without_arm
-from sandbox.engine.inspect_words import NEGLIGIBLE, deg, look, mm
 from sandbox.engine.islands import MANY
 from sandbox.errors import Problem
 from sandbox.model.compile import compile_mechanism
@@ -61,17 +47,12 @@ from sandbox.wording import quoted
 class Inspection(NamedTuple):
     """Problems of a mechanism and the estimate of its run."""
 
-    problems: list[Problem]
-    """Errors first, otherwise in the order of the elements."""
-    estimate: Estimate
-    """Of its run."""
+    problems: list[Problem]  # errors first, otherwise in the order of the elements
+    estimate: Estimate  # of its run
 
 
 def inspect(mechanism: Mechanism) -> list[Problem]:
-    """Errors and warnings of a mechanism, errors first, otherwise in the order of its elements.
-
-    Paths are those of the mechanism; problems of an element have its name.
-    """
+    """Errors and warnings of a mechanism, errors first, otherwise in the order of its elements."""
     return look_over(mechanism).problems
 
 
@@ -79,21 +60,18 @@ def look_over(mechanism: Mechanism) -> Inspection:
     """The problems of :func:`inspect`, and the cost of a run."""
     model = compile_mechanism(mechanism)
     allowed = allowed_pairs(model)
-    (solids, near), cables = overlaps(model, allowed), list(tendon_problems(model))
+    (solids, near), cables = of.overlaps(model, allowed), list(of.tendon_problems(model))
     astray = {problem.path for problem in cables if problem.blocks}  # no check of their vibration
     problems = [
-        *nothing_to_run(mechanism), *joint_problems(model), *wheel_problems(model),
-        *shared_problems(model),
-        *solids, *mass_problems(model, allowed), *cables,
-        *hand_problems(model, allowed),
-        *line_problems(model), *load_problems(model),
+        *nothing_to_run(mechanism), *of.joint_problems(model), *of.wheel_problems(model),
+        *of.shared_problems(model), *solids, *of.mass_problems(model, allowed), *cables,
+        *hand_problems(model, allowed), *of.line_problems(model), *of.load_problems(model),
         *against_step(model),
         *(problem for problem in ringing_problems(model) if problem.path not in astray),
-        *without_arm(model), *unmoved(model), *_of_scene(mechanism), *check_quantities(mechanism),
-        *check_shown(mechanism), *control_problems(mechanism),
-        *beyond_stops(model), *idle_problems(model), *grasp_problems(model, allowed),
-        *_of_run(mechanism),
-    ]
+        *without_arm(model), *of.unmoved(model), *_of_scene(mechanism),
+        *check_quantities(mechanism), *check_shown(mechanism), *control_problems(mechanism),
+        *of.beyond_stops(model), *of.idle_problems(model), *of.grasp_problems(model, allowed),
+        *_of_run(mechanism)]
     return Inspection(sorted(problems, key=lambda problem: problem.severity != "error"),
                       estimate(model, allowed, near=near))
 
@@ -153,21 +131,14 @@ def _of_run(mechanism: Mechanism) -> Iterator[Problem]:
                "leave 'centre' or 'width' out to have it fitted")
 
 
-STEP = 3e-6
-"""An empty step [s]."""
-BODY, ROW, GUIDE, SPRING, DRIVE = 0.12e-6, 0.25e-6, 0.12e-6, 0.6e-6, 0.35e-6
-"""For each body; row of a joint; guide of a tendon or chamber; spring, line, valve or load;
-drive [s]."""
-CONTACT, CONTACTS = 0.25e-6, 2e-9
-"""Time for each contact, and for each pair of contacts, which may be coupled [s]."""
-PILED, POWER = 0.25e-6, 1.5
-"""Time for the bodies of a pile, times their number to this power [s]."""
-ACT = 12e-6
-"""One evaluation of a controller or a condition [s]."""
-NUMBER = 0.25e-6
-"""Eight bytes that are recorded and written into two files [s]."""
+STEP = 3e-6  # an empty step [s]
+BODY, ROW, GUIDE, SPRING, DRIVE = 0.12e-6, 0.25e-6, 0.12e-6, 0.6e-6, 0.35e-6  # per element [s]
+CONTACT, CONTACTS = 0.25e-6, 2e-9  # per contact, and per pair of contacts [s]
+PILED, POWER = 0.25e-6, 1.5  # time for the bodies of a pile, times their number to this power [s]
+ACT = 12e-6  # one evaluation of a controller or a condition [s]
+NUMBER = 0.25e-6  # eight bytes that are recorded and written into two files [s]
 ROWS = {"point": 2, "groove": 1, "distance": 1, "range": 1, "gear": 1, "rack": 1, "roll": 2}
-"""Of joints, by constraint."""
+"""Of joints."""
 
 
 @dataclass(frozen=True)
@@ -177,11 +148,9 @@ class Estimate:
     steps: int
     samples: int
     contacts: int
-    """In every sample, as assumed: one for each free body with shapes, or as many pairs as are
-    near each other at t = 0 if that is more; no more than pairs that may touch."""
+    """In every sample: one for each free body with shapes, at least those near at t = 0."""
     seconds: float
-    recorded_bytes: int
-    """Contacts included."""
+    recorded_bytes: int  # contacts included
 
     def __str__(self) -> str:
         return (f"would take about {_time(self.seconds)} and {_size(self.recorded_bytes)} "
@@ -204,13 +173,7 @@ class Estimate:
 
 
 def estimate(model: Model, allowed: Flags, *, near: int) -> Estimate:
-    """Estimate the cost of a run.
-
-    Args:
-        model: the mechanism.
-        allowed: pairs of bodies that may touch, [nb, nb].
-        near: pairs of bodies that may touch and are together at t = 0.
-    """
+    """Estimate the cost of a run; ``near`` pairs of the ``allowed`` are together at t = 0."""
     mechanism, run = model.mechanism, model.mechanism.run
     clock = make_clock(run.duration, run.step, run.sample_rate)
     shaped = np.array([bool(body.shapes) for body in mechanism.bodies], dtype=bool)
@@ -227,21 +190,17 @@ def estimate(model: Model, allowed: Flags, *, near: int) -> Estimate:
             + GUIDE * (len(model.tendons.guide_body) + len(model.lines.gain))
             + SPRING * sum(map(len, (model.springs.name, model.lines.name, model.valves.name,
                                      model.loads.name)))
-            + DRIVE * len(model.drives.name) + CONTACT * contacts + _coupled(model, contacts))
-    seconds = (clock.steps * step + ACT * sum(clock.steps / every(rate, clock.step)
-                                              for rate in rates) + NUMBER * size / 8)
-    return Estimate(clock.steps, clock.samples, contacts, seconds, size)
-
-
-def _coupled(model: Model, contacts: int) -> float:
-    """Seconds for what contacts do to one another; of piles as the sparse solver takes them."""
+            + DRIVE * len(model.drives.name) + CONTACT * contacts)
     held = np.zeros(len(model.bodies.name), dtype=bool)
     for bodies in (model.joints.bodies, model.tendons.guide_body, model.springs.bodies):
         held[bodies.ravel()] = True
     loose = int(np.count_nonzero(model.bodies.free & ~held))
-    if 2 * min(contacts, loose) > MANY:
-        return float(PILED * loose**POWER)
-    return CONTACTS * contacts**2
+    # contacts are coupled; the sparse solver takes those of piles
+    step += (float(PILED * loose**POWER) if 2 * min(contacts, loose) > MANY
+             else CONTACTS * contacts**2)
+    seconds = (clock.steps * step + ACT * sum(clock.steps / every(rate, clock.step)
+                                              for rate in rates) + NUMBER * size / 8)
+    return Estimate(clock.steps, clock.samples, contacts, seconds, size)
 
 
 def _time(seconds: float) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,18 +10,15 @@ from typing import Any
 
 from sandbox.elements.controllers.custom import Custom
 from sandbox.elements.quantities import LIVE, is_live
-from sandbox.engine.inspect_words import look
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import misread, names_read, order, rings
-from sandbox.model.model import Model
 from sandbox.scene.check.control import rate_problems
 from sandbox.scene.check.ranges import nothing_to_run
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import read_scene, sound
 from sandbox.values.expressions import dotted, names_in, parse_expression
-from sandbox.values.signals import Constant, Ramp, Table
 from sandbox.wording import MOST_NAMED, NearMisses, listed, quoted
 
 
@@ -48,10 +44,7 @@ def control_problems(mechanism: Mechanism) -> list[Problem]:
 
 @dataclass(frozen=True)
 class Checked:
-    """A mechanism whose control was found to work, by reading it and by an inspection.
-
-    Who has done both, as ``sandbox run`` has, hands it on so, and it is not done again.
-    """
+    """A mechanism that was read and inspected, and is not checked again."""
 
     mechanism: Mechanism
 
@@ -61,11 +54,7 @@ Runnable = Scene | Mechanism | Checked | str | os.PathLike[str] | Mapping[str, A
 
 
 def checked(scene: Runnable, customs: Sequence[Custom]) -> Mechanism:
-    """The mechanism of a scene, once its controllers, events and callables can work.
-
-    Raises:
-        SceneError: every problem of control; of a scene that is loaded, of any kind.
-    """
+    """The mechanism of a scene; SceneError with every problem of its control."""
     problems: list[Problem] = []
     name = ""
     if isinstance(scene, Checked):
@@ -114,10 +103,7 @@ class LiveCatalogue(Catalogue):
     """All quantities, and what readings come from."""
 
     def late(self, names: Iterable[str]) -> list[str]:
-        """Those of the names that a run cannot give while it goes on; of meters what they read.
-
-        Of each meter the first few.
-        """
+        """Those of the names that cannot be read during a run; of meters the first in them."""
         found: set[str] = set()
         for name in names:
             if name not in self:
@@ -147,11 +133,7 @@ def _names(text: str, known: Catalogue) -> list[str]:
 
 
 def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
-    """What is wrong with a quantity or an expression that is to be read while a run goes on.
-
-    Raises:
-        WrongValueError: it is no expression.
-    """
+    """Problems of a quantity or an expression that is to be read during a run."""
     if not text.startswith("=") and "/" not in text and dotted(parse_expression(text).tree) is None:
         yield Problem("bad-quantity",
                       f"{quoted(text)} is an expression", path, allowed=quoted(f"={text}"))
@@ -166,10 +148,7 @@ def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
 
 
 def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
-    """Laws without memory that read, directly or through each other, what they write.
-
-    One circle for all laws that depend on each other so.
-    """
+    """Laws without memory that read, directly or through each other, what they write."""
     controllers = mechanism.controllers
     laws = [("law", i) for i, law in enumerate(controllers) if law.immediate]
     writer = {f"{name}.value": law for law in laws for name in controllers[law[1]].written}
@@ -193,43 +172,3 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
         yield Problem("algebraic-loop", f"an algebraic loop: {path}; each reads the value that the "
                       "next one writes", f"$.controllers[{members[0]}].value",
                       allowed="a law with memory in the loop, such as a pid")
-
-
-def beyond_stops(model: Model) -> Iterator[Problem]:
-    """Events that wait for a hinge to pass its stop, controllers that lead one there: warnings."""
-    joints, mechanism = model.joints, model.mechanism
-    stops = {f"{joints.name[i]}.angle": joints.stops[i].tolist() for i in joints.stopped}
-    free = (-math.inf, math.inf)
-    for i, event in enumerate(mechanism.events):
-        for name, sign, value in _bounds(event.when or ""):
-            low, high = stops.get(name, free)
-            if (sign > 0 and value >= high) or (sign < 0 and value <= low):
-                yield look("outside-limits", f"$.events[{i}].when", event.name,
-                           f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, but its "
-                           f"stops are at {low:.4g} and {high:.4g} rad",
-                           "it will probably never happen")
-    for i, controller in enumerate(mechanism.controllers):
-        for name, target in zip(controller.readings, controller.signals, strict=False):
-            low, high = stops.get(name, free)
-            goal = (target.constant if isinstance(target, Constant) else
-                    target.to if isinstance(target, Ramp) else
-                    target.table[-1][1] if isinstance(target, Table) else math.nan)
-            if goal < low or goal > high:
-                yield look("outside-limits", f"$.controllers[{i}]", controller.name,
-                           f"leads {name} to {goal:.4g} rad, but its stops are at {low:.4g} and "
-                           f"{high:.4g} rad", "it cannot reach this")
-
-
-def _bounds(text: str) -> Iterator[tuple[str, int, float]]:
-    """(name, +1 for above or -1 for below, value) of a plain comparison with a number."""
-    body = text.removeprefix("=")
-    for sign, symbol in ((1, ">"), (-1, "<")):
-        if body.count(symbol) != 1:
-            continue
-        left, _, right = body.partition(symbol)
-        for name, other, side in ((left, right, sign), (right, left, -sign)):
-            try:
-                value = parse_expression(other.strip("= ")).evaluate({})
-            except ValueError:
-                continue
-            yield name.strip("= "), side, float(value)

@@ -1,32 +1,339 @@
-"""Checks of tendons, fluid lines, loads, masses, grasp measures, drives and events at t = 0."""
+"""Checks of joints, overlaps, tendons, fluid lines, loads, masses, drives and events at t = 0.
+
+Involute teeth mesh at other distances of the centres, too, with the pressure angle a' given by
+cos a' = (r_a + r_b) cos a / distance. Beyond cos a' = 1 the base circles have no common tangent,
+and no step can be made.
+
+Shapes are sorted along the longer axis, and compared with those whose boxes overlap. At most
+:data:`MAX_PAIRS` pairs of shapes (and :data:`MAX_BOXES` pairs of boxes) are compared; the report
+says if this is not all of them.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fnmatch import fnmatchcase
 
 import numpy as np
+import pymunk
 
 from sandbox.elements.quantities import GRASP
 from sandbox.elements.tendons import RIGID, Tendon
-from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, groups, look, mm
+from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.catalogue import grasp_of
+from sandbox.model.joints import place_in_slot, slot_length
 from sandbox.model.loads import motion_of
 from sandbox.model.meters import names_read
 from sandbox.model.model import NONE, Model
+from sandbox.model.supports import parting_wheels, shared_joints
 from sandbox.model.tendons import lifted_at_start, passes_by
-from sandbox.numeric import Array, Flags
+from sandbox.numeric import Array, Flags, Integers, connected_components
 from sandbox.samples.cables import lengths_at_start, rest_lengths, wraps_at_start
 from sandbox.samples.grasps import OF_HANDS, of_hand
-from sandbox.scene.geometry import Vec, outline
-from sandbox.values.signals import values
+from sandbox.scene.bodies import Body
+from sandbox.scene.geometry import Vec, outline, pose_of, solids, to_body
+from sandbox.values.expressions import parse_expression
+from sandbox.values.signals import Constant, Ramp, Table, values
 from sandbox.wording import listed, quoted
 
-MOST_STRETCH = 0.1
-"""Elongation of an inextensible tendon at t = 0 that is accepted, relative to its length."""
+NEGLIGIBLE = 1e-5  # accepted gaps and overlaps [m]: scenes may be written in hundredths of a mm
+STRAIGHT = 1e-9  # two points nearer than this coincide [m]
+
+
+def error(code: str, path: str, element: str, message: str, advice: str) -> Problem:
+    """An error: the scene cannot be simulated."""
+    return Problem(code, message, path, element=element, advice=advice)
+
+
+def look(code: str, path: str, element: str, message: str, advice: str = "") -> Problem:
+    """A warning: the scene can be simulated, but probably not as intended."""
+    return Problem(code, message, path, element=element, advice=advice, severity="warning")
+
+
+def mm(length: float) -> str:
+    """A length [m] in millimetres."""
+    return f"{length * 1e3:.4g} mm"
+
+
+def fitting(length: float) -> str:
+    """A length [m] in millimetres with enough digits to be copied into a scene."""
+    return f"{length * 1e3:.8g} mm"
+
+
+def deg(angle: float) -> str:
+    """An angle [rad] in degrees."""
+    return f"{math.degrees(angle):.4g} deg"
+
+
+def groups(
+    model: Model, *, springs: bool = False, contacts: Flags | None = None,
+) -> list[Integers]:
+    """Groups of free bodies that joints, tendons, and optionally springs and contacts connect."""
+    tendons, free = model.tendons, np.flatnonzero(model.bodies.free)
+    found = np.zeros((len(model.bodies.name),) * 2, dtype=bool)
+    for pairs in (model.joints.bodies, *([model.springs.bodies] if springs else [])):
+        found[pairs[:, 0], pairs[:, 1]] = found[pairs[:, 1], pairs[:, 0]] = True
+    for tendon in range(len(tendons.name)):
+        guides = tendons.guide_body[tendons.guides(tendon)]
+        found[np.ix_(guides, guides)] = True
+    if contacts is not None:
+        shaped = np.array([bool(body.shapes) for body in model.mechanism.bodies])
+        found |= contacts & shaped & shaped[:, None]
+    return [free[group] for group in connected_components(found[np.ix_(free, free)])]
+
+
+def joint_problems(model: Model) -> Iterator[Problem]:
+    """Joints that contradict the poses at t = 0; those without a direction are errors."""
+    joints = model.joints
+    for i, name in enumerate(joints.name):
+        distance, keeps = math.dist(*model.ends(i)), joints.kind[i].keeps
+        directionless = (keeps == "distance" and distance < STRAIGHT) or (
+            keeps == "groove" and slot_length(model, i) < STRAIGHT)
+        if not (directionless or model.bonds.begins(int(model.bonds.joint[i]))):
+            continue
+        message, advice = _apart(model, i, distance)
+        if message:
+            report = error if directionless else look
+            yield report("not-assembled", f"$.joints[{i}]", name, "not assembled at t = 0: "
+                         f"{message}", f"move a body or an anchor, or {advice}")
+        low, high = joints.stops[i].tolist()
+        if joints.start[i] < low - 1e-9 or joints.start[i] > high + 1e-9:
+            yield look("outside-limits", f"$.joints[{i}]", name,
+                       f"starts at {deg(joints.start[i])}, outside its limits [{deg(low)}, "
+                       f"{deg(high)}]", "turn a body, or set 'zero'")
+
+
+def shared_problems(model: Model) -> Iterator[Problem]:
+    """Redundant joints, whose shares of the load statics does not determine."""
+    shared = sorted(shared_joints(model, model.bodies.pose).joints)
+    if shared and all(
+            model.bonds.begins(int(model.bonds.joint[j])) for j in shared):
+        names = listed([model.joints.name[j] for j in shared])
+        yield look("overconstrained", "$.joints", "", f"{names} are overconstrained: statics does "
+                   "not determine each reaction; the smallest that balance are recorded",
+                   "remove one, or give it a degree of freedom, to determine them")
+    for j in shared:
+        if model.joints.coefficient[j] > 0:
+            yield look("overconstrained", f"$.joints[{j}].friction_coefficient",
+                       model.joints.name[j], "its friction depends on a reaction that statics does "
+                       "not determine", "give 'friction' as a number, or remove redundant joints")
+
+
+def _apart(model: Model, joint: int, distance: float) -> tuple[str, str]:
+    """The error of a joint's anchors at t = 0, and how to change the joint; empty without one."""
+    (least, most), keeps = model.joints.reach[joint].tolist(), model.joints.kind[joint].keeps
+    if keeps == "groove":
+        length, word = slot_length(model, joint), "path" if model.joints.path[joint] else "groove"
+        advice = f"move the {word} to the point"
+        if length < STRAIGHT:
+            return "the ends of its groove coincide, so it has no direction", advice
+        place = place_in_slot(model, joint, model.bodies.pose)
+        beyond = max(-float(place.along), float(place.along) - length, 0.0)
+        off = math.hypot(float(place.across), beyond)
+        return (f"its point is {mm(off)} off the {word}" if off > NEGLIGIBLE else ""), advice
+    field = "length" if keeps == "distance" else "longest" if distance > most else "shortest"
+    advice = ("leave one anchor out" if keeps not in ("distance", "range") or distance < STRAIGHT
+              else f"make {field!r} {fitting(distance)}")
+    match keeps:
+        case "point" if distance > NEGLIGIBLE:
+            return f"its anchors are {mm(distance)} apart", advice
+        case "distance" if least <= NEGLIGIBLE:
+            return "its ends coincide, so it has no direction: use a pin", advice
+        case "distance" if abs(distance - least) > NEGLIGIBLE:
+            return f"its ends are {mm(distance)} apart, its length is {mm(least)}", advice
+        case "range" if not least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE:
+            return (f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}",
+                    advice)
+    return "", advice
+
+
+ASKEW = 1e-4  # maximum sine of the angle between the pitch line of a rack and its groove
+
+
+def wheel_problems(model: Model) -> Iterator[Problem]:
+    """Gears, racks and rolling circles that do not meet, or whose centres are not held."""
+    joints, springs = model.joints, model.springs
+    askew = set()
+    for i in joints.keeping("gear", "roll", "rack").tolist():
+        if joints.kind[i].keeps != "rack":
+            yield from _circles(model, i)
+            continue
+        slide = _slide(model, i)
+        askew |= {i} if slide else set()
+        yield from _rack(model, i, slide)
+    tied = {*springs.bodies[springs.straight].ravel().tolist(), *model.tendons.guide_body.tolist()}
+    for i in sorted(parting_wheels(model, model.bodies.pose) - askew):
+        path, name, bodies = f"$.joints[{i}]", joints.name[i], joints.bodies[i].tolist()
+        whose = "its rack at the gear" if joints.kind[i].keeps == "rack" else "its wheels together"
+        if not tied & set(bodies):
+            one, other = (model.bodies.name[body] for body in bodies)
+            yield look("bad-mesh", path, name, f"no joint holds {whose}: teeth push {one!r} and "
+                       f"{other!r} apart", "give each a bearing: a pin on the ground or on a "
+                       "carrier, of a rack a slot")
+        elif not joints.play[i] > 0:
+            yield look("bad-mesh", path, name, f"only springs or tendons hold {whose}: without "
+                       "backlash the teeth get an impact when the other flank takes over",
+                       "give it a 'backlash', for example 0.01 mm")
+
+
+def _circles(model: Model, joint: int) -> Iterator[Problem]:
+    """Gears or rolling circles at another distance; errors where no step can be made."""
+    joints, path, name = model.joints, f"$.joints[{joint}]", model.joints.name[joint]
+    (ra, rb), inside = joints.radii[joint].tolist(), bool(joints.inside[joint])
+    distance, sum_, difference = math.dist(*model.ends(joint)), ra + rb, abs(ra - rb)
+    right, fits = (difference, sum_) if inside else (sum_, difference)
+    if abs(distance - right) <= NEGLIGIBLE:
+        return
+    other = distance - ra if not inside else ra - distance if ra > rb else ra + distance
+    instead = f", or make 'radius_b' {fitting(other)}" if other > NEGLIGIBLE else ""
+    if ra != rb and abs(distance - fits) <= NEGLIGIBLE:
+        word = "leave 'inside' out" if inside else 'write "inside": true'
+        instead += f", or {word}: then they fit as they are"
+    advice = f"put them {fitting(right)} apart{instead}"
+    apart = f"its centres are {mm(distance)} apart, its {{}} touch at {mm(right)}"
+    if joints.kind[joint].keeps == "roll":
+        report = error if distance < STRAIGHT else look
+        yield report("not-assembled", path, name,
+                     f"not assembled at t = 0: {apart.format('circles')}", advice)
+        return
+    apart, pressure = apart.format("pitch circles"), joints.pressure[joint]
+    share = right * math.cos(pressure) / max(distance, STRAIGHT)
+    if share >= 1:
+        yield error("bad-mesh", path, name, f"its teeth overlap at t = 0: {apart}", advice)
+    else:
+        yield look("bad-mesh", path, name, f"does not mesh as it should at t = 0: {apart}; teeth "
+                   f"would push at {deg(math.acos(share))} instead of {deg(pressure)}", advice)
+
+
+def _rack(model: Model, joint: int, slide: tuple[int, Vec] | None) -> Iterator[Problem]:
+    """A rack whose pitch line is not at the pitch circle, or not along the slot that it slides in.
+
+    ``slide`` is such a slot, and its direction.
+    """
+    joints, path, name = model.joints, f"$.joints[{joint}]", model.joints.name[joint]
+    right = float(joints.radii[joint, 0])
+    if slide:
+        slot, (x, y) = slide
+        gx, gy = joints.along[joint].tolist()
+        off = abs(abs(_from_pitch_line(model, joint, (x, y))) - right)
+        move = f", and move the rack or its 'on_b' by {fitting(off)}" if off > NEGLIGIBLE else ""
+        yield look("bad-mesh", f"{path}.along", name, "its pitch line is turned by "
+                   f"{deg(math.acos(min(abs(gx * x + gy * y), 1.0)))} from the groove of "
+                   f"{joints.name[slot]!r}, in which its rack slides: its teeth leave the gear, or "
+                   f"jam", f"make 'along' [{x + 0.0:.6g}, {y + 0.0:.6g}]{move}")
+    elif abs((off := _from_pitch_line(model, joint)) - right) > NEGLIGIBLE:
+        instead = f", or make 'radius' {fitting(off)}" if off > NEGLIGIBLE else ""
+        yield look("bad-mesh", path, name, f"does not mesh at t = 0: its pitch line is {mm(off)} "
+                   f"from the gear's centre, the pitch circle has a radius of {mm(right)}",
+                   f"move the rack or its 'on_b' by {fitting(abs(off - right))}{instead}")
+
+
+def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
+    """A slot in which a rack slides in another direction than its pitch line, and the direction."""
+    joints, free = model.joints, model.bodies.free
+    gear, rack = joints.bodies[joint].tolist()
+    pins = joints.bodies[joints.keeping("point")]
+    holders = {gear, *pins[(pins == gear).any(axis=1)].ravel().tolist()} - {rack}
+    for i in joints.keeping("groove").tolist():
+        pair = joints.bodies[i].tolist()
+        if joints.path[i] or joints.turns[i] or rack not in pair:
+            continue
+        other = pair[1 - pair.index(rack)]
+        if other not in holders and (free[other] or free[sorted(holders)].all()):
+            continue
+        start, end = (model.at_start(pair[0], point) for point in joints.groove[i])
+        turned = pose_of(model.mechanism.bodies[rack])[2]
+        x, y = to_body((0.0, 0.0, turned), (end[0] - start[0], end[1] - start[1]))
+        length, (gx, gy) = math.hypot(x, y), joints.along[joint].tolist()
+        if length > STRAIGHT and abs(gx * y - gy * x) > ASKEW * length:
+            return i, (x / length, y / length)
+    return None
+
+
+def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> float:
+    """Distance at t = 0 [m] of a gear's centre from the pitch line of its rack."""
+    joints = model.joints
+    x, y = to_body(pose_of(model.mechanism.bodies[joints.bodies[joint, 1]]), model.ends(joint)[0])
+    bx, by = joints.anchor[joint, 1].tolist()
+    gx, gy = joints.along[joint].tolist() if along is None else along
+    return float(gx * (y - by) - gy * (x - bx))
+
+
+MAX_PAIRS, MAX_BOXES = 20_000, 50_000_000  # of compared shapes, and of boxes
+MAX_REPORTED = 100  # maximum number of reported overlaps; further ones are counted
+
+
+def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
+    """Overlaps of ``allowed`` pairs of bodies at t = 0; the number of pairs with common boxes."""
+    holders, pieces, owner = placed_shapes(model.mechanism.bodies)
+    if not pieces:
+        return [], 0
+    boxes = np.array([(box.left, box.bottom, box.right, box.top)
+                      for box in (piece.bb for piece in pieces)])
+    axis = int(np.ptp(boxes[:, 1] + boxes[:, 3]) > np.ptp(boxes[:, 0] + boxes[:, 2]))
+    order = np.argsort(boxes[:, axis], kind="stable")
+    low, high = boxes[order, :2], boxes[order, 2:]
+    ends = np.searchsorted(low[:, axis], high[:, axis], side="right")
+    looked, seen, whole, depths = 0, 0, True, dict[tuple[int, int], float]()
+    for place, end in enumerate(ends.tolist()):
+        i, later = int(order[place]), slice(place + 1, min(end, place + 1 + MAX_BOXES - seen))
+        meets = ((low[later, 1 - axis] <= high[place, 1 - axis])
+                 & (high[later, 1 - axis] >= low[place, 1 - axis])
+                 & allowed[owner[i], owner[order[later]]])
+        others = order[later][meets]
+        whole = later.stop >= end and len(others) <= MAX_PAIRS - looked
+        seen += max(end - place - 1, 0)
+        for j in others[:MAX_PAIRS - looked].tolist():
+            pair = (int(min(owner[i], owner[j])), int(max(owner[i], owner[j])))
+            depths[pair] = max(_depth(pieces[i], pieces[j]), depths.get(pair, 0.0))
+        looked = min(looked + len(others), MAX_PAIRS)
+        if not whole:
+            break
+    del holders  # which keep the pieces alive
+    names = model.bodies.name
+    found = [(pair, depth) for pair, depth in sorted(depths.items()) if depth > NEGLIGIBLE]
+    problems = [look("overlap", f"$.bodies[{a}]", names[a], f"overlaps {names[b]!r} by {mm(depth)} "
+                     "at t = 0", "move one of them, or add a contact rule with \"collide\": false")
+                for (a, b), depth in found[:MAX_REPORTED]]
+    if not whole:
+        problems.append(look("overlap", "$.bodies", "bodies", "further bodies may overlap at t = 0",
+                             f"{looked} pairs of shapes were compared"))
+    elif len(found) > MAX_REPORTED:
+        problems.append(look("overlap", "$.bodies", "bodies",
+                             f"{len(found) - MAX_REPORTED} more bodies overlap at t = 0"))
+    return problems, len(depths)
+
+
+def placed_shapes(
+    bodies: Iterable[Body],
+) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
+    """Objects that keep the shapes alive; the shapes at t = 0; the index of each one's body."""
+    holders, pieces, owner = [], [], []
+    for i, body in enumerate(bodies):
+        holder = pymunk.Body(body_type=pymunk.Body.STATIC)
+        holder.position, holder.angle = body.at, body.angle
+        holders.append(holder)
+        for shape in body.shapes:
+            for piece, _ in solids(shape):
+                pieces.append(make_shape(holder, piece, (0.0, 0.0)))
+                pieces[-1].cache_bb()
+                owner.append(i)
+    return holders, pieces, np.array(owner, dtype=np.int64)
+
+
+def _depth(one: pymunk.Shape, other: pymunk.Shape) -> float:
+    """Depth of the overlap of two shapes [m]; 0 if there is none."""
+    try:
+        points = one.shapes_collide(other).points
+    except AssertionError:  # pymunk raises it if there is no point
+        return 0.0
+    return max((abs(point.distance) for point in points), default=0.0)
+
+
+MOST_STRETCH = 0.1  # accepted elongation of an inextensible tendon at t = 0, relative
 
 
 def tendon_problems(model: Model) -> Iterator[Problem]:
@@ -111,25 +418,22 @@ def _without_effect(tendon: Tendon, path: str) -> Iterator[Problem]:
                    "it turns no wheel: the loop slides over all its guides without friction",
                    "friction at the wheels that it should turn")
     for k, guide in enumerate(tendon.guides):
-        tied, found = not tendon.closed and k in (0, last), list[tuple[str, str, str, str]]()
+        tied, fixed = not tendon.closed and k in (0, last), "the tendon is fixed there"
         friction, turns = f"friction of {guide.friction:g} has", f"{guide.turns} turns have"
-        if guide.friction and tied:
-            found.append(("friction", friction, "the tendon is fixed there",
-                          "friction where it slides, at a guide between its ends"))
-        elif guide.friction and tendon.closed and not tendon.gripping:
-            found.append(("friction", friction, "no other guide holds the loop",
-                          "friction at another guide, too"))
-        if guide.begins and k not in tendon.lifting:
-            found.append(("begins", f"{guide.begins!r} has", "the tendon can only leave a wheel "
-                          "between its ends that has no friction and no turns",
-                          f"no {guide.begins!r}"))
-        if guide.turns and not guide.radius:
-            found.append(("turns", turns, "it has no wheel", "a radius, or no turns"))
-        elif guide.turns and tied:
-            found.append(("turns", turns, "the tendon is fixed there", "no turns"))
-        for field, what, why, advice in found:
-            yield look("no-effect", f"{path}.guides[{k}].{field}", tendon.name,
-                       f"its {what} no effect: {why}", advice)
+        for useless, field, what, why, advice in (
+            (guide.friction and tied, "friction", friction, fixed,
+             "friction where it slides, at a guide between its ends"),
+            (guide.friction and tendon.closed and not tendon.gripping, "friction", friction,
+             "no other guide holds the loop", "friction at another guide, too"),
+            (guide.begins and k not in tendon.lifting, "begins", f"{guide.begins!r} has",
+             "the tendon can only leave a wheel between its ends that has no friction and no turns",
+             f"no {guide.begins!r}"),
+            (guide.turns and not guide.radius, "turns", turns, "it has no wheel",
+             "a radius, or no turns"),
+            (guide.turns and guide.radius and tied, "turns", turns, fixed, "no turns")):
+            if useless:
+                yield look("no-effect", f"{path}.guides[{k}].{field}", tendon.name,
+                           f"its {what} no effect: {why}", advice)
 
 
 def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator[Problem]:
@@ -217,19 +521,13 @@ def load_problems(model: Model) -> Iterator[Problem]:
                     "a division by zero, or out of range")
 
 
-UNLIKE = 1e6
-"""Mass ratio up to which the accuracy of the engine is tested."""
-WRONG = 1e10
-"""Mass ratio from which forces may be wrong."""
-SLENDER = 10.0
-"""Largest 1 + m r^2/I of ordinary bodies: a rod pushed at its end has 4."""
+UNLIKE = 1e6  # mass ratio up to which the accuracy of the engine is tested
+WRONG = 1e10  # mass ratio from which forces may be wrong
+SLENDER = 10.0  # largest 1 + m r^2/I of ordinary bodies: a rod pushed at its end has 4
 
 
 def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
-    """Connected bodies with a mass ratio above :data:`UNLIKE`.
-
-    ``allowed`` are the pairs that may touch, [nb, nb].
-    """
+    """Connected bodies with a mass ratio above :data:`UNLIKE`; ``allowed`` pairs may touch."""
     bodies, free = model.bodies, np.flatnonzero(model.bodies.free)
     reach = _reaches(model)
     share = np.ones(len(bodies.name))
@@ -305,8 +603,7 @@ def unmoved(model: Model) -> Iterator[Problem]:
                        "it changes nothing")
 
 
-INSTANTS = 257
-"""Instants of a run at which the target of a drive is checked."""
+INSTANTS = 257  # instants of a run at which the target of a drive is checked
 
 
 def idle_problems(model: Model) -> Iterator[Problem]:
@@ -351,3 +648,43 @@ def idle_problems(model: Model) -> Iterator[Problem]:
                                f"\"{value:.4g} deg\"")
             yield look("outside-limits", f"{path}.value", name, f"sets {joints.name[target]} to "
                        f"{deg(value) if turns else mm(value)}, but {fault}", advice)
+
+
+def beyond_stops(model: Model) -> Iterator[Problem]:
+    """Events that wait for a hinge to pass its stop, controllers that lead one there: warnings."""
+    joints, mechanism = model.joints, model.mechanism
+    stops = {f"{joints.name[i]}.angle": joints.stops[i].tolist() for i in joints.stopped}
+    free = (-math.inf, math.inf)
+    for i, event in enumerate(mechanism.events):
+        for name, sign, value in _bounds(event.when or ""):
+            low, high = stops.get(name, free)
+            if (sign > 0 and value >= high) or (sign < 0 and value <= low):
+                yield look("outside-limits", f"$.events[{i}].when", event.name,
+                           f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, but its "
+                           f"stops are at {low:.4g} and {high:.4g} rad",
+                           "it will probably never happen")
+    for i, controller in enumerate(mechanism.controllers):
+        for name, target in zip(controller.readings, controller.signals, strict=False):
+            low, high = stops.get(name, free)
+            goal = (target.constant if isinstance(target, Constant) else
+                    target.to if isinstance(target, Ramp) else
+                    target.table[-1][1] if isinstance(target, Table) else math.nan)
+            if goal < low or goal > high:
+                yield look("outside-limits", f"$.controllers[{i}]", controller.name,
+                           f"leads {name} to {goal:.4g} rad, but its stops are at {low:.4g} and "
+                           f"{high:.4g} rad", "it cannot reach this")
+
+
+def _bounds(text: str) -> Iterator[tuple[str, int, float]]:
+    """(name, +1 for above or -1 for below, value) of a plain comparison with a number."""
+    body = text.removeprefix("=")
+    for sign, symbol in ((1, ">"), (-1, "<")):
+        if body.count(symbol) != 1:
+            continue
+        left, _, right = body.partition(symbol)
+        for name, other, side in ((left, right, sign), (right, left, -sign)):
+            try:
+                value = parse_expression(other.strip("= ")).evaluate({})
+            except ValueError:
+                continue
+            yield name.strip("= "), side, float(value)

@@ -1,14 +1,14 @@
 """Checks of hands: fingers too short for their objects, travel of differential mechanisms.
 
-A finger reaches as far from its first hinge as the sum of its phalanges.
+The reach of a finger from its first hinge is the sum of its phalanges.
 
 The pivot of a rocker or pulley moves by the mean of the displacements of its strings, weighted by
 the other's arm, equations (4) to (7). A finger draws its string in until its hinges are at their
 stops. The ends of a rocker with arms a and b, at a tilt theta from across the pull, are
 (a + b) sin(theta) apart along it. So the displacements of its two strings can differ by a + b at
-most; beyond, it turns over. Before that the strings slant: the end on the arm a has come in by
-a (1 - cos(theta)), which is atan(a (1 - cos(theta)) / l) over a string of length l, and the
-torques about the pivot balance with
+most; beyond, it turns over. Before that the strings slant: the end on the arm a has moved in by
+a (1 - cos(theta)), which is atan(a (1 - cos(theta)) / l) over a string of length l, and the torques
+about the pivot balance with
 
     T1 a cos(theta + slant1) = T2 b cos(theta - slant2)
 
@@ -24,18 +24,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.engine.inspect_joints import placed_shapes
-from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, look, mm
+from sandbox.engine.inspect_elements import NEGLIGIBLE, STRAIGHT, look, mm, placed_shapes
 from sandbox.errors import Problem
 from sandbox.model.model import NONE, Model
-from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.geometry import Pose, outline, pose_of, reach_of, to_body, to_world
+from sandbox.numeric import Array, Flags
+from sandbox.scene.geometry import Pose, pose_of, reach_of, to_body, to_world
 from sandbox.wording import listed
 
-MOST_LOOKED = 100
-"""Objects with which a finger's reach is compared; nothing is reported if another may be nearer."""
-Chain = dict[int, int]
-"""The phalanges of a finger with their near hinges, the proximal one first."""
+Chain = dict[int, int]  # the phalanges of a finger with their near hinges, the proximal one first
 
 
 def chains(model: Model) -> dict[str, Chain]:
@@ -51,123 +47,60 @@ def chains(model: Model) -> dict[str, Chain]:
     return found
 
 
-class _Reaching(NamedTuple):
-    """A finger that ends before the nearest object that it may touch, at all times."""
-
-    lack: float
-    """[m]"""
-    name: str
-    body: int
-    """The proximal phalanx."""
-    reach: float
-    nearest: int
-    distance: float
-    """Of that object from the first hinge [m]."""
-
-
 def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
-    """Fingers on a fixed palm that are too short for their objects.
+    """Fingers on a fixed palm that are too short for the nearest object that they may touch.
 
-    ``allowed`` are the pairs of bodies that may touch, [nb, nb]. Moving objects may come within
-    reach. Free objects are reported if no finger reaches any of them, so that they only fall.
+    ``allowed`` are the pairs of bodies that may touch, [nb, nb]. Nothing is reported if an object
+    may move by itself, or if a finger reaches an object that it may push.
     """
-    objects = np.array([i for i, body in enumerate(model.mechanism.bodies)
-                        if body.role == "object" and body.shapes], dtype=np.int64)
-    free = not model.bodies.fixed[objects].all()
-    if not len(objects) or (free and not _only_fall(model, objects)):
+    bodies, joints, fixed = model.mechanism.bodies, model.joints, model.bodies.fixed.tolist()
+    objects = [i for i, body in enumerate(bodies) if body.role == "object" and body.shapes]
+    tied = {*joints.bodies.ravel().tolist(), *model.springs.bodies.ravel().tolist(),
+            *model.tendons.guide_body.tolist()}
+    if not objects or not all(fixed[i] or (model.bodies.free[i] and i not in tied and not any(
+            (*model.mechanism.gravity, *bodies[i].velocity, bodies[i].angular_velocity)))
+            for i in objects):
         return
-    fingers = list(_fingers(model, allowed, objects))
-    short = [finger for finger in fingers if finger is not None]
-    if free and len(short) < len(fingers):
-        return
-    for nearest in dict.fromkeys(finger.nearest for finger in short):
-        alike = [finger for finger in short if finger.nearest == nearest]
-        worst = max(alike, key=lambda finger: finger.lack)
-        others = [finger.name for finger in alike if finger is not worst]
-        loose = bool(model.bodies.free[nearest])
-        yield look(
-            "no-effect", f"$.bodies[{worst.body}]", worst.name,
-            f"reaches {mm(worst.reach)} from its first hinge, and the nearest object that it "
-            f"may touch, {model.bodies.name[nearest]!r}, is {mm(worst.distance)} from it"
-            + " and does not approach as it falls" * loose
-            + (f" (the same for {len(others)} more: {listed(others)})" if others else ""),
-            f"move either by {mm(worst.lack)} or more, or make it longer"
-            + "; other loads on it are ignored" * loose)
-
-
-def _only_fall(model: Model, objects: Integers) -> bool:
-    """Whether only gravity and contacts move the objects that are not fixed."""
-    bodies = model.mechanism.bodies
-    tied = np.concatenate([model.joints.bodies.ravel(), model.springs.bodies.ravel(),
-                           model.tendons.guide_body])
-    return not (np.isin(objects, tied).any() or model.bodies.scheduled[objects].any() or any(
-        any(bodies[i].velocity) or bodies[i].angular_velocity for i in objects.tolist()))
-
-
-def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reaching | None]:
-    """Of each finger that may touch objects, if it is too short; None of others."""
-    joints, circles = model.joints, np.array([_round(model, i) for i in objects.tolist()])
+    holders, pieces, owner = placed_shapes(bodies[i] for i in objects)
+    fingers, short = 0, []
     for name, chain in chains(model).items():
-        bodies, hinges = list(chain), list(chain.values())
-        touched = allowed[np.ix_(np.array(bodies), objects)].any(axis=0)
-        if not touched.any():
+        own, hinges = list(chain), list(chain.values())
+        may_touch = np.asarray(allowed[np.ix_(own, objects)].any(axis=0)).tolist()
+        if not any(may_touch):
             continue
-        hinge = np.array(model.ends(hinges[0])[0])
+        fingers += 1
+        hinge = model.ends(hinges[0])[0]
         reach = sum(math.dist(joints.anchor[one, 1], joints.anchor[after, 0])
                     for one, after in itertools.pairwise(hinges)) + reach_of(
-            model.mechanism.bodies[bodies[-1]], tuple(joints.anchor[hinges[-1], 1]))
-        apart = np.hypot(*(circles[touched, :2] - hinge).T) - circles[touched, 2]
-        order = np.argsort(apart)
-        first, others = order[:MOST_LOOKED], order[MOST_LOOKED:]
-        distance, nearest = min((_on_its_way(model, body, circle, hinge), body)
-                                for body, circle in zip(objects[touched][first].tolist(),
-                                                        circles[touched][first], strict=True))
-        # of the others none is nearer than its circle, if it is fixed
-        certain = model.bodies.fixed[[int(joints.bodies[hinges[0], 0]),
-                                      *objects[touched][others]]].all() and (
-            distance <= apart[others].min(initial=math.inf))
-        lack = distance - reach
-        yield _Reaching(lack, name, bodies[0], reach, nearest, distance) \
-            if certain and lack > NEGLIGIBLE else None
-
-
-def _on_its_way(model: Model, body: int, circle: Array, hinge: Array) -> float:
-    """Distance of a hinge from an object [m]; for a falling one the minimum along its path."""
-    holders, pieces, _ = placed_shapes([model.mechanism.bodies[body]])
-    at = float(hinge[0]), float(hinge[1])
-    distance = max(min(piece.point_query(at).distance for piece in pieces), 0.0)
-    del holders  # not before
-    gravity = np.array(model.mechanism.gravity)
-    ahead = float((hinge - circle[:2]) @ gravity)
-    if not model.bodies.free[body] or ahead <= 0:
-        return distance
-    across = (hinge - circle[:2]) - ahead * gravity / float(gravity @ gravity)
-    return min(distance, max(float(np.hypot(*across)) - float(circle[2]), 0.0))
-
-
-def _round(model: Model, body: int) -> tuple[float, float, float]:
-    """Bounding circle of a body: centre in the world and radius [m]."""
-    written = model.mechanism.bodies[body]
-    points = np.array([to_world(pose_of(written), point)
-                       for shape in written.shapes for point in outline(shape)])
-    centre = (points.min(axis=0) + points.max(axis=0)) / 2
-    return (float(centre[0]), float(centre[1]),
-            float(np.hypot(*(points - centre).T).max()))
+            bodies[own[-1]], tuple(joints.anchor[hinges[-1], 1]))
+        distance, nearest = min((max(piece.point_query(hinge).distance, 0.0), objects[k])
+                                for piece, k in zip(pieces, owner.tolist(), strict=True)
+                                if may_touch[k])
+        if fixed[joints.bodies[hinges[0], 0]] and distance - reach > NEGLIGIBLE:
+            short.append((distance - reach, name, own[0], reach, distance, nearest))
+    del holders  # which keep the pieces alive
+    if len(short) < fingers and not all(fixed[i] for i in objects):
+        return
+    for nearest in dict.fromkeys(finger[-1] for finger in short):
+        alike = [finger for finger in short if finger[-1] == nearest]
+        lack, name, body, reach, distance, _ = max(alike)
+        others = [finger[1] for finger in alike if finger[1] != name]
+        yield look(
+            "no-effect", f"$.bodies[{body}]", name,
+            f"reaches {mm(reach)} from its first hinge, and the nearest object that it may touch, "
+            f"{model.bodies.name[nearest]!r}, is {mm(distance)} from it"
+            + (f" (the same for {len(others)} more: {listed(others)})" if others else ""),
+            f"move either by {mm(lack)} or more, or make it longer")
 
 
 class StringEnd(NamedTuple):
     """A string of a rocker or wheel of a tree: a tendon that ends on it, or a rope."""
 
-    tendon: int
-    """Its index; -1 for a rope."""
-    source: int
-    """The body at its other end."""
-    at: Array
-    """Its end in the frame of the rocker or wheel [m]."""
-    radius: float
-    """Radius of the wheel; 0 for an end at a point [m]."""
-    length: float
-    """Length of its last straight piece at t = 0 [m]."""
+    tendon: int  # its index; -1 for a rope
+    source: int  # the body at its other end
+    at: Array  # its end in the frame of the rocker or wheel [m]
+    radius: float  # of the wheel; 0 for an end at a point [m]
+    length: float  # of its last straight piece at t = 0 [m]
 
     @property
     def arm(self) -> float:
@@ -176,10 +109,7 @@ class StringEnd(NamedTuple):
 
 
 def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
-    """Displacement of each pivot of a tree until all fingers are closed [m].
-
-    nan where it is unknown: for leaves other than fingers, and fingers without stops.
-    """
+    """Displacement of each pivot of a tree until all fingers are closed [m]; nan if unknown."""
     fingers = list(chains(model).values())
     strings, found = strings_of(model, names), dict[int, float]()
 
@@ -198,10 +128,7 @@ def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
 
 
 def _shortening(model: Model, fingers: list[Chain], tendon: int) -> float:
-    """Shortening of a tendon while its finger closes from t = 0 to its stops [m].
-
-    nan unless it passes points of one finger, with all stops, and of other bodies.
-    """
+    """Shortening of a tendon while its one finger closes to its stops [m]; nan if unknown."""
     tendons, joints = model.tendons, model.joints
     guides = list(range(len(tendons.guide_body))[tendons.guides(tendon)]) if tendon != NONE else []
     passed = tendons.guide_body[guides].tolist()
@@ -257,8 +184,7 @@ def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[StringEnd
     return found
 
 
-OFF = 0.01
-"""Smallest reported error of a rocker's shares."""
+MAX_ERROR = 0.01  # of a rocker's shares, beyond which it is reported
 
 
 def reaches(model: Model) -> Iterator[str]:
@@ -279,29 +205,26 @@ def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
             differences.setdefault(f"by {mm(_off(*ends))} and {mm(width)}", []).append(name)
     if differences:
         where = ", ".join(f"{way} ({listed(named, most=4)})" for way, named in differences.items())
-        yield (f"the shares of a rocker are {100 * OFF:g} % off, and it turns over, where the "
-               f"displacements of its strings differ {where}")
+        yield (f"the shares of a rocker are {100 * MAX_ERROR:g} % off, and it turns over, where "
+               f"the displacements of its strings differ {where}")
 
 
 def _off(one: StringEnd, two: StringEnd) -> float:
-    """Difference of the displacements at which the shares are :data:`OFF` off [m]."""
+    """Difference of the displacements at which the error of the shares is :data:`MAX_ERROR` [m]."""
     a, b = one.arm, two.arm
     k, m = (max(end.length, STRAIGHT) for end in (one, two))
-    least, most = 0.0, math.pi / 2
+    low, high = 0.0, math.pi / 2
     for _ in range(50):  # halvings: to rounding
-        tilt = (least + most) / 2
-        if max(_error(tilt, a, b, k, m), _error(tilt, b, a, m, k)) > OFF:
-            most = tilt
+        tilt = (low + high) / 2
+        if max(_error(tilt, a, b, k, m), _error(tilt, b, a, m, k)) > MAX_ERROR:
+            high = tilt
         else:
-            least = tilt
-    return (a + b) * math.sin(least)
+            low = tilt
+    return (a + b) * math.sin(low)
 
 
 def _error(tilt: float, a: float, b: float, lags: float, leads: float) -> float:
-    """Relative error of T1 / T2 against b / a, where the string of ``a`` lags.
-
-    It is an upper bound: the last piece of a string at a point grows, and it slants less.
-    """
+    """Relative error of T1 / T2 against b / a, where the string of ``a`` lags; an upper bound."""
     slant1 = math.atan2(a * (1 - math.cos(tilt)), lags)
     slant2 = math.atan2(b * (1 - math.cos(tilt)), leads)
     carries = math.cos(tilt + slant1)

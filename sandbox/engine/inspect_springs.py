@@ -27,42 +27,25 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.elements.tendons import RIGID
-from sandbox.engine.inspect_words import STRAIGHT, deg, groups, look
+from sandbox.engine import stiffness as stiffnesses
+from sandbox.engine.inspect_elements import STRAIGHT, deg, groups, look
 from sandbox.engine.records import SOFT
-from sandbox.engine.stiffness import (
-    across,
-    largest_stiffness,
-    range_of_stretch,
-    responses,
-    stiff_cables,
-    too_stiff,
-    turning,
-)
 from sandbox.errors import Problem
+from sandbox.model import supports
 from sandbox.model.laws import STRETCH
 from sandbox.model.model import NONE, Model
-from sandbox.model.supports import (
-    LARGEST_GROUP,
-    RANK,
-    Parts,
-    about_centre,
-    joint_rows,
-    places,
-    row_of,
-)
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import lengths_at_start, pulls_at_start, rest_lengths
 
-COARSE = 0.5
-"""h w at which the frequency is 1 % off: (0.5)^2 / 24."""
-OVERDAMPED = 5.0
-"""Step over a damper's settling time beyond which the step hides the motion."""
+COARSE = 0.5  # h w at which the frequency is 1 % off: (0.5)^2 / 24
+OVERDAMPED = 5.0  # step over a damper's settling time beyond which the step hides the motion
 
 
 def against_step(model: Model) -> Iterator[Problem]:
     """Springs and dampers, those of hinges too, that are too stiff or strong for the step."""
-    springs, joints, hinges = model.springs, model.joints, across(model)
-    stiffness, bounds = np.maximum(largest_stiffness(model), 0.0), responses(model)
+    springs, joints, hinges = model.springs, model.joints, stiffnesses.across(model)
+    stiffness = np.maximum(stiffnesses.largest_stiffness(model), 0.0)
+    bounds = stiffnesses.responses(model)
     for i, name in enumerate(springs.name):
         joint = int(springs.joint[i])
         if springs.straight[i]:
@@ -73,10 +56,10 @@ def against_step(model: Model) -> Iterator[Problem]:
                                 float(bounds[i]))
     for j in joints.hinges.tolist():
         yield from _against(model, f"$.joints[{j}]", joints.name[j], 0.0, float(joints.damping[j]),
-                            _about(model, j), j, turning(model, j))
+                            _about(model, j), j, stiffnesses.turning(model, j))
     for i, law in enumerate(springs.law):
         if law is not None:
-            tried = range_of_stretch(model, i)
+            tried = stiffnesses.range_of_stretch(model, i)
             force = law.force(tried, np.zeros(len(tried)), float(springs.stiffness[i]))
             lacks = tried[~np.isfinite(force)]
             if len(lacks):
@@ -87,7 +70,8 @@ def against_step(model: Model) -> Iterator[Problem]:
 
 
 def _against(
-    model: Model, path: str, name: str, k: float, c: float, parts: Parts, hinge: int, bound: float,
+    model: Model, path: str, name: str, k: float, c: float, parts: supports.Parts, hinge: int,
+    bound: float,
 ) -> Iterator[Problem]:
     h = model.mechanism.run.step
     if 1.01 * bound * h * max(k * h / COARSE**2, c / OVERDAMPED) < 1:
@@ -110,17 +94,17 @@ def _against(
                    f"use a step of {OVERDAMPED / rate:.2g} s")
 
 
-def _softness(model: Model, parts: Parts, hinge: int) -> float:
+def _softness(model: Model, parts: supports.Parts, hinge: int) -> float:
     """Response of two bodies, which a hinge may join, to unit pushes [1/kg, 1/(kg m^2)]."""
     bodies = np.unique([body for body, _ in parts])
-    weight, place = _weight(model, bodies), places(bodies)
+    weight, place = _weight(model, bodies), supports.places(bodies)
     motions = _motions(model, place, weight, () if hinge == NONE else (hinge,))
-    return float(np.sum((row_of(place, parts) / weight @ motions)**2))
+    return float(np.sum((supports.row_of(place, parts) / weight @ motions)**2))
 
 
 def without_arm(model: Model) -> Iterator[Problem]:
     """Straight springs without a direction, or that can snap over a hinge's centre."""
-    springs, joints, hinges = model.springs, model.joints, across(model)
+    springs, joints, hinges = model.springs, model.joints, stiffnesses.across(model)
     for i in np.flatnonzero(springs.straight).tolist():
         path, name, ends = f"$.springs[{i}]", springs.name[i], springs.bodies[i].tolist()
         if ends[0] == ends[1]:
@@ -138,11 +122,7 @@ def without_arm(model: Model) -> Iterator[Problem]:
 
 
 def over_centre(model: Model, spring: int, hinge: int) -> float | None:
-    """The hinge angle [rad] at which a straight spring passes over the centre of the hinge.
-
-    The nearest to the start (of two equally near, the lower) within the limits of the
-    hinge; None if there is none, or if an end is on the hinge.
-    """
+    """The nearest hinge angle [rad] at which a straight spring passes over the hinge, or None."""
     springs, joints = model.springs, model.joints
     centre = model.ends(hinge)[0]
     anchors = dict(zip(springs.bodies[spring].tolist(), springs.anchor[spring], strict=True))
@@ -159,34 +139,26 @@ def over_centre(model: Model, spring: int, hinge: int) -> float | None:
     return min(angles, key=lambda angle: abs(angle - start), default=None)
 
 
-PERIODS = 15
-"""Number of periods after which an oscillation should have decayed to :data:`LEFT`."""
+PERIODS = 15  # number of periods after which an oscillation should have decayed to LEFT
 LEFT = 0.01
-ENOUGH = -math.log(LEFT) / (2 * math.pi * PERIODS)
-"""The damping ratio for that: 5 %."""
+ENOUGH = -math.log(LEFT) / (2 * math.pi * PERIODS)  # the damping ratio for that: 5 %
 
 
 class _Mode(NamedTuple):
     """A mode with most of its energy in stiff tendons; the least damped comes first."""
 
-    ratio: float
-    """Damping ratio."""
-    omega: float
-    """[rad/s]"""
-    cable: int
-    """The tendon with the largest share."""
-    damping: float
-    """Damping of this tendon [N s/m] for :data:`ENOUGH`."""
+    ratio: float  # damping ratio
+    omega: float  # [rad/s]
+    cable: int  # the tendon with the largest share
+    damping: float  # damping of this tendon [N s/m] for ENOUGH
 
 
 class _Element(NamedTuple):
     """A spring, tendon or damper."""
 
-    parts: Parts
-    """Forces and moments about the centres of mass of 1 N or 1 N m of it."""
+    parts: supports.Parts  # forces and moments about the centres of mass of 1 N or 1 N m of it
     stiffness: float
-    damping: float
-    """With h k added if it is solved at the end of a step h."""
+    damping: float  # with h k added if it is solved at the end of a step h
     cable: int = NONE
 
 
@@ -213,11 +185,12 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
 def _elements(model: Model, pulls: list[dict[int, Array]]) -> list[_Element]:
     """All tendons, springs and dampers of hinges."""
     h, springs, joints = model.mechanism.run.step, model.springs, model.joints
-    damping = model.tendons.damping + h * model.tendons.stiffness * stiff_cables(model, h)
+    tendons = model.tendons
+    damping = tendons.damping + h * tendons.stiffness * stiffnesses.stiff_cables(model, h)
     found = [_Element(list(pulls[i].items()), float(k), float(damping[i]), i)
-             for i, k in enumerate(model.tendons.stiffness)]
-    largest = largest_stiffness(model)
-    damping = springs.damping + np.where(too_stiff(model, h), h * largest, 0.0)
+             for i, k in enumerate(tendons.stiffness)]
+    largest = stiffnesses.largest_stiffness(model)
+    damping = springs.damping + np.where(stiffnesses.too_stiff(model, h), h * largest, 0.0)
     found += [_Element(_spring(model, i), float(k), float(damping[i]))
               for i, k in enumerate(largest)]
     return found + [_Element(_about(model, j), 0.0, float(joints.damping[j]))
@@ -234,7 +207,7 @@ def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _
                 at.setdefault(body, {})[i] = element
     worst: dict[int, _Mode] = {}
     for bodies in groups(model, springs=True) if rigid.any() else ():
-        if 3 * len(bodies) <= LARGEST_GROUP:
+        if 3 * len(bodies) <= supports.LARGEST_GROUP:
             here = {i: each for body in bodies.tolist() for i, each in at.get(body, {}).items()}
             for mode in _modes(model, bodies, [here[i] for i in sorted(here)], rigid):
                 worst[mode.cable] = min(worst.get(mode.cable, mode), mode)
@@ -251,12 +224,12 @@ def _modes(
         return
     stiffness, damping = (np.array([getattr(each, name) for each in elements])
                           for name in ("stiffness", "damping"))
-    weight, place = _weight(model, bodies), places(bodies)
+    weight, place = _weight(model, bodies), supports.places(bodies)
     joints = sorted({joint for body in place for joint, _ in model.neighbours[body]})
-    rows = np.array([row_of(place, each.parts) for each in elements]) / weight
+    rows = np.array([supports.row_of(place, each.parts) for each in elements]) / weight
     rows = rows @ _motions(model, place, weight, joints)
     squares, shapes = np.linalg.eigh((rows * stiffness[:, None]).T @ rows)
-    least = RANK * max(float(squares.max(initial=0.0)), 1e-300)
+    least = supports.RANK * max(float(squares.max(initial=0.0)), 1e-300)
     for square, shape in zip(squares, shapes.T, strict=True):
         if square <= least:
             continue
@@ -282,9 +255,9 @@ def _motions(
 ) -> Array:
     """A basis of the motions that joints allow, times the roots of the masses, [3 n, freedoms]."""
     pose = model.bodies.pose
-    found = [row_of(place, [(body, about_centre(model, pose, body, each))
+    found = [supports.row_of(place, [(body, supports.about_centre(model, pose, body, each))
                             for body, each in row if body in place])
-             for joint in joints for row in joint_rows(
+             for joint in joints for row in supports.joint_rows(
                  model, pose, joint, flank=int(model.joints.play[joint] == 0))]
     if not found:
         return np.eye(len(weight))
@@ -292,12 +265,12 @@ def _motions(
     if len(lines) > lines.shape[1]:  # redundant rows: the left vectors are not needed
         lines = np.asarray(np.linalg.qr(lines, mode="r"))
     _, values, right = np.linalg.svd(lines)
-    rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
+    rank = int(np.count_nonzero(values > supports.RANK * values.max(initial=0.0)))
     motions: Array = right[rank:].T
     return motions
 
 
-def _spring(model: Model, spring: int) -> Parts:
+def _spring(model: Model, spring: int) -> supports.Parts:
     """What a unit force of a spring does at t = 0; along x if its ends coincide."""
     pose, springs = model.bodies.pose, model.springs
     if not springs.straight[spring]:
@@ -311,11 +284,11 @@ def _spring(model: Model, spring: int) -> Parts:
     for body, point, sign in zip(bodies, at, (1.0, -1.0), strict=True):
         arm = point - pose[body, :2]
         wrench = sign * np.array([*u, arm[0] * u[1] - arm[1] * u[0]])
-        found.append((body, about_centre(model, pose, body, wrench)))
+        found.append((body, supports.about_centre(model, pose, body, wrench)))
     return found
 
 
-def _about(model: Model, joint: int) -> Parts:
+def _about(model: Model, joint: int) -> supports.Parts:
     a, b = model.joints.bodies[joint].tolist()
     turn = np.array([0.0, 0.0, 1.0])
     return [(a, -turn), (b, turn)]

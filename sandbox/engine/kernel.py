@@ -32,8 +32,7 @@ _UNUSED_PASSES = {
     "RewriteDynamicRaises", "MakeFunctionToJitFunction", "InlineInlinables", "FindLiterallyCalls",
     "LiteralUnroll", "ReconstructSSA", "LiteralPropagationSubPipelinePass", "PreLowerStripPhis",
     "InlineOverloads", "NopythonRewrites", "NoPythonSupportedFeatureValidation", "IRLegalization",
-    "DumpParforDiagnostics"}
-"""Passes of Numba's compiler that are left out."""
+    "DumpParforDiagnostics"}  # passes of Numba's compiler that are left out
 
 
 class Kernel:

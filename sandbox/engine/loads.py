@@ -43,14 +43,10 @@ from sandbox.engine.springs import SAME
 from sandbox.numeric import Array, Matrix
 
 (X, Y, ANGLE, VX, VY, OMEGA, SPEED, AX, AY, ALPHA, TIME, MASS, INERTIA) = range(13)
-"""What programs of loads read, as :data:`sandbox.elements.loads.MOTION` has it."""
-WEAK = 1e-14
-"""A rate that does so little in a step is none."""
-DRIVING = -0.9
-"""The least h l of a row: what drives more, so that a body would have next to no inertia, is found
-by repetition."""
-SWEEPS = 12
-"""Of Jacobi's rotations: each squares what is left beside the diagonal."""
+"""See elements.loads.MOTION."""
+WEAK = 1e-14  # minimum rate of a row, times h
+DRIVING = -0.9  # minimum h l of a row: loads that drive more are found by repetition
+SWEEPS = 12  # of Jacobi's rotations: each squares the off-diagonal entries
 
 
 @kernel
@@ -62,11 +58,7 @@ def _set(read: Array, k: int, value: float, by_x: float, by_y: float, by_turn: f
 def _motion(
     table: int, load: Any, h: float, after: Array, end: bool, lag: float,
 ) -> tuple[float, float, float, float]:
-    """Put what a law reads, with slopes by the velocities ``after`` the step.
-
-    ``lag`` is 1 / h for slopes by the acceleration, 0 without these. Returns cosine and sine of
-    the body's angle, and the arm of the force from its centre of mass [m].
-    """
+    """Set what a law reads, with slopes; cosine and sine of the body's angle, arm of the force."""
     body, before, read = at.body(table), at.before(table), at.read_names(table)
     b = load["body"]
     ahead, share = (h, 1.0) if end else (0.0, 0.5)
@@ -161,7 +153,7 @@ def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> N
 
 @kernel
 def _rates(numbers: Array, w: float, wt: float) -> None:
-    """What of the slopes is against motion: rates and axes, by Jacobi's rotations."""
+    """Rates and axes of the symmetric part of the slopes, by Jacobi's rotations."""
     root = (math.sqrt(w), math.sqrt(w), math.sqrt(wt))
     A, Q = numbers[SCRATCH:SCRATCH + 3], numbers[AXES:AXES + 3]
     for i in range(3):
@@ -202,7 +194,7 @@ def _rotate(A: Array, Q: Array, i: int, j: int) -> None:
 
 @kernel
 def _weigh(table: int, k: int, h: float, after: Array) -> None:
-    """Find the sum of a body's loads for the velocities after a step, and how it is to be taken."""
+    """Find the sum of a body's loads for the velocities after a step, and its integration."""
     loaded, numbers = at.loaded(table)[k], at.pressing(table)[k]
     w = at.inverse_mass(table)[loaded["body"]]
     if loaded["row"] >= 0:
@@ -232,7 +224,7 @@ def press(table: int, h: float) -> None:
 
 @kernel
 def _ask(table: int, k: int, h: float, after: Array) -> None:
-    """Let a body's rows ask for what its loads are beside those at the velocities ``after``."""
+    """Set the rows of a body for the linearisation of its loads at the velocities ``after``."""
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
     loaded, numbers, J = at.loaded(table)[k], at.pressing(table)[k], at.entries(table)[0]
     b, rows = loaded["body"], (loaded["row"], loaded["row_y"], loaded["row_turn"])
@@ -259,7 +251,7 @@ def load_rows(table: int, h: float) -> None:
 
 @entry_point("loads")
 def change_loads(table: int, h: float) -> bool:
-    """Take the tangents of loads where the step has led; whether any force was another."""
+    """Linearise loads at the new velocities; whether any force changed."""
     loaded, pressing, J = at.loaded(table), at.pressing(table), at.entries(table)[0]
     given, free, inverse = at.unknowns(table)[3], at.free(table), at.inverse_mass(table)
     changed = False
@@ -287,7 +279,7 @@ def change_loads(table: int, h: float) -> bool:
 
 @kernel
 def _same(numbers: Array, acted: Array, w: float, wt: float) -> bool:
-    """Whether loads are what acted, to rounding; each by what it does to its body."""
+    """Whether loads equal those that acted, to rounding, as accelerations of the body."""
     off, size, slope = 0.0, 0.0, 0.0
     for j in range(3):
         weight = wt if j == 2 else w
@@ -300,7 +292,7 @@ def _same(numbers: Array, acted: Array, w: float, wt: float) -> bool:
 
 @entry_point("loads")
 def timed(table: int) -> bool:
-    """Whether any load hangs on the time: what stands still for that may move on."""
+    """Whether any load depends on time: then rest may end."""
     found = False
     for i in range(len(at.loads(table))):
         found |= at.loads(table)[i]["timed"] != 0
@@ -322,11 +314,7 @@ def add_load_work(table: int, h: float, v: Matrix) -> None:
 def below(
     sides: Array, first: int, last: int, c: float, s: float, angle: float, height: float,
 ) -> tuple[float, float]:
-    """Area below a level [m^2], and its moment about the upright line through the centre [m^3].
-
-    ``c`` and ``s`` are cosine and sine of the body's angle, ``height`` is that of its centre of
-    mass over the level [m].
-    """
+    """Area below a level [m^2], and its moment about the upright line through the centre [m^3]."""
     area, moment = 0.0, 0.0
     for k in range(first, last):
         px, py, radius = sides[k, 0], sides[k, 1], sides[k, 4]

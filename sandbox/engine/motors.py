@@ -1,20 +1,19 @@
 """Forces of drives; rows of motors, brakes, servos and drives of actuators.
 
-D v is the rate of a hinge or of an actuator's length x; p / h what the drive gives, between its
-bounds. After the target x* of a step a drive with a stiffness k and a damping c asks for
+D v is the rate of a hinge or of an actuator's length x; p / h the effort of the drive, within its
+bounds. With the target x* of a step, the row of a drive with a stiffness k and a damping c is
 
     D v + p / (h e) = (k (x* - x) - (c - e) D v_before) / e,   e = c / 2 + h k / 4    (evenly)
     D v + p / (h e) = k (x* - x) / e,                          e = c + h k    (at the step's end)
 
-the second where it is too stiff for the step (:mod:`sandbox.engine.stiffness`). A rigid one asks
-for the rate that leads to where its target is in the next step, u + (x* - x) / h with u the rate of
-the target; but no faster than it can still brake, with a the deceleration that its limit leaves:
+the second where it is too stiff for the step (:mod:`sandbox.engine.stiffness`). A rigid one has the
+rate that leads to its target in the next step, u + (x* - x) / h with u the rate of the target; but
+no faster than it can brake, with a the deceleration that its limit leaves:
 
     |D v - u| <= - a h / 2 + sqrt((a h / 2)^2 + 2 a |x* - x|)
 
-so that it comes to its target without overshoot, h by h. Where an actuator's points move across its
-line that bends, and its length grows by more than D v: rigid drives and those of a speed ask for so
-much less.
+so that it reaches its target without overshoot. If the points of an actuator move across its line,
+its length grows by more than D v: rigid drives and those of a speed subtract the difference.
 """
 
 from __future__ import annotations
@@ -27,24 +26,18 @@ from sandbox.engine.bounded import HOLD, UNBOUNDED, begin_row, eliminate, put_co
 from sandbox.engine.coordinates import ahead, ends, vector_ahead
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.plan import add_to
 from sandbox.engine.records import PACED, PLACED, SPRUNG
 from sandbox.engine.state import DRIVEN
 from sandbox.numeric import Array
 
-CAUTION = 0.999
-"""Share of the deceleration that a drive could brake with that it counts on."""
-LEAST = 0.01
-"""The same, where loads leave less."""
+CAUTION = 0.999  # share of the possible deceleration that a drive uses
+LEAST = 0.01  # the minimum share, under large loads
 
 
 @entry_point("motors")
 def brake_in_time(table: int, h: float, n: int) -> None:
-    """Let rigid drives ask for no more than they can still brake, and than their fastest rate.
-
-    What they can follows from the rows' G and free rates: with I the inertia that they feel, all
-    other such drives held, and f what loads push it on with, (limit - f) / I. On loads that help to
-    brake it does not count: they may have gone by then.
-    """
+    """Limit the rates of rigid drives to those from which they can brake, and to their maximum."""
     rows, motors = at.rows(table), at.motors(table)
     chosen, m = at.chosen(table), 0
     for k in range(n):
@@ -53,28 +46,25 @@ def brake_in_time(table: int, h: float, n: int) -> None:
             chosen[m] = k
             m += 1
     for q in range(m):
-        row = rows[chosen[q]]
-        motor, state = motors[row["index"]], motors[row["index"]]
+        motor = motors[rows[chosen[q]]["index"]]
         inertia = _held(table, h, m, q, False)
         loads = _held(table, h, m, q, True)
-        way = 1.0 if state["short"] > 0.0 else -1.0
+        way = 1.0 if motor["short"] > 0.0 else -1.0
         can = CAUTION * max(motor["most"] - max(way * loads, 0.0), LEAST * motor["most"]) / inertia
-        short = abs(state["short"])
+        short = abs(motor["short"])
         speed = min(short / h, math.sqrt((can * h / 2) ** 2 + 2 * can * short) - can * h / 2)
-        speed = state["along"] + way * speed
-        speed = min(max(speed, -motor["fastest"]), motor["fastest"])
-        state["asked"] = speed
+        speed = motor["along"] + way * speed
+        motor["command"] = min(max(speed, -motor["fastest"]), motor["fastest"])
     for q in range(m):
         row = rows[chosen[q]]
-        state = motors[row["index"]]
-        want = state["bend"] - state["asked"]
+        want = motors[row["index"]]["bend"] - motors[row["index"]]["command"]
         row["free"] += want - row["want"]
         row["want"] = want
 
 
 @kernel
 def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
-    """Of the q-th of m chosen rows the inertia with the others held, or what loads push it with."""
+    """The inertia of the q-th of m chosen rows with the others held, or the load that pushes it."""
     rows, G, A = at.rows(table), at.delassus(table), at.system(table)
     chosen, states = at.chosen(table), at.motors(table)
     for r in range(m):
@@ -155,12 +145,8 @@ def drive_forces(table: int, drive: Array) -> None:
             length = math.hypot(dx, dy)
             if length > 0.0:  # else the points of the actuator meet
                 fx, fy = value * dx / length, value * dy / length
-                out[a, 0] -= fx
-                out[a, 1] -= fy
-                out[a, 2] -= ax * fy - ay * fx
-                out[b, 0] += fx
-                out[b, 1] += fy
-                out[b, 2] += bx * fy - by * fx
+                add_to(out, a, -fx, -fy, -(ax * fy - ay * fx))
+                add_to(out, b, fx, fy, bx * fy - by * fx)
             continue
         if action["b"] >= 0:
             action["torque"] = action["sense"] * value
@@ -174,6 +160,4 @@ def drive_forces(table: int, drive: Array) -> None:
         rx, ry = c * action["x"] - s * action["y"], s * action["x"] + c * action["y"]
         action["fx"], action["fy"] = fx, fy
         action["torque"] = rx * fy - ry * fx
-        out[a, 0] += fx
-        out[a, 1] += fy
-        out[a, 2] += action["torque"]
+        add_to(out, a, fx, fy, action["torque"])

@@ -86,8 +86,7 @@ call_for_words: Any = intrinsic(lambda context, address, one, two: _caller(
 real_at, word_at, int_at = _loaded(_REAL, types.float64), _loaded(_WORD), _loaded(_INT)
 byte_to: Any = intrinsic(_byte_to)
 as_pointer: Any = intrinsic(_pointer_to)
-copy_words: Any = intrinsic(_copy)
-"""Copy so many words of 8 bytes."""
+copy_words: Any = intrinsic(_copy)  # copy so many words of 8 bytes
 
 
 FOUND = np.dtype([
@@ -97,8 +96,7 @@ FOUND = np.dtype([
     ("ax", float), ("ay", float),   # places on both surfaces, from the bodies' centres of
     ("bx", float), ("by", float),   # mass [m]
     ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
-])
-"""A point in which two shapes meet, as pymunk has it, and curvatures for the engine's use."""
+])  # a point in which two shapes meet, as pymunk has it, and curvatures for the engine's use
 
 
 class Native(NamedTuple):
@@ -161,11 +159,9 @@ def make_native(
 
 
 class Finder:
-    """Notes every pair of shapes that pymunk finds near one another, and keeps it from answering.
+    """Lists the pairs of shapes that pymunk finds near one another, instead of solving them.
 
-    pymunk's own contact solver then has nothing to do. A shape's number is one less than its
-    collision type. The callback is compiled: Python would be slow there, and cffi prints and
-    drops what a callback raises, a Ctrl-C that happens to arrive in it included.
+    The callback is compiled: in Python it would be slow, and cffi drops its exceptions and Ctrl-C.
     """
 
     def __init__(self, space: pymunk.Space, room: int) -> None:

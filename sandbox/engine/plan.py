@@ -33,10 +33,8 @@ from sandbox.engine.kernel import kernel
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Integers
 
-MOST = 5_000_000
-"""Products that factoring the matrix may take in a step: some hundredths of a second."""
-HUB = 12
-"""A free body with more entries than this is a hub."""
+MOST = 5_000_000  # maximum number of products in a factorisation: some hundredths of a second
+HUB = 12  # a free body with more entries than this is a hub
 
 
 class Pattern(NamedTuple):
@@ -48,21 +46,19 @@ class Pattern(NamedTuple):
     of each sum its two rows and the first of these."""
     starts: Integers  # where the slots below the diagonal begin, column by column, [m + 1]
     below: Integers  # the unknown of each slot's row, [slots]
-    updates: Integers
-    """The slots that the products of two slots of a column are taken from, in turn."""
+    updates: Integers  # slots that products of two slots of a column are subtracted from, in turn
     entry_row: Integers  # the unknown of each entry, [ne]
     entry_body: Integers  # the body of each entry, [ne]
     pairs: Annotated[Integers, "pairs 3"]
     """(slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots."""
     joined: Integers  # the slots of rows that are joined besides
-    direct: Annotated[Integers, "direct 3"]
-    """(slot, entry, axis) of the entries on hubs, [q, 3]."""
+    direct: Annotated[Integers, "direct 3"]  # (slot, entry, axis) of the entries on hubs, [q, 3]
     body_starts: Integers  # where the entries of each free body that is no hub begin, [nb + 1]
     body_entries: Integers  # these entries, body by body
     branch_starts: Integers
     """Where the branch of each body, slip and sum begins, [nb + nf + sums + 1]."""
     branches: Integers
-    """The unknowns that a force on a body reaches in a forward substitution, in order."""
+    """Unknowns that a force on a body reaches in a forward substitution, in order."""
 
 
 def make_pattern(
@@ -191,14 +187,7 @@ def _left_over(
 def elimination(
     groups: list[set[int]], before: list[set[int]] | None = None,
 ) -> tuple[list[int], dict[int, set[int]]]:
-    """An order with little fill, and whom each unknown still meets when it goes.
-
-    Least degree: the unknown that meets the fewest others goes first; those it met then meet each
-    other. ``before[i]`` are unknowns that have to go before i.
-
-    Raises:
-        SandboxError: so much fill that no step could be made in a moment.
-    """
+    """An order of least degree, and the unknowns that each one still meets in its turn."""
     graph = [set(group) - {i} for i, group in enumerate(groups)]
     waits = [set(w) for w in before] if before else [set() for _ in groups]
     heap = [(len(graph[i]), i) for i in range(len(graph)) if not waits[i]]
@@ -300,6 +289,14 @@ def add(x: Array, y: Array, times: float) -> None:
     for i in range(len(x)):
         for j in range(3):
             x[i, j] += times * y[i, j]
+
+
+@kernel
+def add_to(x: Array, i: int, one: float, two: float, three: float) -> None:
+    """Add three numbers to row ``i`` of ``x`` [n, 3], such as a force and a torque to a body's."""
+    x[i, 0] += one
+    x[i, 1] += two
+    x[i, 2] += three
 
 
 @kernel

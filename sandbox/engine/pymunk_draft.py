@@ -27,15 +27,14 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.values.expressions import parse_expression
 from sandbox.values.signals import AnySignal, Constant, Ramp, Table
 
-DIGITS = 12
-"""Significant digits of numbers in a script; the calls have no more."""
+DIGITS = 12  # significant digits of numbers in a script; the calls have no more
 LISTS = ("joints", "springs", "tendons", "lines", "valves", "loads", "drives", "controllers")
 """Lists of elements in the order of their calls."""
 
 
 @dataclass(frozen=True)
 class Call:
-    """A call of a method of :class:`Scene`, or of a function that makes one of its arguments."""
+    """A call of a method of :class:`Scene`, or of a function that makes an argument of one."""
 
     name: str
     arguments: tuple[Any, ...]
@@ -73,7 +72,14 @@ class PymunkDraft:
             raise SceneError(problems)
         for index, body in enumerate(mechanism.bodies):
             self._add_body(index, body, filters)
-        self._add_frictions(filters)
+        # pairs of bodies whose friction is not the product of that of their shapes
+        own = np.sqrt([mechanism.materials.get(body.material or "", Material()).friction
+                       for body in mechanism.bodies])
+        solid = np.array([bool(body.shapes) for body in mechanism.bodies], dtype=bool)
+        other = np.abs(filters.friction - own * own[:, None]) > 1e-12
+        for a, b in np.argwhere(np.triu(other & filters.allowed & solid & solid[:, None])):
+            self.add("pair_friction", self.model.bodies.name[a], self.model.bodies.name[b],
+                     filters.friction[a, b])
         for kind in LISTS:
             for index, element in enumerate(getattr(mechanism, kind)):
                 element.write_pymunk(self, index)
@@ -134,16 +140,6 @@ class PymunkDraft:
                 key: _value(signal) for key in ("x", "y", "angle")
                 if (signal := getattr(body.path, key)) is not None})
 
-    def _add_frictions(self, filters: Filters) -> None:
-        """The pairs of bodies whose friction is not the product of that of their shapes."""
-        own = np.sqrt([self.mechanism.materials.get(body.material or "", Material()).friction
-                       for body in self.mechanism.bodies])
-        solid = np.array([bool(body.shapes) for body in self.mechanism.bodies], dtype=bool)
-        other = np.abs(filters.friction - own * own[:, None]) > 1e-12
-        for a, b in np.argwhere(np.triu(other & filters.allowed & solid & solid[:, None])):
-            self.add("pair_friction", self.model.bodies.name[a], self.model.bodies.name[b],
-                     filters.friction[a, b])
-
 
 def to_pymunk(scene: Runnable) -> Scene:
     """A scene in plain pymunk: a space with named bodies, shapes and constraints, and ``step()``.
@@ -160,11 +156,15 @@ def to_pymunk(scene: Runnable) -> Scene:
 
 def build(mechanism: Mechanism, draft: PymunkDraft) -> Scene:
     """The scene that the calls of a draft make."""
-    made = Scene(*scene_arguments(mechanism))
+    def made(value: Any) -> Any:
+        return getattr(pymunk_scene, value.name)(*value.arguments, **value.settings) \
+            if isinstance(value, Call) else value
+
+    scene = Scene(*scene_arguments(mechanism))
     for call in draft.calls:
-        getattr(made, call.name)(*map(_made, call.arguments), **{
-            key: _made(value) for key, value in call.settings.items()})
-    return made
+        getattr(scene, call.name)(*map(made, call.arguments), **{
+            key: made(value) for key, value in call.settings.items()})
+    return scene
 
 
 def scene_arguments(mechanism: Mechanism) -> tuple[Any, ...]:
@@ -176,12 +176,6 @@ def scene_arguments(mechanism: Mechanism) -> tuple[Any, ...]:
 def time_step(mechanism: Mechanism) -> float:
     """Time step of pymunk [s]."""
     return mechanism.run.step / mechanism.run.pymunk.substeps
-
-
-def _made(value: Any) -> Any:
-    """An argument: what a call in its place returns."""
-    return getattr(pymunk_scene, value.name)(*value.arguments, **value.settings) \
-        if isinstance(value, Call) else value
 
 
 def _rounded(value: Any) -> Any:
@@ -236,12 +230,6 @@ def _without_counterpart(model: Model, filters: Filters) -> Iterator[tuple[str, 
     for rule in mechanism.contacts:
         if (rule.static or 1) > 1:
             yield f"contacts.{'/'.join(rule.between)}", "static friction above that of sliding"
-    if not _exact(model, filters):
-        yield "contacts", "contact rules with more than 32 kinds of bodies"
-
-
-def _exact(model: Model, filters: Filters) -> bool:
-    """Whether shape filters, and constraints that keep bodies from colliding, say all rules."""
     group, category, mask = filters.group, filters.category, filters.mask
     meets = (category[:, None] & mask != 0) & (category & mask[:, None] != 0)
     meets &= (group[:, None] != group) | (group == 0)
@@ -250,4 +238,5 @@ def _exact(model: Model, filters: Filters) -> bool:
     rests = ~model.bodies.free
     meets[np.ix_(rests, rests)] = False
     np.fill_diagonal(meets, val=False)
-    return bool((meets == filters.allowed).all())
+    if (meets != filters.allowed).any():
+        yield "contacts", "contact rules with more than 32 kinds of bodies"

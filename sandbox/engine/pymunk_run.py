@@ -1,7 +1,7 @@
 """A run by pymunk's own solver, recorded as any other run.
 
-Forces are pymunk's impulses of a step divided by the step. pymunk gives impulses of joints without
-their directions; it has no work, and no means over several steps. These are absent (nan).
+Forces are the impulses of a step divided by the step. pymunk lacks directions of joint impulses,
+work, and means over several steps: these are nan.
 """
 
 from __future__ import annotations
@@ -26,10 +26,8 @@ from sandbox.samples.contacts import merge_contacts
 from sandbox.samples.outcome import INTERRUPTED, LIMITED, Outcome
 from sandbox.scene.mechanism import Mechanism
 
-FARTHEST = 1e6
-"""Beyond this position or speed of a body [m, m/s] a run has diverged."""
-CHUNK = 64
-"""Samples that are recorded together."""
+FARTHEST = 1e6  # beyond this position or speed of a body [m, m/s] a run has diverged
+CHUNK = 64  # samples that are recorded together
 
 
 def run_pymunk(
@@ -38,25 +36,36 @@ def run_pymunk(
     """Run a mechanism in plain pymunk; arguments and errors as of :func:`sandbox.simulate`."""
     began = time.perf_counter()
     run = _PymunkRun(mechanism)
-    built, reason = time.perf_counter(), ""
+    built, reason, clock = time.perf_counter(), "", run.clock
     error: Interrupted | RecordingFull | SimulationDiverged | None = None
     try:
-        while not reason and run.samples < run.clock.samples:
+        while not reason and run.samples < clock.samples:
             run.sample()
-            culprit = run.diverged()
+            culprit = next((name for name, body in run.scene.bodies.items() if not all(
+                abs(x) < FARTHEST
+                for x in (*body.position, *body.velocity, body.angular_velocity))), "")
             if culprit:
                 error = SimulationDiverged(run.now, culprit, "its motion has run away; a smaller "
                                            "time step or more iterations may help")
                 reason = str(error)
-                run.samples -= 1  # may be no numbers
+                run.samples -= 1  # it may have no numbers
             elif run.builder.recorded_bytes > recorded_bytes:
                 error, reason = RecordingFull(run.now, recorded_bytes), LIMITED
             if progress is not None:
-                progress(run.samples / run.clock.samples)
+                progress(run.samples / clock.samples)
     except KeyboardInterrupt:
         error, reason = Interrupted(run.now), INTERRUPTED
-    wall = {"build": built - began, "simulate": time.perf_counter() - built}
-    recording = run.finish(reason, wall)
+    run.put(run.samples % CHUNK)
+    iterations = mechanism.run.pymunk.iterations
+    recording = run.builder.finish(
+        clock.force_time(clock.sample_step(np.arange(run.samples))), Outcome(
+            complete=not reason, reason=reason,
+            step=clock.step, steps=clock.steps, sample_rate=1 / (clock.every * clock.step),
+            versions={"sandbox": __version__, "pymunk": pymunk.version,
+                      "numpy": np.__version__, "python": platform.python_version()},
+            wall={"build": built - began, "simulate": time.perf_counter() - built}, notes=(
+                f"computed by pymunk {pymunk.version} with {iterations} iterations in steps of "
+                f"{clock.step:g} s, not by the direct solver",)))
     if error is not None:
         error.recording = recording
         raise error
@@ -85,48 +94,37 @@ class _PymunkRun:
         """Time of the poses of the last step [s]."""
         return float(self.clock.force_time(self.scene.steps))
 
-    def diverged(self) -> str:
-        """The first body that has run away, or an empty name."""
-        return next((name for name, body in self.scene.bodies.items() if not all(
-            abs(x) < FARTHEST for x in (*body.position, *body.velocity, body.angular_velocity))),
-            "")
-
     def sample(self) -> None:
         """Make the steps up to the next sample and record it."""
         for _ in range(self.clock.every - 1):
             self.scene.step()
         before = self._velocities()
         self.scene.step()
-        row = self.samples % CHUNK
+        after, row = self._velocities(), self.samples % CHUNK
         arrays = {key: array[row] for key, array in self._chunk.items()}
-        self._record_bodies(arrays, before)
+        arrays["body_pose"][:] = [(*body.position, body.angle) for body in self.bodies]
+        arrays["body_velocity"][:] = (before + after) / 2
+        arrays["body_acceleration"][:] = (after - before) / self.scene.h
         self._record_joints(arrays)
         self._record_springs(arrays)
-        arrays["tendon_length"][:] = [
-            tendon.measure()[0] for tendon in self.scene.tendons.values()]
-        arrays["tendon_tension"][:] = [
-            tendon.tension for tendon in self.scene.tendons.values()]
+        tendons = self.scene.tendons.values()
+        arrays["tendon_length"][:] = [tendon.measure()[0] for tendon in tendons]
+        arrays["tendon_tension"][:] = [tendon.tension for tendon in tendons]
         arrays["guide_lifted"][:] = 0.0
         arrays["drive_value"][:] = [
             self.scene.drives[name] for name in self.model.drives.name]
         self._record_contacts()
         self.samples += 1
         if row == CHUNK - 1:
-            self._put(CHUNK)
+            self.put(CHUNK)
 
-    def _put(self, count: int) -> None:
-        """Hand the last samples to the recording."""
+    def put(self, count: int) -> None:
+        """Add the last samples to the recording."""
         self.builder.put(self.samples - count, {
             key: array[:count] for key, array in self._chunk.items()})
 
     def _velocities(self) -> Array:
         return np.array([(*body.velocity, body.angular_velocity) for body in self.bodies])
-
-    def _record_bodies(self, arrays: Arrays, before: Array) -> None:
-        after = self._velocities()
-        arrays["body_pose"][:] = [(*body.position, body.angle) for body in self.bodies]
-        arrays["body_velocity"][:] = (before + after) / 2
-        arrays["body_acceleration"][:] = (after - before) / self.scene.h
 
     def _force(self, constraint: str) -> float:
         """Force or torque of a constraint in the last step; 0 if there is none."""
@@ -176,18 +174,17 @@ class _PymunkRun:
         self, arrays: Arrays, bodies: Iterable[int], points: Array,
     ) -> tuple[float, float]:
         """Distance of points of two bodies [m] and its rate [m/s], at a sample."""
-        (p, q), (v, w) = zip(*(self._moved(arrays, body, at) for body, at in zip(
-            bodies, points, strict=True)), strict=True)
-        way = q - p
+        places, velocities = [], []
+        for body, at in zip(bodies, points, strict=True):
+            made = self.bodies[body]
+            places.append(np.array(made.local_to_world(tuple(at))))
+            arm = places[-1] - made.local_to_world(made.center_of_gravity)
+            vx, vy, omega = arrays["body_velocity"][body]
+            velocities.append(np.array([vx - omega * arm[1], vy + omega * arm[0]]))
+        way = places[1] - places[0]
         distance = float(np.hypot(*way))
-        return distance, float(way @ (w - v)) / distance if distance else 0.0
-
-    def _moved(self, arrays: Arrays, body: int, at: Array) -> tuple[Array, Array]:
-        """A point of a body in the world [m] and its velocity [m/s]."""
-        place = np.array(self.bodies[body].local_to_world(tuple(at)))
-        arm = place - self.bodies[body].local_to_world(self.bodies[body].center_of_gravity)
-        vx, vy, omega = arrays["body_velocity"][body]
-        return place, np.array([vx - omega * arm[1], vy + omega * arm[0]])
+        rate = float(way @ (velocities[1] - velocities[0]))
+        return distance, rate / distance if distance else 0.0
 
     def _record_contacts(self) -> None:
         rows: list[tuple[float, ...]] = []
@@ -196,7 +193,7 @@ class _PymunkRun:
             one, other = (self.numbers[body] for body in arbiter.bodies)
             free = self.model.bodies.free
             if free[one] and free[other] and one > other:
-                return  # noted from the other body
+                return  # noted for the other body
             raw = arbiter._arbiter  # the public interface has no forces of single points
             to_one = 1.0 if raw.swapped else -1.0  # the normal goes from shape a to shape b
             a, b = (self.bodies[i] for i in ((other, one) if raw.swapped else (one, other)))
@@ -219,17 +216,3 @@ class _PymunkRun:
             np.full(len(found), self.samples), pair[:, 0], pair[:, 1], found[:, 2:4],
             found[:, 4:6] / self.scene.h, found[:, 6:8], found[:, 8], found[:, 9],
             np.zeros(len(found))).values())
-
-    def finish(self, reason: str, wall: dict[str, float]) -> Recording:
-        """The recording of the samples so far, and why it ended early, if it did."""
-        clock, settings = self.clock, self.model.mechanism.run.pymunk
-        self._put(self.samples % CHUNK)
-        return self.builder.finish(
-            clock.force_time(clock.sample_step(np.arange(self.samples))), Outcome(
-                complete=not reason, reason=reason,
-                step=clock.step, steps=clock.steps, sample_rate=1 / (clock.every * clock.step),
-                versions={"sandbox": __version__, "pymunk": pymunk.version,
-                          "numpy": np.__version__, "python": platform.python_version()},
-                wall=wall, notes=(
-                    f"computed by pymunk {pymunk.version} with {settings.iterations} iterations "
-                    f"in steps of {clock.step:g} s, not by the direct solver",)))

@@ -16,8 +16,7 @@ import pymunk
 from pymunk import Body, Vec2d
 
 Point = tuple[float, float]
-Value = float | Callable[[float], float]
-"""A number, or a function of the time [s]."""
+Value = float | Callable[[float], float]  # a number, or a function of the time [s]
 
 
 def ramp(start: float, over: float, first: float, last: float) -> Value:

@@ -14,8 +14,7 @@ STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
 that of the pose; soft with a damper, solved at mid-step. Of spans of a tendon that guides hold by
 friction: soft, solved evenly about the pose; and that tendon as a whole, whose spans pull."""
 SOFT = 1.0
-"""h^2 k s from which on an element is solved at the step's end (:mod:`sandbox.engine.stiffness`); a
-leapfrog breaks down at 4."""
+"""The h^2 k s from which an element is solved at the step's end; a leapfrog needs 4 at most."""
 
 ACTION = np.dtype([
     ("drive", np.int64),    # whose value it takes
@@ -62,12 +61,10 @@ SPRING = np.dtype([
     ("work", float), ("step_work", float),  # since t = 0, and of the last step [J]
 ])
 
-POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6
-"""What joints keep."""
+POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6  # constraints of joints
 PACED, SPRUNG, PLACED = 0, 1, 2
-"""What motors do: keep a rate, or none; go to a place as a spring would, or rigidly."""
-STOP, LINE, FLANK = 0, 1, 2
-"""What is limited: a hinge's angle; the way along a groove or a distance; the play of teeth."""
+"""Motors: with a rate, or none; a spring to a place; rigid to a place."""
+STOP, LINE, FLANK = 0, 1, 2  # limits: angle of a hinge; position or distance; play of teeth
 
 JOINT = np.dtype([
     ("keeps", np.int64),    # POINT ... ROLL
@@ -135,7 +132,7 @@ MOTOR = np.dtype([
     ("short", float),       # by how much it is not where it was to be [rad]
     ("along", float),       # the rate of its target [rad/s]
     ("seen", float),        # its rate before the step [rad/s]
-    ("asked", float),       # the rate that it is asked for [rad/s]
+    ("command", float),     # the rate that it is to have [rad/s]
     ("bend", float),        # rate by which its line grows besides in the step [m/s]
     ("impulse", float),     # on b, of the last step [N m s]
     ("mode", np.int64),     # -1 and 1 at its least and largest torque, 0 in between
@@ -309,28 +306,24 @@ SUM, SLOPES, GIVEN, YIELDS, AXES, SCRATCH = 0, 1, 4, 5, 6, 9
 """Rows of numbers of each loaded body, three a row: the sum of its loads [N, N, N m]; by how much
 that grows with each velocity after the step; what of it is among the known forces; the rates at
 which loads slow motion along each of three axes [1/s]; these axes; scratch."""
-NUMBERS = 13
-"""How many rows there are."""
+NUMBERS = 13  # number of rows
 
-JOINED, SPRINGY, PULLING = 0, 1, 2
-"""What is released: a joint, a spring, a tendon."""
-SETTLED, TAKEN = -1.0, -2.0
-"""As the time since a joint was taken up: its gap is closed; it is still to be looked at."""
-NONE = -1
-"""No wish."""
+JOINED, SPRINGY, PULLING = 0, 1, 2  # kinds of bonds: a joint, a spring, a tendon
+SETTLED, TAKEN = -1.0, -2.0  # ages of joints: closed; engaged, the gap is not yet measured
+NONE = -1  # no request
 
 BOND = np.dtype([
     ("what", np.int64),     # JOINED, SPRINGY or PULLING
     ("index", np.int64),    # in the table of these
     ("breaks_at", float),   # [N, N m]
     ("over", float),        # time in which a joint's gap closes [s]
-    ("as_is", np.int64),    # whether it is taken up with the length that it has then
+    ("as_is", np.int64),    # whether it engages with its current length
     ("drive", np.int64),    # that holds it, or -1
-    ("wish", np.int64),     # of an event: to let go, 0, or take up, 1, with the next step; NONE
+    ("request", np.int64),     # of an event for the next step: 0 release, 1 engage, NONE
     ("driven", np.int64),   # as a drive had it last; at first whether it holds
     ("load", float),        # in this step [N, N m]
     ("last_load", float),   # of the last step, nan where it did not hold then [N, N m]
-    ("age", float),         # since a joint was taken up [s], SETTLED or TAKEN
+    ("age", float),         # time since a joint engaged [s], SETTLED or TAKEN
     ("x", float), ("y", float), ("t", float),       # its gaps then [m, m, rad]
     ("vx", float), ("vy", float), ("vt", float),    # and their rates
     ("turns", float),       # whole turns that a couple leaves alone [rad]
@@ -338,7 +331,7 @@ BOND = np.dtype([
     ("held", np.int64),
 ])
 BROKEN = np.dtype([
-    ("bond", np.int64),      # what came to its load
+    ("bond", np.int64),      # that broke
     ("row", np.int64),      # the step in which it did, counted from 0 among those made in one go
     ("when", float),        # since the middle of the step before it, as a share of the step
 ])
@@ -347,5 +340,4 @@ SAMPLED = {
     "actions": "work", "springs": "way", "cables": "work", "guides": "lifted", "slips": "way",
     "joints": "twist_a", "limits": "impulse", "dry_friction": "work", "fluids": "content",
     "valves": "flow", "pumps": "work", "loads": "work", "bonds": "held",
-}
-"""The tables that samples copy, and from which field on; recorded values are computed later."""
+}  # the tables that samples copy, and from which field on; recorded values are computed later

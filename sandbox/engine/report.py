@@ -3,6 +3,16 @@
 Over one step a force does the work h F . (v_before + v_after) / 2. With this rule the work of all
 forces and impulses on a body is its increase of kinetic energy, to rounding. Work is summed in each
 step, because an impact lasts one step and samples would miss it.
+
+Breaks: forces of step n stand for the time from (n - 1) h to n h, but follow from the pose in its
+middle. With T' and T > T_b the loads in the last step and in this one, the load reached T_b at
+
+    t = (n - 3/2 + s) h,    s = (T_b - T') / (T - T')
+
+So the step is solved again without the element, which gives the impulse (s - 1/2) h T_b instead of
+h T: negative where the last step gave too much. Whatever acts at a joint (dry friction, dampers,
+springs, motors and servos) gives the same share of its impulse. Velocities are then right to second
+order, but for torques and pushes of drives, which end with the joint for the whole step.
 """
 
 from __future__ import annotations
@@ -11,27 +21,19 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.bonds import acts, holds, report_bonds
-from sandbox.engine.coordinates import toothed
+from sandbox.engine import records
+from sandbox.engine import state as sources
+from sandbox.engine.bonds import acts, empty_rows, holds, report_bonds
+from sandbox.engine.bounded import push
+from sandbox.engine.coordinates import rate, toothed
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.fluid_report import add_fluid_work, report_lines
+from sandbox.engine.fluids import add_fluid_work, report_lines
 from sandbox.engine.friction import add_friction_work, release_friction, report_friction
 from sandbox.engine.islands import PILED
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
-from sandbox.engine.records import FLANK, GROOVE, LINE, POINT, ROLL
-from sandbox.engine.rows import joint_rate
+from sandbox.engine.plan import add_to
 from sandbox.engine.springs import add_spring_work, report_springs
-from sandbox.engine.state import (
-    CABLE_FRICTION,
-    CABLE_LOAD,
-    HOLDS,
-    JOINT_FRICTION,
-    JOINT_LOAD,
-    LIMITED,
-    NORMAL,
-    TANGENT,
-)
 from sandbox.engine.tendons import add_cable_work, report_cables, slipped
 from sandbox.numeric import Array
 
@@ -47,7 +49,9 @@ def report(table: int, h: float, drive: Array, n: int) -> None:
     for i in range(len(joints)):
         if acts(table, joints[i]["bond"]):
             joint_force(h, joints[i], unknown)
-        _change_flank(joints[i], unknown)
+        # teeth push: where they would have to pull, their other flank pushes in the next step
+        if toothed(joints[i]) and joints[i]["row"] >= 0 and unknown[joints[i]["row"]] < 0.0:
+            joints[i]["flank"] = -joints[i]["flank"]
     _report_bounded(table, h, n)
     report_bonds(table, h)
     report_lines(table, h, drive)
@@ -82,24 +86,24 @@ def _report_bounded(table: int, h: float, n: int) -> None:
     for k in range(n):
         row = rows[k]
         i, p = row["index"], row["p"]
-        if row["source"] == NORMAL:
+        if row["source"] == sources.NORMAL:
             touches[i]["normal"] = max(p, 0.0)
             touches[i]["listed"] = 1 if p > 0.0 else 0
-        elif row["source"] == TANGENT:
-            mode = 0 if row["phase"] == HOLDS else row["mode"]
+        elif row["source"] == sources.TANGENT:
+            mode = 0 if row["phase"] == sources.HOLDS else row["mode"]
             touches[i]["tangent"], touches[i]["mode"] = p, mode
-        elif row["source"] == LIMITED:
+        elif row["source"] == sources.LIMITED:
             limits[i]["impulse"] = max(p, 0.0)
             add_limit(table, h, k)
-        elif row["source"] == CABLE_LOAD:
+        elif row["source"] == sources.CABLE_LOAD:
             slips[i]["pressed"] = p
-        elif row["source"] == CABLE_FRICTION:
+        elif row["source"] == sources.CABLE_FRICTION:
             slips[i]["impulse"], slips[i]["mode"] = p, row["mode"]
-        elif row["source"] == JOINT_LOAD:
+        elif row["source"] == sources.JOINT_LOAD:
             frictions[i]["pressed"] = p
-        elif row["source"] == JOINT_FRICTION:
+        elif row["source"] == sources.JOINT_FRICTION:
             mode, bound = row["mode"], math.nan
-            if row["phase"] == HOLDS:
+            if row["phase"] == sources.HOLDS:
                 mode, bound = 0, row["high"]
                 if row["normal"] >= 0:
                     bound = row["friction"] * rows[row["normal"]]["p"]
@@ -115,19 +119,12 @@ def add_limit(table: int, h: float, k: int) -> None:
     row = at.rows(table)[k]
     limit, p = at.limits(table)[row["index"]], max(row["p"], 0.0)
     out = at.joints(table)[limit["joint"]]
-    if limit["what"] == LINE:
+    if limit["what"] == records.LINE:
         out["fx"] += limit["side"] * out["dx"] * p / h
         out["fy"] += limit["side"] * out["dy"] * p / h
-    if limit["what"] == FLANK:
+    if limit["what"] == records.FLANK:
         out["fx"] += row["bx"] * p / h
         out["fy"] += row["by"] * p / h
-
-
-@kernel
-def _change_flank(joint: Any, unknown: Array) -> None:
-    """Teeth push: where they would have to pull, the other side of them pushes in the next step."""
-    if toothed(joint) and joint["row"] >= 0 and unknown[joint["row"]] < 0.0:
-        joint["flank"] = -joint["flank"]
 
 
 @kernel
@@ -136,16 +133,16 @@ def joint_force(h: float, joint: Any, unknown: Array) -> None:
     joint["fx"], joint["fy"], joint["couple"] = joint["kick_x"] / h, joint["kick_y"] / h, 0.0
     if joint["row"] >= 0:
         p = unknown[joint["row"]] / h
-        if joint["keeps"] == POINT:
+        if joint["keeps"] == records.POINT:
             joint["fx"] += p
             joint["fy"] += unknown[joint["row_y"]] / h
-        elif joint["keeps"] == GROOVE:
+        elif joint["keeps"] == records.GROOVE:
             joint["fx"] -= joint["dy"] * p
             joint["fy"] += joint["dx"] * p
         else:
             joint["fx"] += joint["dx"] * p
             joint["fy"] += joint["dy"] * p
-        if joint["keeps"] == ROLL:
+        if joint["keeps"] == records.ROLL:
             p = unknown[joint["row_y"]] / h
             if joint["ra"] + joint["rb"] < 0.0:
                 p = -p
@@ -157,11 +154,7 @@ def joint_force(h: float, joint: Any, unknown: Array) -> None:
 
 @entry_point()
 def add_work(table: int, h: float) -> None:
-    """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``.
-
-    The free velocities are overwritten by the means of before and after the step, and by what
-    impacts displace: h times that is the way on which forces do their work.
-    """
+    """Add the work [J] of the step; the free velocities become the means over the step."""
     body, before, v, shift = at.body(table), at.before(table), at.free(table), at.shift(table)
     for i in range(len(body)):
         for j in range(3):
@@ -178,7 +171,7 @@ def add_work(table: int, h: float) -> None:
         if action["motor"] >= 0:
             action["torque"] = motors[action["motor"]]["impulse"] / h
         if action["joint"] >= 0:
-            power = action["torque"] * joint_rate(table, action["joint"], v)
+            power = action["torque"] * rate(at.joints(table)[action["joint"]], v)
         else:
             power = (action["fx"] * v[a, 0] + action["fy"] * v[a, 1]
                      + action["torque"] * v[a, 2])
@@ -199,3 +192,187 @@ def _tangential_impulse(table: int, body: int) -> float:
         if touches[i]["a"] == body or touches[i]["b"] == body:
             p += touches[i]["tangent"] + touches[i]["drag"]
     return p
+
+
+TOGETHER = 1e-6  # share of a step within which two elements break at once
+NEVER = 2.0  # the instant of a load that is not reached, as a share of the step
+
+
+@entry_point("bonds")
+def breaks(table: int, h: float, n: int) -> bool:
+    """Release the elements that reach their load limits first in this step; whether any did."""
+    bonds = at.bonds(table)
+    first, made, broken = NEVER, at.made(table), at.broken(table)
+    for i in range(len(bonds)):
+        if bonds[i]["held"] == 1 and bonds[i]["breaks_at"] < math.inf:
+            bonds[i]["load"] = _load(table, h, n, i)
+            first = min(first, _when(bonds[i]["load"], bonds[i]["breaks_at"],
+                                     bonds[i]["last_load"]))
+    for i in range(len(bonds)):
+        if bonds[i]["held"] == 0:
+            continue
+        load, most, last = bonds[i]["load"], bonds[i]["breaks_at"], bonds[i]["last_load"]
+        when = _when(load, most, last)
+        if when > first + TOGETHER or when > 1.0:
+            continue
+        # not more is taken back than the impulse of the last step
+        share = 0.0
+        if last == last:
+            share = max((when - 0.5) * most, -0.5 * last) / load
+        bonds[i]["held"], bonds[i]["broke"] = 0, 1
+        if made[2] < len(broken):
+            one = broken[made[2]]
+            one["bond"], one["row"], one["when"] = i, made[1], when
+            made[2] += 1
+        what, k = bonds[i]["what"], bonds[i]["index"]
+        if what == records.JOINED:
+            _cut_joint(table, h, n, k, share)
+        elif what == records.PULLING:
+            _cut_cable(table, h, k, share)
+            for span in range(at.cables(table)[k]["spans"], at.cables(table)[k]["spans_end"]):
+                _cut_cable(table, h, span, share)
+        elif holds(table, at.springs(table)[k]["hinge_bond"]):  # else released with its hinge
+            _cut_spring(table, h, k, share)
+    return first <= 1.0
+
+
+@kernel
+def _when(load: float, most: float, last: float) -> float:
+    """Share of the step at which a load reaches ``most``, or NEVER; ``last`` may be nan."""
+    if not load > most:
+        return NEVER
+    if last != last:
+        return 0.5
+    return (most - last) / (load - last) if last < most else 0.0
+
+
+@kernel
+def _load(table: int, h: float, n: int, bond: int) -> float:
+    what, i = at.bonds(table)[bond]["what"], at.bonds(table)[bond]["index"]
+    rows, unknown = at.rows(table), at.unknowns(table)[3]
+    if what == records.JOINED:
+        joint = at.joints(table)[i]
+        joint_force(h, joint, unknown)
+        for k in range(n):
+            if rows[k]["source"] == sources.LIMITED and (
+                    at.limits(table)[rows[k]["index"]]["joint"] == i):
+                add_limit(table, h, k)
+        return math.hypot(joint["fx"], joint["fy"])
+    if what == records.SPRINGY:
+        row = at.springs(table)[i]["row"]
+        return float(abs(
+            unknown[row] / h if row >= 0 else at.springs(table)[i]["effort"]))
+    cable = at.cables(table)[i]
+    if cable["kind"] != records.GRIPPED:
+        return _tension(table, h, i)
+    most = 0.0
+    for k in range(cable["spans"], cable["spans_end"]):
+        most = max(most, _tension(table, h, k))
+    return most
+
+
+@kernel
+def _tension(table: int, h: float, i: int) -> float:
+    row = at.cables(table)[i]["row"]
+    if row < 0:
+        return float(at.cables(table)[i]["tension"])
+    return max(at.unknowns(table)[3][row] / h, 0.0) if at.cables(table)[i]["active"] else 0.0
+
+
+@kernel
+def _give(table: int, entry: int, count: int, p: float) -> None:
+    free, WJ, entry_body = at.free(table), at.entries(table)[1], at.entry_body(table)
+    for e in range(entry, entry + count):
+        b = entry_body[e]
+        if b < len(free):
+            add_to(free, b, WJ[e, 0] * p, WJ[e, 1] * p, WJ[e, 2] * p)
+
+
+@kernel
+def _cut_rows(table: int, entry: int, count: int, share: float) -> None:
+    """Keep a ``share`` of the impulses of rows, and empty these."""
+    impulses, entry_row = at.unknowns(table)[3], at.entry_row(table)
+    for e in range(entry, entry + count):
+        _give(table, e, 1, share * impulses[entry_row[e]])
+    empty_rows(table, entry, count)
+
+
+@kernel
+def _kick(table: int, b: int, x: float, y: float, t: float) -> None:
+    w = at.inverse_mass(table)
+    add_to(at.free(table), b, w[b, 0] * x, w[b, 0] * y, w[b, 1] * t)
+
+
+@kernel
+def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
+    joint = at.joints(table)[j]
+    joint["fx"] *= share
+    joint["fy"] *= share
+    joint["couple"] *= share
+    _cut_rows(table, joint["entry"], joint["entries"], share)
+    _cut_bounded(table, n, j, share)
+    springs, actions = at.springs(table), at.actions(table)
+    for k in range(len(springs)):
+        if springs[k]["hinge_bond"] == joint["bond"] and holds(table, springs[k]["bond"]):
+            _cut_spring(table, h, k, share)
+    for k in range(len(actions)):  # drives give no torque or push
+        if actions[k]["bond"] == joint["bond"] and actions[k]["motor"] < 0:
+            _kick_along(table, at.joints(table)[actions[k]["joint"]], -h * actions[k]["torque"])
+            actions[k]["torque"] = 0.0
+
+
+@kernel
+def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
+    """The same for its limits and dry friction, and for motors and servos about it."""
+    rows, limits = at.rows(table), at.limits(table)
+    motors, bond = at.motors(table), at.joints(table)[j]["bond"]
+    for k in range(len(limits)):
+        if limits[k]["joint"] == j:
+            limits[k]["impulse"] = 0.0
+    for k in range(n):
+        source, i, p = rows[k]["source"], rows[k]["index"], share * rows[k]["p"]
+        if source == sources.LIMITED and limits[i]["joint"] == j:
+            limits[i]["impulse"] = p
+        elif source == sources.JOINT_FRICTION and at.dry_friction(table)[i]["joint"] == j:
+            at.dry_friction(table)[i]["impulse"] = p
+        elif source == sources.DRIVEN and at.motors(table)[i]["bond"] == bond:
+            motors[i]["impulse"] = p
+        else:
+            continue
+        push(at.inverse_mass(table), rows[k], p, at.free(table))
+
+
+@kernel
+def _kick_along(table: int, element: Any, p: float) -> None:
+    _kick(table, element["b"], p * element["dx"], p * element["dy"], p * element["tb"])
+    _kick(table, element["a"], -p * element["dx"], -p * element["dy"], p * element["ta"])
+
+
+@kernel
+def _cut_spring(table: int, h: float, k: int, share: float) -> None:
+    s = at.springs(table)[k]
+    if s["row"] >= 0:
+        s["effort"] = share * at.unknowns(table)[3][s["row"]] / h
+        _cut_rows(table, s["entry"], 2, share)
+    else:
+        _kick_along(table, s, (share - 1.0) * h * s["effort"])
+        s["effort"] *= share
+
+
+@kernel
+def _cut_cable(table: int, h: float, i: int, share: float) -> None:
+    cable = at.cables(table)[i]
+    if cable["kind"] == records.GRIPPED:
+        cable["active"] = 0
+        return
+    tension = _tension(table, h, i)
+    if cable["row"] >= 0:
+        if cable["active"]:
+            _give(table, cable["entry"], cable["entries"], share * h * tension)
+        cable["active"] = 0
+    else:
+        guides, p = at.guides(table), (share - 1.0) * h * tension
+        for g in range(cable["first"], cable["last"]):
+            _kick(table, guides[g]["body"], -p * guides[g]["jx"], -p * guides[g]["jy"],
+                  -p * guides[g]["jt"])
+    cable["tension"] = share * tension

@@ -1,15 +1,12 @@
 """The bilateral rows of joints.
 
-At the pose x of the step, with W the inverse masses and v_f the velocities that all forces known
-from the pose lead to, impulses p of the rows B give v = v_f + W B^T p, and that of a joint asks for
+At the pose x of the step, with W the inverse masses and v_f the velocities by all known forces,
+impulses p of the rows B give v = v_f + W B^T p. The row of a joint is
 
     B v = - gap / h
 
-Other rows: :mod:`sandbox.engine.springs`, :mod:`sandbox.engine.tendons`, fluids and loads.
-
-A joint besides asks for how its points bend away from their tangents, - h/2 times that, as the
-velocities before have it, and then for what :func:`joint_gaps` finds open where the velocities
-after lead (SHAKE, solved to the end).
+minus h/2 times the acceleration of its gap at the velocities before. Then :func:`joint_gaps` finds
+the gaps that are open after the step, and the rows close these, too (SHAKE, solved to the end).
 """
 
 from __future__ import annotations
@@ -17,40 +14,19 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.engine import coordinates as q
 from sandbox.engine import memory as at
-from sandbox.engine.bonds import joint_holds, remaining_gap
-from sandbox.engine.coordinates import (
-    ends,
-    flank,
-    gaps,
-    measure_angle,
-    on_path,
-    path_gap,
-    put_row,
-    rate,
-    rolled,
-    set_row,
-    toothed,
-    vector_ahead,
-)
+from sandbox.engine.bonds import holds, remaining_gap
+from sandbox.engine.contacts import CONFORMING, nearest_start
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.narrow_phase import CONFORMING, nearest_start
-from sandbox.engine.plan import backward, forward
+from sandbox.engine.plan import add_to, backward, forward
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.numeric import Array, Records
 
-LEAST = 1e-100
-"""Stiffness of a spring that a drive lets go, so that its row stays one."""
-CLOSED = 1e-6
-"""Gaps that a joint may be left with, in steps squared [m/s^2]: the next step closes them, which
-takes a force of so much times the mass."""
-NOTHING = 1e-13
-"""A gap [m, rad] that is left alone: what rounding makes of none, in coordinates of some metres.
-
-Where more rows meet than there are freedoms their gaps cannot all be closed, and the forces that
-try to would follow the rounding for ever.
-"""
+LEAST = 1e-100  # minimum lead of a row [N s/m]
+CLOSED = 1e-6  # gaps left by a step, over h^2 [m/s^2]: closing them takes this times the mass
+NOTHING = 1e-13  # gap [m, rad] within rounding, which is left: redundant rows cannot close it
 
 
 @entry_point("paths")
@@ -63,12 +39,12 @@ def path_row(table: int, h: float, k: int) -> None:
     joint = at.joints(table)[k]
     body, before, turn, spans = at.body(table), at.before(table), at.turn(table), at.spans(table)
     a, b, e, r = joint["a"], joint["b"], joint["entry"], joint["row"]
-    ax, ay, bx, by, px, py = ends(joint, body, turn)
+    ax, ay, bx, by, px, py = q.ends(joint, body, turn)
     qx, qy, c, s = ax + px, ay + py, turn[a, 0], turn[a, 1]
     x, y = c * qx + s * qy, c * qy - s * qx
-    if not joint_holds(table, k):
+    if not holds(table, joint["bond"]):
         joint["on"] = nearest_start(spans, joint["span"], joint["span_end"], x, y)
-    joint["on"], place, tx, ty, across, curve = on_path(spans, joint["on"], x, y)
+    joint["on"], place, tx, ty, across, curve = q.on_path(spans, joint["on"], x, y)
     if joint["around"] > 0.0:
         place += joint["around"] * math.floor((joint["place"] - place) / joint["around"] + 0.5)
     joint["place"] = place
@@ -80,7 +56,7 @@ def path_row(table: int, h: float, k: int) -> None:
     J = at.entries(table)[0]
     J[e, 0], J[e, 1], J[e, 2] = dy, -dx, -(qx * dx + qy * dy)
     J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -dy, dx, bx * dx + by * dy
-    wa, wb, along = before[a, 2], before[b, 2], rate(joint, before)
+    wa, wb, along = before[a, 2], before[b, 2], q.rate(joint, before)
     bend = (wa * wa * (dx * qy - dy * qx) - wb * wb * (dx * by - dy * bx) - 2.0 * wa * along
             - curve * along * along / max(1.0 - curve * across, CONFORMING))
     at.unknowns(table)[0][r] = -beyond(across) / h - h / 2 * bend
@@ -88,7 +64,7 @@ def path_row(table: int, h: float, k: int) -> None:
 
 @kernel
 def beyond(gap: float) -> float:
-    """What a gap is more than none."""
+    """The part of a gap beyond :data:`NOTHING`."""
     if gap > NOTHING:
         return gap - NOTHING
     if gap < -NOTHING:
@@ -98,7 +74,7 @@ def beyond(gap: float) -> float:
 
 @kernel
 def closed(h: float) -> float:
-    """A gap that a joint may be left with by a step [m]; twice what is left alone, at least."""
+    """Tolerance of the gap of a joint after a step [m]."""
     return max(CLOSED * h * h, 2 * NOTHING)
 
 
@@ -110,23 +86,23 @@ def joint_rows(table: int, h: float) -> None:
     for k in range(len(joints)):
         joint = joints[k]
         a, b, e = joint["a"], joint["b"], joint["entry"]
-        ax, ay, bx, by, px, py = ends(joint, body, turn)
+        ax, ay, bx, by, px, py = q.ends(joint, body, turn)
         wa, wb = before[a, 2], before[b, 2]
         # how the points' distance bends away from its tangent as both bodies turn
         kx, ky = wa * wa * ax - wb * wb * bx, wa * wa * ay - wb * wb * by
         if joint["keeps"] != POINT:
             vx = before[b, 0] - wb * by - before[a, 0] + wa * ay
             vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
-        if toothed(joint):
+        if q.toothed(joint):
             teeth_row(table, h, k)
             continue
         if joint["keeps"] == POINT:
             if joint["row"] >= 0:
-                set_row(J, e, 1.0, 0.0, ay, -by)
-                set_row(J, e + 2, 0.0, 1.0, -ax, bx)
+                q.set_row(J, e, 1.0, 0.0, ay, -by)
+                q.set_row(J, e + 2, 0.0, 1.0, -ax, bx)
                 rhs[joint["row"]] = -beyond(px) / h - h / 2 * kx
                 rhs[joint["row_y"]] = -beyond(py) / h - h / 2 * ky
-            measure_angle(joint, body)
+            q.measure_angle(joint, body)
             e += 4
         elif joint["keeps"] == GROOVE and joint["span"] >= 0:
             path_row(table, h, k)
@@ -138,7 +114,7 @@ def joint_rows(table: int, h: float) -> None:
             joint["way"], joint["dx"], joint["dy"] = dx * px + dy * py, dx, dy
             joint["ta"], joint["tb"] = qy * dx - qx * dy, bx * dy - by * dx
             if joint["row"] >= 0:
-                set_row(J, e, -dy, dx, -(qx * dx + qy * dy), bx * dx + by * dy)
+                q.set_row(J, e, -dy, dx, -(qx * dx + qy * dy), bx * dx + by * dy)
                 across = dx * py - dy * px
                 bend = dx * ky - dy * kx - wa * wa * across - 2.0 * wa * (dx * vx + dy * vy)
                 rhs[joint["row"]] = -beyond(across) / h - h / 2 * bend
@@ -149,26 +125,20 @@ def joint_rows(table: int, h: float) -> None:
             joint["way"], joint["dx"], joint["dy"] = way, ux, uy
             joint["ta"], joint["tb"] = ay * ux - ax * uy, bx * uy - by * ux
             if joint["row"] >= 0:  # a rope has none
-                put_row(J, e, joint)
+                q.put_row(J, e, joint)
                 bend = ux * kx + uy * ky + (ux * vy - uy * vx) ** 2 / way
                 rhs[joint["row"]] = beyond(joint["reach"] - way) / h - h / 2 * bend
                 e += 2
             if joint["keeps"] == ROLL:
                 rolling_row(table, h, k, ax * ux + ay * uy, bx * ux + by * uy)
         if joint["row_turn"] >= 0:
-            set_row(J, e, 0.0, 0.0, -1.0, 1.0)
+            q.set_row(J, e, 0.0, 0.0, -1.0, 1.0)
             rhs[joint["row_turn"]] = -beyond(body[b, 2] - body[a, 2] - joint["turn"]) / h
 
 
 @kernel
-def joint_rate(table: int, joint: int, velocity: Array) -> float:
-    """Rate [m/s, rad/s] of a joint's free coordinate as bodies move with ``velocity`` [nb, 3]."""
-    return rate(at.joints(table)[joint], velocity)
-
-
-@kernel
 def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: float) -> float:
-    """What a row of a joint asks for: that its gap goes, now and ``then``, in a step."""
+    """Right side of a joint's row that closes its gap now and ``then``, in a step."""
     seen = 0.0
     for n in range(3):
         seen += J[0, n] * before[joint["a"], n] + J[1, n] * before[joint["b"], n]
@@ -183,10 +153,10 @@ def teeth_row(table: int, h: float, k: int) -> None:
     if r < 0:
         return
     side = joint["flank"]
-    gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), before)
+    gap, ux, uy, on_a, on_b = q.flank(joint, side, 0.0, at.body(table), before)
     joint["dx"], joint["dy"] = ux, uy
-    set_row(J, e, ux, uy, on_a, on_b)
-    then = flank(joint, side, h, at.body(table), before)[0]
+    q.set_row(J, e, ux, uy, on_a, on_b)
+    then = q.flank(joint, side, h, at.body(table), before)[0]
     at.unknowns(table)[0][r] = _ahead(gap, then, J[e:e + 2], joint, before, h)
     at.unknowns(table)[1][r] = 1.0 / (h * h * joint["k"])
 
@@ -201,9 +171,9 @@ def rolling_row(table: int, h: float, k: int, on_a: float, on_b: float) -> None:
         return
     ra, rb, ux, uy = joint["ra"], joint["rb"], joint["dx"], joint["dy"]
     lever = (ra + rb) / joint["way"]
-    set_row(J, e, lever * uy, -lever * ux, ra + lever * on_a, rb - lever * on_b)
+    q.set_row(J, e, lever * uy, -lever * ux, ra + lever * on_a, rb - lever * on_b)
     at.unknowns(table)[0][r] = _ahead(
-        rolled(joint, 0.0, body, before), rolled(joint, h, body, before), J[e:e + 2], joint,
+        q.rolled(joint, 0.0, body, before), q.rolled(joint, h, body, before), J[e:e + 2], joint,
         before, h)
 
 
@@ -212,8 +182,8 @@ def wheel_gap(table: int, h: float, k: int) -> float:
     """Gap of the teeth, or slip of the circles, of joint ``k`` one step on [m]."""
     joint = at.joints(table)[k]
     if joint["keeps"] == ROLL:
-        return float(rolled(joint, h, at.body(table), at.velocity(table)))
-    return float(flank(joint, joint["flank"], h, at.body(table), at.velocity(table))[0])
+        return float(q.rolled(joint, h, at.body(table), at.velocity(table)))
+    return float(q.flank(joint, joint["flank"], h, at.body(table), at.velocity(table))[0])
 
 
 @kernel
@@ -247,21 +217,21 @@ def joint_gaps(table: int, h: float) -> float:
     worst = 0.0
     for k in range(len(joints)):
         joint = joints[k]
-        if joint["row"] < 0 or not joint_holds(table, k):
+        if joint["row"] < 0 or not holds(table, joint["bond"]):
             continue
         a, b = joint["a"], joint["b"]
         left_x, left_y, _ = remaining_gap(table, joint["bond"], h)
-        if toothed(joint):
+        if q.toothed(joint):
             gap = wheel_gap(table, h, k)
             gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"]) - kept[joint["row"]]
             asked[joint["row"]] = -gap / h
             worst = max(worst, abs(gap))
             continue
         ca, sa = turn[a, 0], turn[a, 1]
-        px, py = vector_ahead(joint, h, body, velocity, ca, sa, turn[b, 0], turn[b, 1])
-        x, y = gaps(joint, px, py, ca, sa)
+        px, py = q.vector_ahead(joint, h, body, velocity, ca, sa, turn[b, 0], turn[b, 1])
+        x, y = q.gaps(joint, px, py, ca, sa)
         if joint["span"] >= 0:
-            x = path_gap(table, h, k)
+            x = q.path_gap(table, h, k)
         x -= left_x + kept[joint["row"]]
         asked[joint["row"]] = -x / h
         worst = max(worst, abs(x))
@@ -285,7 +255,7 @@ def note_turns(body: Array, turn: Array) -> None:
 
 @kernel
 def right_side(table: int, free: Array, asked: Array) -> None:
-    """What rows ask for [m], less what the free velocities [nb, 3] already give."""
+    """Right sides of rows less their rates at the free velocities [nb, 3]."""
     entry_row, entry_body, hubs = at.entry_row(table), at.entry_body(table), at.hubs(table)
     inverse_mass, J, rhs = at.inverse_mass(table), at.entries(table)[0], at.unknowns(table)[2]
     for r in range(len(rhs)):
@@ -303,7 +273,7 @@ def right_side(table: int, free: Array, asked: Array) -> None:
 
 @kernel
 def answer(table: int, free: Array, asked: Array, impulses: Array) -> None:
-    """Impulses [m] of bilateral rows that ask for ``asked`` at free velocities [nb, 3]."""
+    """Impulses [m] of bilateral rows with right sides ``asked`` at free velocities [nb, 3]."""
     solved, starts, below, values = (
         at.unknowns(table)[2], at.starts(table), at.below(table), at.values(table))
     right_side(table, free, asked)
@@ -319,8 +289,5 @@ def apply_impulses(table: int, impulses: Array, velocity: Array) -> None:
     entry_row, entry_body, WJ = at.entry_row(table), at.entry_body(table), at.entries(table)[1]
     for e in range(len(entry_row)):
         b, p = entry_body[e], impulses[entry_row[e]]
-        if b >= len(velocity):
-            continue
-        velocity[b, 0] += WJ[e, 0] * p
-        velocity[b, 1] += WJ[e, 1] * p
-        velocity[b, 2] += WJ[e, 2] * p
+        if b < len(velocity):
+            add_to(velocity, b, WJ[e, 0] * p, WJ[e, 1] * p, WJ[e, 2] * p)

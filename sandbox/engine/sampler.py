@@ -1,60 +1,79 @@
-"""Samples: copies of arrays that the compiled loop keeps, turned into recorded values in chunks."""
+"""Recorded samples and live readings of the tables of a run.
+
+The compiled loop copies tables; samples are converted to recorded values in chunks. Controllers and
+conditions read the tables themselves: readings are those of the last step, as in a recording of
+every step. Before the first step forces and tensions are 0.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.elements.arrays import Arrays
-from sandbox.engine.advance import advance
+from sandbox.elements.quantities import BOND_QUANTITIES, is_live, numbered
+from sandbox.engine.advance import advance, list_contacts, make_snapshot
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import Memory, make_memory
 from sandbox.engine.records import PULL, STOP
-from sandbox.engine.snapshot import list_contacts, make_snapshot
 from sandbox.engine.state import CONTACT
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.model.bonds import held_one
+from sandbox.model.catalogue import Catalogue, Source
 from sandbox.numeric import Array, Integers, Records
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts, merge_contacts
+from sandbox.values.expressions import Read, closure
 
 CHUNK = 512
-LEAST = 4096
-"""Contacts of gathered samples that there is room for, at least."""
+MIN_CONTACTS = 4096  # minimum room for contacts of the samples that are not yet converted
+RECORDED: dict[str, tuple[str, str]] = {
+    "joint_couple": ("joints", "couple"), "joint_friction": ("dry_friction", "force"),
+    "joint_sticks": ("dry_friction", "sticks"), "joint_friction_work": ("dry_friction", "work"),
+    "tendon_length": ("cables", "length"), "tendon_tension": ("cables", "tension"),
+    "tendon_work": ("cables", "work"), "guide_friction": ("slips", "force"),
+    "guide_slip": ("slips", "way"), "line_pressure": ("fluids", "pressure"),
+    "line_flow": ("fluids", "flow"), "line_spilled": ("fluids", "spilled"),
+    "line_work": ("fluids", "work"), "valve_flow": ("valves", "flow"),
+    "valve_loss": ("valves", "loss"), "load_torque": ("loads", "torque"),
+    "load_work": ("loads", "work"), "drive_flow": ("pumps", "flow"), "held": ("bonds", "held")}
+"""Arrays of a recording that are results of elements: their table and column."""
+NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pumps": "drive"}
+"""Columns with the numbers of elements, of tables without a row for each."""
 
 
 class Sampler:
-    """Room for raw samples of a run; turns each chunk of them into rows of the recording."""
+    """Raw samples of a run, and their conversion into rows of the recording."""
 
     def __init__(
         self, world: World, tables: Tables, builder: RecordingBuilder, every: int,
     ) -> None:
         self.world, self.tables, self.builder, self.every = world, tables, builder, every
         self.model = world.model
-        self.kept = make_snapshot(CHUNK, tables, max(LEAST, 2 * world.room.contacts))
-        self._arrays = builder.blank(CHUNK)
-        """Rows on their way to the recording; what elements do not have stays nan."""
+        self.kept = make_snapshot(CHUNK, tables, max(MIN_CONTACTS, 2 * world.room.contacts))
+        self._arrays = builder.blank(CHUNK)  # values that elements do not have stay nan
         self._entry_points = prepare(tables.constants, tables.elements, advance)
         self.memory = self._memory()
-        """What the compiled loop works on."""
 
     def _memory(self) -> Memory:
         return make_memory(self.world.native, *self.tables, self.kept, self._entry_points)
 
     def restart(self, tables: Tables, builder: RecordingBuilder) -> None:
-        """Gather for another recording, with tables of no more room than those so far."""
+        """Start another recording, with tables of no more room than those so far."""
         self.tables, self.builder = tables, builder
         for counts in (self.kept.taken, self.kept.unfinished, self.kept.sums, self.kept.waiting):
             counts[:] = 0
         self.memory = self._memory()
 
     def enlarge(self, tables: Tables) -> None:
-        """Go on with tables that have more room, that of the world."""
+        """Continue with tables of more room, that of the world."""
         self.tables = tables
-        room = max(LEAST, 2 * self.world.room.contacts)
+        room = max(MIN_CONTACTS, 2 * self.world.room.contacts)
         self._lengthen(contacts=room, mean_contacts=2 * room)
 
     def _lengthen(self, **rows: int) -> None:
@@ -62,27 +81,11 @@ class Sampler:
             old = getattr(self.kept, name)
             new = np.zeros(max(count, len(old)), old.dtype)
             new[:len(old)] = old
-            room: dict[str, Any] = {name: new}
-            self.kept = self.kept._replace(**room)
+            self.kept = self.kept._replace(**{name: new})  # type: ignore[arg-type]
         self.memory = self._memory()
 
-    @property
-    def done(self) -> int:
-        """Samples that are in the recording."""
-        return int(self.kept.taken[1])
-
-    @property
-    def filled(self) -> int:
-        """Samples that are gathered since."""
-        return int(self.kept.taken[0] - self.kept.taken[1])
-
-    @property
-    def full(self) -> bool:
-        """Whether the loop was stopped because there is no room to keep what comes next."""
-        return bool(self.kept.taken[2])
-
     def make_room(self) -> None:
-        """Let the loop go on that found no room for the next sample, or for contacts of a step."""
+        """Make the room that the loop lacks, for the next sample or for contacts of a step."""
         if self.kept.taken[2] == 1:
             self.flush()
         else:
@@ -91,43 +94,58 @@ class Sampler:
         self.kept.taken[2] = 0
 
     def flush(self) -> None:
-        """Work out what was gathered and hand it to the recording."""
+        """Move the samples of the loop to the recording."""
         self.write()
         kept, (first, count) = self.kept, self.kept.unfinished.tolist()
-        kept.taken[1] = kept.taken[0]  # in one go: Ctrl-C leaves each sample once
+        kept.taken[1] = kept.taken[0]  # one assignment: after Ctrl-C no sample is there twice
         kept.mean_contacts[:count] = kept.mean_contacts[first:first + count].copy()
         kept.unfinished[0] = 0
 
     def write(self) -> None:
-        """Compute what was gathered, and go on gathering as if nothing had been written."""
-        n = self.filled
+        """Write the samples of the loop to the recording; they stay in the loop, too."""
+        kept, elements = self.kept, self.tables.elements
+        done = int(kept.taken[1])
+        n = int(kept.taken[0]) - done
         if n == 0:
             return
-        arrays, kept = {key: array[:n] for key, array in self._arrays.items()}, self.kept
+        arrays = {key: array[:n] for key, array in self._arrays.items()}
         for name in ("pose", "velocity", "acceleration"):
             arrays[f"body_{name}"][:] = getattr(kept, name)[:n]
+        for key, (table, column) in RECORDED.items():
+            number = (getattr(elements, table)[NUMBERS[table]] if table in NUMBERS
+                      else slice(arrays[key].shape[1]))
+            arrays[key][:, number] = self._column(table, n, column)[:, :arrays[key].shape[1]]
         self._write_joints(arrays, n)
         self._write_springs(arrays, n)
-        if self.model.tendons.name:
-            self._write_tendons(arrays, n)
-        if len(self.tables.elements.fluids):
-            self._write_lines(arrays, n)
-        loads, number = self._of("loads", n), self.tables.elements.loads["number"]
-        arrays["load_force"][:, number] = np.stack([loads["fx"], loads["fy"]], axis=-1)
-        arrays["load_torque"][:, number] = loads["torque"]
-        arrays["load_work"][:, number] = self._work("loads", n)
+        arrays["guide_lifted"][:] = (
+            self._of("guides", n)["lifted"][:, self.tables.constants.wheels])
+        lines, fluids, loads = self._of("fluids", n), elements.fluids, self._of("loads", n)
+        arrays["line_volume"][:] = lines["grown"] + fluids["volume"]
+        # the content of a gas includes the gas at t = 0 without pressure
+        arrays["line_content"][:] = lines["content"] - np.where(
+            fluids["gas"] > 0, fluids["volume"], 0.0)
+        arrays["line_ahead"][:] = lines["ahead"] * self.world.h
+        arrays["load_force"][:, elements.loads["number"]] = np.stack(
+            [loads["fx"], loads["fy"]], axis=-1)
         self._write_drives(arrays, n)
-        arrays["held"][:] = self._of("bonds", n)["held"]
-        self.builder.put(self.done, arrays)
-        each = np.diff(kept.fill[:n], prepend=0)
-        sample = np.repeat(np.arange(self.done, self.done + n), each)
+        self.builder.put(done, arrays)
+        sample = np.repeat(np.arange(done, done + n), np.diff(kept.fill[:n], prepend=0))
         self.builder.contacts.replace(
-            self.done, *self._contact_rows(sample, kept.contacts[:kept.fill[n - 1]]).values())
-        if self.builder.apart:
-            self._write_means(n)
+            done, *self._contact_rows(sample, kept.contacts[:kept.fill[n - 1]]).values())
+        moved = np.flatnonzero(kept.steady[:n] == 0)
+        if not self.builder.apart or not len(moved):
+            return
+        # means of samples whose intervals are complete, and had several forces
+        self.builder.means.replace(done, moved + done, kept.means[moved])
+        fill = kept.mean_fill[:moved[-1] + 1]
+        found, order = kept.mean_contacts[:fill[-1]], self.world.order
+        numbers = found.view(np.float64).reshape(-1, 9)[:, 2:]
+        self.builder.mean_contacts.replace(
+            done, np.repeat(np.arange(done, done + len(fill)), np.diff(fill, prepend=0)),
+            order[found["a"]], order[found["b"]], numbers / (self.every * self.world.h))
 
     def record_impacts(self, before: int) -> None:
-        """Hand on the impacts of the steps just made in one go; ``before`` these so many were."""
+        """Record the impacts of the last call of the loop, after ``before`` other steps."""
         state, order = self.tables.state, self.world.order
         found = state.impacts[:state.made[3]]
         if len(found):
@@ -136,35 +154,20 @@ class Sampler:
                 order[found["b"]], np.stack([found["x"], found["y"]], axis=1),
                 np.stack([found["px"], found["py"]], axis=1))
 
-    def _write_means(self, n: int) -> None:
-        """Means of samples whose intervals had several forces, and are over."""
-        kept, order, done = self.kept, self.world.order, self.done
-        moved = np.flatnonzero(kept.steady[:n] == 0)
-        if not len(moved):
-            return
-        self.builder.means.replace(done, moved + done, kept.means[moved])
-        fill = kept.mean_fill[:moved[-1] + 1]
-        found = kept.mean_contacts[:fill[-1]]
-        numbers = found.view(np.float64).reshape(-1, 9)[:, 2:]
-        self.builder.mean_contacts.replace(
-            done, np.repeat(np.arange(done, done + len(fill)), np.diff(fill, prepend=0)),
-            order[found["a"]], order[found["b"]], numbers / (self.every * self.world.h))
+    def _of(self, table: str, n: int) -> Any:
+        return self.kept.copied[table][:n]
 
-    def _of(self, view: str, n: int) -> Any:
-        return self.kept.copied[view][:n]
-
-    def _work(self, element: str, n: int, name: str = "work") -> Array:
-        """Work [J] of elements up to the instants of samples, which lie amid their steps."""
-        found = self._of(element, n)
-        work: Array = found[name] - found[f"step_{name}"] / 2
-        return work
+    def _column(self, table: str, n: int, name: str) -> Array:
+        """A column of results; work and losses [J] up to the instants of samples, in mid-step."""
+        found = self._of(table, n)
+        column: Array = found[name]
+        return column - found[f"step_{name}"] / 2 if name in ("work", "loss") else column
 
     def _write_joints(self, arrays: Arrays, n: int) -> None:
         """Joints with their limits and dry friction."""
         elements, results = self.tables.elements, self._of("joints", n)
         arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
         arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
-        arrays["joint_couple"][:] = results["couple"]
         arrays["joint_twist"][:] = np.stack(
             [results["twist_a"], results["twist_b"]], axis=-1) / self.world.h
         hinge, line = elements.joints["hinge"] == 1, elements.joints["line"] == 1
@@ -179,34 +182,6 @@ class Sampler:
             sense = elements.joints["sense"][limit["joint"]]
             arrays["joint_stop"][:, limit["joint"]] += (
                 sense * limit["side"] * impulse / self.world.h)
-        joint, friction = elements.dry_friction["joint"], self._of("dry_friction", n)
-        arrays["joint_friction"][:, joint] = friction["force"]
-        arrays["joint_sticks"][:, joint] = friction["sticks"]
-        arrays["joint_friction_work"][:, joint] = self._work("dry_friction", n)
-
-    def _write_tendons(self, arrays: Arrays, n: int) -> None:
-        whole = slice(len(self.model.tendons.name))  # spans come after these
-        for name in ("length", "tension"):
-            arrays[f"tendon_{name}"][:] = self._of("cables", n)[name][:, whole]
-        arrays["tendon_work"][:] = self._work("cables", n)[:, whole]
-        arrays["guide_friction"][:] = self._of("slips", n)["force"]
-        arrays["guide_slip"][:] = self._of("slips", n)["way"]
-        arrays["guide_lifted"][:] = (
-            self._of("guides", n)["lifted"][:, self.tables.constants.wheels])
-
-    def _write_lines(self, arrays: Arrays, n: int) -> None:
-        results = self._of("fluids", n)
-        fluids = self.tables.elements.fluids
-        arrays["line_pressure"][:], arrays["line_flow"][:] = results["pressure"], results["flow"]
-        arrays["line_volume"][:] = results["grown"] + fluids["volume"]
-        # of a gas the content counts what filled it at t = 0 without pressure
-        arrays["line_content"][:] = results["content"] - np.where(
-            fluids["gas"] > 0, fluids["volume"], 0.0)
-        arrays["line_spilled"][:] = results["spilled"]
-        arrays["line_work"][:] = self._work("fluids", n)
-        arrays["line_ahead"][:] = results["ahead"] * self.world.h
-        arrays["valve_flow"][:] = self._of("valves", n)["flow"]
-        arrays["valve_loss"][:] = self._work("valves", n, "loss")
 
     def _write_drives(self, arrays: Arrays, n: int) -> None:
         elements = self.tables.elements
@@ -217,17 +192,16 @@ class Sampler:
         arrays["drive_torque"][:, actions["drive"][limited]] = (
             actions["sense"][limited] * torque[:, limited])
         arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
-        arrays["drive_flow"][:, pumps] = self._of("pumps", n)["flow"]
         pulled = cables["kind"] == PULL
         work[:] = 0.0
-        work[:, actions["drive"]] = self._work("actions", n)
-        work[:, pumps] = self._work("pumps", n)
-        work[:, cables["drive"][pulled]] = self._work("cables", n)[:, pulled]
+        work[:, actions["drive"]] = self._column("actions", n, "work")
+        work[:, pumps] = self._column("pumps", n, "work")
+        work[:, cables["drive"][pulled]] = self._column("cables", n, "work")[:, pulled]
 
     def _write_springs(self, arrays: Arrays, n: int) -> None:
         """Springs and the damping of hinges, which springs with a rotary damper share."""
         joints, springs = self.model.joints, self.tables.elements.springs
-        results, work = self._of("springs", n), self._work("springs", n)
+        results, work = self._of("springs", n), self._column("springs", n, "work")
         damped = springs["number"] < 0
         hinge = springs["joint"][damped]
         for name, values in (("damping", joints.sense[hinge] * results["effort"][:, damped]),
@@ -266,3 +240,184 @@ class Sampler:
         return merge_contacts(
             sample, order[kept["a"]], order[kept["b"]], np.stack([kept["x"], kept["y"]], axis=1),
             force, normal, kept["normal"], kept["gap"].copy(), kept["twist"] / self.world.h)
+
+
+RESULTS: dict[tuple[str, str], tuple[str, str]] = {
+    ("joint", "reaction_x"): ("joints", "fx"), ("joint", "reaction_y"): ("joints", "fy"),
+    ("joint", "length"): ("joints", "way"), ("joint", "position"): ("joints", "way"),
+    ("spring", "length"): ("springs", "way"), ("load", "fx"): ("loads", "fx"),
+    ("load", "fy"): ("loads", "fy"),
+    **{(kind, quantity): place for key, place in RECORDED.items()
+       for kind, _, quantity in [key.partition("_")]}}  # table and column
+
+
+class Readings:
+    """Functions that read the state of one run; :meth:`Control.moved` updates it."""
+
+    def __init__(
+        self, world: World, tables: Tables, sampler: Sampler, catalogue: Catalogue,
+    ) -> None:
+        self.world, self.tables, self.model = world, tables, world.model
+        self.sampler, self.catalogue = sampler, catalogue
+        self.drive: Array = np.zeros(len(self.model.drives.name))
+        self.now = 0.0
+        self.listed: Contacts | None = None
+
+    def of(self, text: str) -> Read:
+        """A function for a quantity, a meter or an expression; KeyError if it is not live."""
+        if text.startswith("=") or ("/" in text and text not in self.catalogue):
+            return closure(text, self._named, self.model.mechanism.functions)
+        return self._named(text)
+
+    def _named(self, name: str) -> Read:
+        if name == "t":
+            return lambda: self.now
+        source = self.catalogue.find(name)
+        if not is_live(source.kind, source.quantity):
+            raise KeyError(name)
+        if source.quantity in BOND_QUANTITIES:
+            number = self.model.bonds.of(source.kind)[source.index]
+            return _item(self.tables.elements.bonds["held"], int(number))
+        if place := RESULTS.get((source.kind, source.quantity)):
+            return self._result(*place, source.index)
+        read: Callable[[Source], Read] = getattr(self, f"_{source.kind}")
+        return read(source)
+
+    def _result(self, table: str, column: str, index: int) -> Read:
+        """A result of an element."""
+        records = getattr(self.tables.elements, table)
+        if key := NUMBERS.get(table):
+            index = int(np.flatnonzero(records[key] == index)[0])
+        return _item(records[column], index)
+
+    def _meter(self, source: Source) -> Read:
+        mechanism, half = self.model.mechanism, self.model.mechanism.run.step / 2
+
+        def named(name: str) -> Read:  # the time is that of a sample, as in recordings
+            return (lambda: max(self.now - half, 0.0)) if name == "t" else self._named(name)
+
+        return closure(mechanism.meters[source.index].value, named, mechanism.functions)
+
+    def _drive(self, source: Source) -> Read:
+        if source.quantity == "value":
+            return lambda: self.drive.item(source.index)
+        actions = self.tables.elements.actions
+        row = int(np.flatnonzero((actions["drive"] == source.index) & (actions["motor"] >= 0))[0])
+        sense, given = float(actions["sense"][row]), self._result("actions", "torque", row)
+        return lambda: sense * given()
+
+    def _body(self, source: Source) -> Read:
+        index, state = source.index, self.tables.state
+        n, item = int(self.world.number[index]), state.body.item
+        mean = self.tables.result.before.item
+        cx, cy = self.model.bodies.centre[index].tolist()
+        rates, gains = {"vx": 0, "vy": 1, "omega": 2}, {"ax": 0, "ay": 1, "alpha": 2}
+        if source.quantity in rates:
+            j = rates[source.quantity]
+            return lambda: 0.5 * (item(n, 3 + j) + mean(n, j))
+        if source.quantity in gains:
+            j, h = gains[source.quantity], self.world.h
+            return lambda: (item(n, 3 + j) - mean(n, j)) / h
+        if source.quantity == "angle":
+            return lambda: item(n, 2)
+        if source.quantity == "x":
+            return lambda: item(n, 0) - math.cos(item(n, 2)) * cx + math.sin(item(n, 2)) * cy
+        if source.quantity == "y":
+            return lambda: item(n, 1) - math.sin(item(n, 2)) * cx - math.cos(item(n, 2)) * cy
+        touch = source.quantity.removeprefix("contact.")
+        return lambda: float(self.contacts.of_body(index, touch)[0])
+
+    def _joint(self, source: Source) -> Read:
+        joints, index = self.model.joints, source.index
+        a, b = self.world.number[joints.bodies[index]].tolist()
+        item, mean = self.tables.state.body.item, self.tables.result.before.item
+        fx, fy, dx, dy, ta, tb = (_item(self.tables.elements.joints[name], index)
+                                  for name in ("fx", "fy", "dx", "dy", "ta", "tb"))
+        sense, zero = joints.sense[index].item(), joints.zero[index].item()
+
+        def tension() -> float:
+            """Along the line; positive if it pulls ``b`` towards ``a``."""
+            size = math.hypot(fx(), fy())
+            return -size if dx() * fx() + dy() * fy() > 0 else size
+
+        def rate(n: int, j: int) -> float:
+            return 0.5 * (item(n, 3 + j) + mean(n, j))
+
+        def speed() -> float:
+            """Rate of the length of an actuator."""
+            return (dx() * (rate(b, 0) - rate(a, 0)) + dy() * (rate(b, 1) - rate(a, 1))
+                    + ta() * mean(a, 2) + tb() * mean(b, 2))
+
+        return {
+            "reaction": lambda: math.hypot(fx(), fy()), "tension": tension, "speed": speed,
+            "angle": lambda: sense * (item(b, 2) - item(a, 2)) - zero,
+            "rate": lambda: 0.5 * sense * (item(b, 5) + mean(b, 2) - item(a, 5) - mean(a, 2)),
+        }[source.quantity]
+
+    def _spring(self, source: Source) -> Read:
+        if source.quantity == "force":
+            effort = self._result("springs", "effort", source.index)
+            return lambda: 0.0 - effort()
+        joint = self.model.springs.joint[source.index]
+        return self._named(f"{self.model.joints.name[joint]}.angle")
+
+    def _tendon(self, source: Source) -> Read:
+        if at := numbered("tendon", source.quantity):
+            return self._at_guide(source.index, *at)
+        length = self._result("cables", "length", source.index)
+        start = float(self.sampler.builder.statics["tendon_initial"][source.index])
+        wound = self._wound_up(source.index)
+        return (lambda: start - length() + wound()) if wound else lambda: start - length()
+
+    def _at_guide(self, tendon: int, what: str, number: int) -> Read:
+        """A quantity of a guide, or the tension of a straight piece."""
+        tendons, elements = self.model.tendons, self.tables.elements
+        guide = int(tendons.first[tendon]) + number
+        if what == "lifted":
+            lifted = _item(elements.guides["lifted"], guide)
+            return lambda: float(lifted())
+        if what == "slip":
+            slip = int(np.flatnonzero(tendons.grips == guide)[0])
+            return _item(elements.slips["way"], slip)
+        piece = np.flatnonzero(tendons.stretch_tendon == tendon)[number]
+        last = _item(elements.cables["tension"], tendon)
+        behind = [_item(elements.slips["force"], k) for k in tendons.gripped(tendon).tolist()
+                  if tendons.grips[k] > tendons.stretch_first[piece]]
+        return lambda: last() - sum(force() for force in behind)
+
+    def _line(self, source: Source) -> Read:
+        grown = self._result("fluids", "grown", source.index)
+        volume = float(self.model.lines.volume[source.index])
+        return lambda: volume + grown()
+
+    def _wound_up(self, tendon: int) -> Read | None:
+        """Length that wheels at a tendon's ends have wound up since t = 0 [m]; None without any."""
+        if self.model.tendons.closed[tendon]:
+            return None
+        guides, states = self.model.tendons.guides(tendon), self.tables.elements.guides
+        radius = self.model.tendons.guide_radius
+        ends = [(_item(states["wrap"], end), float(states["wrap0"][end]), float(sign * radius[end]))
+                for end, sign in ((guides.start, -1.0), (guides.stop - 1, 1.0)) if radius[end]]
+        return (lambda: sum(r * (angle() - start) for angle, start, r in ends)) if ends else None
+
+    def _group(self, source: Source) -> Read:
+        names = self.model.mechanism.groups[source.index].bodies
+        members = [self.model.names.body[name] for name in names]
+        quantity = source.quantity.removeprefix("contact.")
+        return lambda: float(self.contacts.of_group(members, quantity)[0])
+
+    def _pair(self, source: Source) -> Read:
+        return lambda: float(self.contacts.of_pair(
+            source.index, source.other, source.quantity)[0])
+
+    @property
+    def contacts(self) -> Contacts:
+        """The contacts of the last step."""
+        if self.listed is None:
+            self.listed = self.sampler.contacts_now()
+        return self.listed
+
+
+def _item(column: Array, index: int) -> Read:
+    item = column.item
+    return lambda: item(index)

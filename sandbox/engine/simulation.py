@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import platform
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from numbers import Integral, Real
 
 import numba
@@ -17,24 +17,23 @@ import pymunk
 
 from sandbox import __version__
 from sandbox.elements.controllers.custom import Custom, customs
+from sandbox.engine import inspect_elements as of
 from sandbox.engine.advance import advance
 from sandbox.engine.bonds import taken_breaks
-from sandbox.engine.divergence import diverged
+from sandbox.engine.contacts import rows_for
+from sandbox.engine.control import Control
+from sandbox.engine.fluids import FULL
 from sandbox.engine.inputs import Clock, Inputs, make_clock
 from sandbox.engine.inspect_control import Checked, Runnable, checked
-from sandbox.engine.inspect_elements import line_problems, load_problems, tendon_problems
-from sandbox.engine.inspect_joints import joint_problems
 from sandbox.engine.islands import DAMPING, STIFFNESS, TANGENTIAL
-from sandbox.engine.readings import Readings
-from sandbox.engine.sampler import Sampler
-from sandbox.engine.start import Beginning, start
-from sandbox.engine.steering import Steering
-from sandbox.engine.tables import Tables, enlarged, make_tables
-from sandbox.engine.touching import rows_for
+from sandbox.engine.sampler import Readings, Sampler
+from sandbox.engine.start import start
+from sandbox.engine.tables import WORKSPACE, Tables, enlarged, make_tables
 from sandbox.engine.world import World
 from sandbox.errors import (
     ControllerFailed,
     Interrupted,
+    Jammed,
     Problem,
     RecordingFull,
     SandboxError,
@@ -43,6 +42,7 @@ from sandbox.errors import (
 )
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
+from sandbox.model.supports import together
 from sandbox.numeric import Array
 from sandbox.recording.builder import RECORDED_BYTES, RecordingBuilder
 from sandbox.recording.recording import Recording
@@ -58,23 +58,22 @@ from sandbox.samples.outcome import (
 from sandbox.values.expressions import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
-BLOCK = 256
-"""Most steps made in one go, so that Ctrl-C and the progress bar are never far."""
-MOST_CONTACTS = 2000
-"""In one step; room for twice as many takes up to 4 GB."""
+BLOCK = 256  # maximum number of steps between two looks for Ctrl-C and updates of the progress bar
+MIN_SHARE = 0.01  # of the impulses of a jam, in the largest: smaller rows are left out
+MAX_CONTACTS = 2000  # in one step; room for twice as many takes up to 4 GB
 
 
 class Simulation:
-    """One run of a scene, from t = 0 to its end, as far as it was asked for.
+    """A simulation of a scene that can be paused, read and continued.
 
-    After k steps poses and forces belong to t = (k - 1/2) h, velocities to t = k h. The forces
-    that are read are those of step k; where samples are several steps apart, they record means.
+    After k steps poses and forces belong to t = (k - 1/2) h, velocities to t = k h. Forces are
+    those of step k; samples that are several steps apart record means.
 
     Args:
         scene: a scene, an expanded mechanism, or what :func:`sandbox.load_scene` takes; its
             ``run`` says how long and how finely.
         controllers: Python callables that read and write while it runs, after the scene's own.
-        recorded_bytes: the most that may be recorded, contacts included.
+        recorded_bytes: maximum size of the recording, contacts included.
 
     Raises:
         SceneError: a controller or an event that reads or writes what the mechanism does
@@ -90,20 +89,25 @@ class Simulation:
         self.mechanism = checked(scene, self._customs)
         run = self.mechanism.run
         if run.solver != "direct":
-            raise _wrong(f"the solver {quoted(run.solver)} runs a scene in one go", "run.solver",
-                         "'direct' in steps; sandbox.simulate, 'sandbox run' and 'sandbox sweep'")
+            raise bad_argument(
+                f"the solver {quoted(run.solver)} runs a scene in one go", "run.solver",
+                "'direct' in steps; sandbox.simulate, 'sandbox run' and 'sandbox sweep'")
         self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
         self._model = compile_mechanism(self.mechanism)
-        found = [*joint_problems(self._model), *tendon_problems(self._model),
-                 *line_problems(self._model), *load_problems(self._model)]
+        found = [*of.joint_problems(self._model), *of.tendon_problems(self._model),
+                 *of.line_problems(self._model), *of.load_problems(self._model)]
         if blocking := [one for one in found if one.blocks]:
             raise SceneError(blocking)
         self._world = world = World(self._model)
         self._inputs = Inputs(world, self._clock)
         self._tables: Tables = make_tables(world)
-        self._beginning = Beginning(self._tables)
+        self._first_tables = self._tables
+        self._first_values = [
+            (array, array.copy()) for part in self._tables[:4]
+            for name, array in part._asdict().items()
+            if isinstance(array, np.ndarray) and array.flags.writeable and name not in WORKSPACE]
         self._builder = self._room()
-        self._most = recorded_bytes
+        self._max_bytes = recorded_bytes
         self._sampler = Sampler(world, self._tables, self._builder, self._clock.every)
         self._catalogue = Catalogue(self.mechanism)
         self._readings = Readings(world, self._tables, self._sampler, self._catalogue)
@@ -111,21 +115,18 @@ class Simulation:
         self._begin(began)
 
     def _begin(self, began: float) -> None:
-        self._steering = Steering(self._model, self._clock, self._readings, self._customs)
+        self._control = Control(self._model, self._clock, self._readings, self._customs)
         self._set: list[tuple[int, str, float | None]] = []
-        """What was set from outside: after how many steps, of which drive, to what."""
+        """By :meth:`set`: steps before it, the drive, the value."""
         self._broke: list[Happened] = []
         self._done = 0
-        self._failed: SandboxError | None = None
-        """What ended it before its end: there is no going on."""
-        self._steering.moved(0, self._inputs.rows(1, 1)[0])
+        self._failed: SandboxError | None = None  # the error that ended it
+        self._control.moved(0, self._inputs.rows(1, 1)[0])
         self._wall = {"build": time.perf_counter() - began, "simulate": 0.0}
-
-    # -- where it stands --------------------------------------------------------------
 
     @property
     def time(self) -> float:
-        """The instant that was come to [s]: the number of steps made, times the step."""
+        """Current simulation time [s]."""
         return self._done * self._clock.step
 
     @property
@@ -135,32 +136,30 @@ class Simulation:
 
     @property
     def finished(self) -> bool:
-        """Whether it came to its end, or an event or a divergence ended it."""
-        return (self._done >= self._clock.steps or self._ended
-                or self._failed is not None)
+        """Whether the run is over: complete, stopped, or ended by an error."""
+        return self._done >= self._clock.steps or self._ended or self._failed is not None
 
     @property
     def stopped(self) -> Stop | None:
-        """What ended it before its time, an event or :class:`sandbox.StopRun`; None if nothing."""
-        return self._steering.stopped if self._ended else None
+        """The event or :class:`sandbox.StopRun` that ended the run early, if any."""
+        return self._control.stopped if self._ended else None
 
     @property
     def _ended(self) -> bool:
-        """Whether an event has stopped it; not before the first sample, to have one to look at."""
-        return self._steering.stopped is not None and self._done >= self._clock.every
+        """Whether an event has stopped it; never before the first sample."""
+        return self._control.stopped is not None and self._done >= self._clock.every
 
     def __getitem__(self, quantity: str) -> float:
-        """What a quantity, a meter or an expression (``=a.x - b.x``) of them is now, in SI.
+        """The current value of a quantity, a meter or an expression (``=a.x - b.x``), in SI.
 
         Before the first step forces and tensions are 0.
 
         Raises:
             UnknownQuantityError: not in the catalogue; with a near miss.
-            SceneError: worked out after a run only, such as ``work``; or not an
-                expression.
+            SceneError: a quantity of complete runs only, such as ``work``; or no expression.
         """
         if not isinstance(quantity, str):
-            raise _wrong(f"{quantity!r} is not the name of a quantity", "simulation",
+            raise bad_argument(f"{quantity!r} is not the name of a quantity", "simulation",
                          "a name such as 'finger.tendon.tension'")
         if quantity not in self._read:
             try:
@@ -175,10 +174,8 @@ class Simulation:
                 raise SceneError([Problem.of(error, quantity)]) from None
         return self._read[quantity]()
 
-    # -- going on ---------------------------------------------------------------------
-
     def step(self, n: int = 1) -> int:
-        """Make ``n`` steps, or as many as are left; how many were made.
+        """Make ``n`` steps, or as many as are left; returns how many were made.
 
         Raises:
             SandboxError: as :meth:`run`.
@@ -191,20 +188,19 @@ class Simulation:
     def run(
         self, until: int | None = None, *, progress: Callable[[float], None] | None = None,
     ) -> None:
-        """Go on until so many steps are made in all, by default to the end.
+        """Continue until so many steps are made in all, by default to the end.
 
         Args:
             until: steps from t = 0.
-            progress: called now and then with the fraction of the whole run done, 0 to 1.
+            progress: called repeatedly with the fraction of the whole run done, 0 to 1.
 
         Raises:
             SceneError: no whole number of steps, or an input that cannot be computed at some time.
-            SimulationDiverged: the motion stopped being finite; the error carries the
-                recording so far.
-            RecordingFull: more than allowed was recorded; it carries the recording, too.
-            ControllerFailed: a controller in Python raised an exception; as RecordingFull.
-            Interrupted: Ctrl-C; the error carries the recording so far. The step that it fell
-                into is half made, so there is no going on after it, nor after any other error.
+            SimulationDiverged: the motion stopped being finite.
+            RecordingFull: the recording became too large.
+            ControllerFailed: a controller in Python raised an exception.
+            Interrupted: Ctrl-C. This and the three errors above carry the recording so far. A run
+                cannot continue after an error.
         """
         if self._failed is not None:
             raise self._failed
@@ -220,7 +216,7 @@ class Simulation:
                 self._wall["simulate"] += time.perf_counter() - began
         except (SimulationDiverged, RecordingFull, ControllerFailed) as error:
             self._failed = error
-            error.recording = self.recording()  # nothing goes on: it shares the memory
+            error.recording = self.recording()  # the run is over: it shares the memory
             raise
         except KeyboardInterrupt:
             recording = self.finish(INTERRUPTED)
@@ -233,30 +229,30 @@ class Simulation:
             raise
 
     def _loop(self, until: int, progress: Callable[[float], None] | None) -> None:
-        clock, inputs, steering, sampler = self._clock, self._inputs, self._steering, self._sampler
+        clock, inputs, control, sampler = self._clock, self._inputs, self._control, self._sampler
         most, every = min(BLOCK, inputs.at_once), clock.every
-        steered, desk, done = bool(steering), steering.desk, self._done
+        controlled, drives, done = bool(control), control.drives, self._done
         while done < until:
             count = min(most, until - done)
-            if steered:
-                steering.act(done)
+            if controlled:
+                control.act(done)
                 if self._ended:
                     break
-                count = min(count, steering.ahead(done))
-                if steering.stopped is not None:  # only as far as the first sample
+                count = min(count, control.ahead(done))
+                if control.stopped is not None:  # only to the first sample
                     count = min(count, every - done)
             drive = inputs.rows(done + 1, count)
             count = len(drive)
-            desk.overlay(drive)
+            drives.overlay(drive)
             inputs.apply(drive[0])
             speeds = inputs.speeds(done + 1, count)
             if done == 0:
                 first = inputs.rows(1, 2).copy()
-                desk.overlay(first)
+                drives.overlay(first)
             while done == 0 and not start(
                     self._world, self._tables, sampler.memory, first, speeds[:1]):
                 found = int(self._world.finder.table[0])
-                self._world.renew()  # results must not depend on what pymunk remembers of the try
+                self._world.renew()  # results must not depend on what pymunk cached in the trial
                 self._inputs = inputs = Inputs(self._world, self._clock)
                 inputs.apply(drive[0])
                 self._enlarge(found)
@@ -273,29 +269,29 @@ class Simulation:
                     break
                 self._make_room(done + made + 1)
             self._done = done = done + count
-            steering.moved(done, drive[-1])
+            control.moved(done, drive[-1])
             if progress is not None:
                 progress(done / clock.steps)
 
     def _make_room(self, k: int) -> None:
-        """Let step ``k`` go on, which was not made for want of room; raise what ended the run."""
-        if self._sampler.full:  # first: a step that is half made may have to be kept, too
+        """Make the room that step ``k`` lacks; if it is not room, raise the error of the run."""
+        if self._sampler.kept.taken[2]:  # first: a step that is half made may have to be kept, too
             self._sampler.make_room()
-            if self._builder.recorded_bytes > self._most:
-                raise RecordingFull(float(self._clock.force_time(k)), self._most)
+            if self._builder.recorded_bytes > self._max_bytes:
+                raise RecordingFull(float(self._clock.force_time(k)), self._max_bytes)
         elif self._tables.state.touching[1]:
             self._enlarge()
         else:
             raise diverged(float(self._clock.force_time(k)), self._world, self._tables,
-                           self._steering)
+                           self._control)
 
     def _enlarge(self, found: int | None = None) -> None:
-        """Make room for ``found`` contacts, by default those of the step that is half made."""
+        """Make room for ``found`` contacts, by default those of the unfinished step."""
         world, elements = self._world, self._tables.elements
         found = int(world.finder.table[0]) if found is None else found
-        if found > MOST_CONTACTS:
+        if found > MAX_CONTACTS:
             raise SandboxError(f"{found} contacts at once at t = {self.time:.6g} s, more than the "
-                               f"{MOST_CONTACTS} that can be solved together: fewer or simpler "
+                               f"{MAX_CONTACTS} that can be solved together: fewer or simpler "
                                "bodies may help", code="too-complex")
         rows = rows_for(len(elements.limits), len(elements.motors), len(elements.slips),
                         len(elements.dry_friction), found)
@@ -305,7 +301,7 @@ class Simulation:
         self._readings.tables = self._tables
 
     def set(self, drive: str, value: float | None) -> None:
-        """Give a drive a value from the next step on, in SI; None lets it follow its signal again.
+        """Set a drive from the next step on, in SI; None lets it follow its signal again.
 
         Raises:
             SceneError: no such drive, a value that is no finite number, a drive that a controller
@@ -320,58 +316,56 @@ class Simulation:
                 "name-not-found", f"there is no drive named {quoted(drive)}", "set",
                 allowed=listed(known) or "none: the scene has no drives", hint=near(drive, known))])
         if value is not None and not (isinstance(value, Real) and math.isfinite(value)):
-            raise _wrong(f"{value!r} is not a value for {quoted(drive)}", "set",
+            raise bad_argument(f"{value!r} is not a value for {quoted(drive)}", "set",
                          "a finite number, or None for the drive's signal")
-        if owner := self._steering.writer(drive):
+        if owner := self._control.writer(drive):
             raise SceneError([Problem("set-twice",
                                       f"the drive {quoted(drive)} is set by {quoted(owner)}",
                                       "set", allowed="a drive that nothing else sets")])
         self._set.append((self._done, drive, value))
-        column = known[drive]
-        self._steering.desk.set(column, value or 0.0, owned=value is not None)
+        self._control.drives.set(known[drive], value or 0.0, value is not None)
 
     def restart(self) -> None:
-        """Go back to t = 0, to what it was when it was made; drives follow their signals again.
+        """Go back to t = 0; drives follow their signals again.
 
-        What follows is, to the last bit, what a new simulation would do, and takes a share of its
-        time to begin: only pymunk's space is made anew. Recordings that were given away keep what
-        they have. Python controllers are the same functions, as of :meth:`copy`.
+        Results are, to the last bit, those of a new simulation, but it starts faster. Recordings
+        that were returned before stay as they are. Python controllers are not reset.
         """
         began = time.perf_counter()
         self._world.renew()
         self._inputs = Inputs(self._world, self._clock)
-        self._tables = self._beginning.restored()
+        for array, value in self._first_values:
+            array[...] = value
+        self._tables = self._first_tables
         self._builder = self._room()
         self._sampler.restart(self._tables, self._builder)
         self._readings.tables = self._tables
         self._begin(began)
 
     def copy(self) -> Simulation:
-        """Another simulation that stands where this one does, made by running it again.
+        """Another simulation in the same state, made by running it again.
 
-        It takes as long as this one took: the state of pymunk's space cannot be copied to the last
-        bit. Python controllers begin anew and are the same functions: they have to do the same when
-        they read the same, and one that remembers would remember both runs.
+        It takes as long as this one took: the state of pymunk's space cannot be copied exactly.
+        Python controllers are the same functions, so their results must depend on their readings
+        alone.
 
         Raises:
-            SandboxError: this one ended with an error, that error.
+            SandboxError: the error that ended this one.
         """
         if self._failed is not None:
             raise self._failed
         other = Simulation(Checked(self.mechanism), controllers=self._customs,
-                           recorded_bytes=self._most)
+                           recorded_bytes=self._max_bytes)
         for done, drive, value in self._set:
             other.run(done)
             other.set(drive, value)
         other.run(self._done)
-        if self._ended:  # what stopped it acts before the step that it did not make
+        if self._ended:  # the event acts before the step that was not made
             other.run(self._done + 1)
         return other
 
-    # -- what came of it ----------------------------------------------------------------
-
     def recording(self) -> Recording:
-        """What was sampled so far, marked incomplete before the end; going on leaves it alone."""
+        """The samples so far, marked incomplete before the end; further steps do not change it."""
         failed = self._failed
         reason = (INTERRUPTED if isinstance(failed, Interrupted)
                   else LIMITED if isinstance(failed, RecordingFull)
@@ -380,28 +374,28 @@ class Simulation:
         return self.finish(reason, copied=not self.finished and failed is None)
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:
-        """The recording of what was sampled so far, and why it ended if not as planned.
+        """The recording so far, and the reason of an early end.
 
-        If it is not ``copied`` it shares the memory that further steps would be written to.
+        Unless it is ``copied`` it shares the memory that further steps are written to.
         """
         self._sampler.write()
-        samples = self._sampler.done + self._sampler.filled
-        clock = self._clock
+        samples = int(self._sampler.kept.taken[0])
+        clock, standing = self._clock, self._tables.state.standing
         steps = clock.sample_step(np.arange(samples))
-        events, stopped, controllers = self._steering.info()
-        complete = not reason and self.finished and self._failed is None
         return self._builder.finish(clock.force_time(steps), Outcome(
-            complete=complete, reason=reason,
+            complete=not reason and self.finished and self._failed is None, reason=reason,
             step=clock.step, steps=clock.steps,
             sample_rate=1 / (clock.every * clock.step),
             versions={
                 "sandbox": __version__, "pymunk": pymunk.version, "numpy": np.__version__,
                 "numba": numba.__version__, "python": platform.python_version(),
             },
-            wall=dict(self._wall), events=events, broke=tuple(self._broke), stopped=stopped,
-            controllers=controllers, contact_solver=self._contact_solver(),
-            notes=step_notes(self._done, relaxed=int(self._tables.state.standing[0]),
-                             unordered=int(self._tables.state.standing[5])),
+            wall=dict(self._wall), events=tuple(self._control.happened),
+            broke=tuple(self._broke), stopped=self._control.stopped,
+            controllers={loop.name: report for loop in self._control.loops
+                         if (report := loop.law.report())},
+            contact_solver=self._contact_solver(),
+            notes=step_notes(self._done, relaxed=int(standing[0]), unordered=int(standing[5])),
         ), copied=copied)
 
     def _contact_solver(self) -> dict[str, float]:
@@ -424,19 +418,92 @@ class Simulation:
             model=self._model)
 
     def _statics(self) -> dict[str, Array]:
-        bodies, tables = self._model.bodies, self._tables
-        tendons = len(self._model.tendons.name)
+        bodies = self._model.bodies
+        tendons = self._tables.elements.cables[:len(self._model.tendons.name)]
         return {"body_centre": bodies.centre, "body_mass": bodies.mass,
-                "body_inertia": bodies.inertia,
-                "tendon_initial": tables.elements.cables["length"][:tendons].copy(),
-                "tendon_rest": tables.elements.cables["rest"][:tendons].copy()}
+                "body_inertia": bodies.inertia, "tendon_initial": tendons["length"].copy(),
+                "tendon_rest": tendons["rest"].copy()}
 
 
 def _whole(number: object, path: str) -> int:
     if isinstance(number, Integral) and int(number) >= 0:
         return int(number)
-    raise _wrong(f"{number!r} is no number of steps", path, "a whole number, 0 or more")
+    raise bad_argument(f"{number!r} is no number of steps", path, "a whole number, 0 or more")
 
 
-def _wrong(message: str, path: str, allowed: str) -> SceneError:
+def bad_argument(message: str, path: str, allowed: str) -> SceneError:
+    """An error about an argument of a Python call."""
     return SceneError([Problem("bad-argument", message, path, allowed=allowed)])
+
+
+def diverged(now: float, world: World, tables: Tables, control: Control) -> SimulationDiverged:
+    """The error of a run that diverged at ``now`` [s], with its probable cause."""
+    model = world.model
+    if tables.state.standing[3]:
+        return _jammed(now, world, tables)
+    pressure, content = (tables.elements.fluids[name] for name in ("pressure", "content"))
+    burst = np.flatnonzero(~(np.abs(pressure) < FULL) | ~(np.abs(content) < FULL))
+    if len(burst):
+        return SimulationDiverged(
+            now, model.lines.name[burst[0]],
+            "its pressure has run away; a relief, or a smaller flow, may help")
+    loads = model.loads
+    for out in tables.elements.loads:
+        if not np.isfinite([out["fx"], out["fy"], out["torque"]]).all():
+            row = out["number"]
+            return SimulationDiverged(
+                now, model.bodies.name[loads.body[row]],
+                f"the load {model.mechanism.loads[loads.load[row]].name!r} has no finite "
+                "value there: a division by zero, or out of range")
+    body = np.abs(world.body)
+    finite = np.isfinite(body).all(axis=1)
+    worst = np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1))
+    reason = "its motion has run away" if finite.all() else "its motion is no longer a number"
+    helps = f"smaller forces, or a smaller run.step than {world.h:g} s, may help"
+    driver = _driver(tables, _joined(world, int(worst)))
+    if driver >= 0:
+        reason += (f", driven by {model.bodies.name[world.order[driver]]}, which moves on a "
+                   "schedule: past a dead centre or out of reach the connected bodies cannot "
+                   "follow")
+    if loop := control.furthest():
+        reason += f", led by {loop}"
+        helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"
+    return SimulationDiverged(
+        now, model.bodies.name[world.order[worst]], f"{reason}; {helps}")
+
+
+def _driver(tables: Tables, bodies: Container[int]) -> int:
+    """The first of some bodies, in pymunk's order, that moves on a schedule, or -1."""
+    moving = [body for body in tables.constants.scheduled.tolist()
+              if tables.result.velocity[body].any() and body in bodies]
+    return moving[0] if moving else -1
+
+
+def _joined(world: World, body: int) -> set[int]:
+    """The bodies, in pymunk's order, that joints connect with one through free bodies."""
+    place = {number: i for i, number in enumerate(world.order)}
+    for joints in together(world.model):
+        found = {place[number] for number in world.model.joints.bodies[joints].ravel().tolist()}
+        if body in found:
+            return found
+    return set()
+
+
+def _jammed(now: float, world: World, tables: Tables) -> Jammed:
+    which, n = tables.state.standing[3:5].tolist()
+    row, rows = tables.result.rows[which - 1], tables.result.rows[:n]
+    names = [world.model.bodies.name[number] for number in world.order]
+    jam = rows[(np.abs(rows["p"]) >= MIN_SHARE * abs(row["p"])) & (rows["a"] < len(names))]
+    jam = jam if row["p"] else rows[which - 1:which]  # left out, it has no impulse
+    pairs = np.stack([jam["a"], jam["b"]], axis=1).tolist()
+    found = {body for pair in pairs for body in pair}
+    joined = set().union(*(_joined(world, body) for body in found))
+    driver = next(body for body in (_driver(tables, some) for some in (
+        found, joined, range(len(names)))) if body >= 0)
+    free = tables.constants.inverse_mass[:, 0] > 0
+    walls = [pair for pair in pairs if any(not free[body] and body != driver for body in pair)]
+    one, other = sorted((walls or pairs)[0], key=lambda body: (body != driver, not free[body]))
+    who = f"{names[driver]}, which moves on a schedule, "
+    what = f"drives {names[one]} against" if one != driver else "is driven against"
+    return Jammed(now, names[driver],
+                  f"{who}{what} {names[other]}, and neither can move away")

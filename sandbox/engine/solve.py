@@ -32,7 +32,6 @@ from sandbox.engine.bounded import (
     wipe,
     y_of,
 )
-from sandbox.engine.breaks import breaks
 from sandbox.engine.candidates import RETURN, broken_rows, kept_rows
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.friction import break_away
@@ -44,13 +43,21 @@ from sandbox.engine.groups import (
     set_rows,
     update_rows,
 )
-from sandbox.engine.impact_poses import displaced_gaps, lead_back, take_impacts
-from sandbox.engine.impacts import foresee_impacts, impacts, land, late_hits, leave
+from sandbox.engine.impacts import (
+    displaced_gaps,
+    foresee_impacts,
+    impacts,
+    land,
+    late_hits,
+    lead_back,
+    leave,
+    take_impacts,
+)
 from sandbox.engine.islands import list_piles, stretch_skin
 from sandbox.engine.kernel import kernel
 from sandbox.engine.piles import solve_piles
 from sandbox.engine.plan import assemble, backward, factor, forward, put
-from sandbox.engine.report import report
+from sandbox.engine.report import breaks, report
 from sandbox.engine.rows import (
     apply_impulses,
     closed,

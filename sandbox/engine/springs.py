@@ -35,8 +35,7 @@ from sandbox.engine.records import DAMPED, SOFT
 from sandbox.engine.rows import LEAST, NOTHING
 from sandbox.numeric import Array, Matrix
 
-SAME = 1e-10
-"""Relative difference of two forces that count as equal."""
+SAME = 1e-10  # relative difference of two forces that count as equal
 
 
 @entry_point("springs")
@@ -179,7 +178,7 @@ def report_springs(table: int, h: float) -> None:
         s = springs[i]
         if s["row"] >= 0 and acts(table, s["bond"]) and acts(table, s["hinge_bond"]):
             effort = unknown[s["row"]] / h
-            # the row of a released spring has an impulse of next to nothing
+            # the row of a released spring has a negligible impulse
             s["effort"] = effort if abs(effort) > LEAST else 0.0
 
 

@@ -1,4 +1,4 @@
-"""How a run starts: half a step before t = 0, on the path that it will take.
+"""The start of a run: half a step before t = 0, on its later path.
 
 Poses belong to t = (k - 1/2) h and velocities to t = k h, so the first pose of the leapfrog is
 that of t = -h/2. With the pose x0 and the velocity v0 of t = 0 and the acceleration a there it is
@@ -23,20 +23,11 @@ from sandbox.engine.tables import WORKSPACE, Tables
 from sandbox.engine.world import World
 from sandbox.numeric import Array
 
-TIMES = 3
-"""Each leaves of the error of a the share that the first pose's error had in it, some h."""
+TIMES = 3  # each trial multiplies the error of a by some h
 
 
 def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Array) -> bool:
-    """Put the bodies of a run where its first step begins; False for no room to find out where.
-
-    Args:
-        world: with all bodies half a step back along their velocities.
-        tables: of the run.
-        memory: of the run.
-        drive: values of the drives in the first steps, [1, nd] or [2, nd].
-        speeds: velocities of scheduled bodies after it, [1, ns, 3].
-    """
+    """Put the bodies where the first step begins; False if a trial step lacked room."""
     first = world.body.copy()
     free = tables.constants.inverse_mass[:, 0] > 0
     results = tables.result._asdict()
@@ -44,11 +35,11 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
                 *(results[name] for name in results if name not in WORKSPACE)]
     kept = [array.copy() for array in changing]
     shift = np.zeros((len(first), 3))
-    asked = drive[:1].copy()
+    trial_drive = drive[:1].copy()
     for trial in range(TIMES):
-        advance(memory.address, memory.h, asked, speeds, UNKEPT, UNKEPT)
+        advance(memory.address, memory.h, trial_drive, speeds, UNKEPT, UNKEPT)
         if trial == 0:
-            asked[0] -= _jumps(tables, first, drive)
+            trial_drive[0] -= _jumps(tables, first, drive)
         enough = not tables.state.touching[1]
         gained = memory.h / 8 * (world.velocity - first[:, 3:])
         hit = tables.state.touches["bounce"][:tables.state.touching[0]].any()
@@ -62,10 +53,7 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
 
 
 def _jumps(tables: Tables, body: Array, drive: Array) -> Array:
-    """By how much motors that kept their speed in the step just made began beside it, [nd].
-
-    The speed at t = 0 follows from those at the ends of the first two steps.
-    """
+    """Speeds at t = 0 of motors that kept theirs, minus those of their hinges, [nd]."""
     result, motors = np.zeros(drive.shape[1]), tables.elements.motors
     begins = 2 * drive[0] - drive[-1]
     holds = (motors["mode"] == 0) & np.isfinite(motors["most"]) & np.isnan(
@@ -74,24 +62,3 @@ def _jumps(tables: Tables, body: Array, drive: Array) -> Array:
         speed = motor["sense"] * rate(tables.elements.joints[motor["joint"]], body[:, 3:])
         result[motor["drive"]] += begins[motor["drive"]] - speed
     return result
-
-
-class Beginning:
-    """The numbers of tables that were just made.
-
-    Args:
-        tables: of a run that has made no step.
-    """
-
-    def __init__(self, tables: Tables) -> None:
-        self._tables = tables
-        self._kept = [
-            (array, array.copy()) for part in tables[:4]
-            for name, array in part._asdict().items()
-            if isinstance(array, np.ndarray) and array.flags.writeable and name not in WORKSPACE]
-
-    def restored(self) -> Tables:
-        """The tables as they were, in the memory that they were made in."""
-        for array, value in self._kept:
-            array[...] = value
-        return self._tables

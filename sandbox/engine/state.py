@@ -21,11 +21,9 @@ from sandbox.engine import records
 from sandbox.model.programs import CURVE, KNOT, STEP
 from sandbox.numeric import Array, Integers, Records
 
-STILL, STILL_TURNING = 1e-11, 1e-10
-"""Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
+STILL, STILL_TURNING = 1e-11, 1e-10  # speeds [m/s, rad/s] of a mechanism at rest
 
-COARSE = 1e-8
-"""Steps with a larger residual [m/s, rad/s] are counted."""
+COARSE = 1e-8  # steps with a larger residual [m/s, rad/s] are counted
 
 NORMAL, TANGENT, LIMITED, DRIVEN = 0, 1, 2, 3
 CABLE_FRICTION, CABLE_LOAD, JOINT_FRICTION, JOINT_LOAD = 4, 5, 6, 7
@@ -33,8 +31,7 @@ CABLE_FRICTION, CABLE_LOAD, JOINT_FRICTION, JOINT_LOAD = 4, 5, 6, 7
 guide and its tendon, and what that is measured by: the sum of the tensions on either side; friction
 in a joint, and its measure: what the joint carries."""
 SLIDES, HOLDS, TRIED = 0, 1, 2
-"""Phases of a row with static friction in a step: it has sliding friction; static friction; or it
-slipped against that, and sliding friction is tried (:mod:`sandbox.engine.friction`)."""
+"""Phases of a row with static friction: sliding; holding; slipped, sliding is tried."""
 
 BOUND = np.dtype([
     ("source", np.int64), ("index", np.int64),  # NORMAL ... DRIVEN, and which one
@@ -86,15 +83,13 @@ SHAPE = np.dtype([
 ])
 FACE = np.dtype([
     ("x0", float), ("y0", float), ("x1", float), ("y1", float),     # ends, counter-clockwise
-])
-"""An arc of unit normals, in the body's frame, with which a piece of an outline is its surface."""
+])  # an arc of unit normals, in the body's frame, with which a piece of an outline is its surface
 SPAN = np.dtype([
     *((f"{axis}{n}", float) for axis in "xy" for n in range(6)),
     ("before", np.int64), ("after", np.int64),      # its neighbours; -1 at an end
     ("corner", np.int64),   # whether there is a corner between it and the span before
     ("start", float),       # of the path of a slot: arc length up to the span [m]
-])
-"""A quintic piece of a curve, x = sum x_n w^n for w in [0, 1], from the centre of mass [m]."""
+])  # a quintic piece of a curve, x = sum x_n w^n for w in [0, 1], from the centre of mass [m]
 TOUCH = np.dtype([
     ("shape_a", np.int64), ("shape_b", np.int64), ("feature", np.int64),    # which point it is
     ("a", np.int64), ("b", np.int64),       # bodies, a < b
@@ -127,8 +122,7 @@ PILE_BODY = np.dtype([
     ("place", np.int64),    # in the order of elimination, -1 without one
     ("x", float), ("y", float), ("t", float),   # change of its velocity without contacts
     ("fastest", float),     # of the lowest: the largest free rate of the island's contacts [m/s]
-])
-"""A free body that nothing but contacts connects (:mod:`sandbox.engine.islands`)."""
+])  # a free body that nothing but contacts connects (islands)
 PILED = np.dtype([
     ("touch", np.int64), ("a", np.int64), ("b", np.int64),  # PILE_BODY or -1
     ("slot", np.int64),     # block of the two
@@ -143,11 +137,8 @@ PILED = np.dtype([
         "base_n", "base_t",     # response of the bodies to an impulse of 1
         "stiffness", "along",   # tangential [N/m]; what of want_t its spring gives
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
-])
-"""A contact of a pile while its step is solved (:mod:`sandbox.engine.piles`)."""
-AWAY, CLOSING, RESTING = 0, 1, 2
-"""Phases of a contact: it carries nothing; it was hit, and the next step closes its gap; it
-carries."""
+])  # a contact of a pile while its step is solved (piles)
+AWAY, CLOSING, RESTING = 0, 1, 2  # phases of a contact: free; hit, gap closing; in contact
 
 CONTACT = np.dtype([
     ("a", np.int64), ("b", np.int64),   # bodies
@@ -163,8 +154,7 @@ CONTACT_SUMS = np.dtype([
     ("nx", float), ("ny", float),       # normal impulse on a [N s]
     ("px", float), ("py", float),       # impulse on a [N s]
     ("normal", float),                  # size of the normal impulse [N s]
-])
-"""A contact's sums over the steps of a sample interval, numbers as in ``mean_contact_force``."""
+])  # a contact's sums over the steps of a sample interval, numbers as in `mean_contact_force`
 IMPACT = np.dtype([
     ("step", np.int64),     # counted from 0 among those made in one go
     ("a", np.int64), ("b", np.int64),   # bodies
@@ -179,8 +169,7 @@ class Constants(NamedTuple):
 
     h: float  # the step [s]
     gravity: Array  # [m/s^2], [2]
-    inverse_mass: Annotated[Array, "bodies 2"]
-    """1 / mass and 1 / inertia; 0 for bodies that do not move freely."""
+    inverse_mass: Annotated[Array, "bodies 2"]  # 1 / mass and 1 / inertia; 0 unless free
     bodies: Annotated[Records, BODY]
     scheduled: Integers  # numbers of the bodies that move as a schedule has it
     wheels: Integers  # guides whose wheels a tendon can lift off, [nw]
@@ -192,13 +181,11 @@ class Constants(NamedTuple):
     steps: Annotated[Records, STEP]  # of the programs of all laws (`programs`)
     curves: Annotated[Records, CURVE]  # of the scene's tables
     knots: Annotated[Records, KNOT]  # of these
-    friction: Annotated[Array, "bodies bodies"]
-    """Coefficient of every pair of bodies, negative where they may not touch."""
+    friction: Annotated[Array, "bodies bodies"]  # of every pair, below 0 if they may not touch
     static: Annotated[Array, "bodies bodies"]  # static over sliding friction of every pair
     restitution: Annotated[Array, "bodies bodies"]  # of every pair
     skin: Annotated[Array, "2 bodies bodies"]
-    """Stiffness [N/m] and damping [N s/m] of the contacts of every pair of bodies, 0 where they are
-    rigid; [2, 0, 0] if all are."""
+    """Stiffness [N/m], damping [N s/m] of contacts of every pair, 0 of rigid ones; or [2, 0, 0]."""
     loose: Integers  # the PILE_BODY of each body, or -1
 
 
@@ -226,61 +213,43 @@ class Elements(NamedTuple):
 class State(NamedTuple):
     """All that changes in a run and that the next step needs."""
 
-    body: Annotated[Array, "bodies 6"]
-    """x, y, angle, vx, vy, omega of the centres of mass; pymunk's, filled after moves."""
+    body: Annotated[Array, "bodies 6"]  # positions and velocities of the centres of mass
     made: Annotated[Integers, "4"]
-    """Steps made, this one among them, but for those in which all was at rest; which of those made
-    in one go this one is, from 0; how many of ``broken`` and of ``impacts`` are filled."""
+    """Steps made, without those at rest; index of this one in the call; rows of broken, impacts."""
     broken: Annotated[Records, records.BROKEN]  # what broke in the steps made in one go
     impacts: Annotated[Records, IMPACT, "impacts"]  # of the steps made in one go
     touches: Annotated[Records, TOUCH, "contacts"]  # of the last step
-    touching: Annotated[Integers, "2"]
-    """How many of these there are; whether a step waits for more room before it continues."""
+    touching: Annotated[Integers, "2"]  # their number; whether a step waits for more room
     last_drive: Annotated[Array, "drives"]  # values of the drives in the last step
     standing: Annotated[Integers, "6"]
-    """In how many steps modes were not found; for how many steps all has been at rest; how often
-    modes were not found in this step; which row is jammed, from 1, or 0; how many rows; in how many
-    steps impacts were too many to be put in order."""
+    """Steps without modes, steps at rest, failures now, jammed row, rows, unordered steps."""
     pile_bodies: Annotated[Records, PILE_BODY, "piles"]
     accuracy: Annotated[Array, "5"]
-    """Residual of the bounded rows in the last step [m/s, rad/s]; the largest so far; the step that
-    it was in, counted as ``made``; steps with piles that were awake; steps with a residual above
-    :data:`COARSE`."""
+    """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE."""
 
 
 class Result(NamedTuple):
-    """What the last step gave, and room to work in.
-
-    No step reads what the one before left there, but for three things: ``columns`` are 0 from step
-    to step, of ``unknowns`` the compliances of rigid rows and hubs are those of the start, and
-    ``pile_starts`` and ``pile_below`` are kept.
-    """
+    """Results of the last step, and scratch memory."""
 
     velocity: Annotated[Array, "bodies 3"]  # after the step; pymunk's, which takes it from here
     before: Annotated[Array, "bodies 3"]  # velocities before the step
     force: Annotated[Array, "bodies 3"]
-    """Forces and torques that the poses tell [N, N m]; once they are in ``free``, scratch:
-    cosine and sine of the angles one step on."""
+    """Forces and torques at the poses [N, N m]; later cosine, sine of the angles one step on."""
     free: Annotated[Array, "bodies 3"]
-    """Velocities that these alone, and impacts, lead to; after the step the mean of before and
-    after."""
+    """Velocities by these forces and impacts; after the step the mean of before and after."""
     kick: Annotated[Array, "bodies 3"]  # velocities that impacts add, in ``free`` already
-    delayed: Annotated[Array, "bodies 3"]
-    """The same, each times the instant of its impact after the pose [m, rad]."""
-    shift: Annotated[Array, "bodies 3"]
-    """How far impacts after the pose displace it, so that the next one is right."""
+    delayed: Annotated[Array, "bodies 3"]  # the same, times their instants after the pose
+    shift: Annotated[Array, "bodies 3"]  # displacement of the pose by later impacts
     turn: Annotated[Array, "bodies 2"]  # cosine and sine of the bodies' angles
     pressing: Annotated[Array, "loaded numbers 3"]  # NUMBERS of the loaded bodies
     felt: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
-    belts: Annotated[Array, "bodies"]
-    """Speeds at which surfaces run, counter-clockwise round their bodies [m/s]."""
+    belts: Annotated[Array, "bodies"]  # speeds of surfaces, counter-clockwise [m/s]
     stack: Annotated[Array, "stack 4"]  # scratch of laws: values with their slopes
     read_names: Annotated[Array, "names 4"]  # scratch: what a law reads, values with slopes
     entries: Annotated[Array, "2 entries 3"]  # J and W J of the entries
     values: Annotated[Array, "values"]  # the matrix and its factor
     unknowns: Annotated[Array, "6 unknowns"]
-    """What rows ask for; compliances, of hubs - mass and - inertia; the forward-substituted right
-    side; the solution; scratch; gaps that joints may keep in this step, 0 but for impacts."""
+    """Right sides; compliances; substituted right sides; solution; scratch; allowed gaps."""
     found: Annotated[Records, TOUCH, "contacts"]  # as pymunk found them in this step
     order: Annotated[Integers, "contacts"]  # scratch
     rows: Annotated[Records, BOUND, "rows"]  # the rows that are solved for
@@ -289,58 +258,45 @@ class Result(NamedTuple):
     delassus: Annotated[Array, "rows rows"]  # what the rows make of one another, G
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
-    pile_starts: Annotated[Integers, "piles+1"]
-    """This and the next: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`); a step
-    keeps it if it has all that meets in it."""
+    pile_starts: Annotated[Integers, "piles+1"]  # and pile_below: pattern of the matrix of piles
     pile_below: Annotated[Integers, "slots"]
     pile_adjacent: Annotated[Integers, "piles words"]  # scratch of its order
     pile_work: Annotated[Integers, "3 piles"]  # the same
     pile_vectors: Annotated[Array, "7 piles 3"]
-    """Velocities of the bodies of piles: the result, a trial, those without contacts; inverse
-    masses; forces, a right side, a change."""
+    """Velocities: result, trial, without contacts; inverse masses; forces, right side, change."""
     pile_diagonal: Annotated[Array, "piles 3 3"]  # blocks of the matrix
     pile_lower: Annotated[Array, "slots 3 3"]  # those below the diagonal
     pile_upper: Annotated[Array, "slots 3 3"]  # and above
     piled: Annotated[Records, PILED, "contacts"]
     pile_jacobian: Annotated[Array, "contacts 4 3"]
-    """Of the normal and the tangential rate of each with respect to both bodies: normal a, b,
-    tangential a, b."""
+    """Of the normal rate by a, b, then of the tangential rate by a, b."""
 
 
 class Snapshot(NamedTuple):
     """Memory for samples on their way to the recording, an axis of samples before all others."""
 
-    pose: Annotated[Array, "samples bodies 3"]
-    """x, y, angle of the bodies' frames, in the model's order as all of bodies."""
+    pose: Annotated[Array, "samples bodies 3"]  # of the bodies' frames, in the model's order
     velocity: Annotated[Array, "samples bodies 3"]  # of the centres of mass, when they are there
     acceleration: Annotated[Array, "samples bodies 3"]
     copied: Mapping[str, Records]  # samples of the tables in `SAMPLED`
     copies: Annotated[Integers, "copies 5"]
-    """Of each the address of what is copied of the first record, that of the first sample, records,
-    words of a record, words to copy of it."""
+    """Addresses of the first record and sample; records; words of a record, words to copy."""
     drive: Annotated[Array, "samples drives"]  # values of the drives in the step of each sample
     contacts: Annotated[Records, CONTACT, "contacts"]  # of all samples, one after the other
     fill: Annotated[Integers, "samples"]  # how many contacts there are up to the end of each sample
     taken: Annotated[Integers, "4"]
-    """Samples kept since the start of the run; how many of these were handed on; whether there is
-    no room for the next one (1), or for what touches in the next step (2); samples whose means are
-    kept."""
+    """Samples kept, samples written, missing room (1: sample, 2: contacts), means kept."""
     sums: Annotated[Array, "forces"]
-    """Sums of forces over the steps of a sample interval, in the columns of the recorded
-    ``mean_force`` [N, N m]."""
+    """Sums of forces over a sample interval, in the columns of `mean_force` [N, N m]."""
     means: Annotated[Array, "samples forces"]  # means of these around each sample
     steady: Annotated[Integers, "samples"]
-    """Whether these are the forces of the sample's step: all steps were the same, or the interval
-    goes on."""
+    """1 if the means are the forces of the sample: equal steps, or an unfinished interval."""
     waiting: Annotated[Array, "2"]
-    """How many steps were made that are not in the sums, with the forces of the last one; whether
-    there is anything in the sums."""
-    mean_contacts: Annotated[Records, CONTACT_SUMS, "mean_contacts"]
-    """Of the sample intervals, one after the other; last the unfinished one."""
+    """Steps not yet in the sums, with the last forces; whether the sums have any."""
+    mean_contacts: Annotated[Records, CONTACT_SUMS, "mean_contacts"]  # by intervals
     mean_fill: Annotated[Integers, "samples"]
-    """How many of these there are up to the end of each sample's interval."""
-    unfinished: Annotated[Integers, "2"]
-    """The first of these that belongs to the unfinished interval; how many do."""
+    """Their number up to the end of each sample's interval."""
+    unfinished: Annotated[Integers, "2"]  # first of the unfinished interval; their number
 
 
 _ITEMS = {str(Array): float, str(Integers): np.int64, str(NDArray[np.intc]): np.intc}

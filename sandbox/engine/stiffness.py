@@ -1,11 +1,10 @@
-"""Largest stiffnesses of springs and cables, and which of them are too stiff for the step.
+"""Largest stiffnesses of springs and tendons, and which of them are too stiff for the step.
 
 A spring of stiffness k whose bodies have the response s to a unit push has w^2 = k s; a leapfrog of
-step h is unstable beyond h w = 2. s depends on the pose and on all other joints, which only make it
-smaller, so a bound for every pose decides: from h^2 k s = 1 on, which leaves a factor of four, a
-spring is a row of the solve, taken at the step's end. It is then stable for every k, and its
-vibration is damped to 1 / sqrt(1 + (h w)^2) in a step. The same bound decides for tendons; from
-:data:`RIGID` on, where they stand for inextensible ones, they are rows at any step.
+step h is unstable beyond h w = 2. s depends on the pose and on all other joints, which only reduce
+it, so a bound for every pose decides: from h^2 k s = 1 on, a spring is a row of the solve, taken at
+the step's end. It is then stable for every k, and its vibration is damped to 1 / sqrt(1 + (h w)^2)
+in a step. The same holds for tendons; from :data:`RIGID` on they are rows at any step.
 """
 
 from __future__ import annotations
@@ -29,10 +28,7 @@ def too_stiff(model: Model, h: float) -> Flags:
 
 
 def stiff_servos(model: Model, h: float) -> Flags:
-    """Whether each drive that acts as a spring towards a place is solved at the step's end, [nd].
-
-    False of other drives.
-    """
+    """Whether each drive with a stiffness is solved at the step's end, [nd]."""
     drives, joints = model.drives, model.joints
     found = np.zeros(len(drives.name), dtype=bool)
     for i in np.flatnonzero(np.isfinite(drives.stiffness)).tolist():
@@ -44,10 +40,7 @@ def stiff_servos(model: Model, h: float) -> Flags:
 
 
 def stiff_cables(model: Model, h: float) -> Flags:
-    """Whether each tendon, if no drive pulls it, is solved at the end of a step h [s], [nt].
-
-    By its largest stiffness, as springs are.
-    """
+    """Whether each tendon, if no drive pulls it, is solved at the end of a step h [s], [nt]."""
     k = largest_cable_stiffness(model)
     return np.asarray((k >= RIGID) | (h * h * k * cable_responses(model) > SOFT))
 
@@ -137,22 +130,13 @@ def across(model: Model) -> dict[frozenset[int], int]:
             for hinge in model.joints.hinges.tolist()}
 
 
-TRIED = 1025
-"""Stretches at which a law's slope is looked at."""
-LEAST = 1e-6
-"""Of the range of stretches [m, rad]."""
-INSTANTS = 257
-"""Of a run, at which a signal is looked at."""
+TRIED = 1025  # stretches at which a law's slope is evaluated
+LEAST = 1e-6  # of the range of stretches [m, rad]
+INSTANTS = 257  # of a run, at which a signal is evaluated
 
 
 def largest_stiffness(model: Model) -> Array:
-    """The largest stiffness [N/m, N m/rad] of every spring, shape [ns].
-
-    Of one with a law of its own the law's largest slope, where it may come to.
-
-    Of one that a drive sets: by the drive's signal, the upper limits of a controller that writes
-    it, and what events set it to. What a controller without limits does is not known.
-    """
+    """The largest stiffness [N/m, N m/rad] of every spring, by its law or drive, [ns]."""
     found = _largest_set(model, model.springs.stiffness, model.springs.drive)
     for i, law in enumerate(model.springs.law):
         if law is not None:
@@ -181,11 +165,7 @@ def _largest_set(model: Model, own: Array, setter: Integers) -> Array:
 
 
 def range_of_stretch(model: Model, spring: int) -> Array:
-    """Stretches [m, rad] that a spring may reach, [TRIED].
-
-    Lengths from 0 to twice the larger of those at t = 0 and at rest; angles between the hinge's
-    stops, or up to half a turn from rest and from the start.
-    """
+    """Stretches [m, rad] that a spring may reach, [TRIED]."""
     springs, rest = model.springs, float(model.springs.rest[spring])
     start = float(springs.start[spring])
     if springs.straight[spring]:

@@ -1,8 +1,4 @@
-"""Forces in given poses of a mechanism: the engine without its clock.
-
-Each step begins at given poses and speeds, with given values of the drives, and is solved as in a
-run. Controllers and events do nothing.
-"""
+"""Forces in given poses of a mechanism: steps from given poses, speeds and values of drives."""
 
 from __future__ import annotations
 
@@ -11,9 +7,8 @@ import math
 import numpy as np
 
 from sandbox.engine.advance import UNKEPT, advance
-from sandbox.engine.divergence import diverged
 from sandbox.engine.inspect_control import Checked
-from sandbox.engine.simulation import Simulation
+from sandbox.engine.simulation import Simulation, diverged
 from sandbox.errors import SimulationDiverged
 from sandbox.numeric import Array, Integers
 from sandbox.recording.builder import RecordingBuilder
@@ -21,20 +16,11 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 
-UNDAMPED = 1e-9
-"""Share of a hinge's damping: it has no effect at rest, and would only delay that."""
+UNDAMPED = 1e-9  # share of the damping of hinges, which only delays the rest
 
 
 class Still(Simulation):
-    """A mechanism outside of time; bodies are numbered as the model has them.
-
-    Args:
-        mechanism: a valid one; its controllers and events are left out, and its bodies begin
-            without speed.
-
-    Raises:
-        SceneError: as a :class:`Simulation`.
-    """
+    """A mechanism without time, controllers and events; bodies have the numbers of the model."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         bodies = tuple(
@@ -73,13 +59,13 @@ class Still(Simulation):
         """Put all bodies to a pose, at a speed, by default none."""
         order = self._world.order
         self._world.place(pose[order], np.zeros_like(pose) if speed is None else speed[order])
-        self._wake()
+        self._tables.state.standing[1] = 0
 
     def slow(self, share: float) -> None:
         """Multiply the speeds of the bodies by a share."""
         self._world.velocity[:] = share * self._world.body[:, 3:]
         self._world.write()
-        self._wake()
+        self._tables.state.standing[1] = 0
 
     def driven(self, time: float) -> tuple[Array, Array]:
         """Values of the drives at a time [nd], and where scheduled bodies are then, [ns, 3]."""
@@ -94,18 +80,7 @@ class Still(Simulation):
     def move(
         self, drive: Array, speeds: Array | None = None, *, count: int = 1, kept: bool = False,
     ) -> None:
-        """Make steps with drives that stay as they are.
-
-        Args:
-            drive: values of all drives, [nd].
-            speeds: that scheduled bodies have after each, [ns, 3]; none by default.
-            count: how many.
-            kept: whether :meth:`recording` has the last.
-
-        Raises:
-            SimulationDiverged: the motion stopped being finite.
-            SandboxError: more contacts than can be solved together.
-        """
+        """Make steps with constant drives [nd]; ``speeds`` [ns, 3] are of scheduled bodies."""
         self._inputs.apply(drive)
         rows = np.tile(drive, (count, 1))
         after = np.zeros((count, len(self.scheduled), 3))
@@ -121,7 +96,8 @@ class Still(Simulation):
             if made == count:
                 return
             if not self._tables.state.touching[1]:
-                raise self._ran_away()
+                found = diverged(0.0, self._world, self._tables, self._control)
+                raise SimulationDiverged(0.0, found.culprit, found.reason.partition("; ")[0])
             self._enlarge()
 
     def recording(self) -> Recording:
@@ -132,11 +108,3 @@ class Still(Simulation):
         clock = self._clock
         return builder.finish(np.array([float(clock.force_time(clock.steps))]), Outcome(
             step=clock.step, steps=clock.steps, sample_rate=1 / clock.step))
-
-    def _ran_away(self) -> SimulationDiverged:
-        found = diverged(0.0, self._world, self._tables, self._steering)
-        return SimulationDiverged(0.0, found.culprit, found.reason.partition("; ")[0])
-
-    def _wake(self) -> None:
-        """What stood may move on."""
-        self._tables.state.standing[1] = 0

@@ -7,91 +7,61 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.engine import element_tables as et
+from sandbox.engine import state as st
 from sandbox.engine.blocks import BITS
-from sandbox.engine.cables import cable_tables
-from sandbox.engine.element_tables import (
-    JOINT_ROWS,
-    Rows,
-    add_paths,
-    bond_table,
-    drive_tables,
-    dry_friction_table,
-    fluid_tables,
-    joint_table,
-    law_tables,
-    limit_table,
-    load_tables,
-    place_bodies,
-    spring_table,
-)
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
-from sandbox.engine.state import (
-    BODY,
-    PILE_BODY,
-    Constants,
-    Elements,
-    Result,
-    State,
-    allocate,
-    declared,
-    zeros,
-)
 from sandbox.engine.world import Room, World
 from sandbox.numeric import Array, Integers, Records
 
 WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen",
              "pile_adjacent", "pile_work", "pile_vectors", "pile_diagonal", "pile_lower",
-             "pile_upper", "piled", "pile_jacobian")
-"""Fields of a :class:`Result` in which a step leaves nothing that is needed."""
-NAMES = 16
-"""Most that a law reads."""
-FEWEST = 12
-"""Fewer bodies are no pile: too few rows for :mod:`sandbox.engine.piles` to pay."""
-AGAIN, LEAST_BREAKS = 8, 1024
-"""So often one thing may break in the steps made in one go; breaks that there is room for."""
+             "pile_upper", "piled", "pile_jacobian")  # scratch fields of a Result
+MAX_NAMES = 16  # that a law reads
+MIN_PILE = 12  # fewer bodies have too few rows for piles to be faster
+BREAKS_EACH, MIN_BREAKS = 8, 1024  # room for breaks in a call of the loop, per element and total
 
 
 class Tables(NamedTuple):
     """All arrays of a run but those of samples."""
 
-    constants: Constants
-    elements: Elements
-    state: State
-    result: Result
+    constants: st.Constants
+    elements: st.Elements
+    state: st.State
+    result: st.Result
     pattern: Pattern
 
 
 def make_tables(world: World) -> Tables:
     """Tables for all elements of the world's model."""
     model, h, order, shapes = world.model, world.h, world.order, world.shape_tables
-    places, rows = place_bodies(model, order), Rows()
+    places, rows = et.PlacedBodies(model, order), et.Rows()
     count = len(order)
-    motors, actions = drive_tables(places, h)
-    joints = joint_table(places, rows)
-    spans = add_paths(joints, model, shapes.spans)
+    motors, actions = et.drive_tables(places, h)
+    joints = et.joint_table(places, rows)
+    spans = et.add_paths(joints, model, shapes.spans)
     rigid = len(rows.bodies)
-    programs, stack, codes = law_tables(model)
-    springs = spring_table(places, h, codes, rows)
-    cables = cable_tables(places, h, rows)
-    frictions, sums = dry_friction_table(joints, model, count + 2 * len(cables.slips))
-    fluids, meet = fluid_tables(places, h, rows)
-    loads, loaded, sides = load_tables(places, codes, rows)
+    programs, stack, codes = et.law_tables(model)
+    springs = et.spring_table(places, h, codes, rows)
+    cables = et.cable_tables(places, h, rows)
+    frictions, sums = et.dry_friction_table(joints, model, count + 2 * len(cables.slips))
+    fluids, meet = et.fluid_tables(places, h, rows)
+    loads, loaded, sides = et.load_tables(places, codes, rows)
     pattern = make_pattern(rows.bodies, places.inverse_mass, rigid, slips=len(cables.slips),
                            sums=[*cables.sums, *sums], joined=meet)
     cables.slips["row"] = pattern.hubs[cables.slips["slide"], 0]
     valves = fluids["valves"]
     valves["slot"][(valves["a"] >= 0) & (valves["b"] >= 0)] = pattern.joined
-    for table, names in ((joints, JOINT_ROWS), (springs, ("row",)), (cables.cables, ("row",)),
-                         (fluids["fluids"], ("row",)), (loaded, JOINT_ROWS)):
+    for table, names in ((joints, et.JOINT_ROWS), (springs, ("row",)), (cables.cables, ("row",)),
+                         (fluids["fluids"], ("row",)), (loaded, et.JOINT_ROWS)):
         for name in names:  # the numbers of rows become those of their unknowns
             if len(pattern.unknown):
                 table[name] = np.where(table[name] < 0, -1, pattern.unknown[table[name]])
-    bodies = np.zeros(count, BODY)
-    bodies["number"] = order
-    bodies["x"], bodies["y"] = model.bodies.centre[order].T
+    x, y = model.bodies.centre[order].T
+    bodies = et.fill(st.BODY, count, number=order, x=x, y=y)
     pairs, filters = np.ix_(order, order), world.filters
-    constants = Constants(
+    constants = st.Constants(
         h=h, gravity=np.array(model.mechanism.gravity, dtype=float),
         inverse_mass=places.inverse_mass, bodies=bodies,
         scheduled=np.flatnonzero(model.bodies.scheduled[order]), wheels=model.tendons.wheels,
@@ -102,30 +72,30 @@ def make_tables(world: World) -> Tables:
         loose=_loose_bodies(pattern, places.inverse_mass, joints, shapes.shapes),
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
         **programs)
-    bonds = bond_table(model, springs, cables.cables)
+    bonds = et.bond_table(model, springs, cables.cables)
     motors["target"] = math.nan
-    elements = Elements(
+    elements = st.Elements(
         actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
-        slips=cables.slips, joints=joints, limits=limit_table(places), motors=motors,
+        slips=cables.slips, joints=joints, limits=et.limit_table(places), motors=motors,
         dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
     piles, unknowns = int(np.count_nonzero(constants.loose >= 0)), len(pattern.starts) - 1
     sizes = {name: len(array) for name, array in constants._asdict().items() if name != "h"}
-    sizes |= _sizes_of_room(world.room) | {
-        "loaded": len(loaded), "drives": len(model.drives.name), "numbers": NUMBERS, "names": NAMES,
+    sizes |= _lengths(world.room) | {
+        "loaded": len(loaded), "drives": len(model.drives.name), "numbers": NUMBERS,
+        "names": MAX_NAMES,
         "entries": len(pattern.entry_row), "unknowns": unknowns,
         "values": len(pattern.below) + unknowns, "piles": piles, "words": piles // BITS + 1,
-        # room for all pairs: the system gives memory only to what is used of it
+        # room for all pairs: only memory in use is allocated by the system
         "slots": piles * (piles - 1) // 2}
     breaking = int(np.isfinite(model.bonds.breaks_at).sum())
-    piled = np.zeros(piles, PILE_BODY)
-    piled["number"], piled["place"] = np.flatnonzero(constants.loose >= 0), -1
-    state: State = allocate(
-        State, sizes, body=world.body, pile_bodies=piled,
-        broken=np.zeros(max(AGAIN * breaking, LEAST_BREAKS if breaking else 0), BROKEN))
+    state: st.State = st.allocate(
+        st.State, sizes, body=world.body, pile_bodies=et.fill(
+            st.PILE_BODY, piles, number=np.flatnonzero(constants.loose >= 0), place=-1),
+        broken=np.zeros(max(BREAKS_EACH * breaking, MIN_BREAKS if breaking else 0), BROKEN))
     state.last_drive[:] = math.nan
-    result: Result = allocate(
-        Result, sizes, velocity=world.velocity, before=world.velocity.copy(), stack=stack)
-    for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
+    result: st.Result = st.allocate(
+        st.Result, sizes, velocity=world.velocity, before=world.velocity.copy(), stack=stack)
+    for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they are in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
     result.unknowns[1][cables.slips["row"]] = -cables.drag
@@ -135,28 +105,28 @@ def make_tables(world: World) -> Tables:
 def _loose_bodies(
     pattern: Pattern, inverse_mass: Array, joints: Records, shapes: Records,
 ) -> Integers:
-    """The number of each body among those that may be in a pile, -1 for others, [nb]."""
+    """The number of each body among those that can be in a pile, -1 for others, [nb]."""
     count = len(inverse_mass)
     loose = (inverse_mass[:, 0] > 0.0) & np.isin(np.arange(count), shapes["body"])
     loose &= pattern.hubs[:count, 0] < 0
     loose[pattern.entry_body[pattern.entry_body < count]] = False
     loose[joints["a"]] = loose[joints["b"]] = False
-    if np.count_nonzero(loose) < FEWEST:
+    if np.count_nonzero(loose) < MIN_PILE:
         loose[:] = False
     return np.where(loose, np.cumsum(loose) - 1, -1).astype(np.int64)
 
 
-def _sizes_of_room(room: Room) -> dict[str, int]:
+def _lengths(room: Room) -> dict[str, int]:
     return room._asdict() | {"impacts": max(1024, 2 * room.contacts)}
 
 
 def enlarged(tables: Tables, room: Room) -> Tables:
-    """The same with more room; what is known of the last step's contacts is kept."""
-    sizes = _sizes_of_room(room)
+    """The same tables with more room; the contacts of the last step are kept."""
+    sizes = _lengths(room)
     more: list[dict[str, Any]] = [
-        {name: zeros(part, name, sizes | {"unknowns": tables.result.unknowns.shape[1]})
-         for name, (_, shape) in declared(part).items() if set(sizes).intersection(shape)}
-        for part in (State, Result)]
+        {name: st.zeros(part, name, sizes | {"unknowns": tables.result.unknowns.shape[1]})
+         for name, (_, shape) in st.declared(part).items() if set(sizes).intersection(shape)}
+        for part in (st.State, st.Result)]
     more[0]["touches"][:len(tables.state.touches)] = tables.state.touches
     return tables._replace(state=tables.state._replace(**more[0]),
                            result=tables.result._replace(**more[1]))

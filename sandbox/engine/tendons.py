@@ -1,4 +1,10 @@
-"""Tendons: cables over guides, with friction at guides (capstan friction).
+"""Tendons over guides, with friction at guides (capstan friction).
+
+A guide is a circle of radius 0 or more. Along the direction u with the left normal n, a circle with
+its centre right of the path has the sign s = +1, left of it -1; the tendon touches it at p = c + s
+r n, and n . (c2 - c1) = s1 r1 - s2 r2 for a piece between two circles. Every piece pulls its two
+bodies at these points, which also gives the torque s r T of a wheel that winds the tendon up. A
+wheel whose angle of contact would be negative is left out: there the tendon is off it.
 
 Rows of cables, with D v the rate at which a cable shortens and p / h its tension:
 
@@ -13,7 +19,7 @@ goes with it, and both its length and M count what was wound up. What slips over
 out of the span before and into the one after, at the rate s, adds to the rows of both and has no
 mass, so that the tensions differ by the friction f alone:
 
-    span i       D v + s_i - s_(i+1) + c p_i = asked              M_i += h (s_i - s_(i+1))
+    span i       D v + s_i - s_(i+1) + c p_i = r                  M_i += h (s_i - s_(i+1))
     guide j      p_j - p_(j-1) = h f_j,   |f_j| <= tanh(mu phi / 2) (T_j + T_(j-1)),   f s >= 0
 
 The bound is that of Euler and Eytelwein, T_(j-1) e^(-mu phi) <= T_j <= T_(j-1) e^(mu phi), over the
@@ -28,20 +34,154 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.elements.element import GRAZE
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import acts, holds
 from sandbox.engine.bounded import HOLD_TANGENT, UNBOUNDED, begin_row
-from sandbox.engine.cables import measure, wound_up
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.plan import add_to
 from sandbox.engine.records import EVEN, GRIPPED, PULL, STIFF
 from sandbox.engine.rows import LEAST
 from sandbox.engine.state import CABLE_FRICTION, CABLE_LOAD
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Records
 
-EXCESS = 1e-10
-"""Share of the tensions on both sides of a guide by which its friction may exceed its bound. A
-stiff cable hardly slips under a force far beyond its bound: rates say little of it."""
+
+@kernel
+def _near(angle: float, last: float) -> float:
+    return angle + 2 * math.pi * math.floor((last - angle) / (2 * math.pi) + 0.5)
+
+
+@kernel
+def measure(
+    cable: Any, guides: Records, pose: Array, start: bool,
+) -> float:
+    """Length of a tendon [m] at ``pose`` [nb, 3]; fills its J. ``start``: count turns anew."""
+    length: float = _along(cable, guides, pose, start)
+    if cable["lifts"] and not start:
+        for _ in range(2 * (cable["last"] - cable["first"])):
+            if not _lay(cable, guides, pose):
+                break
+            length = _along(cable, guides, pose, start)
+    return length
+
+
+@kernel
+def _along(
+    cable: Any, guides: Records, pose: Array, start: bool,
+) -> float:
+    """The length over the guides that the tendon lies on, as :func:`measure` has it."""
+    length = 0.0
+    first, last = cable["first"], cable["last"]
+    for i in range(first, last):
+        guides[i]["jx"] = guides[i]["jy"] = guides[i]["jt"] = 0.0
+    angle_in = angle_out = 0.0
+    i = first
+    while i < last - 1:
+        j = i + 1
+        while guides[j]["lifted"]:  # the last one never is
+            j += 1
+        a, b = guides[i], guides[j]
+        ra, rb = a["radius"], b["radius"]
+        straight, ux, uy, ax, ay, bx, by = _stretch(a, b, pose)
+        nx, ny = -uy, ux
+        length += straight
+        a["jx"] -= ux
+        a["jy"] -= uy
+        a["jt"] -= (ax + ra * nx) * uy - (ay + ra * ny) * ux
+        b["jx"] += ux
+        b["jy"] += uy
+        b["jt"] += (bx + rb * nx) * uy - (by + rb * ny) * ux
+        angle = math.atan2(ny, nx)
+        if i == first:
+            angle_out = angle
+            if ra != 0.0 and not cable["closed"]:
+                length -= ra * _unwound(angle - pose[a["body"], 2], a, start)
+        elif ra != 0.0:
+            length += abs(ra) * _wrapped(a, angle_in - angle, start)
+        if rb != 0.0 and j == last - 1:
+            length += (abs(rb) * _wrapped(b, angle - angle_out, start)
+                       if cable["closed"]
+                       else rb * _unwound(angle - pose[b["body"], 2], b, start))
+        angle_in = angle
+        i = j
+    return length
+
+
+@kernel
+def _stretch(
+    a: Any, b: Any, pose: Array,
+) -> tuple[float, float, float, float, float, float, float]:
+    """Length of the tendon between two guides [m], its direction; the guides from their centres."""
+    qa, qb = pose[a["body"]], pose[b["body"]]
+    ca, sa, cb, sb = math.cos(qa[2]), math.sin(qa[2]), math.cos(qb[2]), math.sin(qb[2])
+    ax, ay = ca * a["x"] - sa * a["y"], sa * a["x"] + ca * a["y"]
+    bx, by = cb * b["x"] - sb * b["y"], sb * b["x"] + cb * b["y"]
+    dx, dy = qb[0] + bx - qa[0] - ax, qb[1] + by - qa[1] - ay
+    offset = a["radius"] - b["radius"]
+    distance = math.hypot(dx, dy)
+    straight = math.sqrt(max(distance * distance - offset * offset, 1e-24))
+    square = straight * straight + offset * offset
+    ux, uy = (straight * dx + offset * dy) / square, (straight * dy - offset * dx) / square
+    return straight, ux, uy, ax, ay, bx, by
+
+
+@kernel
+def _lay(cable: Any, guides: Records, pose: Array) -> bool:
+    """Change the wheel whose angle of contact contradicts its state most; whether any."""
+    worst, which, before = 0.0, -1, cable["first"]
+    for i in range(cable["first"] + 1, cable["last"] - 1):
+        if not guides[i]["lifts"]:
+            before = i
+            continue
+        if not guides[i]["lifted"]:
+            before = i
+            wrong = -guides[i]["wrap"] - GRAZE
+        else:
+            after = i + 1
+            while guides[after]["lifted"]:
+                after += 1
+            on, off = _stretch(guides[before], guides[i], pose), _stretch(
+                guides[i], guides[after], pose)
+            turn = math.atan2(on[1], -on[2]) - math.atan2(off[1], -off[2])
+            wrong = _wrapped(guides[i], turn, False)
+        if wrong > worst:
+            worst, which = wrong, i
+    if which >= 0:
+        guides[which]["lifted"] = 1 - guides[which]["lifted"]
+    return which >= 0
+
+
+@kernel
+def _wrapped(guide: Any, turn: float, start: bool) -> float:
+    """The angle of contact of a tendon on a wheel [rad] whose direction turns by ``turn``."""
+    wrap = turn if guide["radius"] > 0 else -turn
+    # a tendon that just touches its wheel must not go once round it by rounding
+    wrap = ((wrap + GRAZE) % (2 * math.pi) - GRAZE + 2 * math.pi * guide["turns"] if start
+            else _near(wrap, guide["wrap"]))
+    guide["wrap"] = wrap
+    return wrap
+
+
+@kernel
+def _unwound(angle: float, guide: Any, start: bool) -> float:
+    """How far the point where a wound tendon leaves its wheel has gone since t = 0 [rad]."""
+    psi = angle if start else _near(angle, guide["wrap"])
+    guide["wrap"] = psi
+    if start:
+        guide["wrap0"] = psi
+    return float(psi - guide["wrap0"])
+
+
+@kernel
+def wound_up(cable: Any, guides: Records) -> float:
+    """The length of a tendon that the wheels at its ends have wound up since t = 0 [m]."""
+    first, last = cable["first"], cable["last"] - 1
+    return float(guides[last]["radius"] * (guides[last]["wrap"] - guides[last]["wrap0"])
+                 - guides[first]["radius"] * (guides[first]["wrap"] - guides[first]["wrap0"]))
+
+
+EXCESS = 1e-10  # accepted excess of friction, as a share of both tensions: stiff cables hardly slip
 
 
 @kernel
@@ -90,7 +230,7 @@ def report_cables(table: int, h: float) -> None:
 
 @entry_point("slips")
 def slipped(table: int, h: float) -> None:
-    """Move tendon from span to span as it slipped, and note the tension behind the last guide."""
+    """Move tendon between spans by its slip, and store the tension after the last guide."""
     cables, slips, unknown = at.cables(table), at.slips(table), at.unknowns(table)[3]
     for i in range(len(slips)):
         slip = slips[i]
@@ -120,8 +260,8 @@ def slipped(table: int, h: float) -> None:
 
 
 @kernel
-def _stretch(table: int, i: int) -> float:
-    """By how much a whole tendon is longer than what is in its spans [m]."""
+def _whole_stretch(table: int, i: int) -> float:
+    """Length of a whole tendon minus the rest lengths in its spans [m]."""
     cables = at.cables(table)
     stretch = 0.0
     for k in range(cables[i]["spans"], cables[i]["spans_end"]):
@@ -147,7 +287,7 @@ def _drawn(table: int, i: int) -> bool:
 
 @entry_point("slips")
 def change_whole(table: int, h: float, i: int) -> bool:
-    """Let go of a whole tendon all of which would push, take up one that would pull; whether so."""
+    """Release a whole tendon that would push, engage one that would pull; whether it changed."""
     if _drawn(table, i):
         return False
     cables, unknown = at.cables(table), at.unknowns(table)[3]
@@ -167,7 +307,7 @@ def change_whole(table: int, h: float, i: int) -> bool:
             gone += rate
             off += cable_rate(table, h, k) - rate
     ahead = h * gone if cables[first]["kind"] == STIFF else 0.0
-    if _stretch(table, i) <= ahead or off <= 0.0:
+    if _whole_stretch(table, i) <= ahead or off <= 0.0:
         return False
     _set(table, i, 1)
     return True
@@ -193,10 +333,7 @@ def cable_rows(table: int, h: float) -> None:
             rhs[r], compliance[r] = 0.0, 1.0
             continue
         for n in range(cable["first"], cable["last"]):
-            e = guides[n]["entry"]
-            J[e, 0] -= guides[n]["jx"]
-            J[e, 1] -= guides[n]["jy"]
-            J[e, 2] -= guides[n]["jt"]
+            add_to(J, guides[n]["entry"], -guides[n]["jx"], -guides[n]["jy"], -guides[n]["jt"])
         rhs[r] = cable_rate(table, h, i)
         compliance[r] = 1.0 / (h * cable_lead(table, h, i))
     slips = at.slips(table)
@@ -245,7 +382,7 @@ def shortening(table: int, i: int, velocity: Array) -> float:
 
 @entry_point("cables")
 def slacken(table: int) -> None:
-    """Let go of all tendons that are not stretched: their dampers do not pull before they do."""
+    """Release all tendons that are not stretched: dampers do not pull slack tendons."""
     cables = at.cables(table)
     for i in range(len(cables)):
         if not holds(table, cables[i]["bond"]):
@@ -253,7 +390,7 @@ def slacken(table: int) -> None:
         elif cables[i]["kind"] == GRIPPED:
             if _drawn(table, i):
                 _set(table, i, 1)
-            elif _stretch(table, i) <= 0.0:
+            elif _whole_stretch(table, i) <= 0.0:
                 _set(table, i, 0)
         elif cables[i]["whole"] < 0 and cables[i]["length"] <= cables[i]["rest"]:
             cables[i]["active"] = 0
@@ -261,7 +398,7 @@ def slacken(table: int) -> None:
 
 @entry_point("cables")
 def change_cables(table: int, h: float, attempt: int) -> bool:
-    """Release tendons that would push, take up stretched ones that would pull; whether any."""
+    """Release tendons that would push, engage stretched ones that would pull; whether any."""
     cables, unknown = at.cables(table), at.unknowns(table)[3]
     changed, worst, which = False, 0.0, -1
     for i in range(len(cables)):
@@ -313,10 +450,8 @@ def pull(table: int, drive: Array) -> None:
         else:
             cable["tension"] = max(cable["k"] * (cable["length"] - cable["rest"]), 0.0)
         for n in range(cable["first"], cable["last"]):
-            b = guides[n]["body"]
-            out[b, 0] -= guides[n]["jx"] * cable["tension"]
-            out[b, 1] -= guides[n]["jy"] * cable["tension"]
-            out[b, 2] -= guides[n]["jt"] * cable["tension"]
+            b, t = guides[n]["body"], -cable["tension"]
+            add_to(out, b, guides[n]["jx"] * t, guides[n]["jy"] * t, guides[n]["jt"] * t)
 
 
 @kernel

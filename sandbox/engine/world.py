@@ -1,8 +1,8 @@
-"""The World: pymunk's objects under the mechanism's names, read and written in batches.
+"""pymunk's objects of a mechanism, read and written in batches.
 
 Contact rules become pymunk's shape filters: a group number (no contact within a group) and 32
 category bits. The links of a finger become a group; bodies that meet the same others share a
-category. This is exact up to 32 kinds of body; other pairs are sorted out when contacts are listed.
+category. This is exact up to 32 kinds of body; beyond, contacts are filtered when they are listed.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pymunk
@@ -21,16 +21,8 @@ from sandbox.engine.state import FACE, SHAPE, SPAN
 from sandbox.model.model import Model
 from sandbox.model.pairs import Words, allowed_pairs, joined, pair_skins
 from sandbox.numeric import Array, Flags, Integers, Records
-from sandbox.scene.bodies import (
-    Box,
-    Capsule,
-    Circle,
-    Material,
-    Polygon,
-    Polyline,
-    Shape,
-    Solid,
-)
+from sandbox.scene import bodies as kinds
+from sandbox.scene.bodies import Material
 from sandbox.scene.geometry import Vec, core, corners, pose_of, solids, to_world, true_curves
 from sandbox.scene.outlines.curves import spans_of
 
@@ -38,19 +30,17 @@ POSE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE
 PUSH = batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
 STATE = POSE | PUSH
 MARGIN, MOST_MARGIN = 0.05, 1e-3
-"""How far shapes stand out in pymunk: a share of their smallest extent, and the most [m]."""
+"""Of shapes in pymunk: a share of their smallest extent, maximum [m]."""
 _LISTED = ("dynamic", "scheduled", "fixed")
 
 
 class World:
-    """A pymunk space for one run: where bodies are, and which of them are near one another.
+    """A pymunk space for one run: it moves bodies and finds those that are near one another.
 
-    pymunk moves the bodies and finds the contacts; what acts between them is worked out by
-    :mod:`sandbox.engine.solve`, so its joints are there to be seen and to keep their bodies from
-    touching, and carry nothing. Bodies stand at their centres of mass and are numbered as pymunk
-    lists them: dynamic, scheduled, fixed. They start half a step before t = 0, where their
-    velocities lead back to, as the clock's leapfrog has it. ``body`` [nb, 6] (x, y, angle, vx, vy,
-    omega) and ``velocity`` [nb, 3] are the memory that :meth:`read` fills and :meth:`write` sends.
+    :mod:`sandbox.engine.solve` computes the forces. Bodies stand at their centres of mass and are
+    numbered as pymunk lists them: dynamic, scheduled, fixed. They start half a step before t = 0,
+    as the leapfrog has it. ``body`` [nb, 6] (x, y, angle, vx, vy, omega) and ``velocity`` [nb, 3]
+    are the memory that :meth:`read` fills and :meth:`write` sends.
     """
 
     def __init__(self, model: Model) -> None:
@@ -60,12 +50,11 @@ class World:
         motions = [_LISTED.index(body.motion) for body in model.mechanism.bodies]
         self.order: Integers = np.argsort(motions, kind="stable").astype(np.int64)
         """The model's numbers of the bodies in pymunk's order, [nb]."""
-        self.number = np.empty_like(self.order)
+        self.number: Integers = np.argsort(self.order)
         """Pymunk's numbers of the bodies in the model's order, [nb]."""
-        self.number[self.order] = np.arange(len(self.order))
         self.filters = make_filters(model)
         count = len(self.order)
-        # pymunk moves a buffer elsewhere when it is filled to the brim: leave it room
+        # pymunk reallocates a buffer that is full: leave it room
         memory = np.zeros(6 * count + 6)
         self.body: Array = memory[: 6 * count].reshape(count, 6)
         self.velocity: Array = np.zeros((count, 3))
@@ -80,7 +69,7 @@ class World:
             np.concatenate([np.zeros(0, dtype=SPAN), *self._spans]))
 
     def renew(self) -> None:
-        """Make the space and all in it, in place of the one that there was: all as it begins."""
+        """Make the space and all in it anew, as at the start."""
         self.space = pymunk.Space()
         self.space.iterations = 1
         self.space.collision_persistence = 1  # an arbiter lives as long as its contact
@@ -90,12 +79,26 @@ class World:
         self._faces: list[Array] = []
         self._cores: list[Array] = []
         self._spans: list[Records] = []
-        self.bodies = [self._add_body(i) for i in self.order.tolist()]
-        """In pymunk's order."""
-        for i, pair in enumerate(self.number[self.model.joints.bodies].tolist()):
-            joint = _constraint(self.model, i, *(self.bodies[body] for body in pair))
-            joint.collide_bodies = bool(self.model.joints.collide[i])
-            joint.max_force = 0.0
+        self.bodies = [self._add_body(i) for i in self.order.tolist()]  # in pymunk's order
+        joints = self.model.joints
+        for i, pair in enumerate(self.number[joints.bodies].tolist()):
+            a, b = (self.bodies[body] for body in pair)
+            keeps, centres = joints.kind[i].keeps, self.model.bodies.centre[joints.bodies[i]]
+            on_a, on_b = map(tuple, (joints.anchor[i] - centres).tolist())
+            reach = joints.reach[i].tolist()
+            joint: Any  # a constraint without force, which keeps its bodies from touching
+            if keeps == "point":
+                joint = pymunk.PivotJoint(a, b, on_a, on_b)
+            elif keeps == "groove" and joints.path[i] is None:
+                start, end = map(tuple, (joints.groove[i] - centres[0]).tolist())
+                joint = pymunk.GrooveJoint(a, b, start, end, on_b)
+            elif keeps == "distance":
+                joint = pymunk.PinJoint(a, b, on_a, on_b)
+                joint.distance = reach[0]
+            else:
+                joint = pymunk.SlideJoint(
+                    a, b, on_a, on_b, *(reach if keeps == "range" else (0.0, math.inf)))
+            joint.collide_bodies, joint.max_force = bool(joints.collide[i]), 0.0
             self.space.add(joint)
         self.room = Room(contacts=32 + 8 * len(self._shape_rows), rows=64 + 4 * len(self.bodies))
         self.finder = native.Finder(self.space, self.room.contacts)
@@ -103,8 +106,6 @@ class World:
             self.space, self.reader, self.writer, self.placer, self.finder)
         self.read()
         self.velocity[:] = self.body[:, 3:]
-
-    # -- reading, writing, stepping -------------------------------------------------
 
     def read(self) -> None:
         """Fill ``body`` with all poses and velocities."""
@@ -131,8 +132,6 @@ class World:
                          rows=max(self.room.rows, rows))
         self.native = self.native._replace(raw=self.finder.raw)
 
-    # -- building -------------------------------------------------------------------
-
     def _add_body(self, index: int) -> pymunk.Body:
         spec, bodies = self.model.mechanism.bodies[index], self.model.bodies
         centre = bodies.centre[index, 0].item(), bodies.centre[index, 1].item()
@@ -152,8 +151,8 @@ class World:
         self.shapes[index] = found = []
         for shape in spec.shapes:
             margin = min(MARGIN * _extent(shape), MOST_MARGIN)
-            first, last, closed = -1, -1, isinstance(shape, Polygon)
-            if isinstance(shape, Polygon | Polyline) and shape.nodes:
+            first, last, closed = -1, -1, isinstance(shape, kinds.Polygon)
+            if isinstance(shape, kinds.Polygon | kinds.Polyline) and shape.nodes:
                 first = sum(map(len, self._spans))
                 for nodes in true_curves(shape):
                     self._spans.append(span_table(
@@ -165,7 +164,7 @@ class World:
         return body
 
     def _add_shape(
-        self, body: pymunk.Body, spec: Solid, faces: Array | None, margin: float, centre: Vec,
+        self, body: pymunk.Body, spec: kinds.Solid, faces: Array | None, margin: float, centre: Vec,
         index: int, curve: tuple[int, int, int, int],
     ) -> pymunk.Shape:
         shape = make_shape(body, spec, centre, margin)
@@ -186,14 +185,14 @@ class World:
         return shape
 
 
-def _extent(spec: Shape) -> float:
+def _extent(spec: kinds.Shape) -> float:
     """The smallest extent of a shape [m]; of one that is not convex, that of its hull."""
     match spec:
-        case Circle() | Capsule():
+        case kinds.Circle() | kinds.Capsule():
             return 2 * spec.radius
-        case Polyline():
+        case kinds.Polyline():
             return 2 * spec.radius or max(math.dist(p, q) for p, q in pairwise(spec.points))
-        case Box() | Polygon():
+        case kinds.Box() | kinds.Polygon():
             points = np.array(corners(spec))
             edges = np.roll(points, -1, axis=0) - points
             normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1)
@@ -217,44 +216,19 @@ def span_table(nodes: Array, centre: Vec, first: int, *, closed: bool) -> Record
 
 
 def make_shape(
-    body: pymunk.Body, spec: Solid, centre: tuple[float, float], margin: float = 0.0,
+    body: pymunk.Body, spec: kinds.Solid, centre: tuple[float, float], margin: float = 0.0,
 ) -> pymunk.Shape:
     """The convex shape of ``spec`` about ``centre``, larger all round by ``margin`` [m]."""
     cx, cy = centre
     match spec:
-        case Circle():
+        case kinds.Circle():
             return pymunk.Circle(body, spec.radius + margin, (spec.at[0] - cx, spec.at[1] - cy))
-        case Capsule():
+        case kinds.Capsule():
             (x0, y0), (x1, y1) = spec.start, spec.end
             return pymunk.Segment(
                 body, (x0 - cx, y0 - cy), (x1 - cx, y1 - cy), spec.radius + margin)
-        case Box() | Polygon():
+        case kinds.Box() | kinds.Polygon():
             return pymunk.Poly(body, [(x - cx, y - cy) for x, y in corners(spec)], radius=margin)
-
-
-def _constraint(
-    model: Model, joint: int, a: pymunk.Body, b: pymunk.Body,
-) -> pymunk.Constraint:
-    """What stands for a joint in pymunk."""
-    joints, path = model.joints, model.joints.path[joint]
-    ends = joints.anchor[joint] - model.bodies.centre[joints.bodies[joint]]
-    on_a, on_b = map(tuple, ends.tolist())
-    reach = joints.reach[joint].tolist()
-    match joints.kind[joint].keeps:
-        case "point":
-            return pymunk.PivotJoint(a, b, on_a, on_b)
-        case "groove" if path is None:
-            centre = model.bodies.centre[joints.bodies[joint, 0]]
-            start, end = map(tuple, (joints.groove[joint] - centre).tolist())
-            return pymunk.GrooveJoint(a, b, start, end, on_b)
-        case "distance":
-            rod = pymunk.PinJoint(a, b, on_a, on_b)
-            rod.distance = reach[0]
-            return rod
-        case "range":
-            return pymunk.SlideJoint(a, b, on_a, on_b, *reach)
-        case _:
-            return pymunk.SlideJoint(a, b, on_a, on_b, 0.0, math.inf)
 
 
 CATEGORIES = 32
@@ -262,21 +236,16 @@ CATEGORIES = 32
 
 @dataclass(frozen=True)
 class Filters:
-    """Per body, in mechanism order: group, category bits, mask; and what filters can't say.
+    """Contact rules: pymunk's filters of bodies, and matrices of pairs of bodies."""
 
-    ``allowed`` is the matrix of pairs that may touch, ``friction``, ``static`` and
-    ``restitution`` hold the coefficients of all pairs, each of shape [nb, nb], ``skin`` stiffness
-    and damping of soft contacts, [2, nb, nb], or [2, 0, 0] if there are none.
-    """
-
-    group: Integers
-    category: Integers
+    group: Integers  # of each body, in the model's order, [nb]
+    category: Integers  # bits
     mask: Integers
-    allowed: Flags
+    allowed: Flags  # pairs that may touch, [nb, nb]
     friction: Array
     static: Array
     restitution: Array
-    skin: Array
+    skin: Array  # stiffness and damping of soft contacts, [2, nb, nb]; [2, 0, 0] without any
 
 
 def make_filters(model: Model) -> Filters:
@@ -284,7 +253,7 @@ def make_filters(model: Model) -> Filters:
     mechanism, words = model.mechanism, Words(model.bodies.name)
     count = len(words.names)
     allowed = allowed_pairs(model)
-    settled = np.eye(count, dtype=bool)  # pairs that need no category: told apart otherwise
+    settled = np.eye(count, dtype=bool)  # pairs that need no category
     rests = ~model.bodies.free
     settled[np.ix_(rests, rests)] = True
     i, j = joined(model)
@@ -299,12 +268,12 @@ def make_filters(model: Model) -> Filters:
             group[members] = number
             settled[block] = True
     rows = allowed | settled
-    kinds, kind = 0, np.zeros(0, dtype=np.int64)  # different rows, and which of them each is
+    kinds, kind = 0, np.zeros(0, dtype=np.int64)  # number of different rows, and of each body's
     if count:
         found, inverse = np.unique(rows, axis=0, return_inverse=True)
         kinds, kind = len(found), np.reshape(inverse, -1).astype(np.int64)
     bits = np.left_shift(np.int64(1), kind) if kinds <= CATEGORIES else np.ones_like(kind)
-    mask = np.ones(count, dtype=np.int64)  # beyond that all meet, and are told apart later
+    mask = np.ones(count, dtype=np.int64)  # beyond that contacts are filtered later
     if kinds <= CATEGORIES:
         mask = np.array(
             [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
@@ -322,16 +291,16 @@ def make_filters(model: Model) -> Filters:
 
 
 class ShapeTables(NamedTuple):
-    """What contacts follow."""
+    """Tables of the constants of the same names (:mod:`sandbox.engine.state`)."""
 
-    shapes: Records  # SHAPE, [nz], in the order of their collision types
-    faces: Records  # FACE, of shapes that are pieces of an outline
-    vertices: Array  # corners of the shapes' cores, from the centres of mass [m], [n, 2]
-    spans: Records  # SPAN, of shapes that are curves
+    shapes: Records
+    faces: Records
+    vertices: Array
+    spans: Records
 
 
 class Room(NamedTuple):
-    """How much there is room for in one step."""
+    """Room for points where shapes are near one another, and for bounded rows, in a step."""
 
-    contacts: int  # points in which shapes are near one another
-    rows: int  # bounded rows that carry something
+    contacts: int
+    rows: int

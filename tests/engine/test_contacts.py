@@ -223,7 +223,7 @@ def test_growing_contact_buffers_does_not_change_results(
 
 
 def test_too_many_contacts_are_refused_with_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "MOST_CONTACTS", 5)
+    monkeypatch.setattr(module, "MAX_CONTACTS", 5)
     small_buffers(monkeypatch)
     with pytest.raises(SandboxError, match=r"\d+ contacts at once at t = .*more than the 5"):
         simulate(heap(2, 8))

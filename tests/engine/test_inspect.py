@@ -163,7 +163,7 @@ BELT: dict[str, Any] = {
                {"name": "u", "mass": 1, "inertia": 1e-3, "at": [0, -0.3]}]}
 
 
-@pytest.mark.parametrize(("cord", "finding"), [
+@pytest.mark.parametrize(("cable", "finding"), [
     ({"guides": [{"body": "w", "friction": 0.2}, {"body": "ground"}]}, "the tendon is fixed there"),
     ({"closed": True, "guides": [{"body": "ground", "radius": 0.05, "friction": 0.2},
                                  {"body": "w", "radius": 0.05}]}, "no other guide holds the loop"),

@@ -62,14 +62,10 @@ def test_fingers_that_lack_the_same_object_share_a_line() -> None:
     assert advice.startswith("move either by 110.5 mm or more")
 
 
-@pytest.mark.parametrize("gravity", [(0, 0), (0, -9.81), (0.6, -1)])
-def test_a_free_object_beyond_all_fingers_is_reported(gravity: tuple[float, float]) -> None:
-    """It falls away, if at all: no finger ever touches it."""
-    free = disc(0.12, -0.04, motion="dynamic", mass=1)
-    assert reach_of(hand(free, gravity=gravity)) == [(
+def test_a_free_object_beyond_all_fingers_is_reported() -> None:
+    assert reach_of(hand(disc(0.12, -0.04, motion="dynamic", mass=1))) == [(
         "finger", "reaches 99.5 mm from its first hinge, and the nearest object that it may touch, "
-        "'object0', is 116.5 mm from it and does not approach as it falls",
-        "move either by 16.99 mm or more, or make it longer; other loads on it are ignored")]
+        "'object0', is 116.5 mm from it", "move either by 16.99 mm or more, or make it longer")]
 
 
 @pytest.mark.parametrize("mechanism", [

@@ -311,7 +311,7 @@ def short(name: str, duration: float = 0.03) -> Mechanism:
 def disturb(simulation: Simulation, steps: int) -> None:
     """Let it have gone elsewhere than a run without interference does."""
     writable = [drive.name for drive in simulation.mechanism.drives
-                if not simulation._steering.writer(drive.name)]
+                if not simulation._control.writer(drive.name)]
     for name in writable:
         simulation.set(name, 0.5 * simulation[f"{name}.value"] + 0.01)
     simulation.step(steps)

@@ -15,7 +15,7 @@ from sandbox import wording
 from sandbox.cli.console import Console
 from sandbox.cli.options import Source
 from sandbox.cli.scenes import report_of
-from sandbox.engine import inspect_joints
+from sandbox.engine import inspect_elements
 from sandbox.errors import SceneError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import load_scene, read_scene
@@ -56,7 +56,7 @@ def calls(work: Callable[[], object]) -> int:
 def low_caps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Caps that small scenes reach, too."""
     monkeypatch.setattr(wording.NearMisses.__init__, "__defaults__", (3,))
-    monkeypatch.setattr(inspect_joints, "MOST_LOOKED", 30)
+    monkeypatch.setattr(inspect_elements, "MAX_PAIRS", 30)
     monkeypatch.setattr("sandbox.scene.read.compose.MOST_LIKE", 3)
     monkeypatch.setattr("sandbox.model.meters.MOST_HINTED", 3)
 
@@ -74,14 +74,14 @@ def test_twice_as_much_takes_twice_as_long(kind: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("cap", "pairs", "whole"), [
-    ("MOST_LOOKED", 45, True), ("MOST_LOOKED", 44, False), ("MOST_BOXES", 44, False)])
+    ("MAX_PAIRS", 45, True), ("MAX_PAIRS", 44, False), ("MAX_BOXES", 44, False)])
 def test_unchecked_overlaps_are_reported(
     monkeypatch: pytest.MonkeyPatch, cap: str, pairs: int, whole: bool,
 ) -> None:
     """Ten discs in one place are 45 pairs."""
     from sandbox.engine.inspect import inspect
 
-    monkeypatch.setattr(inspect_joints, cap, pairs)
+    monkeypatch.setattr(inspect_elements, cap, pairs)
     loaded = read_scene(json.loads(SCENES["discs in one place"](10)))
     found = [problem.text for problem in inspect(loaded.mechanism)]
     assert len(found) == (45 if whole else 44 + 1)

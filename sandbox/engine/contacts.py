@@ -1,10 +1,13 @@
-"""Contact geometry: the exact normal, gap and curvature where two shapes touch.
+"""Contacts of a step: points with a normal, a gap, curvatures, and the impulses of the last step.
 
-pymunk finds which shapes are near one another, and where. Each of its shapes is the set of all
-points within a radius of a *core*: a point (circle), a line (capsule), a polygon, or a curve of
-quintic spans for which pymunk has a polygon of chords. Here the pair of nearest features is found:
-a span of a curve, a straight side, or a corner. Between straight features pymunk's points and
-normal are exact; where a curve is involved they only say where Newton's method starts.
+pymunk's shapes are larger by a margin, so that contacts are found before they close: their gap is
+then positive. Impulses and sliding of the last step are found again by the two shapes and pymunk's
+number of the feature. Outlines that are not convex are several shapes to pymunk; contacts at their
+seams are left out, by the normal (:mod:`sandbox.scene.outlines.rings`).
+
+Each shape is the set of all points within a radius of a *core*: a point (circle), a line (capsule),
+a polygon, or a curve of quintic spans for which pymunk has a polygon of chords. Between straight
+features pymunk's points and normal are exact; on a curve Newton's method starts from them.
 
 Every feature has a curvature k / d, positive where the surface is convex: (0, 1) of a side, (1, r)
 of a corner or circle with the radius r, (κ, 1 + κ r) of a curve. Replacing both surfaces by
@@ -27,20 +30,13 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Records
 
-AT_CORNER = 1e-4
-"""Nearer to a corner than this share of the margin, a point is at the corner."""
-CONFORMING = 0.05
-"""The least sum of two curvatures, as a share of their magnitudes. Below it the surfaces conform,
-and the contact has no definite point."""
+AT_CORNER = 1e-4  # distance from a corner, as a share of the margin, that counts as none
+CONFORMING = 0.05  # minimum sum of two curvatures, as a share of their magnitudes
 ITERATIONS = 40
-CONVERGED = 1e-12
-"""Change of the parameter of a span in one iteration."""
-SAME_WAY = 0.5
-"""The least cosine between pymunk's normal and the exact one."""
-SAME_PLACE = 1e-6
-"""Contacts of the same two shapes nearer to each other than this are one [m]."""
-DROPPED, EXACT, AS_FOUND = 0, 1, 2
-"""What becomes of a contact that pymunk found on a curve."""
+CONVERGED = 1e-12  # change of the parameter of a span in one iteration
+SAME_WAY = 0.5  # the least cosine between pymunk's normal and the exact one
+SAME_PLACE = 1e-6  # distance below which contacts of two shapes are the same [m]
+DROPPED, EXACT, AS_FOUND = 0, 1, 2  # states of a contact of pymunk on a curve
 
 
 @kernel
@@ -72,10 +68,7 @@ def nearest_start(spans: Records, first: int, last: int, x: float, y: float) -> 
 
 @kernel
 def _slope(span: Any, w: float, to_point: bool, x: float, y: float) -> Any:
-    """First and second derivative of what is minimised along a span, and the squared speed.
-
-    That is half the squared distance to the point (x, y), or the height along (x, y).
-    """
+    """First and second derivative of (distance to (x, y))^2 / 2 or height along it; speed^2."""
     px, py, dx, dy, ddx, ddy = on_span(span, w)
     if to_point:
         square = dx * dx + dy * dy
@@ -308,10 +301,7 @@ def _nearest(body: Array, found: Any, a: int, b: int) -> bool:
 
 @kernel
 def _two_curves(table: int, found: Any) -> int:
-    """As :func:`on_curves`, of two curves: Newton's method on the arc lengths of both.
-
-    The vector between the points has no part along the tangent of a, and the tangents are opposite.
-    """
+    """As :func:`on_curves`, of two curves: Newton's method on both arc lengths."""
     body, spans = at.body(table), at.spans(table)
     one, two = at.shapes(table)[found["shape_a"]], at.shapes(table)[found["shape_b"]]
     a, b, nx, ny = one["body"], two["body"], found["nx"], found["ny"]
@@ -384,3 +374,173 @@ def _advance(spans: Records, k: int, w: float, step: float) -> Any:
     if corner:
         return w, k, True, still
     return 1.0 - w, there, False, still
+
+
+ON_CURVE = -1  # the feature of all contacts on a curve
+ASKEW = 1e-6  # tolerance of normals [rad]: pymunk finds them to about 1e-9
+
+
+@kernel
+def rows_for(limits: int, motors: int, slips: int, frictions: int, contacts: int) -> int:
+    """How many bounded rows there may be of so many elements and points that are near."""
+    return limits + motors + 2 * (slips + frictions + contacts)
+
+
+@kernel
+def short(table: int) -> bool:
+    """Whether there is no room for all that was found; contacts that are hit take as much again."""
+    count = at.near(table)[0]
+    rows = rows_for(len(at.limits(table)), len(at.motors(table)), len(at.slips(table)),
+                    len(at.dry_friction(table)), count)
+    return bool(count > len(at.raw(table)) or 2 * rows + 4 > len(at.rows(table)))
+
+
+@entry_point("shapes")
+def list_contacts_of_step(table: int) -> None:
+    """Note the points of bodies that may touch, in an order that does not depend on memory."""
+    raw, count, shapes, faces = at.raw(table), at.near(table)[0], at.shapes(table), at.faces(table)
+    friction, restitution, body = at.friction(table), at.restitution(table), at.body(table)
+    old, order, out, touching = (
+        at.touches(table), at.order(table), at.found(table), at.touching(table))
+    old_count, n = touching[0], 0
+    for i in range(count):
+        if friction[shapes[raw[i]["shape_a"]]["body"], shapes[raw[i]["shape_b"]]["body"]] < 0.0:
+            continue
+        one, two = shapes[raw[i]["shape_a"]], shapes[raw[i]["shape_b"]]
+        nx, ny = raw[i]["nx"], raw[i]["ny"]
+        if not (_faced(one, faces, body[one["body"], 2], nx, ny)
+                and _faced(two, faces, body[two["body"], 2], -nx, -ny)):
+            continue
+        raw[i]["ax"] -= one["margin"] * nx
+        raw[i]["ay"] -= one["margin"] * ny
+        raw[i]["bx"] += two["margin"] * nx
+        raw[i]["by"] += two["margin"] * ny
+        if one["body"] > two["body"]:  # the normal leads to the body with the higher number
+            exchange(raw[i])
+        j = n
+        while j > 0 and _after(raw, order[j - 1], i):
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = i
+        n += 1
+    near, n = n, 0
+    for k in range(near):
+        found = raw[order[k]]
+        nx, ny = found["nx"], found["ny"]
+        found["ka"], found["da"] = straight_curvature(
+            table, shapes[found["shape_a"]], found["ax"], found["ay"], nx, ny)
+        found["kb"], found["db"] = straight_curvature(
+            table, shapes[found["shape_b"]], found["bx"], found["by"], -nx, -ny)
+        if found["da"] == 0.0 and found["db"] == 0.0:  # corners of sides that lie on each other
+            found["ka"], found["da"] = 0.0, 1.0
+        state = on_curves(table, order[k])
+        if state == DROPPED:
+            continue
+        _contact(found, state, shapes, body, friction, restitution, out[n])
+        if state == EXACT and _repeated(out, n):
+            continue
+        out[n]["acceleration"] = gap_acceleration(table, out[n])
+        out[n]["static"] = at.static(table)[out[n]["a"], out[n]["b"]]
+        n += 1
+    guess = 0
+    for k in range(n):
+        w = _last(old, old_count, guess, out[k])
+        if w >= 0:
+            last, now = old[w], out[k]
+            now["normal"], now["tangent"] = last["normal"], last["tangent"]
+            now["mode"], now["listed"] = last["mode"], last["listed"]
+            now["phase"], now["sums"] = last["phase"], last["sums"]
+            now["stretch"] = last["stretch"]
+            guess = w + 1
+    belts = at.belts(table)
+    for k in range(n):
+        out[k]["belt"] = -(belts[out[k]["a"]] + belts[out[k]["b"]])
+        old[k] = out[k]
+    touching[0] = n
+
+
+@kernel
+def _faced(shape: Any, faces: Records, angle: float, nx: float, ny: float) -> bool:
+    """Whether a shape is the surface of its outline where its outer normal is (nx, ny)."""
+    if shape["first"] < 0:
+        return True
+    c, s = math.cos(angle), math.sin(angle)
+    x, y = c * nx + s * ny, c * ny - s * nx
+    for k in range(shape["first"], shape["last"]):
+        x0, y0, x1, y1 = faces[k]["x0"], faces[k]["y0"], faces[k]["x1"], faces[k]["y1"]
+        if (x0 * y - y0 * x >= -ASKEW and x * y1 - y * x1 >= -ASKEW
+                and x * (x0 + x1) + y * (y0 + y1) > 0.0):
+            return True
+    return False
+
+
+@kernel
+def _last(old: Records, count: int, guess: int, now: Any) -> int:
+    """Which contact of the last step this one was, or -1; on a curve the nearest of the shapes."""
+    best, found = math.inf, -1
+    for z in range(count):
+        w = (guess + z) % count
+        last = old[w]
+        if (last["shape_a"] == now["shape_a"] and last["shape_b"] == now["shape_b"]
+                and last["feature"] == now["feature"]):
+            if now["feature"] != ON_CURVE:
+                return w
+            away = abs(last["ax"] - now["ax"]) + abs(last["ay"] - now["ay"])
+            if away < best:
+                best, found = away, w
+    return found
+
+
+@kernel
+def _repeated(touches: Records, n: int) -> bool:
+    """Whether the same contact on a curve was found before: of another piece of it."""
+    now = touches[n]
+    for k in range(n):
+        other = touches[k]
+        if (other["shape_a"] == now["shape_a"] and other["shape_b"] == now["shape_b"]
+                and other["feature"] == ON_CURVE
+                and abs(other["ax"] - now["ax"]) + abs(other["ay"] - now["ay"]) < SAME_PLACE):
+            return True
+    return False
+
+
+@kernel
+def _after(raw: Records, i: int, j: int) -> bool:
+    """Whether contact i comes after contact j: by the lower shape, the higher one, the feature."""
+    one, other = raw[i], raw[j]
+    low, low_other = min(one["shape_a"], one["shape_b"]), min(other["shape_a"], other["shape_b"])
+    high = max(one["shape_a"], one["shape_b"])
+    high_other = max(other["shape_a"], other["shape_b"])
+    if low != low_other:
+        return bool(low > low_other)
+    if high != high_other:
+        return bool(high > high_other)
+    return bool(one["feature"] > other["feature"])
+
+
+@kernel
+def _contact(
+    found: Any, state: int, shapes: Records, body: Array, friction: Array, restitution: Array,
+    out: Any,
+) -> None:
+    """A TOUCH with nothing known of the last step; its force acts in the middle of the gap."""
+    sa, sb = found["shape_a"], found["shape_b"]
+    a, b = shapes[sa]["body"], shapes[sb]["body"]
+    gap = gap_of(body, found, a, b)
+    out["shape_a"], out["shape_b"], out["feature"] = sa, sb, found["feature"]
+    if state == EXACT:
+        out["shape_a"], out["shape_b"] = shapes[sa]["leader"], shapes[sb]["leader"]
+        out["feature"] = ON_CURVE
+    out["a"], out["b"], out["gap"] = a, b, gap
+    out["ka"], out["da"], out["kb"], out["db"] = (
+        found["ka"], found["da"], found["kb"], found["db"])
+    out["nx"], out["ny"] = found["nx"], found["ny"]
+    out["ax"] = (found["ax"] + body[b, 0] + found["bx"] - body[a, 0]) / 2
+    out["ay"] = (found["ay"] + body[b, 1] + found["by"] - body[a, 1]) / 2
+    out["bx"] = (found["bx"] + body[a, 0] + found["ax"] - body[b, 0]) / 2
+    out["by"] = (found["by"] + body[a, 1] + found["ay"] - body[b, 1]) / 2
+    out["friction"], out["restitution"] = friction[a, b], restitution[a, b]
+    out["normal"] = out["tangent"] = out["bounce"] = out["drag"] = out["led"] = 0.0
+    out["mode"] = out["listed"] = out["late"] = out["phase"] = 0
+    out["sums"] = -1
+    out["stretch"] = out["want"] = out["soft"] = out["want_along"] = out["soft_along"] = 0.0
