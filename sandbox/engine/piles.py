@@ -27,14 +27,24 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.blocks import factor_blocks, solve_blocks
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.islands import finish_piles, gather_piles
+from sandbox.engine.islands import begin_piles, broken_limits, finish_piles, gather_piles
 from sandbox.engine.kernel import kernel
+from sandbox.engine.pile_rows import (
+    add_row_forces,
+    add_row_impulses,
+    add_rows,
+    answer_of_rows,
+)
 from sandbox.numeric import Matrix, Records, Stack
 
 FIRST_SHARE, MAX_SHARE, MIN_SHARE = 1e-5, 1e-2, 1e-9
 """Initial, largest and smallest share e."""
 ROUNDS, STEPS, HALVINGS, SWEEPS = 40, 12, 4, 50
 """Proximal rounds, Newton steps in each, halvings of a step, sweeps after a failed round."""
+LAST = -1
+"""As the number of a solve: the one at the end of a step."""
+LIMIT_ROUNDS = 10
+"""Most times that limits are added which the velocities break."""
 FASTEST = 1e6
 """A change of rate [m/s] that only a singular matrix gives."""
 BOUNDARY = 1e-9
@@ -44,13 +54,44 @@ OPEN, STICKS, SLIDES_UP, SLIDES_DOWN = 0, 1, 2, 3
 
 
 @entry_point("piles")
-def solve_piles(table: int, h: float) -> float:
-    """Find impulses and velocities of all piles that are awake; the largest residual [m/s]."""
-    n = gather_piles(table, h)
-    residual = solve_contacts(table, n) if n else 0.0
-    finish_piles(table, h, n)
-    if n:
-        at.accuracy(table)[3] += 1.0
+def solve_piles(table: int, h: float, number: int) -> float:
+    """Find impulses and velocities of all piles that are awake; the largest residual [m/s].
+
+    Where rows connect bodies of piles they are found for each solve of the other rows in a step,
+    ``number`` counted from 0, otherwise for the :data:`LAST` only, when the results are noted.
+    """
+    counts, residual = at.pile_counts(table), 0.0
+    if (number == LAST) != (counts[0] == 1):
+        residual = _solve_all(table, h, number)
+    if number == LAST:
+        finish_piles(table, h, counts[1])
+        at.accuracy(table)[3] += 1.0 if counts[1] else 0.0
+    return residual
+
+
+@kernel
+def _solve_all(table: int, h: float, number: int) -> float:
+    counts, c, bodies = at.pile_counts(table), at.piled(table), at.pile_bodies(table)
+    velocity, v, residual = at.velocity(table), at.pile_vectors(table)[0], 0.0
+    if number > 0:
+        begin_piles(table)
+        for k in range(counts[1]):
+            c[k]["n_last"], c[k]["t_last"] = c[k]["pn"], c[k]["pt"]
+    else:
+        counts[1] = gather_piles(table, h)
+    for _ in range(LIMIT_ROUNDS):
+        if counts[1]:
+            residual = solve_contacts(table, counts[1])
+        for i in range(len(bodies)):
+            if bodies[i]["piled"]:
+                for r in range(3):
+                    velocity[bodies[i]["number"], r] = v[i, r] if bodies[i]["awake"] else 0.0
+        n = broken_limits(table, h, counts[1]) if counts[0] else counts[1]
+        if n == counts[1]:
+            break
+        counts[1] = n
+    if counts[0] and counts[1]:
+        add_row_impulses(table)
     return residual
 
 
@@ -203,6 +244,12 @@ def _momentum(table: int, n: int, v: Matrix) -> None:
     for i in range(len(v)):
         v[i, 0] = v[i, 1] = v[i, 2] = 0.0
     _add_impulses(c, J, n, 1.0, v)
+    if at.pile_counts(table)[0]:
+        answer_of_rows(table, v)
+        for i in range(len(at.pile_bodies(table))):
+            for r in range(3):
+                v[i, r] += free[i, r]
+        return
     for i in range(len(v)):
         for r in range(3):
             v[i, r] = free[i, r] + weights[i, r] * v[i, r]
@@ -250,12 +297,17 @@ def _force(table: int, n: int, v: Matrix) -> float:
     """F at ``v`` into vector 4; the square of its norm in the metric of the inverse masses."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     free, weights, F = vectors[2], vectors[3], vectors[4]
-    for i in range(len(F)):
+    bodies = len(at.pile_bodies(table))
+    for i in range(bodies, len(F)):
+        F[i, 0] = F[i, 1] = F[i, 2] = 0.0
+    for i in range(bodies):
         for r in range(3):
             F[i, r] = (v[i, r] - free[i, r]) / weights[i, r]
     _add_impulses(c, J, n, -1.0, F)
+    if at.pile_counts(table)[0]:
+        add_row_forces(table, v, F)
     s = 0.0
-    for i in range(len(F)):
+    for i in range(bodies):
         for r in range(3):
             s += weights[i, r] * F[i, r] * F[i, r]
     return s
@@ -266,7 +318,7 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
     """A step of Newton's method with backtracking, first with the last modes; whether it helps."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial, F, x, change = vectors[0], vectors[1], vectors[4], vectors[5], vectors[6]
-    place = at.pile_bodies(table)
+    place = at.pile_place(table)
     starts, below = at.pile_starts(table), at.pile_below(table)
     D, L, U = at.pile_diagonal(table), at.pile_lower(table), at.pile_upper(table)
     if first:
@@ -278,11 +330,11 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
     factor_blocks(starts, below, D, L, U)
     for i in range(len(F)):
         for r in range(3):
-            x[place[i]["place"], r] = -F[i, r]
+            x[place[i], r] = -F[i, r]
     solve_blocks(starts, below, D, L, U, x)
     for i in range(len(F)):
         for r in range(3):
-            change[i, r] = x[place[i]["place"], r]
+            change[i, r] = x[place[i], r]
     _rates(c, J, n, change, False)
     largest, least = 0.0, 0.0
     for k in range(n):
@@ -315,10 +367,10 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
 def _assemble(table: int, n: int) -> None:
     """M + C^T P C with P the derivative of the law at the modes in the rows."""
     c, J, weights = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)[3]
-    place, starts = at.pile_bodies(table), at.pile_starts(table)
+    place, starts = at.pile_place(table), at.pile_starts(table)
     D, L, U = at.pile_diagonal(table), at.pile_lower(table), at.pile_upper(table)
-    for i in range(len(weights)):
-        X = D[place[i]["place"]]
+    for i in range(len(at.pile_bodies(table))):
+        X = D[place[i]]
         for r in range(3):
             for s in range(3):
                 X[r, s] = 0.0
@@ -327,6 +379,7 @@ def _assemble(table: int, n: int) -> None:
         for r in range(3):
             for s in range(3):
                 L[p, r, s] = U[p, r, s] = 0.0
+    add_rows(table)
     for k in range(n):
         one = c[k]
         if one["mode"] == OPEN:
@@ -338,11 +391,11 @@ def _assemble(table: int, n: int) -> None:
             slides = one["friction"] if one["mode"] == SLIDES_UP else -one["friction"]
         a, b, slot = one["a"], one["b"], one["slot"]
         if a >= 0:
-            _add_block(D[place[a]["place"]], J[k], 0, 0, Rn, Rt, slides)
+            _add_block(D[place[a]], J[k], 0, 0, Rn, Rt, slides)
         if b >= 0:
-            _add_block(D[place[b]["place"]], J[k], 1, 1, Rn, Rt, slides)
+            _add_block(D[place[b]], J[k], 1, 1, Rn, Rt, slides)
         if a >= 0 and b >= 0:
-            later = place[a]["place"] > place[b]["place"]
+            later = place[a] > place[b]
             _add_block(L[slot] if later else U[slot], J[k], 0, 1, Rn, Rt, slides)
             _add_block(U[slot] if later else L[slot], J[k], 1, 0, Rn, Rt, slides)
 

@@ -124,13 +124,16 @@ PILE_BODY = np.dtype([
     ("rows", np.int64),     # of the lowest: rows of the island's contacts, negative: never a pile
     ("piled", np.int64), ("awake", np.int64),
     ("still", np.int64),    # for how many steps it has been still
-    ("place", np.int64),    # in the order of elimination, -1 without one
+    ("cluster", np.int64),  # the first body of those that joints connect with it, itself or -1
+    ("linked", np.int64),   # of the lowest: whether there are joints in the island
+    ("carried", np.int64),  # of the lowest: rows of its contacts that carry
     ("x", float), ("y", float), ("t", float),   # change of its velocity without contacts
     ("fastest", float),     # of the lowest: the largest free rate of the island's contacts [m/s]
 ])
-"""A free body that nothing but contacts connects (:mod:`sandbox.engine.islands`)."""
+"""A free body that may be in a pile (:mod:`sandbox.engine.islands`)."""
 PILED = np.dtype([
-    ("touch", np.int64), ("a", np.int64), ("b", np.int64),  # PILE_BODY or -1
+    ("touch", np.int64),    # TOUCH, or -1 - LIMIT
+    ("a", np.int64), ("b", np.int64),   # PILE_BODY or -1
     ("slot", np.int64),     # block of the two
     ("mode", np.int64),
     *((name, float) for name in (
@@ -145,6 +148,8 @@ PILED = np.dtype([
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
 ])
 """A contact of a pile while its step is solved (:mod:`sandbox.engine.piles`)."""
+IN_PILE = -1
+"""Value of a contact's ``listed`` that keeps it from the rows of the direct solver."""
 AWAY, CLOSING, RESTING = 0, 1, 2
 """Phases of a contact: it carries nothing; it was hit, and the next step closes its gap; it
 carries."""
@@ -200,6 +205,10 @@ class Constants(NamedTuple):
     """Stiffness [N/m] and damping [N s/m] of the contacts of every pair of bodies, 0 where they are
     rigid; [2, 0, 0] if all are."""
     loose: Integers  # the PILE_BODY of each body, or -1
+    pile_nodes: Annotated[Integers, "pile_nodes 3"]
+    """This and the next two: bilateral rows between these (:mod:`sandbox.engine.pile_rows`)."""
+    pile_blocks: Annotated[Integers, "pile_blocks 2"]
+    pile_entries: Annotated[Integers, "pile_entries 3"]
 
 
 class Elements(NamedTuple):
@@ -242,6 +251,9 @@ class State(NamedTuple):
     modes were not found in this step; which row is jammed, from 1, or 0; how many rows; in how many
     steps impacts were too many to be put in order."""
     pile_bodies: Annotated[Records, PILE_BODY, "piles"]
+    pile_place: Annotated[Integers, "nodes"]
+    """Place in the order of elimination of bodies of piles and of their nodes of rows, -1 without
+    an order."""
     accuracy: Annotated[Array, "5"]
     """Residual of the bounded rows in the last step [m/s, rad/s]; the largest so far; the step that
     it was in, counted as ``made``; steps with piles that were awake; steps with a residual above
@@ -289,20 +301,27 @@ class Result(NamedTuple):
     delassus: Annotated[Array, "rows rows"]  # what the rows make of one another, G
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
-    pile_starts: Annotated[Integers, "piles+1"]
-    """This and the next: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`); a step
-    keeps it if it has all that meets in it."""
+    pile_counts: Annotated[Integers, "2"]
+    """Whether rows connect bodies of piles in this step; contacts and limits in piles."""
+    pile_starts: Annotated[Integers, "nodes+1"]
+    """This and the next two: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`); a
+    step keeps it if it has all that meets in it."""
     pile_below: Annotated[Integers, "slots"]
-    pile_adjacent: Annotated[Integers, "piles words"]  # scratch of its order
-    pile_work: Annotated[Integers, "3 piles"]  # the same
-    pile_vectors: Annotated[Array, "7 piles 3"]
-    """Velocities of the bodies of piles: the result, a trial, those without contacts; inverse
+    pile_slots: Annotated[Integers, "pile_blocks"]  # of the blocks of rows
+    pile_adjacent: Annotated[Integers, "nodes words"]  # scratch of its order
+    pile_work: Annotated[Integers, "3 nodes"]  # the same
+    pile_coefficients: Annotated[Array, "pile_blocks 3 3"]  # blocks of the rows
+    pile_compliance: Annotated[Array, "pile_nodes 3"]  # of the rows
+    pile_answer: Annotated[Array, "2 unknowns"]  # impulses of rows; 0
+    pile_vectors: Annotated[Array, "7 nodes 3"]
+    """Velocities of the bodies of piles, then - impulses of rows besides those without contacts:
+    the result, a trial, those without contacts; inverse
     masses; forces, a right side, a change."""
-    pile_diagonal: Annotated[Array, "piles 3 3"]  # blocks of the matrix
+    pile_diagonal: Annotated[Array, "nodes 3 3"]  # blocks of the matrix
     pile_lower: Annotated[Array, "slots 3 3"]  # those below the diagonal
     pile_upper: Annotated[Array, "slots 3 3"]  # and above
-    piled: Annotated[Records, PILED, "contacts"]
-    pile_jacobian: Annotated[Array, "contacts 4 3"]
+    piled: Annotated[Records, PILED, "rows"]
+    pile_jacobian: Annotated[Array, "rows 4 3"]
     """Of the normal and the tangential rate of each with respect to both bodies: normal a, b,
     tangential a, b."""
 

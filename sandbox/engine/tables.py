@@ -24,6 +24,7 @@ from sandbox.engine.element_tables import (
     place_bodies,
     spring_table,
 )
+from sandbox.engine.pile_rows import pile_tables
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
 from sandbox.engine.state import (
@@ -38,16 +39,13 @@ from sandbox.engine.state import (
     zeros,
 )
 from sandbox.engine.world import Room, World
-from sandbox.numeric import Array, Integers, Records
 
 WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen",
              "pile_adjacent", "pile_work", "pile_vectors", "pile_diagonal", "pile_lower",
-             "pile_upper", "piled", "pile_jacobian")
+             "pile_upper", "piled", "pile_jacobian", "pile_coefficients", "pile_compliance")
 """Fields of a :class:`Result` in which a step leaves nothing that is needed."""
 NAMES = 16
 """Most that a law reads."""
-FEWEST = 12
-"""Fewer bodies are no pile: too few rows for :mod:`sandbox.engine.piles` to pay."""
 AGAIN, LEAST_BREAKS = 8, 1024
 """So often one thing may break in the steps made in one go; breaks that there is room for."""
 
@@ -90,6 +88,13 @@ def make_tables(world: World) -> Tables:
     bodies = np.zeros(count, BODY)
     bodies["number"] = order
     bodies["x"], bodies["y"] = model.bodies.centre[order].T
+    bonds = bond_table(model, springs, cables.cables)
+    motors["target"] = math.nan
+    elements = Elements(
+        actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
+        slips=cables.slips, joints=joints, limits=limit_table(places), motors=motors,
+        dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
+    piled = pile_tables(pattern, places.inverse_mass, elements, shapes.shapes)
     pairs, filters = np.ix_(order, order), world.filters
     constants = Constants(
         h=h, gravity=np.array(model.mechanism.gravity, dtype=float),
@@ -99,28 +104,26 @@ def make_tables(world: World) -> Tables:
         spans=spans,
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
-        loose=_loose_bodies(pattern, places.inverse_mass, joints, shapes.shapes),
+        loose=piled.loose, pile_nodes=piled.nodes, pile_blocks=piled.blocks,
+        pile_entries=piled.entries,
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
         **programs)
-    bonds = bond_table(model, springs, cables.cables)
-    motors["target"] = math.nan
-    elements = Elements(
-        actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
-        slips=cables.slips, joints=joints, limits=limit_table(places), motors=motors,
-        dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
-    piles, unknowns = int(np.count_nonzero(constants.loose >= 0)), len(pattern.starts) - 1
+    piles, unknowns = len(piled.cluster), len(pattern.starts) - 1
+    nodes = piles + len(piled.nodes)
     sizes = {name: len(array) for name, array in constants._asdict().items() if name != "h"}
     sizes |= _sizes_of_room(world.room) | {
         "loaded": len(loaded), "drives": len(model.drives.name), "numbers": NUMBERS, "names": NAMES,
         "entries": len(pattern.entry_row), "unknowns": unknowns,
-        "values": len(pattern.below) + unknowns, "piles": piles, "words": piles // BITS + 1,
+        "values": len(pattern.below) + unknowns, "piles": piles, "nodes": nodes,
+        "words": nodes // BITS + 1,
         # room for all pairs: the system gives memory only to what is used of it
-        "slots": piles * (piles - 1) // 2}
+        "slots": nodes * (nodes - 1) // 2}
     breaking = int(np.isfinite(model.bonds.breaks_at).sum())
-    piled = np.zeros(piles, PILE_BODY)
-    piled["number"], piled["place"] = np.flatnonzero(constants.loose >= 0), -1
+    pile_bodies = np.zeros(piles, PILE_BODY)
+    pile_bodies["number"], pile_bodies["cluster"] = (
+        np.flatnonzero(constants.loose >= 0), piled.cluster)
     state: State = allocate(
-        State, sizes, body=world.body, pile_bodies=piled,
+        State, sizes, body=world.body, pile_bodies=pile_bodies, pile_place=np.full(nodes, -1),
         broken=np.zeros(max(AGAIN * breaking, LEAST_BREAKS if breaking else 0), BROKEN))
     state.last_drive[:] = math.nan
     result: Result = allocate(
@@ -130,20 +133,6 @@ def make_tables(world: World) -> Tables:
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
     result.unknowns[1][cables.slips["row"]] = -cables.drag
     return Tables(constants, elements, state, result, pattern)
-
-
-def _loose_bodies(
-    pattern: Pattern, inverse_mass: Array, joints: Records, shapes: Records,
-) -> Integers:
-    """The number of each body among those that may be in a pile, -1 for others, [nb]."""
-    count = len(inverse_mass)
-    loose = (inverse_mass[:, 0] > 0.0) & np.isin(np.arange(count), shapes["body"])
-    loose &= pattern.hubs[:count, 0] < 0
-    loose[pattern.entry_body[pattern.entry_body < count]] = False
-    loose[joints["a"]] = loose[joints["b"]] = False
-    if np.count_nonzero(loose) < FEWEST:
-        loose[:] = False
-    return np.where(loose, np.cumsum(loose) - 1, -1).astype(np.int64)
 
 
 def _sizes_of_room(room: Room) -> dict[str, int]:
