@@ -169,8 +169,8 @@ def gather_piles(table: int, h: float) -> int:
 
 
 @kernel
-def begin_piles(table: int) -> None:
-    """Begin with the velocities that bodies have without contacts and limits of piles."""
+def begin_piles(table: int) -> bool:
+    """Take the velocities without contacts and limits of piles; whether rows have changed."""
     bodies, vectors = at.pile_bodies(table), at.pile_vectors(table)
     inverse_mass = at.inverse_mass(table)
     for i in range(len(bodies)):
@@ -178,7 +178,7 @@ def begin_piles(table: int) -> None:
         for r in range(3):
             vectors[2, i, r] = at.velocity(table)[b, r] if bodies[i]["awake"] else 0.0
             vectors[3, i, r] = inverse_mass[b, 0] if r < 2 else inverse_mass[b, 1]
-    set_blocks(table)
+    return set_blocks(table)
 
 
 @kernel
@@ -233,6 +233,7 @@ def _gather_limit(table: int, h: float, i: int, k: int) -> None:
         len(at.rows(table)) - 1]
     loose, velocity = at.loose(table), at.velocity(table)
     limit_row(table, h, i, row)
+    one["factored"] = -1
     one["touch"], one["a"], one["b"] = -1 - i, loose[row["a"]], loose[row["b"]]
     J[0, 0], J[0, 1], J[0, 2] = row["ax"], row["ay"], row["at"]
     J[1, 0], J[1, 1], J[1, 2] = row["bx"], row["by"], row["bt"]
@@ -258,6 +259,7 @@ def _gather(table: int, h: float, i: int, k: int) -> None:
     normal, tangent = rows[len(rows) - 1], rows[len(rows) - 2]
     normal_row(h, at.touches(table), i, normal)
     tangent_row(h, at.body(table), at.touches(table), i, 0, tangent)
+    one["factored"] = -1
     one["touch"], one["a"], one["b"] = i, loose[t["a"]], loose[t["b"]]
     one["friction"], one["n_last"], one["t_last"] = t["friction"], t["normal"], t["tangent"]
     J[0, 0], J[0, 1], J[0, 2] = normal["ax"], normal["ay"], normal["at"]

@@ -115,21 +115,23 @@ def _clusters(count: int, groups: list[list[int]]) -> Integers:
 
 
 @kernel
-def set_blocks(table: int) -> None:
-    """Gather the coefficients and compliances of the rows."""
+def set_blocks(table: int) -> bool:
+    """Gather the coefficients and compliances of the rows; whether any has changed."""
     entries, B, J = at.pile_entries(table), at.pile_coefficients(table), at.entries(table)
     nodes, blocks, c = at.pile_nodes(table), at.pile_blocks(table), at.pile_compliance(table)
-    for k in range(len(B)):
-        for r in range(3):
-            B[k, r, 0] = B[k, r, 1] = B[k, r, 2] = 0.0
+    changed, held = False, at.pile_held(table)
     for j in range(len(nodes)):
         for r in range(3):
-            c[j, r] = at.unknowns(table)[1, nodes[j, r]] if nodes[j, r] >= 0 else 1.0
+            soft = at.unknowns(table)[1, nodes[j, r]] if nodes[j, r] >= 0 else 1.0
+            changed |= soft != held[j, r]
+            held[j, r] = c[j, r] = soft
     for q in range(len(entries)):
         e, k, r = entries[q, 0], entries[q, 1], entries[q, 2]
         for s in range(3):
+            changed |= B[k, r, s] != J[0, e, s]
             B[k, r, s] = J[0, e, s]
             c[blocks[k, 0], r] += HARD * J[0, e, s] * J[1, e, s]
+    return changed
 
 
 @kernel

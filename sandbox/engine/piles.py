@@ -35,6 +35,7 @@ from sandbox.engine.pile_rows import (
     add_rows,
     answer_of_rows,
 )
+from sandbox.engine.plan import put
 from sandbox.numeric import Matrix, Records, Stack
 
 FIRST_SHARE, MAX_SHARE, MIN_SHARE = 1e-5, 1e-2, 1e-9
@@ -74,8 +75,10 @@ def _solve_all(table: int, h: float, number: int) -> float:
     counts, c, bodies = at.pile_counts(table), at.piled(table), at.pile_bodies(table)
     velocity, v, residual = at.velocity(table), at.pile_vectors(table)[0], 0.0
     if number > 0:
-        begin_piles(table)
+        changed = begin_piles(table)
         for k in range(counts[1]):
+            if changed:
+                c[k]["factored"] = -1
             c[k]["n_last"], c[k]["t_last"] = c[k]["pn"], c[k]["pt"]
     else:
         counts[1] = gather_piles(table, h)
@@ -100,6 +103,8 @@ def solve_contacts(table: int, n: int) -> float:
     """Solve ``n`` contacts, with the velocities in the first vectors; largest residual [m/s]."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial = vectors[0], vectors[1]
+    at.pile_counts(table)[4] += 1
+    enough = 0.01 if at.pile_counts(table)[0] else 1.0
     for k in range(n):  # begin with the impulses of the last step
         c[k]["n0"] = c[k]["pn"] = c[k]["n_last"]
         c[k]["t0"] = c[k]["pt"] = c[k]["t_last"]
@@ -107,9 +112,9 @@ def solve_contacts(table: int, n: int) -> float:
     _rates(c, J, n, v, True)
     found = best = _residual(c, n)
     _keep(c, n)
-    share, before, first = FIRST_SHARE, math.inf, True
+    share, before, first, at_best = FIRST_SHARE, math.inf, True, True
     for round in range(ROUNDS):
-        if best <= 1.0:
+        if best <= (enough if round == 0 else 1.0):
             break
         start = found
         for k in range(n):
@@ -120,6 +125,7 @@ def solve_contacts(table: int, n: int) -> float:
                 one["n0"] * hold_n * one["Rn"], one["t0"] * hold_t * one["Rt"])
         converged = False
         for _ in range(STEPS):
+            at_best = False
             if not _newton_step(table, n, first):
                 break
             first = False
@@ -130,6 +136,8 @@ def solve_contacts(table: int, n: int) -> float:
                 _keep(c, n)
             if best <= 1.0 or (off <= 0.05 * found and found <= 4.0 * start):
                 converged = True
+                put(v, trial)
+                at_best = found == best
                 break
         first = False
         if best <= 1.0:
@@ -140,21 +148,23 @@ def solve_contacts(table: int, n: int) -> float:
             before = found
             for k in range(n):
                 c[k]["n0"], c[k]["t0"] = c[k]["pn"], c[k]["pt"]
-            _momentum(table, n, v)
         else:
             if round == 0 or round % 2 == 0:
                 for k in range(n):
                     c[k]["n0"] = c[k]["n_last"] if round == 0 else c[k]["n_best"]
                     c[k]["t0"] = c[k]["t_last"] if round == 0 else c[k]["t_best"]
             found = _sweep(table, n, v)
+            at.pile_counts(table)[5] += 1
             if found < best:
                 best = found
                 _keep(c, n)
+            at_best = found == best
             share, before = min(MAX_SHARE, max(1e-4, 10.0 * share)), math.inf
         _rates(c, J, n, v, True)
     for k in range(n):
         c[k]["pn"], c[k]["pt"] = c[k]["n_best"], c[k]["t_best"]
-    _momentum(table, n, v)
+    if not at_best:
+        _momentum(table, n, v)
     _rates(c, J, n, v, True)
     worst = 0.0
     for k in range(n):
@@ -326,8 +336,14 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
     else:
         _law(c, n)
     before = _force(table, n, v)
-    _assemble(table, n)
-    factor_blocks(starts, below, D, L, U)
+    same = True
+    for k in range(n):
+        same &= c[k]["mode"] == c[k]["factored"] and c[k]["Rn"] == c[k]["R_factored"]
+        c[k]["factored"], c[k]["R_factored"] = c[k]["mode"], c[k]["Rn"]
+    if not same:
+        _assemble(table, n)
+        factor_blocks(starts, below, D, L, U)
+        at.pile_counts(table)[2] += 1
     for i in range(len(F)):
         for r in range(3):
             x[place[i], r] = -F[i, r]

@@ -136,8 +136,10 @@ PILED = np.dtype([
     ("a", np.int64), ("b", np.int64),   # PILE_BODY or -1
     ("slot", np.int64),     # block of the two
     ("mode", np.int64),
+    ("factored", np.int64),     # its mode in the factor of the matrix, -1 if it is in none
     *((name, float) for name in (
         "friction", "tolerance",
+        "R_factored",           # its Rn in the factor
         "n_last", "t_last",     # impulses of the last step [N s]
         "n0", "t0", "n_best", "t_best", "pn", "pt",
         "want_n", "want_t",     # added to the rates [m/s]
@@ -301,7 +303,7 @@ class Result(NamedTuple):
     delassus: Annotated[Array, "rows rows"]  # what the rows make of one another, G
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
-    pile_counts: Annotated[Integers, "2"]
+    pile_counts: Annotated[Integers, "8"]
     """Whether rows connect bodies of piles in this step; contacts and limits in piles."""
     pile_starts: Annotated[Integers, "nodes+1"]
     """This and the next two: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`); a
@@ -312,6 +314,7 @@ class Result(NamedTuple):
     pile_work: Annotated[Integers, "3 nodes"]  # the same
     pile_coefficients: Annotated[Array, "pile_blocks 3 3"]  # blocks of the rows
     pile_compliance: Annotated[Array, "pile_nodes 3"]  # of the rows
+    pile_held: Annotated[Array, "pile_nodes 3"]  # the same, as springs and tendons have it
     pile_answer: Annotated[Array, "2 unknowns"]  # impulses of rows; 0
     pile_vectors: Annotated[Array, "7 nodes 3"]
     """Velocities of the bodies of piles, then - impulses of rows besides those without contacts:
