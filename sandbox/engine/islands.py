@@ -1,8 +1,10 @@
-"""Compliant contacts: piles of many free bodies that only contacts connect, and soft skin.
+"""Compliant contacts: piles of many bodies, and soft skin.
 
-Two free bodies are in one island if they are near enough to touch. An island is a pile if no joint,
-spring row or load acts on its bodies, if its contacts have neither restitution nor static friction
-above sliding friction, and if all such islands together have more than :data:`MANY` rows.
+Two free bodies are in one island if they are near enough to touch, or if a joint, a spring or a
+tendon acts on both. An island is a pile if its contacts have neither restitution nor static
+friction above sliding friction, and if all such islands together have more than :data:`MANY` rows,
+or that many that carry if there are joints. Motors, loads, fluids, joint friction,
+friction of guides and connections that can be released keep their bodies out.
 :mod:`sandbox.engine.piles` solves piles; their contacts are compliant, with a stiffness k and a
 damping c that follow from the masses and the step. At the end of a step
 
@@ -12,9 +14,9 @@ with G the response of the contact to a unit impulse. Tangentially a sticking co
 stiffness TANGENTIAL k; a sliding one obeys Coulomb's law. Depths are a few g h^2 / STIFFNESS for
 each body that lies above.
 
-An island sleeps after it has been still for :data:`STEPS` steps: its velocities are 0 and its
-impulses stay. A body that comes near, a change of the forces on it, a moving support or a running
-surface wakes all of it.
+An island without joints sleeps after it has been still for :data:`STEPS` steps: its velocities are
+0 and its impulses stay. A body that comes near, a change of the forces on it, a moving support or a
+running surface wakes all of it.
 
 Soft skin: contacts of materials that give way, with a stiffness and a damping.
 
@@ -45,9 +47,8 @@ from sandbox.engine.report import add_limit
 from sandbox.engine.state import IN_PILE, TANGENT
 
 MANY, FEW = 60, 30
-"""With more rows islands are piles; they stay piles down to so many."""
-MANY_LINKED, FEW_LINKED = 100, 50
-"""The same where joints, springs or tendons connect bodies, of the rows that carry."""
+"""With more rows islands are piles, with joints of the rows that carry; they stay piles down to so
+many."""
 STIFFNESS, DAMPING, TANGENTIAL = 40.0, 0.3, 2.0 / 3.0
 """Of contacts in piles: h^2 k G, the damping ratio, tangential over normal stiffness (Mindlin, of
 an incompressible material)."""
@@ -108,7 +109,7 @@ def list_piles(table: int) -> None:
             before_single += bodies[i]["piled"]
             rows += max(bodies[i]["rows"], 0)
     many = rows > (FEW if before_single > 0 else MANY)
-    many_linked = carried > (FEW_LINKED if before_linked > 0 else MANY_LINKED)
+    many_linked = carried > (FEW if before_linked > 0 else MANY)
     at.pile_counts(table)[0] = 0
     for i in range(len(bodies)):
         root = bodies[_root(table, i)]

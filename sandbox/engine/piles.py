@@ -13,8 +13,10 @@ The law is regularised by a share e of each row's own response G, R = 1 / (e G +
 
 and solved again with p0 = p until the residual of the law without e is below the tolerance. The
 derivative of F is M plus 3 x 3 blocks of bodies that touch; it is factored sparsely
-(:mod:`sandbox.engine.blocks`). Where Newton's method does not converge, Gauss-Seidel sweeps find a
-better start and e grows. Momentum is exact in any case: v follows from the impulses.
+(:mod:`sandbox.engine.blocks`), with the rows of joints, springs and tendons as further unknowns
+(:mod:`sandbox.engine.pile_rows`). Limits of joints are contacts without friction. Where Newton's
+method does not converge, Gauss-Seidel sweeps find a better start and e grows. Momentum is exact in
+any case: v follows from the impulses.
 
 Method: proximal point algorithm with semismooth Newton steps on the primal velocities.
 """
@@ -40,7 +42,10 @@ from sandbox.numeric import Matrix, Records, Stack
 
 FIRST_SHARE, MAX_SHARE, MIN_SHARE = 1e-5, 1e-2, 1e-9
 """Initial, largest and smallest share e."""
-ROUNDS, STEPS, HALVINGS, SWEEPS = 40, 12, 4, 50
+MAX_LINKED, ENOUGH = 0.1, 0.01
+"""Where joints connect bodies: the largest share; the residual, over its tolerance, with which the
+impulses of the last step are kept. Rates fall below those at which a mechanism rests."""
+ROUNDS, STEPS, HALVINGS, SWEEPS = 100, 12, 4, 50
 """Proximal rounds, Newton steps in each, halvings of a step, sweeps after a failed round."""
 LAST = -1
 """As the number of a solve: the one at the end of a step."""
@@ -103,8 +108,8 @@ def solve_contacts(table: int, n: int) -> float:
     """Solve ``n`` contacts, with the velocities in the first vectors; largest residual [m/s]."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial = vectors[0], vectors[1]
-    at.pile_counts(table)[4] += 1
-    enough = 0.01 if at.pile_counts(table)[0] else 1.0
+    linked = at.pile_counts(table)[0] == 1
+    enough, max_share = (ENOUGH, MAX_LINKED) if linked else (1.0, MAX_SHARE)
     for k in range(n):  # begin with the impulses of the last step
         c[k]["n0"] = c[k]["pn"] = c[k]["n_last"]
         c[k]["t0"] = c[k]["pt"] = c[k]["t_last"]
@@ -153,13 +158,19 @@ def solve_contacts(table: int, n: int) -> float:
                 for k in range(n):
                     c[k]["n0"] = c[k]["n_last"] if round == 0 else c[k]["n_best"]
                     c[k]["t0"] = c[k]["t_last"] if round == 0 else c[k]["t_best"]
-            found = _sweep(table, n, v)
-            at.pile_counts(table)[5] += 1
+            if linked and round % 2 == 0:  # sweeps leave rows of joints out
+                for k in range(n):
+                    c[k]["pn"], c[k]["pt"] = c[k]["n0"], c[k]["t0"]
+                _momentum(table, n, v)
+                _rates(c, J, n, v, True)
+                found = _residual(c, n)
+            else:
+                found = _sweep(table, n, v)
             if found < best:
                 best = found
                 _keep(c, n)
             at_best = found == best
-            share, before = min(MAX_SHARE, max(1e-4, 10.0 * share)), math.inf
+            share, before = min(max_share, max(1e-4, 10.0 * share)), math.inf
         _rates(c, J, n, v, True)
     for k in range(n):
         c[k]["pn"], c[k]["pt"] = c[k]["n_best"], c[k]["t_best"]
@@ -343,7 +354,6 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
     if not same:
         _assemble(table, n)
         factor_blocks(starts, below, D, L, U)
-        at.pile_counts(table)[2] += 1
     for i in range(len(F)):
         for r in range(3):
             x[place[i], r] = -F[i, r]

@@ -303,7 +303,7 @@ class Result(NamedTuple):
     delassus: Annotated[Array, "rows rows"]  # what the rows make of one another, G
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
-    pile_counts: Annotated[Integers, "8"]
+    pile_counts: Annotated[Integers, "2"]
     """Whether rows connect bodies of piles in this step; contacts and limits in piles."""
     pile_starts: Annotated[Integers, "nodes+1"]
     """This and the next two: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`); a
