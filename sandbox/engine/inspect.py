@@ -43,6 +43,7 @@ from sandbox.engine.inspect_joints import (
 from sandbox.engine.inspect_springs import against_step, ringing_problems, without_arm
 from sandbox.engine.inspect_words import NEGLIGIBLE, deg, look, mm
 from sandbox.engine.islands import MANY
+from sandbox.engine.pile_rows import LINKED
 from sandbox.errors import Problem
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.meters import check_quantities, check_shown
@@ -238,9 +239,14 @@ def _coupled(model: Model, contacts: int) -> float:
     held = np.zeros(len(model.bodies.name), dtype=bool)
     for bodies in (model.joints.bodies, model.tendons.guide_body, model.springs.bodies):
         held[bodies.ravel()] = True
-    loose = int(np.count_nonzero(model.bodies.free & ~held))
-    if 2 * min(contacts, loose) > MANY:
-        return float(PILED * loose**POWER)
+    piled = int(np.count_nonzero(model.bodies.free & ~held))
+    linked = int(np.count_nonzero(model.bodies.free)) - piled
+    kept_out = (len(model.loads.name) or len(model.lines.name) or len(model.bonds.name)
+                or bool((~np.isnan(model.drives.most)).any()))
+    if piled + linked >= LINKED and not kept_out:
+        piled += linked
+    if 2 * min(contacts, piled) > MANY:
+        return float(PILED * piled**POWER)
     return CONTACTS * contacts**2
 
 
