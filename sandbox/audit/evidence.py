@@ -147,8 +147,8 @@ class Evidence:
     def contact_depth(self) -> Array:
         """How deep soft contacts may be for their forces, N / k [m], [m]; 0 of rigid ones.
 
-        The stiffness k of contacts in piles follows from the response G of the bodies: h^2 k G is
-        known. A row of several points may have a smaller k.
+        The stiffness k of contacts in a run with piles follows from the response G of the bodies:
+        h^2 k G is known. A row of several points may have a smaller k.
         """
         a, normal = self.arrays, self.run.contacts.normal
         one, two = a["contact_body"], a["contact_other"]
@@ -160,8 +160,7 @@ class Evidence:
                 mass, inertia = a["body_mass"][body], a["body_inertia"][body]
                 response += np.where(self.model.bodies.free[body], 1 / mass + (
                     arm[:, 0] * y - arm[:, 1] * x)**2 / inertia, 0.0)
-            piled = (stiffness == 0) & ~self.held_by_others[one] & ~self.held_by_others[two]
-            stiffness = np.where(piled, scale / (self.h**2 * response), stiffness)
+            stiffness = np.where(stiffness == 0, scale / (self.h**2 * response), stiffness)
         stiffness = np.where(a["contact_merged"] == 1, stiffness, stiffness / 8)
         return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal), where=stiffness > 0)
 

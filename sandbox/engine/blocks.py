@@ -32,24 +32,33 @@ def connect(adjacent: Integers, i: int, j: int) -> None:
 
 @kernel
 def minimum_degree(
-    adjacent: Integers, place: Integers, starts: Integers, below: Integers, work: Integers,
+    adjacent: Integers, first: int, after: Integers, place: Integers, starts: Integers,
+    below: Integers, work: Integers,
 ) -> None:
-    """Find ``place``, the position of each node in the order, and the pattern of the factors."""
+    """Find ``place``, the position of each node in the order, and the pattern of the factors.
+
+    ``after`` [m, 2] are pairs i, j: node ``first + i`` comes after node j.
+    """
     n, words = adjacent.shape
-    degree, order = work[0], work[1]
+    degree, order, waits = work[0], work[1], work[2]
     for i in range(n):
-        degree[i] = 0
+        degree[i] = waits[i] = 0
         for q in range(words):
             degree[i] += _count(adjacent[i, q])
+    for k in range(len(after)):
+        waits[first + after[k, 0]] += 1
     starts[0] = end = 0
     for i in range(n):
         place[i] = -1
     for s in range(n):
         node = -1
         for i in range(n):  # equal values go to the lowest number
-            if place[i] < 0 and (node < 0 or degree[i] < degree[node]):
+            if place[i] < 0 and waits[i] == 0 and (node < 0 or degree[i] < degree[node]):
                 node = i
         place[node], order[s] = s, node
+        for k in range(len(after)):
+            if after[k, 1] == node:
+                waits[first + after[k, 0]] -= 1
         for q in range(words):
             word, bit = adjacent[node, q], 0
             while word:

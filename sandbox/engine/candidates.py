@@ -80,7 +80,16 @@ def tangent_row(h: float, body: Array, touches: Records, i: int, normal: int, ou
 
 
 @kernel
-def _limit_row(table: int, h: float, i: int, out: Any) -> None:
+def piled(table: int, joint: int) -> bool:
+    """Whether a joint's limits are solved with the contacts of a pile."""
+    loose, bodies, one = at.loose(table), at.pile_bodies(table), at.joints(table)[joint]
+    i = max(loose[one["a"]], loose[one["b"]])
+    return bool(i >= 0 and bodies[i]["piled"])
+
+
+@kernel
+def limit_row(table: int, h: float, i: int, out: Any) -> None:
+    """The row of limit ``i``, a LIMIT, into a BOUND."""
     limit = at.limits(table)[i]
     joint, side = at.joints(table)[limit["joint"]], limit["side"]
     begin_row(out, LIMITED, i, joint["a"], joint["b"], limit["impulse"], 0)
@@ -112,8 +121,9 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
     for i in range(len(at.slips(table))):
         n = slip_rows(table, h, i, n)
     for i in range(len(limits)):
-        if limits[i]["impulse"] > 0.0 and joint_holds(table, limits[i]["joint"]):
-            _limit_row(table, h, i, rows[n])
+        joint = limits[i]["joint"]
+        if limits[i]["impulse"] > 0.0 and joint_holds(table, joint) and not piled(table, joint):
+            limit_row(table, h, i, rows[n])
             n += 1
     for i in range(at.touching(table)[0]):
         if touches[i]["listed"] == 1:
@@ -146,9 +156,9 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
     rows, touches, velocity, first = at.rows(table), at.touches(table), at.velocity(table), n
     limits = at.limits(table)
     for i in range(len(limits)):
-        if not joint_holds(table, limits[i]["joint"]):
+        if not joint_holds(table, limits[i]["joint"]) or piled(table, limits[i]["joint"]):
             continue
-        _limit_row(table, h, i, rows[n])
+        limit_row(table, h, i, rows[n])
         new = rate(rows[n], velocity) + rows[n]["want"] < -slack
         for k in range(first):
             new &= rows[k]["source"] != LIMITED or rows[k]["index"] != i

@@ -282,7 +282,7 @@ def lead_back(table: int, h: float, n: int) -> None:
         for j in range(3):
             shift[b, j] = -delayed[b, j]
     clear(unknowns[4])
-    bilateral.right_side(table, shift, unknowns[4])
+    bilateral.right_side(table, shift, unknowns[4], unknowns[2])
     forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
     m = 0
     for q in range(unilateral.choose(rows, n, chosen)):

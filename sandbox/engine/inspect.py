@@ -29,6 +29,7 @@ from sandbox.engine.inspect_elements import NEGLIGIBLE, deg, look, mm
 from sandbox.engine.inspect_hands import hand_problems
 from sandbox.engine.inspect_springs import against_step, ringing_problems, without_arm
 from sandbox.engine.islands import MANY
+from sandbox.engine.pile_rows import LINKED
 from sandbox.errors import Problem
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.meters import check_quantities, check_shown
@@ -194,9 +195,14 @@ def estimate(model: Model, allowed: Flags, *, near: int) -> Estimate:
     held = np.zeros(len(model.bodies.name), dtype=bool)
     for bodies in (model.joints.bodies, model.tendons.guide_body, model.springs.bodies):
         held[bodies.ravel()] = True
-    loose = int(np.count_nonzero(model.bodies.free & ~held))
+    piled = int(np.count_nonzero(model.bodies.free & ~held))
+    linked = int(np.count_nonzero(model.bodies.free)) - piled
+    kept_out = (len(model.loads.name) or len(model.lines.name) or len(model.bonds.name)
+                or bool((~np.isnan(model.drives.most)).any()))
+    if piled + linked >= LINKED and not kept_out:
+        piled += linked
     # contacts are coupled; the sparse solver takes those of piles
-    step += (float(PILED * loose**POWER) if 2 * min(contacts, loose) > MANY
+    step += (float(PILED * piled**POWER) if 2 * min(contacts, piled) > MANY
              else CONTACTS * contacts**2)
     seconds = (clock.steps * step + ACT * sum(clock.steps / every(rate, clock.step)
                                               for rate in rates) + NUMBER * size / 8)

@@ -1,8 +1,10 @@
-"""Compliant contacts: piles of many free bodies that only contacts connect, and soft skin.
+"""Compliant contacts: piles of many bodies, and soft skin.
 
-Two free bodies are in one island if they are near enough to touch. An island is a pile if no joint,
-spring row or load acts on its bodies, if its contacts have neither restitution nor static friction
-above sliding friction, and if all such islands together have more than :data:`MANY` rows.
+Two free bodies are in one island if they are near enough to touch, or if a joint, a spring or a
+tendon acts on both. An island is a pile if its contacts have neither restitution nor static
+friction above sliding friction, and if all such islands together have more than :data:`MANY` rows,
+or that many that carry if there are joints. Motors, loads, fluids, joint friction,
+friction of guides and connections that can be released keep their bodies out.
 :mod:`sandbox.engine.piles` solves piles; their contacts are compliant, with a stiffness k and a
 damping c that follow from the masses and the step. At the end of a step
 
@@ -12,9 +14,9 @@ with G the response of the contact to a unit impulse. Tangentially a sticking co
 stiffness TANGENTIAL k; a sliding one obeys Coulomb's law. Depths are a few g h^2 / STIFFNESS for
 each body that lies above.
 
-An island sleeps after it has been still for :data:`STEPS` steps: its velocities are 0 and its
-impulses stay. A body that comes near, a change of the forces on it, a moving support or a running
-surface wakes all of it.
+An island without joints sleeps after it has been still for :data:`STEPS` steps: its velocities are
+0 and its impulses stay. A body that comes near, a change of the forces on it, a moving support or a
+running surface wakes all of it.
 
 Soft skin: contacts of materials that give way, with a stiffness and a damping.
 
@@ -35,14 +37,18 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.blocks import connect, find_slot, minimum_degree
+from sandbox.engine.bonds import joint_holds
 from sandbox.engine.bounded import rate
-from sandbox.engine.candidates import RETURN, normal_row, tangent_row
+from sandbox.engine.candidates import RETURN, limit_row, normal_row, piled, tangent_row
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import TANGENT
+from sandbox.engine.pile_rows import set_blocks
+from sandbox.engine.report import add_limit
+from sandbox.engine.state import IN_PILE, TANGENT
 
 MANY, FEW = 60, 30
-"""With more rows islands are piles; they stay piles down to so many."""
+"""With more rows islands are piles, with joints of the rows that carry; they stay piles down to so
+many."""
 STIFFNESS, DAMPING, TANGENTIAL = 40.0, 0.3, 2.0 / 3.0
 """Of contacts in piles: h^2 k G, the damping ratio, tangential over normal stiffness (Mindlin, of
 an incompressible material)."""
@@ -50,8 +56,6 @@ STEPS, SLOW, SLOW_TURNING = 22, 1e-10, 1e-8
 """Steps after which an island sleeps whose bodies are slower than this [m/s, rad/s]."""
 ABSOLUTE, RELATIVE = 1e-11, 1e-10
 """Tolerance of residuals [m/s], and as a share of the largest free rate of the island."""
-PILED = -1
-"""Value of a contact's ``listed`` that keeps it from the rows of the direct solver."""
 
 
 @kernel
@@ -69,19 +73,26 @@ def list_piles(table: int) -> None:
     touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
     inverse_mass, free, before = at.inverse_mass(table), at.free(table), at.before(table)
     for i in range(len(bodies)):
-        bodies[i]["island"], bodies[i]["rows"], bodies[i]["awake"] = i, 0, 0
+        one = bodies[i]
+        one["island"], one["rows"], one["awake"], one["carried"] = i, 0, 0, 0
+        one["linked"] = 1 if one["cluster"] >= 0 else 0
+        if one["linked"]:
+            one["island"] = one["cluster"]
     for i in range(at.touching(table)[0]):
         a, b = loose[touches[i]["a"]], loose[touches[i]["b"]]
         if a >= 0 and b >= 0:
             a, b = _root(table, a), _root(table, b)
             bodies[max(a, b)]["island"] = min(a, b)
+            bodies[min(a, b)]["linked"] |= bodies[max(a, b)]["linked"]
     for i in range(at.touching(table)[0]):
         t = touches[i]
         a, b = loose[t["a"]], loose[t["b"]]
         if a < 0 and b < 0:
             continue
         root = bodies[_root(table, max(a, b))]
-        root["rows"] += 2 if t["friction"] > 0.0 else 1
+        count = 2 if t["friction"] > 0.0 else 1
+        root["rows"] += count
+        root["carried"] += count if t["normal"] > 0.0 else 0
         other = t["b"] if a >= 0 else t["a"]
         if (t["restitution"] > 0.0 or t["static"] > 1.0
                 or (min(a, b) < 0 and inverse_mass[other, 0] > 0.0)):
@@ -89,15 +100,25 @@ def list_piles(table: int) -> None:
         if t["belt"] != 0.0 or (min(a, b) < 0 and (
                 free[other, 0] != 0.0 or free[other, 1] != 0.0 or free[other, 2] != 0.0)):
             root["awake"] = 1
-    rows = piled = 0
+    rows = carried = before_single = before_linked = 0
     for i in range(len(bodies)):
-        rows += max(bodies[i]["rows"], 0)
-        piled += bodies[i]["piled"]
-    most = FEW if piled > 0 else MANY
+        if bodies[_root(table, i)]["linked"]:
+            before_linked += bodies[i]["piled"]
+            carried += bodies[i]["carried"] if bodies[i]["rows"] > 0 else 0
+        else:
+            before_single += bodies[i]["piled"]
+            rows += max(bodies[i]["rows"], 0)
+    many = rows > (FEW if before_single > 0 else MANY)
+    many_linked = carried > (FEW if before_linked > 0 else MANY)
+    at.pile_counts(table)[0] = 0
     for i in range(len(bodies)):
         root = bodies[_root(table, i)]
         body, b = bodies[i], bodies[i]["number"]
-        body["piled"] = 1 if rows > most and root["rows"] > 0 else 0
+        body["piled"] = 1 if root["rows"] > 0 and (
+            many_linked if root["linked"] else many) else 0
+        if root["linked"]:
+            root["awake"] = 1
+            at.pile_counts(table)[0] |= body["piled"]
         vx, vy, w = free[b, 0] - before[b, 0], free[b, 1] - before[b, 1], free[b, 2] - before[b, 2]
         if body["still"] >= STEPS and (vx != body["x"] or vy != body["y"] or w != body["t"]):
             body["still"] = 0  # it does not feel the same force as in the step before
@@ -112,29 +133,26 @@ def list_piles(table: int) -> None:
         t = touches[i]
         q = max(loose[t["a"]], loose[t["b"]])
         if q >= 0 and bodies[q]["piled"]:
-            if t["listed"] != PILED and t["normal"] > 0.0 and t["soft"] == 0.0:
+            if t["listed"] != IN_PILE and t["normal"] > 0.0 and t["soft"] == 0.0:
                 t["stretch"] = math.nan  # it follows from the impulse
-            t["listed"] = PILED
-        elif t["listed"] == PILED:
+            t["listed"] = IN_PILE
+        elif t["listed"] == IN_PILE:
             t["listed"] = 1 if t["normal"] > 0.0 else 0
 
 
 @kernel
 def gather_piles(table: int, h: float) -> int:
-    """List the contacts of piles that are awake; how many there are."""
+    """List the contacts and limits of piles that are awake; how many there are."""
     touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
-    c, vectors, inverse_mass = at.piled(table), at.pile_vectors(table), at.inverse_mass(table)
+    c, limits = at.piled(table), at.limits(table)
     for i in range(len(bodies)):
-        b = bodies[i]["number"]
         bodies[i]["fastest"] = 0.0
-        for r in range(3):
-            vectors[2, i, r] = at.free(table)[b, r] if bodies[i]["awake"] else 0.0
-            vectors[3, i, r] = inverse_mass[b, 0] if r < 2 else inverse_mass[b, 1]
+    begin_piles(table)
     n = 0
     for i in range(at.touching(table)[0]):
         t = touches[i]
         q = max(loose[t["a"]], loose[t["b"]])
-        if t["listed"] == PILED and bodies[q]["awake"]:
+        if t["listed"] == IN_PILE and bodies[q]["awake"]:
             _gather(table, h, i, n)
             root = bodies[_root(table, q)]
             root["fastest"] = max(root["fastest"], c[n]["tolerance"])
@@ -142,29 +160,107 @@ def gather_piles(table: int, h: float) -> int:
     for k in range(n):
         root = bodies[_root(table, max(c[k]["a"], c[k]["b"]))]
         c[k]["tolerance"] = ABSOLUTE + RELATIVE * root["fastest"]
-    if n and not _find_slots(table, n):  # a new order of elimination, for the contacts of now
-        adjacent, work = at.pile_adjacent(table), at.pile_work(table)
-        for i in range(len(bodies)):
-            for q in range(adjacent.shape[1]):
-                adjacent[i, q] = 0
-        for k in range(n):
-            if c[k]["a"] >= 0 and c[k]["b"] >= 0:
-                connect(adjacent, c[k]["a"], c[k]["b"])
-        minimum_degree(adjacent, work[2], at.pile_starts(table), at.pile_below(table), work)
-        for i in range(len(bodies)):
-            bodies[i]["place"] = work[2, i]
-        _find_slots(table, n)
+    for i in range(len(limits) if at.pile_counts(table)[0] else 0):
+        joint = limits[i]["joint"]
+        if limits[i]["impulse"] > 0.0 and piled(table, joint) and joint_holds(table, joint):
+            _gather_limit(table, h, i, n)
+            n += 1
+    _find_order(table, n)
     return n
+
+
+@kernel
+def begin_piles(table: int) -> bool:
+    """Take the velocities without contacts and limits of piles; whether rows have changed."""
+    bodies, vectors = at.pile_bodies(table), at.pile_vectors(table)
+    inverse_mass = at.inverse_mass(table)
+    for i in range(len(bodies)):
+        b = bodies[i]["number"]
+        for r in range(3):
+            vectors[2, i, r] = at.velocity(table)[b, r] if bodies[i]["awake"] else 0.0
+            vectors[3, i, r] = inverse_mass[b, 0] if r < 2 else inverse_mass[b, 1]
+    return set_blocks(table)
+
+
+@kernel
+def broken_limits(table: int, h: float, n: int) -> int:
+    """Add limits of piles that the velocities break to the ``n`` rows; how many there are then."""
+    limits, c, row = at.limits(table), at.piled(table), at.rows(table)[len(at.rows(table)) - 1]
+    first = n
+    for i in range(len(limits)):
+        joint = limits[i]["joint"]
+        if not (piled(table, joint) and joint_holds(table, joint)):
+            continue
+        limit_row(table, h, i, row)
+        new = rate(row, at.velocity(table)) + row["want"] < -ABSOLUTE
+        for k in range(first - 1, -1, -1):
+            if not new or c[k]["touch"] >= 0:
+                break
+            new = c[k]["touch"] != -1 - i
+        if new:
+            _gather_limit(table, h, i, n)
+            n += 1
+    if n > first:
+        _find_order(table, n)
+    return n
+
+
+@kernel
+def _find_order(table: int, n: int) -> None:
+    """Find the blocks of all contacts and limits, in a new order if they do not fit the last."""
+    if n == 0 or _find_slots(table, n):
+        return
+    c, adjacent, blocks = at.piled(table), at.pile_adjacent(table), at.pile_blocks(table)
+    place, count, slots = at.pile_place(table), len(at.pile_bodies(table)), at.pile_slots(table)
+    for i in range(len(adjacent)):
+        for q in range(adjacent.shape[1]):
+            adjacent[i, q] = 0
+    for k in range(n):
+        if c[k]["a"] >= 0 and c[k]["b"] >= 0:
+            connect(adjacent, c[k]["a"], c[k]["b"])
+    for k in range(len(blocks)):
+        connect(adjacent, count + blocks[k, 0], blocks[k, 1])
+    starts, below = at.pile_starts(table), at.pile_below(table)
+    minimum_degree(adjacent, count, blocks, place, starts, below, at.pile_work(table))
+    for k in range(len(blocks)):
+        slots[k] = find_slot(starts, below, place[blocks[k, 1]], place[count + blocks[k, 0]])
+    _find_slots(table, n)
+
+
+@kernel
+def _gather_limit(table: int, h: float, i: int, k: int) -> None:
+    """Make limit ``i`` the ``k``-th row to solve: a contact without friction."""
+    one, J, row = at.piled(table)[k], at.pile_jacobian(table)[k], at.rows(table)[
+        len(at.rows(table)) - 1]
+    loose, velocity = at.loose(table), at.velocity(table)
+    limit_row(table, h, i, row)
+    one["factored"] = -1
+    one["touch"], one["a"], one["b"] = -1 - i, loose[row["a"]], loose[row["b"]]
+    J[0, 0], J[0, 1], J[0, 2] = row["ax"], row["ay"], row["at"]
+    J[1, 0], J[1, 1], J[1, 2] = row["bx"], row["by"], row["bt"]
+    for r in range(3):
+        J[2, r] = J[3, r] = 0.0
+    one["n_last"], one["t_last"], one["friction"] = at.limits(table)[i]["impulse"], 0.0, 0.0
+    one["base_n"], one["base_t"] = response(table, row), 1.0
+    one["soft_n"] = one["soft_t"] = one["want_t"] = one["along"] = one["bend"] = 0.0
+    one["want_n"] = row["want"]
+    for r in range(3):
+        if one["a"] < 0:
+            one["want_n"] += J[0, r] * velocity[row["a"], r]
+        if one["b"] < 0:
+            one["want_n"] += J[1, r] * velocity[row["b"], r]
+    one["tolerance"] = ABSOLUTE + RELATIVE * abs(rate(row, velocity))
 
 
 @kernel
 def _gather(table: int, h: float, i: int, k: int) -> None:
     """Make contact ``i`` the ``k``-th to solve."""
     t, one, J = at.touches(table)[i], at.piled(table)[k], at.pile_jacobian(table)[k]
-    loose, rows, free = at.loose(table), at.rows(table), at.free(table)
+    loose, rows, free = at.loose(table), at.rows(table), at.velocity(table)
     normal, tangent = rows[len(rows) - 1], rows[len(rows) - 2]
     normal_row(h, at.touches(table), i, normal)
     tangent_row(h, at.body(table), at.touches(table), i, 0, tangent)
+    one["factored"] = -1
     one["touch"], one["a"], one["b"] = i, loose[t["a"]], loose[t["b"]]
     one["friction"], one["n_last"], one["t_last"] = t["friction"], t["normal"], t["tangent"]
     J[0, 0], J[0, 1], J[0, 2] = normal["ax"], normal["ay"], normal["at"]
@@ -220,14 +316,14 @@ def response(table: int, row: Any) -> float:
 @kernel
 def _find_slots(table: int, n: int) -> bool:
     """Find the blocks of all contacts in the pattern; False if one is not there."""
-    c, bodies = at.piled(table), at.pile_bodies(table)
+    c, place = at.piled(table), at.pile_place(table)
     starts, below = at.pile_starts(table), at.pile_below(table)
-    if bodies[0]["place"] < 0:
+    if place[0] < 0:
         return False
     for k in range(n):
         a, b = c[k]["a"], c[k]["b"]
         if a >= 0 and b >= 0:
-            i, j = bodies[a]["place"], bodies[b]["place"]
+            i, j = place[a], place[b]
             c[k]["slot"] = find_slot(starts, below, min(i, j), max(i, j))
             if c[k]["slot"] < 0:
                 return False
@@ -236,22 +332,27 @@ def _find_slots(table: int, n: int) -> bool:
 
 @kernel
 def finish_piles(table: int, h: float, n: int) -> None:
-    """Hand on velocities and impulses, and note which bodies are still."""
+    """Note impulses, and which bodies are still."""
     touches, bodies, c = at.touches(table), at.pile_bodies(table), at.piled(table)
-    velocity, v = at.velocity(table), at.pile_vectors(table)[0]
+    rows, v = at.rows(table), at.pile_vectors(table)[0]
     for i in range(len(bodies)):
         body = bodies[i]
         if not body["piled"]:
             body["still"] = 0
             continue
-        for r in range(3):
-            velocity[body["number"], r] = v[i, r] if body["awake"] else 0.0
         x, y, t = v[i, 0], v[i, 1], v[i, 2]
         if body["awake"]:
             slow = abs(x) < SLOW and abs(y) < SLOW and abs(t) < SLOW_TURNING
             body["still"] = body["still"] + 1 if slow else 0
     for k in range(n):
         one = c[k]
+        if one["touch"] < 0:
+            i = -1 - one["touch"]
+            at.limits(table)[i]["impulse"] = max(one["pn"], 0.0)
+            limit_row(table, h, i, rows[len(rows) - 1])
+            rows[len(rows) - 1]["p"] = one["pn"]
+            add_limit(table, h, len(rows) - 1)
+            continue
         touch = touches[one["touch"]]
         touch["normal"], touch["tangent"] = one["pn"], one["pt"]
         limit, p = one["friction"] * one["pn"], one["pt"]
@@ -308,7 +409,7 @@ def stretch_skin(table: int, h: float, n: int) -> None:
     if skin.shape[1] == 0:
         return
     for i in range(at.touching(table)[0]):
-        if touches[i]["listed"] != PILED and touches[i]["normal"] == 0.0:
+        if touches[i]["listed"] != IN_PILE and touches[i]["normal"] == 0.0:
             touches[i]["stretch"] = 0.0
     for k in range(n):
         row = rows[k]

@@ -13,8 +13,10 @@ The law is regularised by a share e of each row's own response G, R = 1 / (e G +
 
 and solved again with p0 = p until the residual of the law without e is below the tolerance. The
 derivative of F is M plus 3 x 3 blocks of bodies that touch; it is factored sparsely
-(:mod:`sandbox.engine.blocks`). Where Newton's method does not converge, Gauss-Seidel sweeps find a
-better start and e grows. Momentum is exact in any case: v follows from the impulses.
+(:mod:`sandbox.engine.blocks`), with the rows of joints, springs and tendons as further unknowns
+(:mod:`sandbox.engine.pile_rows`). Limits of joints are contacts without friction. Where Newton's
+method does not converge, Gauss-Seidel sweeps find a better start and e grows. Momentum is exact in
+any case: v follows from the impulses.
 
 Method: proximal point algorithm with semismooth Newton steps on the primal velocities.
 """
@@ -27,14 +29,28 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.blocks import factor_blocks, solve_blocks
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.islands import finish_piles, gather_piles
+from sandbox.engine.islands import begin_piles, broken_limits, finish_piles, gather_piles
 from sandbox.engine.kernel import kernel
+from sandbox.engine.pile_rows import (
+    add_row_forces,
+    add_row_impulses,
+    add_rows,
+    answer_of_rows,
+)
+from sandbox.engine.plan import put
 from sandbox.numeric import Matrix, Records, Stack
 
 FIRST_SHARE, MAX_SHARE, MIN_SHARE = 1e-5, 1e-2, 1e-9
 """Initial, largest and smallest share e."""
-ROUNDS, STEPS, HALVINGS, SWEEPS = 40, 12, 4, 50
+MAX_LINKED, ENOUGH = 0.1, 0.01
+"""Where joints connect bodies: the largest share; the residual, over its tolerance, with which the
+impulses of the last step are kept. Rates fall below those at which a mechanism rests."""
+ROUNDS, STEPS, HALVINGS, SWEEPS = 100, 12, 4, 50
 """Proximal rounds, Newton steps in each, halvings of a step, sweeps after a failed round."""
+LAST = -1
+"""As the number of a solve: the one at the end of a step."""
+LIMIT_ROUNDS = 10
+"""Most times that limits are added which the velocities break."""
 FASTEST = 1e6
 """A change of rate [m/s] that only a singular matrix gives."""
 BOUNDARY = 1e-9
@@ -44,13 +60,46 @@ OPEN, STICKS, SLIDES_UP, SLIDES_DOWN = 0, 1, 2, 3
 
 
 @entry_point("piles")
-def solve_piles(table: int, h: float) -> float:
-    """Find impulses and velocities of all piles that are awake; the largest residual [m/s]."""
-    n = gather_piles(table, h)
-    residual = solve_contacts(table, n) if n else 0.0
-    finish_piles(table, h, n)
-    if n:
-        at.accuracy(table)[3] += 1.0
+def solve_piles(table: int, h: float, number: int) -> float:
+    """Find impulses and velocities of all piles that are awake; the largest residual [m/s].
+
+    Where rows connect bodies of piles they are found for each solve of the other rows in a step,
+    ``number`` counted from 0, otherwise for the :data:`LAST` only, when the results are noted.
+    """
+    counts, residual = at.pile_counts(table), 0.0
+    if (number == LAST) != (counts[0] == 1):
+        residual = _solve_all(table, h, number)
+    if number == LAST:
+        finish_piles(table, h, counts[1])
+        at.accuracy(table)[3] += 1.0 if counts[1] else 0.0
+    return residual
+
+
+@kernel
+def _solve_all(table: int, h: float, number: int) -> float:
+    counts, c, bodies = at.pile_counts(table), at.piled(table), at.pile_bodies(table)
+    velocity, v, residual = at.velocity(table), at.pile_vectors(table)[0], 0.0
+    if number > 0:
+        changed = begin_piles(table)
+        for k in range(counts[1]):
+            if changed:
+                c[k]["factored"] = -1
+            c[k]["n_last"], c[k]["t_last"] = c[k]["pn"], c[k]["pt"]
+    else:
+        counts[1] = gather_piles(table, h)
+    for _ in range(LIMIT_ROUNDS):
+        if counts[1]:
+            residual = solve_contacts(table, counts[1])
+        for i in range(len(bodies)):
+            if bodies[i]["piled"]:
+                for r in range(3):
+                    velocity[bodies[i]["number"], r] = v[i, r] if bodies[i]["awake"] else 0.0
+        n = broken_limits(table, h, counts[1]) if counts[0] else counts[1]
+        if n == counts[1]:
+            break
+        counts[1] = n
+    if counts[0] and counts[1]:
+        add_row_impulses(table)
     return residual
 
 
@@ -59,6 +108,8 @@ def solve_contacts(table: int, n: int) -> float:
     """Solve ``n`` contacts, with the velocities in the first vectors; largest residual [m/s]."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial = vectors[0], vectors[1]
+    linked = at.pile_counts(table)[0] == 1
+    enough, max_share = (ENOUGH, MAX_LINKED) if linked else (1.0, MAX_SHARE)
     for k in range(n):  # begin with the impulses of the last step
         c[k]["n0"] = c[k]["pn"] = c[k]["n_last"]
         c[k]["t0"] = c[k]["pt"] = c[k]["t_last"]
@@ -66,9 +117,9 @@ def solve_contacts(table: int, n: int) -> float:
     _rates(c, J, n, v, True)
     found = best = _residual(c, n)
     _keep(c, n)
-    share, before, first = FIRST_SHARE, math.inf, True
+    share, before, first, at_best = FIRST_SHARE, math.inf, True, True
     for round in range(ROUNDS):
-        if best <= 1.0:
+        if best <= (enough if round == 0 else 1.0):
             break
         start = found
         for k in range(n):
@@ -79,6 +130,7 @@ def solve_contacts(table: int, n: int) -> float:
                 one["n0"] * hold_n * one["Rn"], one["t0"] * hold_t * one["Rt"])
         converged = False
         for _ in range(STEPS):
+            at_best = False
             if not _newton_step(table, n, first):
                 break
             first = False
@@ -89,6 +141,8 @@ def solve_contacts(table: int, n: int) -> float:
                 _keep(c, n)
             if best <= 1.0 or (off <= 0.05 * found and found <= 4.0 * start):
                 converged = True
+                put(v, trial)
+                at_best = found == best
                 break
         first = False
         if best <= 1.0:
@@ -99,21 +153,29 @@ def solve_contacts(table: int, n: int) -> float:
             before = found
             for k in range(n):
                 c[k]["n0"], c[k]["t0"] = c[k]["pn"], c[k]["pt"]
-            _momentum(table, n, v)
         else:
             if round == 0 or round % 2 == 0:
                 for k in range(n):
                     c[k]["n0"] = c[k]["n_last"] if round == 0 else c[k]["n_best"]
                     c[k]["t0"] = c[k]["t_last"] if round == 0 else c[k]["t_best"]
-            found = _sweep(table, n, v)
+            if linked and round % 2 == 0:  # sweeps leave rows of joints out
+                for k in range(n):
+                    c[k]["pn"], c[k]["pt"] = c[k]["n0"], c[k]["t0"]
+                _momentum(table, n, v)
+                _rates(c, J, n, v, True)
+                found = _residual(c, n)
+            else:
+                found = _sweep(table, n, v)
             if found < best:
                 best = found
                 _keep(c, n)
-            share, before = min(MAX_SHARE, max(1e-4, 10.0 * share)), math.inf
+            at_best = found == best
+            share, before = min(max_share, max(1e-4, 10.0 * share)), math.inf
         _rates(c, J, n, v, True)
     for k in range(n):
         c[k]["pn"], c[k]["pt"] = c[k]["n_best"], c[k]["t_best"]
-    _momentum(table, n, v)
+    if not at_best:
+        _momentum(table, n, v)
     _rates(c, J, n, v, True)
     worst = 0.0
     for k in range(n):
@@ -203,6 +265,12 @@ def _momentum(table: int, n: int, v: Matrix) -> None:
     for i in range(len(v)):
         v[i, 0] = v[i, 1] = v[i, 2] = 0.0
     _add_impulses(c, J, n, 1.0, v)
+    if at.pile_counts(table)[0]:
+        answer_of_rows(table, v)
+        for i in range(len(at.pile_bodies(table))):
+            for r in range(3):
+                v[i, r] += free[i, r]
+        return
     for i in range(len(v)):
         for r in range(3):
             v[i, r] = free[i, r] + weights[i, r] * v[i, r]
@@ -250,12 +318,17 @@ def _force(table: int, n: int, v: Matrix) -> float:
     """F at ``v`` into vector 4; the square of its norm in the metric of the inverse masses."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     free, weights, F = vectors[2], vectors[3], vectors[4]
-    for i in range(len(F)):
+    bodies = len(at.pile_bodies(table))
+    for i in range(bodies, len(F)):
+        F[i, 0] = F[i, 1] = F[i, 2] = 0.0
+    for i in range(bodies):
         for r in range(3):
             F[i, r] = (v[i, r] - free[i, r]) / weights[i, r]
     _add_impulses(c, J, n, -1.0, F)
+    if at.pile_counts(table)[0]:
+        add_row_forces(table, v, F)
     s = 0.0
-    for i in range(len(F)):
+    for i in range(bodies):
         for r in range(3):
             s += weights[i, r] * F[i, r] * F[i, r]
     return s
@@ -266,7 +339,7 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
     """A step of Newton's method with backtracking, first with the last modes; whether it helps."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial, F, x, change = vectors[0], vectors[1], vectors[4], vectors[5], vectors[6]
-    place = at.pile_bodies(table)
+    place = at.pile_place(table)
     starts, below = at.pile_starts(table), at.pile_below(table)
     D, L, U = at.pile_diagonal(table), at.pile_lower(table), at.pile_upper(table)
     if first:
@@ -274,15 +347,20 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
     else:
         _law(c, n)
     before = _force(table, n, v)
-    _assemble(table, n)
-    factor_blocks(starts, below, D, L, U)
+    same = True
+    for k in range(n):
+        same &= c[k]["mode"] == c[k]["factored"] and c[k]["Rn"] == c[k]["R_factored"]
+        c[k]["factored"], c[k]["R_factored"] = c[k]["mode"], c[k]["Rn"]
+    if not same:
+        _assemble(table, n)
+        factor_blocks(starts, below, D, L, U)
     for i in range(len(F)):
         for r in range(3):
-            x[place[i]["place"], r] = -F[i, r]
+            x[place[i], r] = -F[i, r]
     solve_blocks(starts, below, D, L, U, x)
     for i in range(len(F)):
         for r in range(3):
-            change[i, r] = x[place[i]["place"], r]
+            change[i, r] = x[place[i], r]
     _rates(c, J, n, change, False)
     largest, least = 0.0, 0.0
     for k in range(n):
@@ -315,10 +393,10 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
 def _assemble(table: int, n: int) -> None:
     """M + C^T P C with P the derivative of the law at the modes in the rows."""
     c, J, weights = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)[3]
-    place, starts = at.pile_bodies(table), at.pile_starts(table)
+    place, starts = at.pile_place(table), at.pile_starts(table)
     D, L, U = at.pile_diagonal(table), at.pile_lower(table), at.pile_upper(table)
-    for i in range(len(weights)):
-        X = D[place[i]["place"]]
+    for i in range(len(at.pile_bodies(table))):
+        X = D[place[i]]
         for r in range(3):
             for s in range(3):
                 X[r, s] = 0.0
@@ -327,6 +405,7 @@ def _assemble(table: int, n: int) -> None:
         for r in range(3):
             for s in range(3):
                 L[p, r, s] = U[p, r, s] = 0.0
+    add_rows(table)
     for k in range(n):
         one = c[k]
         if one["mode"] == OPEN:
@@ -338,11 +417,11 @@ def _assemble(table: int, n: int) -> None:
             slides = one["friction"] if one["mode"] == SLIDES_UP else -one["friction"]
         a, b, slot = one["a"], one["b"], one["slot"]
         if a >= 0:
-            _add_block(D[place[a]["place"]], J[k], 0, 0, Rn, Rt, slides)
+            _add_block(D[place[a]], J[k], 0, 0, Rn, Rt, slides)
         if b >= 0:
-            _add_block(D[place[b]["place"]], J[k], 1, 1, Rn, Rt, slides)
+            _add_block(D[place[b]], J[k], 1, 1, Rn, Rt, slides)
         if a >= 0 and b >= 0:
-            later = place[a]["place"] > place[b]["place"]
+            later = place[a] > place[b]
             _add_block(L[slot] if later else U[slot], J[k], 0, 1, Rn, Rt, slides)
             _add_block(U[slot] if later else L[slot], J[k], 1, 0, Rn, Rt, slides)
 

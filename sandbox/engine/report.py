@@ -29,7 +29,6 @@ from sandbox.engine.coordinates import rate, toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluids import add_fluid_work, report_lines
 from sandbox.engine.friction import add_friction_work, release_friction, report_friction
-from sandbox.engine.islands import PILED
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
 from sandbox.engine.plan import add_to
@@ -79,7 +78,7 @@ def _report_bounded(table: int, h: float, n: int) -> None:
             release_friction(table, h, i, 0.0 if acts(table, bond) else frictions[i]["impulse"])
     for i in range(at.touching(table)[0]):
         t = touches[i]
-        if t["listed"] == PILED:
+        if t["listed"] == sources.IN_PILE:
             continue
         t["normal"] = t["tangent"] = 0.0
         t["mode"] = t["listed"] = 0

@@ -254,10 +254,10 @@ def note_turns(body: Array, turn: Array) -> None:
 
 
 @kernel
-def right_side(table: int, free: Array, asked: Array) -> None:
+def right_side(table: int, free: Array, asked: Array, rhs: Array) -> None:
     """Right sides of rows less their rates at the free velocities [nb, 3]."""
     entry_row, entry_body, hubs = at.entry_row(table), at.entry_body(table), at.hubs(table)
-    inverse_mass, J, rhs = at.inverse_mass(table), at.entries(table)[0], at.unknowns(table)[2]
+    inverse_mass, J = at.inverse_mass(table), at.entries(table)[0]
     for r in range(len(rhs)):
         rhs[r] = asked[r]
     for e in range(len(entry_row)):
@@ -276,7 +276,7 @@ def answer(table: int, free: Array, asked: Array, impulses: Array) -> None:
     """Impulses [m] of bilateral rows with right sides ``asked`` at free velocities [nb, 3]."""
     solved, starts, below, values = (
         at.unknowns(table)[2], at.starts(table), at.below(table), at.values(table))
-    right_side(table, free, asked)
+    right_side(table, free, asked, solved)
     forward(starts, below, values, solved)
     for r in range(len(solved)):
         impulses[r] = solved[r]

@@ -55,7 +55,7 @@ from sandbox.engine.impacts import (
 )
 from sandbox.engine.islands import list_piles, stretch_skin
 from sandbox.engine.kernel import kernel
-from sandbox.engine.piles import solve_piles
+from sandbox.engine.piles import LAST, solve_piles
 from sandbox.engine.plan import assemble, backward, factor, forward, put
 from sandbox.engine.report import breaks, report
 from sandbox.engine.rows import (
@@ -107,11 +107,12 @@ def solve(table: int, h: float, drive: Array) -> bool:
     list_piles(table)
     n = kept_rows(table, h, drive)
     hit = struck = True
+    piles, solves = 0.0, 0
     for attempt in range(PRESSED):
         factor_matrix(table, h, drive)
         if hit:
             struck = strike(table, h, drive, n)
-        right_side(table, at.free(table), at.unknowns(table)[0])
+        right_side(table, at.free(table), at.unknowns(table)[0], solved)
         forward(starts, below, values, solved)
         done, closings, taken = 0, 0, math.inf
         while True:  # rows only grow in number, and joints are closed so often at most
@@ -123,6 +124,8 @@ def solve(table: int, h: float, drive: Array) -> bool:
             done = n
             slack = solve_bounded(table, n)
             find_velocities(table, n)
+            piles = solve_piles(table, h, solves)
+            solves += 1
             n = broken_rows(table, h, n, slack)
             if n == done:
                 taken = close_joints(table, h, n, GROWN * taken) if closings < CLOSINGS else 0.0
@@ -146,7 +149,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     land(table, h, n)
     report(table, h, drive, n)
     stretch_skin(table, h, n)
-    _note_accuracy(table, n, slack, solve_piles(table, h))
+    _note_accuracy(table, n, slack, max(piles, solve_piles(table, h, LAST)))
     _rest(table)
     return struck
 

@@ -119,16 +119,21 @@ PILE_BODY = np.dtype([
     ("rows", np.int64),     # of the lowest: rows of the island's contacts, negative: never a pile
     ("piled", np.int64), ("awake", np.int64),
     ("still", np.int64),    # for how many steps it has been still
-    ("place", np.int64),    # in the order of elimination, -1 without one
+    ("cluster", np.int64),  # the first body of those that joints connect with it, itself or -1
+    ("linked", np.int64),   # of the lowest: whether there are joints in the island
+    ("carried", np.int64),  # of the lowest: rows of its contacts that carry
     ("x", float), ("y", float), ("t", float),   # change of its velocity without contacts
     ("fastest", float),     # of the lowest: the largest free rate of the island's contacts [m/s]
-])  # a free body that nothing but contacts connects (islands)
+])  # a free body that may be in a pile (islands)
 PILED = np.dtype([
-    ("touch", np.int64), ("a", np.int64), ("b", np.int64),  # PILE_BODY or -1
+    ("touch", np.int64),    # TOUCH, or -1 - LIMIT
+    ("a", np.int64), ("b", np.int64),   # PILE_BODY or -1
     ("slot", np.int64),     # block of the two
     ("mode", np.int64),
+    ("factored", np.int64),     # its mode in the factor of the matrix, -1 if it is in none
     *((name, float) for name in (
         "friction", "tolerance",
+        "R_factored",           # its Rn in the factor
         "n_last", "t_last",     # impulses of the last step [N s]
         "n0", "t0", "n_best", "t_best", "pn", "pt",
         "want_n", "want_t",     # added to the rates [m/s]
@@ -138,6 +143,7 @@ PILED = np.dtype([
         "stiffness", "along",   # tangential [N/m]; what of want_t its spring gives
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
 ])  # a contact of a pile while its step is solved (piles)
+IN_PILE = -1  # value of a contact's "listed" that keeps it from the rows of the direct solver
 AWAY, CLOSING, RESTING = 0, 1, 2  # phases of a contact: free; hit, gap closing; in contact
 
 CONTACT = np.dtype([
@@ -187,6 +193,10 @@ class Constants(NamedTuple):
     skin: Annotated[Array, "2 bodies bodies"]
     """Stiffness [N/m], damping [N s/m] of contacts of every pair, 0 of rigid ones; or [2, 0, 0]."""
     loose: Integers  # the PILE_BODY of each body, or -1
+    pile_nodes: Annotated[Integers, "pile_nodes 3"]
+    """This and the next two: bilateral rows between these (:mod:`sandbox.engine.pile_rows`)."""
+    pile_blocks: Annotated[Integers, "pile_blocks 2"]
+    pile_entries: Annotated[Integers, "pile_entries 3"]
 
 
 class Elements(NamedTuple):
@@ -224,6 +234,9 @@ class State(NamedTuple):
     standing: Annotated[Integers, "6"]
     """Steps without modes, steps at rest, failures now, jammed row, rows, unordered steps."""
     pile_bodies: Annotated[Records, PILE_BODY, "piles"]
+    pile_place: Annotated[Integers, "nodes"]
+    """Place in the order of elimination of bodies of piles and of their nodes of rows, -1 without
+    an order."""
     accuracy: Annotated[Array, "5"]
     """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE."""
 
@@ -258,18 +271,30 @@ class Result(NamedTuple):
     delassus: Annotated[Array, "rows rows"]  # what the rows make of one another, G
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
-    pile_starts: Annotated[Integers, "piles+1"]  # and pile_below: pattern of the matrix of piles
+    pile_counts: Annotated[Integers, "2"]
+    """Whether rows connect bodies of piles in this step; contacts and limits in piles."""
+    pile_starts: Annotated[Integers, "nodes+1"]
+    """This and the next two: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`); a
+    step keeps it if it has all that meets in it."""
     pile_below: Annotated[Integers, "slots"]
-    pile_adjacent: Annotated[Integers, "piles words"]  # scratch of its order
-    pile_work: Annotated[Integers, "3 piles"]  # the same
-    pile_vectors: Annotated[Array, "7 piles 3"]
-    """Velocities: result, trial, without contacts; inverse masses; forces, right side, change."""
-    pile_diagonal: Annotated[Array, "piles 3 3"]  # blocks of the matrix
+    pile_slots: Annotated[Integers, "pile_blocks"]  # of the blocks of rows
+    pile_adjacent: Annotated[Integers, "nodes words"]  # scratch of its order
+    pile_work: Annotated[Integers, "3 nodes"]  # the same
+    pile_coefficients: Annotated[Array, "pile_blocks 3 3"]  # blocks of the rows
+    pile_compliance: Annotated[Array, "pile_nodes 3"]  # of the rows
+    pile_held: Annotated[Array, "pile_nodes 3"]  # the same, as springs and tendons have it
+    pile_answer: Annotated[Array, "2 unknowns"]  # impulses of rows; 0
+    pile_vectors: Annotated[Array, "7 nodes 3"]
+    """Velocities of the bodies of piles, then - impulses of rows besides those without contacts:
+    the result, a trial, those without contacts; inverse
+    masses; forces, a right side, a change."""
+    pile_diagonal: Annotated[Array, "nodes 3 3"]  # blocks of the matrix
     pile_lower: Annotated[Array, "slots 3 3"]  # those below the diagonal
     pile_upper: Annotated[Array, "slots 3 3"]  # and above
-    piled: Annotated[Records, PILED, "contacts"]
-    pile_jacobian: Annotated[Array, "contacts 4 3"]
-    """Of the normal rate by a, b, then of the tangential rate by a, b."""
+    piled: Annotated[Records, PILED, "rows"]
+    pile_jacobian: Annotated[Array, "rows 4 3"]
+    """Of the normal and the tangential rate of each with respect to both bodies: normal a, b,
+    tangential a, b."""
 
 
 class Snapshot(NamedTuple):

@@ -10,16 +10,16 @@ import numpy as np
 from sandbox.engine import element_tables as et
 from sandbox.engine import state as st
 from sandbox.engine.blocks import BITS
+from sandbox.engine.pile_rows import pile_tables
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
 from sandbox.engine.world import Room, World
-from sandbox.numeric import Array, Integers, Records
 
 WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen",
              "pile_adjacent", "pile_work", "pile_vectors", "pile_diagonal", "pile_lower",
-             "pile_upper", "piled", "pile_jacobian")  # scratch fields of a Result
+             "pile_upper", "piled", "pile_jacobian", "pile_coefficients",
+             "pile_compliance")  # scratch fields of a Result
 MAX_NAMES = 16  # that a law reads
-MIN_PILE = 12  # fewer bodies have too few rows for piles to be faster
 BREAKS_EACH, MIN_BREAKS = 8, 1024  # room for breaks in a call of the loop, per element and total
 
 
@@ -60,6 +60,13 @@ def make_tables(world: World) -> Tables:
                 table[name] = np.where(table[name] < 0, -1, pattern.unknown[table[name]])
     x, y = model.bodies.centre[order].T
     bodies = et.fill(st.BODY, count, number=order, x=x, y=y)
+    bonds = et.bond_table(model, springs, cables.cables)
+    motors["target"] = math.nan
+    elements = st.Elements(
+        actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
+        slips=cables.slips, joints=joints, limits=et.limit_table(places), motors=motors,
+        dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
+    piled = pile_tables(pattern, places.inverse_mass, elements, shapes.shapes)
     pairs, filters = np.ix_(order, order), world.filters
     constants = st.Constants(
         h=h, gravity=np.array(model.mechanism.gravity, dtype=float),
@@ -69,28 +76,27 @@ def make_tables(world: World) -> Tables:
         spans=spans,
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
-        loose=_loose_bodies(pattern, places.inverse_mass, joints, shapes.shapes),
+        loose=piled.loose, pile_nodes=piled.nodes, pile_blocks=piled.blocks,
+        pile_entries=piled.entries,
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
         **programs)
-    bonds = et.bond_table(model, springs, cables.cables)
-    motors["target"] = math.nan
-    elements = st.Elements(
-        actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
-        slips=cables.slips, joints=joints, limits=et.limit_table(places), motors=motors,
-        dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
-    piles, unknowns = int(np.count_nonzero(constants.loose >= 0)), len(pattern.starts) - 1
+    piles, unknowns = len(piled.cluster), len(pattern.starts) - 1
+    nodes = piles + len(piled.nodes)
     sizes = {name: len(array) for name, array in constants._asdict().items() if name != "h"}
     sizes |= _lengths(world.room) | {
         "loaded": len(loaded), "drives": len(model.drives.name), "numbers": NUMBERS,
         "names": MAX_NAMES,
         "entries": len(pattern.entry_row), "unknowns": unknowns,
-        "values": len(pattern.below) + unknowns, "piles": piles, "words": piles // BITS + 1,
+        "values": len(pattern.below) + unknowns, "piles": piles, "nodes": nodes,
+        "words": nodes // BITS + 1,
         # room for all pairs: only memory in use is allocated by the system
-        "slots": piles * (piles - 1) // 2}
+        "slots": nodes * (nodes - 1) // 2}
     breaking = int(np.isfinite(model.bonds.breaks_at).sum())
     state: st.State = st.allocate(
         st.State, sizes, body=world.body, pile_bodies=et.fill(
-            st.PILE_BODY, piles, number=np.flatnonzero(constants.loose >= 0), place=-1),
+            st.PILE_BODY, piles, number=np.flatnonzero(constants.loose >= 0),
+            cluster=piled.cluster),
+        pile_place=np.full(nodes, -1),
         broken=np.zeros(max(BREAKS_EACH * breaking, MIN_BREAKS if breaking else 0), BROKEN))
     state.last_drive[:] = math.nan
     result: st.Result = st.allocate(
@@ -100,20 +106,6 @@ def make_tables(world: World) -> Tables:
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
     result.unknowns[1][cables.slips["row"]] = -cables.drag
     return Tables(constants, elements, state, result, pattern)
-
-
-def _loose_bodies(
-    pattern: Pattern, inverse_mass: Array, joints: Records, shapes: Records,
-) -> Integers:
-    """The number of each body among those that can be in a pile, -1 for others, [nb]."""
-    count = len(inverse_mass)
-    loose = (inverse_mass[:, 0] > 0.0) & np.isin(np.arange(count), shapes["body"])
-    loose &= pattern.hubs[:count, 0] < 0
-    loose[pattern.entry_body[pattern.entry_body < count]] = False
-    loose[joints["a"]] = loose[joints["b"]] = False
-    if np.count_nonzero(loose) < MIN_PILE:
-        loose[:] = False
-    return np.where(loose, np.cumsum(loose) - 1, -1).astype(np.int64)
 
 
 def _lengths(room: Room) -> dict[str, int]:

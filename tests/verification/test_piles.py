@@ -12,8 +12,9 @@ import pytest
 
 from sandbox.engine.simulation import Simulation
 from sandbox.recording.recording import Recording
+from sandbox.scene.library import find_scene
 from sandbox.scene.read.load import load_scene
-from tests.support.mechanisms import G, Json, fixed, force, simulated
+from tests.support.mechanisms import G, Json, cable, fixed, force, pin, simulated
 
 from .case import STEPS, Check, case
 
@@ -158,6 +159,63 @@ def test_column() -> Iterator[Check]:
     load = 0.05 * G * (n - np.arange(n))
     yield Check("compression of the column", "m", float((load / k).sum()),
                 (2 * n - 1) * r - y[-1], 1e-3 * float((load / k).sum()), "statics")
+
+
+def linked(copies: int) -> Json:
+    """Groups of four hinged discs with a tendon and of two loose ones, which fall far apart."""
+    bodies, joints, tendons = [fixed("floor", material="soft", shapes=[
+        {"type": "box", "size": (40.0, 0.05), "at": (0.0, -0.025)}])], [], []
+    for c in range(copies):
+        places = [(f"link{c}_{i}", 0.03, 0.008, (0.5 * c + 0.04 * i, 0.06)) for i in range(4)]
+        places += [(f"low{c}", 0.05, 0.015, (0.5 * c + 0.05, 0.02)),
+                   (f"high{c}", 0.05, 0.012, (0.5 * c + 0.09, 0.1))]
+        bodies += [{"name": name, "mass": kilograms, "material": "soft", "at": at,
+                    "shapes": [{"type": "circle", "radius": r}]}
+                   for name, kilograms, r, at in places]
+        joints += [pin(f"pin{c}_{i}", f"link{c}_{i}", f"link{c}_{i + 1}", on_a=(0.02, 0.0),
+                       on_b=(-0.02, 0.0)) for i in range(3)]
+        tendons.append(cable(f"tendon{c}", (f"link{c}_0",), (f"link{c}_3",), stiffness=1e6,
+                             damping=50.0))
+    return {"format": 1, "run": {"duration": 0.5, "step": 1e-3, "sample_rate": 100},
+            "gravity": [0.0, -G], "bodies": bodies, "joints": joints, "tendons": tendons,
+            "materials": {"soft": {"friction": 0.4, "skin": {"stiffness": 2e4, "damping": 2.0}}}}
+
+
+@case("Joints and tendons among many contacts", "the same motion, force and law by another solver",
+      "four hinged discs and two loose ones with soft skin, alone and twenty times, h = 1 ms")
+def test_linked_bodies() -> Iterator[Check]:
+    runs = {}
+    for copies in (1, 20):
+        simulation = Simulation(load_scene(linked(copies)))
+        simulation.run()
+        runs[copies] = simulation.recording()
+    one, many = runs[1], runs[20]
+    assert "compliant_steps" not in one.info.contact_solver
+    assert many.info.contact_solver["compliant_steps"] > 300
+    for name in ("link0_0", "link0_3", "low0", "high0"):
+        for axis in "xy":
+            off = np.abs(one[f"{name}.{axis}"] - many[f"{name}.{axis}"]).max()
+            yield Check(f"{name}.{axis}, difference", "m", 0.0, float(off), 1e-6,
+                        "residuals of 1e-10 m/s, which discs that roll off each other amplify")
+    off = np.abs(one["pin0_1.reaction"][-20:] - many["pin0_1.reaction"][-20:]).max()
+    yield Check("reaction of a hinge", "N", 0.0, float(off), 1e-3, "the same")
+
+
+@case("Discs in a bag of chain", "pins carry Σ m g; joints stay closed", "scene chain_bag")
+def test_chain_bag() -> Iterator[Check]:
+    simulation = Simulation(load_scene(find_scene("chain_bag")))
+    simulation.run()
+    run = simulation.recording()
+    carried = run["pin0.reaction_y"] - run["pin32.reaction_y"]
+    weight = (50 * 0.01 + 32 * 0.002) * G
+    yield Check("mean force of both pins", "N", weight, float(carried[-50:].mean()),
+                0.01 * weight, "the bag still sways")
+    found = run.info.contact_solver
+    yield Check("largest residual", "m/s", 0.0, found["residual"], 1e-8, "no step unsolved")
+    x, y, angle = (run[f"link15.{q}"] for q in ("x", "y", "angle"))
+    gap = np.hypot(x + 0.0125 * np.cos(angle) - run["link16.x"],
+                   y + 0.0125 * np.sin(angle) - run["link16.y"])
+    yield Check("gap of the lowest pin", "m", 0.0, float(gap.max()), 1e-9, "three closings a step")
 
 
 def test_a_pile_is_the_same_in_pieces_and_sleeps() -> None:
