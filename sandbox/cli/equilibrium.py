@@ -211,7 +211,7 @@ def _data(rest: AtRest) -> dict[str, Any]:
 def _titled(rest: AtRest, number: int) -> Recording:
     """A recording whose title has the number of several equilibria, and the stability."""
     run, mechanism = rest.recording, rest.recording.mechanism
-    stability = rest.stability if rest.stability != "not told" else ""
+    stability = rest.stability if rest.stability != "unknown" else ""
     if not number and stability != "unstable":
         return run
     words = ", ".join(filter(None, (f"rest {number}" if number else "", stability))).capitalize()
