@@ -236,7 +236,7 @@ class _Follower:
             if np.abs(motion).max() > 4 * abs(length) * size or not np.isfinite(dp):
                 return None
             pose = balance.pose_after(pose, motion)
-            value += dp
+            value += float(dp)
         return None
 
     def _along(self, point: _Point, value: float, pose: Array) -> float:
