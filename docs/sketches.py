@@ -100,14 +100,14 @@ def _box(x: float, y: float, width: float, height: float, fill: str) -> Any:
                           facecolor=fill, edgecolor=INK, linewidth=1.0, zorder=2)
 
 
-HOOK, LOAD, MOST_TURNS = 0.01, 0.5, 200
+HOOK, LOAD, MAX_TURNS = 0.01, 0.5, 200
 
 
 def iterated_tension() -> Any:
     """Tension [N] after each iteration of a solver that treats tendon and pin in turn."""
     cable = pin = 0.0
     found = [0.0]
-    for _ in range(MOST_TURNS):
+    for _ in range(MAX_TURNS):
         cable = pin + HOOK * GRAVITY
         pin = (cable / HOOK) / (1 / HOOK + 1 / LOAD)
         found.append(cable)
@@ -130,13 +130,13 @@ def hook(path: Path) -> None:
     axes = figure.add_axes((0.4, 0.2, 0.57, 0.62))
     truth, turns = (HOOK + LOAD) * GRAVITY, iterated_tension()
     axes.plot(turns, color=ORANGE, linewidth=1.5)
-    axes.plot([0, MOST_TURNS], [truth, truth], color=BLUE, linewidth=1.5)
+    axes.plot([0, MAX_TURNS], [truth, truth], color=BLUE, linewidth=1.5)
     axes.plot(40, turns[40], "o", color=ORANGE, markersize=4)
     axes.text(46, turns[40] - 0.15, f"40 iterations: {turns[40]:.1f} N", fontsize=7.5, va="top",
               color=ORANGE)
-    axes.text(MOST_TURNS, truth + 0.12, f"direct solver: {truth:.2f} N", fontsize=7.5, ha="right",
+    axes.text(MAX_TURNS, truth + 0.12, f"direct solver: {truth:.2f} N", fontsize=7.5, ha="right",
               va="bottom", color=BLUE)
-    axes.set(xlim=(0, MOST_TURNS), ylim=(0, 5.9))
+    axes.set(xlim=(0, MAX_TURNS), ylim=(0, 5.9))
     axes.set_title("Tendon tension at rest", loc="left", fontsize=8.5, color=INK)
     plain(axes, "iterations", "tendon tension [N]")
     save_figure(figure, path)

@@ -202,8 +202,8 @@ def _card(
     title = html.escape(mechanism.title or mechanism.name or "A scene without a name")
     name = html.escape(mechanism.name) if mechanism.title else ""
     head = _line(f"<b>{title}</b> <span style=\"{QUIET}\">{name}</span>")
-    told = "".join(_line(html.escape(line), QUIET) for line in lines if line)
-    return (f'<div style="max-width:960px;line-height:1.4">{head}{told}'
+    text = "".join(_line(html.escape(line), QUIET) for line in lines if line)
+    return (f'<div style="max-width:960px;line-height:1.4">{head}{text}'
             f'<div style="display:flex;flex-wrap:wrap;gap:4px 20px">'
             f'<div style="flex:0 1 {SIZE[0]}px;min-width:0">{drawn}</div>'
             f'<div style="flex:1 1 320px;min-width:0;overflow-x:auto">{"".join(below)}</div>'

@@ -9,10 +9,10 @@ from collections.abc import Collection, Iterable
 from typing import Any
 
 _WILD = re.compile(r"[*?\[]")
-MOST_NAMED = 8  # names listed in a message; the rest is counted
+MAX_NAMED = 8  # names listed in a message; the rest is counted
 LONGEST = 100  # characters of a name that are compared: the maximum length of a name
-MOST_COMPARED = 1_000  # choices that are compared with a word; the rest is ignored
-MOST_HINTED = 50  # problems of one kind that get a suggestion
+MAX_COMPARED = 1_000  # choices that are compared with a word; the rest is ignored
+MAX_HINTED = 50  # problems of one kind that get a suggestion
 
 
 class WrongValueError(ValueError):
@@ -55,7 +55,7 @@ def nearest(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     """
     word = word[:LONGEST].lower()
     folded: dict[str, str] = {}
-    for choice in itertools.islice(choices, MOST_COMPARED):
+    for choice in itertools.islice(choices, MAX_COMPARED):
         if len(choice) > 1 or {choice.lower()} == {*word}:
             folded.setdefault(choice[:LONGEST].lower(), choice)
     longer = [choice for choice in folded if choice.startswith(word)]
@@ -66,9 +66,9 @@ def nearest(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
 
 
 class NearMisses:
-    """Suggestions for the first :data:`MOST_HINTED` unknown names of an input."""
+    """Suggestions for the first :data:`MAX_HINTED` unknown names of an input."""
 
-    def __init__(self, most: int = MOST_HINTED) -> None:
+    def __init__(self, most: int = MAX_HINTED) -> None:
         self._left = most
 
     def __call__(self, word: str, choices: Iterable[str]) -> str:
@@ -82,7 +82,7 @@ def is_pattern(text: str) -> bool:
     return _WILD.search(text) is not None
 
 
-def listed(choices: Iterable[str], *, most: int = MOST_NAMED) -> str:
+def listed(choices: Iterable[str], *, most: int = MAX_NAMED) -> str:
     """The choices as ``'a', 'b', 'c'``; long lists are cut."""
     names = choices if isinstance(choices, Collection) else list(choices)
     more = f" and {len(names) - most} more" if len(names) > most else ""

@@ -18,7 +18,8 @@ from sandbox.mechanics.closure import force_spread
 
 PULL, CORD = 25.0, 1e5  # of the actuator [N]; stiffness of a cord [N/m]
 RANGES = {"r": ("10 mm", "24 mm"), "x": ("0 mm", "30 mm"), "gap": ("4 mm", "20 mm")}
-TIES = {"rockers": np.inf, "springs of 100 N/m": 100.0, "springs of 300 N/m": 300.0, "rigid": 1e5}
+SPRINGS = {"rockers": np.inf, "springs of 100 N/m": 100.0, "springs of 300 N/m": 300.0,
+           "rigid": 1e5}  # stiffness of the connection [N/m]
 PAGE = {"rockers": (0, 24, 0.2), "springs of 100 N/m": (5, 18, 0.2),
         "springs of 300 N/m": (16, 12, 0), "rigid": (153, 161, 64)}  # medians, sections lost [%]
 SHOWN = 5  # number of the object in the picture of two hands
@@ -32,23 +33,23 @@ def main(argv: Sequence[str] | None = None) -> dict[str, float]:
     rockers = hand_sweep("four_discs", RANGES, count, 15, {})
     bar = hand_sweep("four_on_a_bar", RANGES, count, 15,
                      {"parameters.k": ["100 N/m", "300 N/m", "100 kN/m"]})
-    bonds = {name: rockers if np.isinf(k) else
-            {key: value[bar["parameters.k"] == k] for key, value in bar.items()}
-            for name, k in TIES.items()}
-    still = np.all([rows["still"].reshape(-1, 4).all(axis=1) for rows in bonds.values()], axis=0)
+    cases = {name: rockers if np.isinf(k) else
+             {key: value[bar["parameters.k"] == k] for key, value in bar.items()}
+             for name, k in SPRINGS.items()}
+    still = np.all([rows["still"].reshape(-1, 4).all(axis=1) for rows in cases.values()], axis=0)
     form = ClosedForm(sandbox.load_scene("four_discs").parts[0])
     travel = form.tendon.shortening(rockers["theta"]).reshape(-1, 4)[still]
     order = np.argsort(travel, axis=1, kind="stable")
-    figure, axes = panels(len(bonds), 4, 7.0, 1.4)
+    figure, axes = panels(len(cases), 4, 7.0, 1.4)
     spreads, plane = panels(1, 1, 6.0, 3.2)
     found = {}
-    for row, (name, rows) in zip(axes, bonds.items(), strict=True):
+    for row, (name, rows) in zip(axes, cases.items(), strict=True):
         tension = rows["tension"].reshape(-1, 4)[still]
         force = rows["forces"].sum(axis=1).reshape(-1, 4)[still]
         lost = ((rows["forces"] > PRESSES).sum(axis=1).reshape(-1, 4)[still] < 2).mean()
         uneven, grip = force_spread(tension), force_spread(force)
         # closed form: the cords' stretch of T / k is part of what a finger takes up
-        series = 0.0 if np.isinf(TIES[name]) else 1 / (1 / TIES[name] + 1 / CORD)
+        series = 0.0 if np.isinf(SPRINGS[name]) else 1 / (1 / SPRINGS[name] + 1 / CORD)
         taken = form.tendon.shortening(rows["theta"]).reshape(-1, 4)[still]
         closed = PULL / 4 + series * (taken.mean(axis=1, keepdims=True) - taken)
         off = float(np.percentile(np.abs(closed - tension), 95))
@@ -78,7 +79,7 @@ def main(argv: Sequence[str] | None = None) -> dict[str, float]:
     stills(options.out / "study_differential_hands.png", [
         sandbox.simulate(sandbox.load_scene("four_discs", overrides=given)),
         sandbox.simulate(sandbox.load_scene("four_on_a_bar", overrides=given | {
-            "parameters.k": TIES["rigid"]}))],
+            "parameters.k": SPRINGS["rigid"]}))],
         ["A tree of rockers", "Tied rigidly to one bar"], 2, (480, 560))
     return found
 

@@ -38,7 +38,7 @@ from sandbox.model.supports import RANK, about_centre, components, joint_rows
 from sandbox.numeric import Array
 
 MANY = 60  # Contacts at the end above which the audit leaves their bounds out
-MOST = 300  # Largest number of connected rows of balance, three a body
+MAX_ROWS = 300  # Largest number of connected rows of balance, three a body
 
 
 class Unknown(NamedTuple):
@@ -219,7 +219,7 @@ def contact_bounds(evidence: Evidence, sample: int = -1, near: float | None = No
     ``near`` [m] is the distance within which outlines touch, by default the gap that a step leaves.
     """
     unknowns = Unknowns(touched(evidence.alone(sample % len(evidence.run), near)))
-    return sorted(bounds for bodies, forces in _groups(unknowns) if 3 * len(bodies) <= MOST
+    return sorted(bounds for bodies, forces in _groups(unknowns) if 3 * len(bodies) <= MAX_ROWS
                   for bounds in Balance(unknowns, bodies, forces, evidence.left_allowed).bounds())
 
 
@@ -348,7 +348,7 @@ def _span(matrix: Array) -> tuple[Array, int]:
        asks="is each contact force within the range that balance and friction allow?",
        compared="distance of contact forces at the end from the range that balance and friction "
                 "allow, {count:component}, worst: {where}",
-       none=f"more than {MOST // 3} bodies are connected")
+       none=f"more than {MAX_ROWS // 3} bodies are connected")
 def _contact_bounds(evidence: Evidence, worst: Worst) -> None:
     count, names = len(evidence.last.run.contacts.normal), evidence.model.bodies.name
     if not count:

@@ -211,7 +211,7 @@ def _data(rest: AtRest) -> dict[str, Any]:
 def _titled(rest: AtRest, number: int) -> Recording:
     """A recording whose title has the number of several equilibria, and the stability."""
     run, mechanism = rest.recording, rest.recording.mechanism
-    stability = rest.stability if rest.stability != "not told" else ""
+    stability = rest.stability if rest.stability != "unknown" else ""
     if not number and stability != "unstable":
         return run
     words = ", ".join(filter(None, (f"rest {number}" if number else "", stability))).capitalize()
@@ -274,7 +274,7 @@ def _follow(
         raise click.BadParameter(str(error), param_hint="--plot")
     with compilation_notices(console):
         branches = rest_along(
-            make, begin, end, count, **how, heard=lambda points, value: progress.note(
+            make, begin, end, count, **how, on_point=lambda points, value: progress.note(
                 f"{points} points of rest, now at {label} = {value:.6g}"))
     rests = [stop.rest for branch in branches for stop in branch.stops]
     quantity = quantity or _moving_most(rests)

@@ -129,9 +129,9 @@ def _target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str
 
 def _targeted(recordings: Sequence[Recording], given: dict[str, float]) -> list[str]:
     """The quantities with a target, and the drives of their controllers."""
-    from sandbox.samples.targets import controlled, led
+    from sandbox.samples.targets import controlled, tracked
 
-    names = [*(name for run in recordings for name in led(run)), *given]
+    names = [*(name for run in recordings for name in tracked(run)), *given]
     if not names:
         raise click.UsageError("no controller of these runs has a target: "
                                "name the quantities to compare")
@@ -253,11 +253,11 @@ def _listing(run: Recording, word: str) -> list[str]:
 def _examples(run: Recording, pairs: list[str]) -> Iterator[list[str]]:
     """Words that plot one quantity, a pattern, one quantity against another, a contact force."""
     from sandbox.elements.quantities import USUAL
-    from sandbox.samples.targets import led
+    from sandbox.samples.targets import tracked
 
     units, usual = run.catalogue.units, run.catalogue.usual
-    wanted = list(dict.fromkeys([*led(run), *(name for names in usual.values() for name in names),
-                                 *units]))
+    wanted = list(dict.fromkeys([
+        *tracked(run), *(name for names in usual.values() for name in names), *units]))
     one = wanted[0]
     yield [one]
     patterns = (pattern for tail in filter(None, USUAL.values()) for pattern in (

@@ -26,7 +26,7 @@ ROUNDING = 1e-9  # differences below this share of the quantity's size are round
 SHARE = 0.1  # of a tolerance, that an error may take
 WIDE = 0.1  # a range wider than this share of the quantity is no tolerance
 SLIGHT = 1e-3  # smaller than this share of the largest quantity of its unit: no size of its own
-LEAST_ORDER = 0.5  # differences that fall more slowly show no limit
+MIN_ORDER = 0.5  # differences that fall more slowly show no limit
 SCHEME_ORDER = 2.0  # of the engine; differences that fall faster do so by chance
 MAX_HALVINGS = 7  # no step finer than h/128 is suggested
 
@@ -136,7 +136,7 @@ def _richardson(values: tuple[float, float, float], noise: float) -> tuple[float
     if abs(coarse) <= noise or coarse * fine < 0:
         return math.nan, math.nan
     order = math.log2(coarse / fine)
-    if order < LEAST_ORDER:
+    if order < MIN_ORDER:
         return math.nan, math.nan
     return order, values[2] - fine / (2 ** min(order, SCHEME_ORDER) - 1)
 
@@ -154,7 +154,7 @@ def _kind(trust: Trust, met: bool, sizes: Sizes, noise: float) -> Kind:
     narrow = ahead <= sizes.own or spread <= SHARE * WIDE * sizes.scene
     if met and inside and fine <= ahead + noise and narrow:
         return Kind.WITHIN
-    if fine > 2**LEAST_ORDER * coarse:
+    if fine > 2**MIN_ORDER * coarse:
         return Kind.DIVERGES
     return Kind.OPEN if met else Kind.FAILS
 

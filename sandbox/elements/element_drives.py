@@ -28,7 +28,7 @@ from sandbox.errors import Problem
 from sandbox.values import signals
 from sandbox.values.numbers import Name, Point
 from sandbox.values.spec import TYPE
-from sandbox.wording import MOST_NAMED, WrongValueError, quoted
+from sandbox.wording import MAX_NAMED, WrongValueError, quoted
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
@@ -123,7 +123,7 @@ class RadiusDrive(DriveSpec):
                     "circle has a radius to set")
         else:
             return
-        circles = [str(i) for i, kind in enumerate(kinds) if kind == "circle"][:MOST_NAMED]
+        circles = [str(i) for i, kind in enumerate(kinds) if kind == "circle"][:MAX_NAMED]
         yield Problem("not-settable", what, f"{path}.shape", allowed=", ".join(circles)
                       or f"none: {quoted(self.body)} has no circle")
 

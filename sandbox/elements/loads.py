@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 # names in the law of a load, in the order in which programs number them
 MOTION = ("x", "y", "angle", "vx", "vy", "omega", "speed", "ax", "ay", "alpha", "t", "mass",
           "inertia")
-MOST_PATTERNS = 100
+MAX_PATTERNS = 100
 
 
 def _law(dimension: str) -> Any:
@@ -45,10 +45,10 @@ AccelerationLaw = Annotated[of.Written[str], _law("acceleration"), _SCHEMA]
 _PATTERN = {"type": "string", "minLength": 1, "maxLength": 100}
 Patterns = Annotated[
     of.Items[Annotated[str, Field(min_length=1, max_length=100)]],
-    Field(min_length=1, max_length=MOST_PATTERNS),
+    Field(min_length=1, max_length=MAX_PATTERNS),
     BeforeValidator(lambda value: (value,) if isinstance(value, str) else value),
     WithJsonSchema({"anyOf": [_PATTERN, {"type": "array", "items": _PATTERN, "minItems": 1,
-                                         "maxItems": MOST_PATTERNS}]})]
+                                         "maxItems": MAX_PATTERNS}]})]
 QUANTITIES: Mapping[str, Quantity] = {
     "fx": live("load_force", "N", "force on the body, in the world", 0),
     "fy": live("load_force", "N", "the same, upwards", 1),

@@ -57,14 +57,14 @@ BOND_QUANTITIES: Mapping[str, Quantity] = {
     "held": live("held", "1", "of elements that can be released: 1 while engaged, 0 while released",
                  yes_no=True),
 }
-MOST_PRESSING = 24  # contacts of an object up to which closure, epsilon, isotropy are computed
+MAX_PRESSING = 24  # contacts of an object up to which closure, epsilon, isotropy are computed
 WINDOW = 0.1  # time [s] at rest in a hand after which an object is held
 STRAY = 0.01  # maximum motion and sliding in that time over its size
-_MANY = f"more than {MOST_PRESSING} bodies press on it"
+_MANY = f"more than {MAX_PRESSING} bodies press on it"
 NOT_HELD = "it is not held"
 _LIMP = (f"{NOT_HELD}, or its stiffness is not defined: with fluids, teeth, loads by laws, tendons "
          "with friction, contacts in a notch")
-_NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
+_NO_HAND = f"no hand presses on it, or more than {MAX_PRESSING} bodies do"
 # additional quantities of bodies with the role ``object``; docs/grasp.md
 GRASP: Mapping[str, Quantity] = {
     "held": Quantity("1", "1 while a hand holds it: the hand pressed on it for the last "

@@ -45,7 +45,7 @@ FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
 SEARCHED, TRIES = 100, 6
 """Rows up to which modes are searched in random order; how often from the start."""
-LARGE, FEWEST = 600, 8
+LARGE, MIN_ROUNDS = 600, 8
 """Of more rows than this each round takes so long that there are fewer, down to the second."""
 SHARE, ALONE = 0.3, 3
 """Later those change that are wrong by this share of the worst; every so many rounds it alone."""
@@ -210,7 +210,7 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
     It begins with the modes of the rows; ``slack`` is a rate that counts as none, ``A`` and
     ``chosen`` are scratch.
     """
-    rounds = ROUNDS if n <= LARGE else max(FEWEST, int(ROUNDS * (LARGE / n) ** 3))
+    rounds = ROUNDS if n <= LARGE else max(MIN_ROUNDS, int(ROUNDS * (LARGE / n) ** 3))
     for round in range(1, rounds + 1):
         _impulses(rows, n, G, A, chosen)
         worst, which = slack, -1

@@ -217,11 +217,16 @@ def _other_processes(
     program = ("import sys; from sandbox.engine import simulate, entry_points; "
                "entry_points.compile_named(sys.argv[1:])")
     path = os.pathsep.join(part or str(Path.cwd()) for part in sys.path)
+    # PYTHONSAFEPATH: modules in the working directory must not replace those of the path
+    environment = {**os.environ, "PYTHONPATH": path, "PYTHONSAFEPATH": "1"}
     quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-    others = [subprocess.Popen(
-        [sys.executable, "-c", program, *(one.name for one in missing[i::count])],
-        env={**os.environ, "PYTHONPATH": path}, **quiet) for i in range(1, count)]
+    others: list[subprocess.Popen[bytes]] = []
     try:
+        with contextlib.suppress(OSError):  # no further process is allowed: this one does its part
+            for i in range(1, count):
+                others.append(subprocess.Popen(
+                    [sys.executable, "-c", program, *(one.name for one in missing[i::count])],
+                    env=environment, **quiet))
         yield others, missing[::count]
     finally:
         for other in others:
@@ -238,11 +243,13 @@ def compile_named(names: list[str]) -> None:
 
 def _missing(wanted: list[EntryPoint]) -> list[EntryPoint]:
     """The entry points whose code is not in the cache; none if there is no cache."""
+    if not wanted:  # all are kernels
+        return []
     try:
         folder = Path(_function_cache(wanted[0].source).cache_path)
     except (RuntimeError, OSError):  # no place for a cache
         return []
-    found = {path.name.split(".")[1].rpartition("-")[0] for path in folder.glob("*.nbi")}
+    found = {path.name.split(".")[1].rpartition("-")[0] for path in folder.glob("*.nbc")}
     return [one for one in wanted if one.source.__qualname__ not in found]
 
 

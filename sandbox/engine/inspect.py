@@ -29,7 +29,7 @@ from sandbox.engine.inspect_elements import NEGLIGIBLE, deg, look, mm
 from sandbox.engine.inspect_hands import hand_problems
 from sandbox.engine.inspect_springs import against_step, ringing_problems, without_arm
 from sandbox.engine.islands import MANY
-from sandbox.engine.pile_rows import LINKED
+from sandbox.engine.pile_rows import MIN_LINKED
 from sandbox.errors import Problem
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.meters import check_quantities, check_shown
@@ -199,7 +199,7 @@ def estimate(model: Model, allowed: Flags, *, near: int) -> Estimate:
     linked = int(np.count_nonzero(model.bodies.free)) - piled
     kept_out = (len(model.loads.name) or len(model.lines.name) or len(model.bonds.name)
                 or bool((~np.isnan(model.drives.most)).any()))
-    if piled + linked >= LINKED and not kept_out:
+    if piled + linked >= MIN_LINKED and not kept_out:
         piled += linked
     # contacts are coupled; the sparse solver takes those of piles
     step += (float(PILED * piled**POWER) if 2 * min(contacts, piled) > MANY

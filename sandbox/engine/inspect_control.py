@@ -19,7 +19,7 @@ from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import read_scene, sound
 from sandbox.values.expressions import dotted, names_in, parse_expression
-from sandbox.wording import MOST_NAMED, NearMisses, listed, quoted
+from sandbox.wording import MAX_NAMED, NearMisses, listed, quoted
 
 
 def control_problems(mechanism: Mechanism) -> list[Problem]:
@@ -121,7 +121,7 @@ class LiveCatalogue(Catalogue):
         self._late_of_meters = found = {}
         for index in order(self.mechanism)[0]:
             found[index] = tuple(self.late(
-                names_read(self.mechanism.meters[index]) - {"t"})[:MOST_NAMED])
+                names_read(self.mechanism.meters[index]) - {"t"})[:MAX_NAMED])
         return found
 
 

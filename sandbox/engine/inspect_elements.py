@@ -333,7 +333,7 @@ def _depth(one: pymunk.Shape, other: pymunk.Shape) -> float:
     return max((abs(point.distance) for point in points), default=0.0)
 
 
-MOST_STRETCH = 0.1  # accepted elongation of an inextensible tendon at t = 0, relative
+MAX_STRETCH = 0.1  # accepted elongation of an inextensible tendon at t = 0, relative
 
 
 def tendon_problems(model: Model) -> Iterator[Problem]:
@@ -465,7 +465,7 @@ def _stretched(tendon: Tendon, path: str, length: float, rest: float) -> Iterato
                     f"a pretension of {tendon.pretension:g} N is too large for a tendon of "
                     f"{tendon.stiffness:g} N/m on a path of {mm(length)}",
                     f"less than {tendon.stiffness * length:.3g} N, or a stiffer tendon")
-    elif tendon.stiffness >= RIGID and length > (1 + MOST_STRETCH) * rest:
+    elif tendon.stiffness >= RIGID and length > (1 + MAX_STRETCH) * rest:
         yield look("tendon-length", path, tendon.name,
                    f"is shorter than its path, which is {mm(length)} long at t = 0: it begins with "
                    f"{tendon.stiffness * (length - rest):.3g} N",

@@ -3,7 +3,7 @@
 Two free bodies are in one island if they are near enough to touch, or if a joint, a spring or a
 tendon acts on both. An island is a pile if its contacts have neither restitution nor static
 friction above sliding friction, and if all such islands together have more than :data:`MANY` rows,
-or that many that carry if there are joints. Motors, loads, fluids, joint friction,
+or that many that carry a force if there are joints. Motors, loads, fluids, joint friction,
 friction of guides and connections that can be released keep their bodies out.
 :mod:`sandbox.engine.piles` solves piles; their contacts are compliant, with a stiffness k and a
 damping c that follow from the masses and the step. At the end of a step
@@ -47,8 +47,8 @@ from sandbox.engine.report import add_limit
 from sandbox.engine.state import IN_PILE, TANGENT
 
 MANY, FEW = 60, 30
-"""With more rows islands are piles, with joints of the rows that carry; they stay piles down to so
-many."""
+"""Islands become piles with more rows than the first, and remain piles with more than the second.
+Of islands with joints only the rows that carry count."""
 STIFFNESS, DAMPING, TANGENTIAL = 40.0, 0.3, 2.0 / 3.0
 """Of contacts in piles: h^2 k G, the damping ratio, tangential over normal stiffness (Mindlin, of
 an incompressible material)."""
@@ -67,11 +67,10 @@ def _root(table: int, i: int) -> int:
     return i
 
 
-@entry_point("piles")
-def list_piles(table: int) -> None:
-    """Find the islands, and mark the contacts of piles, which no other row is made for."""
+@kernel
+def _join_islands(table: int) -> None:
+    """Join the bodies that rows connect, or that are near enough to touch."""
     touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
-    inverse_mass, free, before = at.inverse_mass(table), at.free(table), at.before(table)
     for i in range(len(bodies)):
         one = bodies[i]
         one["island"], one["rows"], one["awake"], one["carried"] = i, 0, 0, 0
@@ -84,6 +83,14 @@ def list_piles(table: int) -> None:
             a, b = _root(table, a), _root(table, b)
             bodies[max(a, b)]["island"] = min(a, b)
             bodies[min(a, b)]["linked"] |= bodies[max(a, b)]["linked"]
+
+
+@entry_point("piles")
+def list_piles(table: int) -> None:
+    """Find the islands, and mark the contacts of piles, which no other row is made for."""
+    touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
+    inverse_mass, free, before = at.inverse_mass(table), at.free(table), at.before(table)
+    _join_islands(table)
     for i in range(at.touching(table)[0]):
         t = touches[i]
         a, b = loose[t["a"]], loose[t["b"]]
@@ -121,7 +128,7 @@ def list_piles(table: int) -> None:
             at.pile_counts(table)[0] |= body["piled"]
         vx, vy, w = free[b, 0] - before[b, 0], free[b, 1] - before[b, 1], free[b, 2] - before[b, 2]
         if body["still"] >= STEPS and (vx != body["x"] or vy != body["y"] or w != body["t"]):
-            body["still"] = 0  # it does not feel the same force as in the step before
+            body["still"] = 0  # the force on it has changed
         body["x"], body["y"], body["t"] = vx, vy, w
         if body["still"] < STEPS:
             root["awake"] = 1

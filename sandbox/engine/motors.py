@@ -32,7 +32,7 @@ from sandbox.engine.state import DRIVEN
 from sandbox.numeric import Array
 
 CAUTION = 0.999  # share of the possible deceleration that a drive uses
-LEAST = 0.01  # the minimum share, under large loads
+MIN_SHARE = 0.01  # the minimum share, under large loads
 
 
 @entry_point("motors")
@@ -50,7 +50,8 @@ def brake_in_time(table: int, h: float, n: int) -> None:
         inertia = _held(table, h, m, q, False)
         loads = _held(table, h, m, q, True)
         way = 1.0 if motor["short"] > 0.0 else -1.0
-        can = CAUTION * max(motor["most"] - max(way * loads, 0.0), LEAST * motor["most"]) / inertia
+        spare = max(motor["most"] - max(way * loads, 0.0), MIN_SHARE * motor["most"])
+        can = CAUTION * spare / inertia
         short = abs(motor["short"])
         speed = min(short / h, math.sqrt((can * h / 2) ** 2 + 2 * can * short) - can * h / 2)
         speed = motor["along"] + way * speed

@@ -24,12 +24,11 @@ from sandbox.engine.rows import apply_impulses, right_side
 from sandbox.engine.state import Elements
 from sandbox.numeric import Array, Flags, Integers, Matrix, Records
 
-FEWEST, LINKED = 12, 40
-"""Fewer bodies are no pile, free ones and such that rows connect: too few rows to pay."""
-MOST = 2000
-"""More nodes would take too much memory."""
-HARD = 1e-12
-"""Compliance of rigid rows, as a share of the response of their bodies."""
+MIN_SINGLE, MIN_LINKED = 12, 40
+"""Minimum number of free bodies of piles, and of all bodies of piles with bilateral rows; with
+fewer the direct solver is as fast."""
+MAX_NODES = 2000  # of bodies and rows, for the memory that they take
+RIGID_COMPLIANCE = 1e-12  # of rigid rows, as a share of the response of their bodies
 
 
 class PileTables(NamedTuple):
@@ -58,7 +57,7 @@ def pile_tables(
     held = np.zeros(count, dtype=bool)
     held[[body for group in groups for body in group if body < count]] = True
     single = free & shaped & ~held
-    if np.count_nonzero(single) < FEWEST:
+    if np.count_nonzero(single) < MIN_SINGLE:
         single[:] = False
     lowest = _clusters(count, [[body for body in group if body < count and free[body]]
                                for group in groups])
@@ -71,8 +70,8 @@ def pile_tables(
             if len(of_bodies[-1]) == 3:
                 of_bodies.append([])
             of_bodies[-1].append(row)
-    if (np.count_nonzero(single | linked) < LINKED
-            or np.count_nonzero(single | linked) + sum(map(len, nodes.values())) > MOST):
+    if (np.count_nonzero(single | linked) < MIN_LINKED
+            or np.count_nonzero(single | linked) + sum(map(len, nodes.values())) > MAX_NODES):
         linked[:] = False
         nodes = {}
     loose = np.where(single | linked, np.cumsum(single | linked) - 1, -1)
@@ -130,13 +129,13 @@ def set_blocks(table: int) -> bool:
         for s in range(3):
             changed |= B[k, r, s] != J[0, e, s]
             B[k, r, s] = J[0, e, s]
-            c[blocks[k, 0], r] += HARD * J[0, e, s] * J[1, e, s]
+            c[blocks[k, 0], r] += RIGID_COMPLIANCE * J[0, e, s] * J[1, e, s]
     return changed
 
 
 @kernel
 def answer_of_rows(table: int, v: Matrix) -> None:
-    """Turn impulses on bodies into changes of velocities, and of the impulses of rows times -1."""
+    """Replace impulses on bodies by changes of velocities, and of impulses of rows times -1."""
     bodies, nodes, velocity = at.pile_bodies(table), at.pile_nodes(table), at.force(table)
     dp, zero = at.pile_answer(table)[0], at.pile_answer(table)[1]
     inverse_mass = at.inverse_mass(table)
@@ -160,7 +159,7 @@ def answer_of_rows(table: int, v: Matrix) -> None:
 
 @kernel
 def add_row_impulses(table: int) -> None:
-    """Add what rows answered last to the solution."""
+    """Add the last changes of the impulses of rows to the solution."""
     dp, solution = at.pile_answer(table)[0], at.unknowns(table)[3]
     for r in range(len(solution)):
         solution[r] += dp[r]

@@ -50,7 +50,7 @@ ROUNDS, STEPS, HALVINGS, SWEEPS = 100, 12, 4, 50
 LAST = -1
 """As the number of a solve: the one at the end of a step."""
 LIMIT_ROUNDS = 10
-"""Most times that limits are added which the velocities break."""
+"""Maximum number of times that limits which the velocities violate are added."""
 FASTEST = 1e6
 """A change of rate [m/s] that only a singular matrix gives."""
 BOUNDARY = 1e-9
@@ -110,7 +110,7 @@ def solve_contacts(table: int, n: int) -> float:
     v, trial = vectors[0], vectors[1]
     linked = at.pile_counts(table)[0] == 1
     enough, max_share = (ENOUGH, MAX_LINKED) if linked else (1.0, MAX_SHARE)
-    for k in range(n):  # begin with the impulses of the last step
+    for k in range(n):  # start from the impulses of the last step
         c[k]["n0"] = c[k]["pn"] = c[k]["n_last"]
         c[k]["t0"] = c[k]["pt"] = c[k]["t_last"]
     _momentum(table, n, v)
@@ -122,12 +122,7 @@ def solve_contacts(table: int, n: int) -> float:
         if best <= (enough if round == 0 else 1.0):
             break
         start = found
-        for k in range(n):
-            one = c[k]
-            hold_n, hold_t = share * one["base_n"], share * one["base_t"]
-            one["Rn"], one["Rt"] = 1.0 / (hold_n + one["soft_n"]), 1.0 / (hold_t + one["soft_t"])
-            one["n_shift"], one["t_shift"] = (
-                one["n0"] * hold_n * one["Rn"], one["t0"] * hold_t * one["Rt"])
+        _regularise(c, n, share)
         converged = False
         for _ in range(STEPS):
             at_best = False
@@ -154,18 +149,7 @@ def solve_contacts(table: int, n: int) -> float:
             for k in range(n):
                 c[k]["n0"], c[k]["t0"] = c[k]["pn"], c[k]["pt"]
         else:
-            if round == 0 or round % 2 == 0:
-                for k in range(n):
-                    c[k]["n0"] = c[k]["n_last"] if round == 0 else c[k]["n_best"]
-                    c[k]["t0"] = c[k]["t_last"] if round == 0 else c[k]["t_best"]
-            if linked and round % 2 == 0:  # sweeps leave rows of joints out
-                for k in range(n):
-                    c[k]["pn"], c[k]["pt"] = c[k]["n0"], c[k]["t0"]
-                _momentum(table, n, v)
-                _rates(c, J, n, v, True)
-                found = _residual(c, n)
-            else:
-                found = _sweep(table, n, v)
+            found = _restart(table, n, v, round)
             if found < best:
                 best = found
                 _keep(c, n)
@@ -181,6 +165,34 @@ def solve_contacts(table: int, n: int) -> float:
     for k in range(n):
         worst = max(worst, _row_residual(c[k]))
     return worst
+
+
+@kernel
+def _regularise(c: Records, n: int, share: float) -> None:
+    """Set R and the impulses at rates of 0 for a share e."""
+    for k in range(n):
+        one = c[k]
+        hold_n, hold_t = share * one["base_n"], share * one["base_t"]
+        one["Rn"], one["Rt"] = 1.0 / (hold_n + one["soft_n"]), 1.0 / (hold_t + one["soft_t"])
+        one["n_shift"], one["t_shift"] = (
+            one["n0"] * hold_n * one["Rn"], one["t0"] * hold_t * one["Rt"])
+
+
+@kernel
+def _restart(table: int, n: int, v: Matrix, round: int) -> float:
+    """Find another start after a round that did not converge; its residual."""
+    c = at.piled(table)
+    if round % 2 == 0:
+        for k in range(n):
+            c[k]["n0"] = c[k]["n_last"] if round == 0 else c[k]["n_best"]
+            c[k]["t0"] = c[k]["t_last"] if round == 0 else c[k]["t_best"]
+    if not at.pile_counts(table)[0] or round % 2 != 0:
+        return _sweep(table, n, v)
+    for k in range(n):  # sweeps leave rows of joints out
+        c[k]["pn"], c[k]["pt"] = c[k]["n0"], c[k]["t0"]
+    _momentum(table, n, v)
+    _rates(c, at.pile_jacobian(table), n, v, True)
+    return _residual(c, n)
 
 
 @kernel
@@ -215,8 +227,8 @@ def _row_residual(one: Any) -> float:
     yn, yt = one["yn"] + one["soft_n"] * n, one["yt"] + one["soft_t"] * t
     if not abs(yn) + abs(yt) + abs(n) + abs(t) < 1e12:  # a NaN would vanish in max()
         return math.inf
-    most = one["friction"] * n
-    slid = min(max(t - yt / (one["base_t"] + one["soft_t"]), -most), most)
+    limit = one["friction"] * n
+    slid = min(max(t - yt / (one["base_t"] + one["soft_t"]), -limit), limit)
     return float(max(abs(min(yn, one["base_n"] * n)), abs(t - slid) * one["base_t"]))
 
 
@@ -430,7 +442,7 @@ def _assemble(table: int, n: int) -> None:
 def _add_block(
     X: Matrix, J: Matrix, i: int, j: int, Rn: float, Rt: float, slides: float,
 ) -> None:
-    """Add what a contact gives between its bodies ``i`` and ``j``, 0 or 1."""
+    """Add the block of a contact between its bodies ``i`` and ``j``, 0 or 1."""
     for r in range(3):
         g = (J[i, r] + slides * J[2 + i, r]) * Rn
         t = Rt * J[2 + i, r]

@@ -33,7 +33,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Integers
 
-MOST = 5_000_000  # maximum number of products in a factorisation: some hundredths of a second
+MAX_PRODUCTS = 5_000_000  # of a factorisation: some hundredths of a second
 HUB = 12  # a free body with more entries than this is a hub
 
 
@@ -202,10 +202,10 @@ def elimination(
         order.append(i)
         met[i] = others = graph[i]
         products += degree * (degree - 1) // 2
-        if products > MOST:
+        if products > MAX_PRODUCTS:
             raise SandboxError("joints and tendons form too many loops to be solved: more than "
-                               f"{MOST} products in each step; use fewer joints between the same "
-                               "bodies", code="too-complex")
+                               f"{MAX_PRODUCTS} products in each step; use fewer joints between "
+                               "the same bodies", code="too-complex")
         for j in others:
             graph[j] |= others
             graph[j] -= {i, j}

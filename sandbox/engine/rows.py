@@ -24,7 +24,7 @@ from sandbox.engine.plan import add_to, backward, forward
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.numeric import Array, Records
 
-LEAST = 1e-100  # minimum lead of a row [N s/m]
+MIN_LEAD = 1e-100  # minimum lead of a row [N s/m]
 CLOSED = 1e-6  # gaps left by a step, over h^2 [m/s^2]: closing them takes this times the mass
 NOTHING = 1e-13  # gap [m, rad] within rounding, which is left: redundant rows cannot close it
 

@@ -32,7 +32,7 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import DAMPED, SOFT
-from sandbox.engine.rows import LEAST, NOTHING
+from sandbox.engine.rows import MIN_LEAD, NOTHING
 from sandbox.numeric import Array, Matrix
 
 SAME = 1e-10  # relative difference of two forces that count as equal
@@ -78,7 +78,7 @@ def spring_rows(table: int, h: float, drive: Array) -> None:
             compliance[r] = 2.0 / (h * s["c"])
             rhs[r] = 0.0 - 2.0 * k * extent / s["c"] - rate(s, at.before(table))
         else:
-            lead = max(s["c"] + h * k, LEAST)
+            lead = max(s["c"] + h * k, MIN_LEAD)
             compliance[r] = 1.0 / (h * lead)
             rhs[r] = -(k * extent / lead)
 
@@ -115,7 +115,7 @@ def law_rate(s: Any, velocity: Array) -> float:
 @kernel
 def _set_row(table: int, s: Any, force: float, lead: float, speed: float, h: float) -> None:
     """Set the row of a law whose force is ``force`` at the rate ``speed``, with slope ``lead``."""
-    lead = max(lead, LEAST)
+    lead = max(lead, MIN_LEAD)
     at.unknowns(table)[0][s["row"]] = -s["sense"] * (force - lead * speed) / lead
     at.unknowns(table)[1][s["row"]] = 1.0 / (h * lead)
 
@@ -179,7 +179,7 @@ def report_springs(table: int, h: float) -> None:
         if s["row"] >= 0 and acts(table, s["bond"]) and acts(table, s["hinge_bond"]):
             effort = unknown[s["row"]] / h
             # the row of a released spring has a negligible impulse
-            s["effort"] = effort if abs(effort) > LEAST else 0.0
+            s["effort"] = effort if abs(effort) > MIN_LEAD else 0.0
 
 
 @entry_point("springs")

@@ -131,7 +131,7 @@ def across(model: Model) -> dict[frozenset[int], int]:
 
 
 TRIED = 1025  # stretches at which a law's slope is evaluated
-LEAST = 1e-6  # of the range of stretches [m, rad]
+MIN_RANGE = 1e-6  # of the range of stretches [m, rad]
 INSTANTS = 257  # of a run, at which a signal is evaluated
 
 
@@ -169,11 +169,11 @@ def range_of_stretch(model: Model, spring: int) -> Array:
     springs, rest = model.springs, float(model.springs.rest[spring])
     start = float(springs.start[spring])
     if springs.straight[spring]:
-        return np.linspace(0.0, 2 * max(start, rest, LEAST), TRIED) - rest
+        return np.linspace(0.0, 2 * max(start, rest, MIN_RANGE), TRIED) - rest
     low, high = model.joints.stops[springs.joint[spring]].tolist()
     if not math.isfinite(high - low):
         low, high = min(rest, start) - math.pi, max(rest, start) + math.pi
-    return np.linspace(low, max(high, low + LEAST), TRIED) - rest
+    return np.linspace(low, max(high, low + MIN_RANGE), TRIED) - rest
 
 
 def _largest(signal: AnySignal, mechanism: Mechanism) -> float:

@@ -42,7 +42,7 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.plan import add_to
 from sandbox.engine.records import EVEN, GRIPPED, PULL, STIFF
-from sandbox.engine.rows import LEAST
+from sandbox.engine.rows import MIN_LEAD
 from sandbox.engine.state import CABLE_FRICTION, CABLE_LOAD
 from sandbox.numeric import Array, Records
 
@@ -225,7 +225,7 @@ def report_cables(table: int, h: float) -> None:
     for i in range(len(cables)):
         if cables[i]["row"] >= 0 and acts(table, cables[i]["bond"]):
             tension = max(unknown[cables[i]["row"]] / h, 0.0)
-            cables[i]["tension"] = tension if cables[i]["active"] and tension > LEAST else 0.0
+            cables[i]["tension"] = tension if cables[i]["active"] and tension > MIN_LEAD else 0.0
 
 
 @entry_point("slips")
@@ -350,7 +350,7 @@ def cable_lead(table: int, h: float, i: int) -> float:
     share = 1.0 / cable["inside"] if cable["whole"] >= 0 else 1.0
     k, c = share * cable["k"], share * cable["c"]
     if cable["kind"] == STIFF:
-        return max(float(c + h * k), LEAST)
+        return max(float(c + h * k), MIN_LEAD)
     return float(c / 2 + h * k / 4 if cable["kind"] == EVEN else c / 2)
 
 
@@ -417,7 +417,7 @@ def change_cables(table: int, h: float, attempt: int) -> bool:
             if stretch <= (h * gone if cable["kind"] == STIFF else 0.0):
                 continue
             off = cable_rate(table, h, i) - gone
-            off /= 1.0 / (h * max(cable["c"] + h * cable["k"], LEAST)) + cable["response"]
+            off /= 1.0 / (h * max(cable["c"] + h * cable["k"], MIN_LEAD)) + cable["response"]
         if off > 0.0:
             changed = True
             if attempt < 3:

@@ -29,7 +29,7 @@ from sandbox.scene.outlines.curves import spans_of
 POSE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE
 PUSH = batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
 STATE = POSE | PUSH
-MARGIN, MOST_MARGIN = 0.05, 1e-3
+MARGIN, MAX_MARGIN = 0.05, 1e-3
 """Of shapes in pymunk: a share of their smallest extent, maximum [m]."""
 _LISTED = ("dynamic", "scheduled", "fixed")
 
@@ -150,7 +150,7 @@ class World:
         self.space.add(body)
         self.shapes[index] = found = []
         for shape in spec.shapes:
-            margin = min(MARGIN * _extent(shape), MOST_MARGIN)
+            margin = min(MARGIN * _extent(shape), MAX_MARGIN)
             first, last, closed = -1, -1, isinstance(shape, kinds.Polygon)
             if isinstance(shape, kinds.Polygon | kinds.Polyline) and shape.nodes:
                 first = sum(map(len, self._spans))

@@ -67,7 +67,7 @@ class Branch:
 
 def rest_along(
     make: Make, begin: float, end: float, count: int, *, at: float | None = None,
-    stages: int | None = None, heard: Callable[[int, float], None] = lambda points, value: None,
+    stages: int | None = None, on_point: Callable[[int, float], None] = lambda points, value: None,
 ) -> list[Branch]:
     """Follow the equilibria of a mechanism along a value, through folds.
 
@@ -82,7 +82,7 @@ def rest_along(
         count: number of evenly spaced values that have a point; more lie between them at folds.
         at: the time whose values the drives have [s]; by default the end of the scene.
         stages: as of :func:`~sandbox.equilibria.rest.rest`.
-        heard: called at each point with the number of points and its value.
+        on_point: called at each point with the number of points and its value.
 
     Raises:
         SceneError: as of :func:`~sandbox.equilibria.rest.rest`; a range of one value, or fewer than
@@ -95,7 +95,7 @@ def rest_along(
             allowed=f"two different values and a count of 2 to {MAX_VALUES}")])
     for value in (end, begin):  # wrong values are reported before anything runs
         check_options(checked(make(value), ()), at, stages)
-    follower = _Follower(make, at, begin, end, count, heard)
+    follower = _Follower(make, at, begin, end, count, on_point)
     settler = follower.at(begin)
     try:
         settler.follow(stages)
@@ -136,9 +136,9 @@ class _Follower:
 
     def __init__(
         self, make: Make, time: float | None, begin: float, end: float, count: int,
-        heard: Callable[[int, float], None],
+        on_point: Callable[[int, float], None],
     ) -> None:
-        self._make, self._time, self._heard, self._count = make, time, heard, count
+        self._make, self._time, self._on_point, self._count = make, time, on_point, count
         self._begin, self._end, self._grid = begin, end, np.linspace(begin, end, count)
         self._span, self._sense = abs(end - begin), 1.0 if end > begin else -1.0
         self._length, self._points = 1.0 / (count - 1), 0
@@ -236,7 +236,7 @@ class _Follower:
             if np.abs(motion).max() > 4 * abs(length) * size or not np.isfinite(dp):
                 return None
             pose = balance.pose_after(pose, motion)
-            value += dp
+            value += float(dp)
         return None
 
     def _along(self, point: _Point, value: float, pose: Array) -> float:
@@ -367,4 +367,4 @@ class _Follower:
         rest = AtRest(point.balance.run, "", point.balance, "", 0, point.balance.size)
         branch.stops.append(BranchRest(point.value, rest, fold))
         self._points += 1
-        self._heard(self._points, point.value)
+        self._on_point(self._points, point.value)

@@ -25,7 +25,7 @@ SAME = 1e-6  # difference, relative to the size, of poses that count as one
 MOVED = 1e-3  # part in a motion below which a body does not move in it
 MAX_STAGES = 100_000
 LATE = 0.01  # fraction of the run before its end in which changing drives are reported
-STABLE, UNSTABLE, NEUTRAL, UNTOLD = "stable", "unstable", "neutral", "not told"
+STABLE, UNSTABLE, NEUTRAL, UNKNOWN = "stable", "unstable", "neutral", "unknown"
 
 
 @dataclass(frozen=True)
@@ -74,9 +74,9 @@ class AtRest:
 
     @cached_property
     def stability(self) -> str:
-        """``stable``, ``unstable``, ``neutral`` (a motion without stiffness), ``not told``."""
+        """``stable``, ``unstable``, ``neutral`` (a motion without stiffness), ``unknown``."""
         if self.balance is None:
-            return UNTOLD
+            return UNKNOWN
         if not len(self.modes):
             return STABLE
         values, _, zero = self.balance.soft
@@ -265,8 +265,8 @@ def verdict(rest: AtRest) -> str:
     if rest.stability == NEUTRAL:
         moves = ", ".join(rest.loose) or "some bodies"
         return f"neutral: nothing answers a small motion of {moves}"
-    if rest.stability == UNTOLD:
-        return f"rests; whether stable is not told with {rest.untold}"
+    if rest.stability == UNKNOWN:
+        return f"stability unknown with {rest.untold}"
     if not len(rest.modes):
         return "stable: nothing is free to move"
     return f"stable: its softest motion swings at {rest.frequency:.4g} Hz without damping"

@@ -136,8 +136,11 @@ def draw(
             _dress(axes, panel, bottom=not shared or row is rows[-1])
             names = _fill(axes, panel)
             heights[-1] = max(heights[-1], panel.height)
-            if not panel.names or not names or shown == (shown := [name for name, _ in names]):
-                continue  # names are not repeated below
+            if not panel.names or not names:
+                continue
+            above, shown = shown, [name for name, _ in names]
+            if shown == above:  # a legend is not repeated below
+                continue
             if panel.names == "inside":
                 style.legend(axes, names, loc="best")
             elif panel.names == "side":

@@ -182,7 +182,7 @@ def show_coincident(axes: Any, lines: Sequence[Any]) -> None:
         return
     x = np.linspace(min(x[0] for _, x, _ in found), max(x[-1] for _, x, _ in found), GRID)
     y = np.array([np.interp(x, xs, ys, np.nan, np.nan) for _, xs, ys in found])
-    size = math.ceil(SHORT * GRID / (x[-1] - x[0]))
+    size = min(math.ceil(SHORT * GRID / (x[-1] - x[0])), GRID + 1)
     near = binary_opening(np.abs(y[:, None] - y) < NEAR, np.ones((1, 1, size)))
     for i, (line, *_) in enumerate(found):
         turns, rank = near[i].sum(axis=0), near[i, :i].sum(axis=0)

@@ -29,10 +29,10 @@ from sandbox.elements.registry import KINDS
 from sandbox.errors import SandboxError
 from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
-from sandbox.wording import MOST_COMPARED, is_pattern, listed, nearest, quoted
+from sandbox.wording import MAX_COMPARED, is_pattern, listed, nearest, quoted
 
 PAIR = quantities_of("pair")
-MOST_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)  # in a message: all of an object
+MAX_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)  # in a message: all of an object
 
 
 class UnknownQuantityError(SandboxError, KeyError):
@@ -145,7 +145,7 @@ class Catalogue:
     @cached_property
     def _words(self) -> list[str]:
         words = dict.fromkeys(word for name in self.units for word in name.split("."))
-        return list(itertools.islice(words, MOST_COMPARED))
+        return list(itertools.islice(words, MAX_COMPARED))
 
     def near(self, name: str) -> str:
         """A quantity or a pattern that fits, with one word corrected."""
@@ -200,7 +200,7 @@ class Catalogue:
             return ""
         for head, element in self._prefixes(name):
             if own := [f"{head}.{quantity}" for quantity in element.quantities if quantity]:
-                return listed(own, most=MOST_QUANTITIES)
+                return listed(own, most=MAX_QUANTITIES)
         return f"a quantity of {listed(self.elements)}" if self.elements else ""
 
     def _prefixes(self, name: str) -> Iterator[tuple[str, CatalogueEntry]]:
@@ -279,7 +279,7 @@ def grasp_of(body: Body) -> dict[str, str]:
             if body.motion == "dynamic" or not row.of_free}
 
 
-MOST_SHOWN = 4  # units with an example in a message
+MAX_SHOWN = 4  # units with an example in a message
 
 
 class MixedUnitsError(SandboxError, ValueError):
@@ -299,8 +299,8 @@ def unit_of(catalogue: Catalogue, names: Sequence[str], pattern: str) -> str:
         units.setdefault(catalogue.find(name).unit, name)
     if len(units) == 1:
         return next(iter(units))
-    shown = [f"{name} in {unit}" for unit, name in itertools.islice(units.items(), MOST_SHOWN)]
+    shown = [f"{name} in {unit}" for unit, name in itertools.islice(units.items(), MAX_SHOWN)]
     raise MixedUnitsError(
         f"{pattern!r} fits quantities of {len(units)} units ({', '.join(shown)}"
-        f"{', …' if len(units) > MOST_SHOWN else ''}), which make no array: ask for those of one "
+        f"{', …' if len(units) > MAX_SHOWN else ''}), which make no array: ask for those of one "
         "unit, such as '*.angle', or for a table with to_pandas()")

@@ -18,7 +18,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Expect, Meter, ShownMeter, View
 from sandbox.values.expressions import RESERVED, names_in, parse_expression
 from sandbox.values.units import UNITS, Measured, factor_of
-from sandbox.wording import MOST_HINTED, WrongValueError, is_pattern, listed, quoted
+from sandbox.wording import MAX_HINTED, WrongValueError, is_pattern, listed, quoted
 
 _Node = TypeVar("_Node", bound=Hashable)
 _QUOTIENT = re.compile(r"([A-Za-z_][\w.]*) */ *([A-Za-z_][\w.]*)")
@@ -109,7 +109,7 @@ def evaluate(
     return result, [notes[index] for index in sorted(notes)]
 
 
-MOST = 6  # largest number of curves of a meter
+MAX_CURVES = 6  # largest number of curves of a meter
 
 
 def is_expression(word: str) -> bool:
@@ -152,10 +152,10 @@ def problems_of(known: Catalogue, view: View) -> list[Problem]:
         if missing:
             continue
         names = curves(meter, known)
-        if len(names) > MOST:
+        if len(names) > MAX_CURVES:
             problems.append(Problem(
                 "bad-quantity", f"{len(names)} curves are too many for one meter: "
-                f"{listed(names)}", path, allowed=f"at most {MOST}"))
+                f"{listed(names)}", path, allowed=f"at most {MAX_CURVES}"))
         units = sorted({known.find(name).unit for name in names if not is_expression(name)})
         if len(units) > 1:
             problems.append(Problem(
@@ -193,7 +193,7 @@ def unknown(known: Catalogue, name: str, path: str, *, live: bool = False) -> Pr
     if lacking := known.lacking(name):
         return Problem("unknown-quantity", f"{what}: {lacking}", path)
     known.hinted += 1
-    few = known.hinted <= MOST_HINTED
+    few = known.hinted <= MAX_HINTED
     near, allowed = known.near(name) if few else "", ""
     if live:
         allowed = next((f"of this {element.kind}: " + listed(

@@ -26,7 +26,7 @@ from sandbox.scene.settings import View
 
 MARGIN = 0.04  # fraction of the stage left free on every side of a fitted picture
 SMALLEST = 1e-9  # extents below this [m] count as a point
-MOST_SAMPLES = 200  # samples looked at; a motion is smooth enough between them for a margin of 4 %
+MAX_SAMPLES = 200  # samples looked at; a motion is smooth enough between them for a margin of 4 %
 SCENERY = ("link", "ground")  # roles of fixed bodies that are cut
 BESIDE = 0.5  # visible part of larger fixed bodies beside the rest [sizes of the rest]
 GROWN = 2.5  # maximum growth of a picture for traced paths
@@ -186,7 +186,7 @@ def _samples(run: RunData, moments: Sequence[float] | None) -> Integers:
     """Samples of all of the run, or the nearest to a few moments [s]."""
     n = len(run.time)
     return nearest(run.time, moments) if moments is not None else np.unique(
-        np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.int64))
+        np.linspace(0, n - 1, min(n, MAX_SAMPLES)).astype(np.int64))
 
 
 def body_box(run: RunData, view: View | None = None,

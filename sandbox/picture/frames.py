@@ -20,7 +20,7 @@ COLOUR = np.uint32(0xFFFFFF)  # the fourth byte of a word is anything
 LONG = 60  # lines with more corners have no mitres, which would take long
 HATCHED = 400  # cached hatchings
 CELL = 24  # side of a cell [pixels of the finished picture]
-MOST_PIXELS = 60_000_000  # of the enlarged picture; very large pictures are enlarged less
+MAX_PIXELS = 60_000_000  # of the enlarged picture; very large pictures are enlarged less
 
 
 def new_surface(width: int, height: int) -> pygame.Surface:
@@ -174,7 +174,7 @@ class Frames:
     def __init__(self, picture: Picture, enlarge: int = 2) -> None:
         self.picture, self.size = picture, picture.size
         width, height = self.size
-        while enlarge > 1 and width * height * enlarge**2 > MOST_PIXELS:
+        while enlarge > 1 and width * height * enlarge**2 > MAX_PIXELS:
             enlarge //= 2
         self.painter = painter = Pixels(self.size, enlarge, picture.type)
         self.instant = picture.instant(enlarge)

@@ -20,7 +20,7 @@ HOLD = 0.35  # minimum time that a label is visible or hidden [s of the film]
 CELL = 5  # side of the cells that have ink or not [pixels of the finished picture]
 TURNED, OFF, COVERED, FILLED, CROSSED, OUTSIDE = 0.02, 0.5, 0.12, 0.02, 2.0, 4.0
 """Costs per sample: angle to the arrow, standing off, cell of ink, filled cell, label, outside."""
-MOST, FEW, SMALL = 24, 6, 500  # numbers in a picture, in one narrower than so many pixels
+MAX_NUMBERS, FEW, SMALL = 24, 6, 500  # numbers in a picture, in one narrower than so many pixels
 PATIENCE = 0.25  # share of its samples in which a label has to find room, or it is left out
 FAR = 20  # areas that reach farther than so many pictures are not counted
 Half = Callable[[str], tuple[float, float]]
@@ -54,7 +54,7 @@ def place_labels(instant: Instant, half: Half, stage: Sequence[float], factor: f
         else samples
     seen, covered = _look(instant, some, stage, factor)
     point, placed = instant.point * factor, np.full((0, len(some), 4), np.nan)
-    numbers, most = 0, FEW if width < SMALL else MOST
+    numbers, most = 0, FEW if width < SMALL else MAX_NUMBERS
     for one in sorted(seen, key=lambda one: (one.label.item.get("rank", 1), -one.size)):
         if one.number and numbers >= most:
             continue

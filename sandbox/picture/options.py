@@ -37,7 +37,7 @@ PRINT_PER_INCH = 300  # pixels
 LETTERS = 7.0  # the smallest letters on paper [pt]
 PRINT_TYPE = math.ceil(LETTERS / 72 * PRINT_PER_INCH / EM)  # the same, as a typesetter counts it
 UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4}  # millimetres in each
-LEAST, MOST = 25.0, 650.0  # of a width or a height [mm]
+MIN_SIDE, MAX_SIDE = 25.0, 650.0  # of a width or a height [mm]
 _NUMBER, _UNIT = r"\s*([0-9]+\.?[0-9]*|\.[0-9]+)\s*", f"({'|'.join(UNITS)})"
 _FORM = re.compile(f"{_NUMBER}(?:{_UNIT}?\\s*[x×]{_NUMBER})?{_UNIT}\\s*", re.IGNORECASE)
 
@@ -158,7 +158,7 @@ def paper_of(size: Any) -> PrintSize | None:
     scale = UNITS[unit.lower()]
     paper = PrintSize(float(first) * (UNITS[own.lower()] if own else scale),
                       None if second is None else float(second) * scale)
-    if any(not LEAST <= side <= MOST for side in (paper.width, paper.height or LEAST)):
-        raise OutputError(f"{quoted(size)}: a picture on paper is {LEAST:g} to {MOST:g} mm "
+    if any(not MIN_SIDE <= side <= MAX_SIDE for side in (paper.width, paper.height or MIN_SIDE)):
+        raise OutputError(f"{quoted(size)}: a picture on paper is {MIN_SIDE:g} to {MAX_SIDE:g} mm "
                           "wide and high", code="bad-picture")
     return paper

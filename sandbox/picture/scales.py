@@ -24,7 +24,7 @@ ENDING = 0.1  # last share of the run whose median counts, too: the end is looke
 REFERENCE, LONGEST = 0.085, 1.5
 """Reference arrow [picture widths]; longer arrows are cut at this multiple."""
 ROUNDING = 1e-6  # forces of this acceleration of all bodies are rounding errors [m/s^2]
-MOST_DECIMALS = 9
+MAX_DECIMALS = 9
 NOTHING = 1e-6  # rounding errors are below this fraction of the largest size of a run
 SAME = 1e-9  # pins of a body that are no farther apart are one [m]
 UNLOADED = 1e-3  # links below this are unloaded [tops of the scale]
@@ -111,7 +111,7 @@ def shared(scales: Iterable[ForceScale]) -> ForceScale:
 def decimals(reference: float) -> int:
     """Decimals of values on a scale: two, fewer from 10 on; below 0.1 two digits at least."""
     if 0 < reference < 0.1:
-        return min(1 - math.floor(math.log10(reference)), MOST_DECIMALS)
+        return min(1 - math.floor(math.log10(reference)), MAX_DECIMALS)
     return 2 if reference < 10 else 1 if reference < 100 else 0
 
 

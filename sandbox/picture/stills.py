@@ -42,7 +42,7 @@ ROOM = 3  # height / width of a layout in which a still on paper finds its heigh
 PICTURES, MAX_PICTURES = 5, 24  # of a strip: default and maximum
 ACROSS = 6  # pictures in a row of a strip without a size
 SHAPES = (0.35, 1.6)  # limits of height / width of a picture of a strip without a size
-LEAST = 0.42  # minimum width of a picture of a strip relative to the view's
+MIN_WIDTH = 0.42  # minimum width of a picture of a strip relative to the view's
 INSIDE = 0.65  # size of words inside the pictures of a strip relative to its own
 PRINT_UNIT = 0.75 * PRINT_TYPE / TYPE  # pixels per point on paper: lines are finer than letters
 NARROWEST, SMALLEST = 40.0, 40
@@ -169,7 +169,7 @@ class Strip:
     """Pictures at ``times`` [s] in rows, each above its time; title, meters and legend.
 
     Meters stand below all pictures, with a cursor for each. The size is ``size`` [pixels], or that
-    of ``paper``, else each picture has about :data:`LEAST` of the view's width. ``bare`` leaves
+    of ``paper``, else each picture has about :data:`MIN_WIDTH` of the view's width. ``bare`` leaves
     title and legend out, ``scales`` keeps the scales of the legend.
 
     Raises:
@@ -200,7 +200,8 @@ class Strip:
             return
         most = max(1, int(paper.width / NARROWEST)) if paper else ACROSS
         across = math.ceil(len(times) / math.ceil(len(times) / most))
-        wide = paper.pixels[0] // across if paper else round(view.size[0] * max(LEAST, 1 / across))
+        share = max(MIN_WIDTH, 1 / across)
+        wide = paper.pixels[0] // across if paper else round(view.size[0] * share)
         shape = view.size[1] / view.size[0] if view.width and view.centre else float(
             np.clip(box.height / (view.width or max(box.width, 1e-9)), *SHAPES))
         own, pane = unit, (wide, round(wide * shape))

@@ -13,9 +13,9 @@ from sandbox.picture.palette import BACKGROUND, INK, Colour, Painter
 from sandbox.wording import printable
 
 FINER = 4  # letters are drawn this many times larger, then scaled down
-MOST_LETTERS = 1000  # of a text; no picture is as wide
+MAX_LETTERS = 1000  # of a text; no picture is as wide
 KEPT = 2000  # texts that are kept: most of them come again in the next frame
-MOST, SHARE = 3, 0.25  # maximum lines of a title, and share of the height of a picture for several
+MAX_LINES, SHARE = 3, 0.25  # of a title: lines; for several, the share of a picture's height
 HEAD, LINE = 2.2, 1.25  # height of a header, and from line to line of a title [sizes of type]
 
 
@@ -99,8 +99,8 @@ def ellipsis(type_: Typesetter, text: str, room: int, size: int) -> str:
 
 @lru_cache(4000)
 def letters(text: str) -> str:
-    """The printable form of a text, of at most :data:`MOST_LETTERS`."""
-    return printable(text[:MOST_LETTERS])[:MOST_LETTERS]
+    """The printable form of a text, of at most :data:`MAX_LETTERS`."""
+    return printable(text[:MAX_LETTERS])[:MAX_LETTERS]
 
 
 class Headline(NamedTuple):
@@ -114,7 +114,7 @@ class Headline(NamedTuple):
     def of(cls, title: str, type_: Typesetter, room: int, size: int, high: float) -> Headline:
         """``title`` in ``room`` pixels of a picture so ``high``, in type of ``size`` if it fits."""
         free = (SHARE * high - HEAD * type_.size) / (LINE * type_.size)
-        most = int(min(max(1.0, 1 + free), MOST))
+        most = int(min(max(1.0, 1 + free), MAX_LINES))
         fits = next((s for s in range(size, type_.size - 1, -1) if type_.width(title, s) <= room),
                     None)
         lines = (title,) if fits else tuple(_wrapped(title, type_, room, most))

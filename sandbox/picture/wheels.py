@@ -17,7 +17,7 @@ from sandbox.numeric import Array
 from sandbox.picture.geometry import shape_points
 from sandbox.scene.geometry import to_body, to_world
 
-FEW, MANY, MOST = 14, 30, 400  # teeth of the smallest meshing wheel; maximum of a wheel
+FEW, MANY, MAX_TEETH = 14, 30, 400  # teeth of the smallest meshing wheel; maximum of a wheel
 TOP, FOOT = 0.26, 0.3  # of a tooth above the pitch circle, of a gap below [pitches]
 ALONG, ACROSS = np.array([(-0.34, -FOOT), (-0.12, TOP), (0.12, TOP), (0.34, -FOOT)]).T
 """A tooth: places along the pitch circle, and across [pitches]."""
@@ -135,8 +135,8 @@ def _wheel(place: _WheelPlace, pitch: float = 0.0, phase: float = 0.0, *,
 
     around = np.linspace(0.0, 2 * np.pi, SIDES, endpoint=False)
     outline, line, rim, spoke = polar(radius, around), None, RIM * pitch or 0.1 * radius, radius
-    count = _count(radius, pitch) if pitch else MOST + 1
-    if count <= MOST:
+    count = _count(radius, pitch) if pitch else MAX_TEETH + 1
+    if count <= MAX_TEETH:
         own, up = 2 * math.pi / count, -1.0 if ring else 1.0
         angle = (phase + own * (np.arange(count)[:, None] + ALONG)).ravel()
         line, outline = outline, polar(radius + up * pitch * np.tile(ACROSS, count), angle)
@@ -158,7 +158,7 @@ def _rack(
     if shapes := model.mechanism.bodies[place.body].shapes:
         way = (shape_points(*shapes) - place.centre) @ (gx, gy)
         first, last = min(float(way.min()), meets - pitch), max(float(way.max()), meets + pitch)
-    count = max(1, min(math.floor((last - first) / pitch), MOST))
+    count = max(1, min(math.floor((last - first) / pitch), MAX_TEETH))
     gap = meets + ahead + pitch / 2
     start = gap + pitch * math.ceil((max(first, meets - count * pitch) - gap) / pitch + 0.5)
     along = (start + pitch * (np.arange(count)[:, None] + ALONG)).ravel()

@@ -53,8 +53,8 @@ FORMAT = 1
 MECHANISM, INFO = "mechanism.json", "info.json"
 IN_MEMORY = 1 << 26
 """Bytes of arrays up to which a recording is read into memory; larger ones are mapped."""
-MOST_UNPACKED = 100_000_000  # Bytes that compressed members may have together
-MOST_TEXT, MOST_INFO = 20_000_000, 1_000_000
+MAX_UNPACKED = 100_000_000  # Bytes that compressed members may have together
+MAX_TEXT, MAX_INFO = 20_000_000, 1_000_000
 """Bytes of the mechanism's text, and of the description of the run."""
 ANY = 10**18
 LIMITS = Limits(problems=1, bodies=10_000, elements=100_000, values=1_000_000, steps=ANY,
@@ -160,10 +160,10 @@ class _Reading:
                 raise ValueError(f"{name!r} claims more bytes than there are")
             found[name] = one
             unpacked += 0 if stored else one.file_size
-        if unpacked > MOST_UNPACKED:
+        if unpacked > MAX_UNPACKED:
             raise ValueError(
                 f"its compressed parts would take {unpacked} bytes; allowed: at most "
-                f"{MOST_UNPACKED}, or any size stored without compression")
+                f"{MAX_UNPACKED}, or any size stored without compression")
         return found
 
     def _bytes(self, stream: IO[bytes], size: int) -> Iterator[bytes]:
@@ -188,7 +188,7 @@ class _Reading:
     def info(self) -> dict[str, Any]:
         """How the run ended."""
         try:
-            info: Any = parse_source(self._text(INFO, MOST_INFO), limits=LIMITS).data
+            info: Any = parse_source(self._text(INFO, MAX_INFO), limits=LIMITS).data
         except SceneError as error:
             raise ValueError(f"{INFO!r} cannot be read: {line_of(error.problems[0])}") from None
         version = info.pop("format", None) if isinstance(info, dict) else None
@@ -201,7 +201,7 @@ class _Reading:
 
     def mechanism(self) -> Mechanism:
         """Checked as a scene is, except for the length of the run."""
-        text = self._text(MECHANISM, MOST_TEXT)
+        text = self._text(MECHANISM, MAX_TEXT)
         data: Any = None
         try:
             data = parse_source(text, limits=LIMITS).data

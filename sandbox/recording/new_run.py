@@ -42,7 +42,7 @@ PLOT = "plot"  # Name of the pictures of ``sandbox plot``, without the ending
 BESIDE = "incomplete"  # Where a run that was stopped is put if a complete one is there
 OWN = (*FILES, *FILMS, PAGE, *(f"{PLOT}.{ending}" for ending in ENDINGS))
 """Names that a run, and what is made of it, have in its directory."""
-MADE, MOST_MADE = ".made", 1_000_000
+MADE, MAX_MADE = ".made", 1_000_000
 """A list of other files that were made of the run: they go when it goes; its most bytes."""
 MARK = {"format": 1, "complete": False,
         "reason": "stopped while the files of a new run were put in place of an older one's"}
@@ -194,7 +194,7 @@ def _made(directory: Path) -> list[str]:
     """Names that were noted and are there; only plain ones, so that none leads elsewhere."""
     path = directory / MADE
     try:
-        short = path.is_file() and path.stat().st_size <= MOST_MADE
+        short = path.is_file() and path.stat().st_size <= MAX_MADE
         names = json.loads(path.read_text(encoding="utf-8")) if short else []
     except (OSError, ValueError, RecursionError):
         return []

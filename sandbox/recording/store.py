@@ -33,7 +33,7 @@ RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
 EDITED = ("was changed: it does not name its run, and its checks are ignored")
 """The note of a run with a summary that was changed or cut off."""
 HEAD = 1024  # Bytes of a summary in which its id stands
-MOST_SUMMARY, MOST_WORDS = 64_000_000, 2000
+MAX_SUMMARY, MAX_WORDS = 64_000_000, 2000
 """Bytes of a summary that is read as a whole, and letters of a text in it."""
 
 
@@ -149,12 +149,12 @@ def saved_audit(directory: Path) -> list[Figure]:
     path, found = directory / SUMMARY, []
     path = path if path.exists() else directory / INCOMPLETE
     try:
-        if path.stat().st_size > MOST_SUMMARY:
+        if path.stat().st_size > MAX_SUMMARY:
             return []
         for row in json.loads(path.read_bytes()).get("audit") or []:
             if row["verdict"] not in ("pass", "look", "not computed"):
                 return []
-            words = {key: str(row[key])[:MOST_WORDS] for key in ("name", "unit", "why", "source")}
+            words = {key: str(row[key])[:MAX_WORDS] for key in ("name", "unit", "why", "source")}
             value, threshold = (math.nan if row[key] is None else float(row[key])
                                 for key in ("value", "threshold"))
             found.append(Figure(value=value, threshold=threshold, verdict=row["verdict"], **words))

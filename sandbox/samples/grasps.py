@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.elements.quantities import MOST_PRESSING, STRAY, WINDOW
+from sandbox.elements.quantities import MAX_PRESSING, STRAY, WINDOW
 from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotropy
 from sandbox.model.joints import placed, rotated
 from sandbox.model.pairs import static_friction_of
@@ -98,7 +98,7 @@ class Grasp:
     def of_contacts(self, measure: Callable[..., Array]) -> Array:
         """A measure of the hand's contacts, [n]; nan where there are none, or too many."""
         result, (rows, points) = np.full(len(self.run), np.nan), self._pressed
-        few = self.count[self.sample[rows]] <= MOST_PRESSING
+        few = self.count[self.sample[rows]] <= MAX_PRESSING
         rows, points = rows[few], points[few]
         for samples, at in self._equal_counts(self.sample[rows]):
             result[samples] = measure(
@@ -284,7 +284,7 @@ class Grasp:
 MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
     "held": lambda grasp: grasp.held.astype(np.float64),
     "drift": Grasp.drift,
-    "closure": lambda grasp: np.where(grasp.count > MOST_PRESSING, np.nan, np.where(
+    "closure": lambda grasp: np.where(grasp.count > MAX_PRESSING, np.nan, np.where(
         np.nan_to_num(grasp.epsilon) > 0, 1.0, 0.0)),
     "epsilon": lambda grasp: grasp.epsilon,
     **{name: partial(Grasp.stiffness, name=name) for name in STIFFNESS},

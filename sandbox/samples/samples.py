@@ -295,7 +295,7 @@ class Samples(Stored):
         return np.asarray(holds * a["drive_value"][:, drive] * rate)
 
 
-MOST = 8  # Largest number of notes of one kind
+MAX_NOTES = 8  # Largest number of notes of one kind
 
 
 def broken(run: Stored) -> Iterator[str]:
@@ -303,13 +303,13 @@ def broken(run: Stored) -> Iterator[str]:
     bonds, straight = run.model.bonds, run.model.springs.straight
     known = {name: bond for bond, name in enumerate(bonds.name)}
     broke = [one for one in run.info.broke if one.event in known]
-    for one in broke[:MOST]:
+    for one in broke[:MAX_NOTES]:
         bond = known[one.event]
         unit = "N m" if bond in bonds.spring[~straight] else "N"
         yield (f"{one.event} broke at its load of {bonds.breaks_at[bond]:g} {unit}, "
                f"t = {one.time:.6g} s")
-    if len(broke) > MOST:
-        yield f"{len(broke) - MOST} more broke after that"
+    if len(broke) > MAX_NOTES:
+        yield f"{len(broke) - MAX_NOTES} more broke after that"
 
 
 AT_END = 1e-5
@@ -334,13 +334,13 @@ def ended(run: Stored) -> Iterator[str]:
             there = np.flatnonzero((left < AT_END) & pressed)
             if len(there) and left[0] >= AT_END:
                 found.append((int(there[0]), joint, float(left[0])))
-    for sample, joint, gone in sorted(found)[:MOST]:
+    for sample, joint, gone in sorted(found)[:MAX_NOTES]:
         name = run.model.bodies.name[int(joints.bodies[joint, 1])]
         more = ", and divides its pull no longer while it is there" if name in divide else ""
         yield (f"{joints.name[joint]}: {name} reached the end of its slot, {1000.0 * gone:.4g} mm "
                f"from its start, t = {run.time[sample]:.6g} s{more}")
-    if len(found) > MOST:
-        yield f"{len(found) - MOST} more reached the ends of their slots later"
+    if len(found) > MAX_NOTES:
+        yield f"{len(found) - MAX_NOTES} more reached the ends of their slots later"
 
 
 AT_REST = 1e-6  # Largest speed at rest [m/s, rad/s]

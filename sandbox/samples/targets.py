@@ -59,7 +59,7 @@ def targets(run: Samples, given: Mapping[str, float] | None = None) -> dict[str,
     found: dict[str, Array] = {name: np.full(len(run), value)
                                for name, value in (given or {}).items() if name in run.catalogue}
     for controller in sorted(run.mechanism.controllers, key=lambda each: not each.active):
-        for name, target in _led(run, controller):
+        for name, target in _tracked(run, controller):
             found.setdefault(name, target)
     for meter in run.mechanism.meters:
         name = meter.name.removesuffix(SUFFIX)
@@ -78,10 +78,10 @@ def responses(run: Samples, goals: Mapping[str, Array]) -> dict[str, Response]:
     return found
 
 
-def led(run: Samples) -> list[str]:
+def tracked(run: Samples) -> list[str]:
     """The quantities for which controllers have targets, in the scene's order."""
     return list(dict.fromkeys(name for controller in run.mechanism.controllers
-                              for name, _ in _led(run, controller)))
+                              for name, _ in _tracked(run, controller)))
 
 
 def controlled(run: Samples) -> list[str]:
@@ -99,7 +99,7 @@ def initial(run: Samples, drive: str) -> float:
         return float(run[f"{drive}.value"][0])
 
 
-def _led(run: Samples, controller: Controller) -> Iterator[tuple[str, Array]]:
+def _tracked(run: Samples, controller: Controller) -> Iterator[tuple[str, Array]]:
     """The quantities that a controller reads by their plain names, and their targets."""
     for i, (text, signal) in enumerate(zip(controller.readings, controller.signals, strict=False)):
         name = text.removeprefix("=").strip()

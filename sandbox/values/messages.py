@@ -16,7 +16,7 @@ from sandbox.codes import CODES
 from sandbox.errors import Problem
 from sandbox.values.numbers import message_of
 from sandbox.values.paths import JsonPath, holds, path_text
-from sandbox.wording import MOST_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
+from sandbox.wording import MAX_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
 
 COMPOSING = ("like", "repeat", "include", "parameters")
 """Keys of an entry that composition removes: suggested for similar unknown keys."""
@@ -109,7 +109,7 @@ def _unknown_key(
     key, kind = str(error["loc"][-1]), type_at(model, error["loc"][:-1])
     keys = [field.alias or name for name, field in kind.model_fields.items()] \
         if _is_model(kind) else []
-    allowed, more = ", ".join(keys[:MOST_NAMED]), len(keys) - MOST_NAMED
+    allowed, more = ", ".join(keys[:MAX_NAMED]), len(keys) - MAX_NAMED
     if more > 0:
         allowed += f" and {more} more ({fields_page(kind)})"
     words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()

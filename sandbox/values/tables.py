@@ -28,7 +28,7 @@ from sandbox.values.spec import Spec
 from sandbox.values.units import Measured, dimension_of
 from sandbox.wording import WrongValueError, quoted
 
-MOST_POINTS = 1000  # of one table
+MAX_POINTS = 1000  # of one table
 CLOSEST = 1e-9  # the least distance of two points, as a share of the whole table
 CLOSES = 1e-9  # maximum difference of the ends of a table that repeats, as a share of its range
 STEEPEST = 1e15  # maximum slope of a table, SI, so that derived numbers are finite
@@ -99,7 +99,7 @@ class PeriodicSpline:
 class NamedTable(Spec):
     """A function of one number, given by points; expressions call it by its name."""
 
-    points: Items[Pair[Quantity]] = Field(min_length=2, max_length=MOST_POINTS)
+    points: Items[Pair[Quantity]] = Field(min_length=2, max_length=MAX_POINTS)
     """Points ``[x, y]``, 2 to 1000, x rising: numbers in SI, or with units, one kind of unit for
     all x and one for all y."""
     between: Literal["linear", "cubic"] = "linear"

@@ -101,7 +101,7 @@ class FoundOut(NamedTuple):
     source: str = ""  # its directory
 
 
-def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
+def words(run: Samples, known: FoundOut, apart: str = "") -> dict[str, Any]:
     """Texts and tables of a run; ``apart`` is a name that distinguishes it from others."""
     def finite(one: Verdict | Figure) -> dict[str, Any]:
         return {key: None if isinstance(value, float) and not math.isfinite(value) else value
@@ -115,8 +115,8 @@ def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
         "versions": dict(info.versions),
         "events": [{"name": one.event, "t": one.time} for one in info.marked],
         "expect": [{**finite(v), "over": over} for v, over in zip(
-            told.verdicts, chain(_windows(run), repeat(None)), strict=False)],
-        "audit": [finite(figure) for figure in told.figures],
+            known.verdicts, chain(_windows(run), repeat(None)), strict=False)],
+        "audit": [finite(figure) for figure in known.figures],
         "scene": to_json(run.mechanism),
     }
 
@@ -136,11 +136,11 @@ def _windows(run: Samples) -> Iterator[list[float] | None]:
 
 
 def report(
-    runs: Sequence[Samples], told: Sequence[FoundOut] = (), plots: Sequence[str] = (),
+    runs: Sequence[Samples], known: Sequence[FoundOut] = (), plots: Sequence[str] = (),
 ) -> str:
     """The page of one to :data:`MAX_RUNS` runs; equal runs give equal pages, to the byte.
 
-    ``told`` has data about each run; ``plots`` are quantities that are plotted at once, by default
+    ``known`` has data about each run; ``plots`` are quantities that are plotted at once, by default
     those of the scene's expectations.
 
     Raises:
@@ -151,13 +151,13 @@ def report(
                           else "there is no run to show; pass at least one", code="bad-picture")
     for run in runs:
         check_run(run)
-    told = [found if found.verdicts else found._replace(verdicts=verdicts(run))
-            for run, found in zip(runs, chain(told, repeat(FoundOut())), strict=False)]
+    known = [found if found.verdicts else found._replace(verdicts=verdicts(run))
+            for run, found in zip(runs, chain(known, repeat(FoundOut())), strict=False)]
     titles = [run.mechanism.title or run.mechanism.name for run in runs]
-    sources = [found.source for found in told]
+    sources = [found.source for found in known]
     names = next((each for each in (titles, sources) if len(set(each)) == len(runs)), titles)
     pieces = []
-    for run, found, name in zip(runs, told, names, strict=True):
+    for run, found, name in zip(runs, known, names, strict=True):
         subject, box = listed(run, [other for other in runs if other is not run])
         numbers = packed(run, subject.out, quantities(run, plots), subject.width)
         head = safe_json({
@@ -201,10 +201,10 @@ def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
     return list(dict.fromkeys([*names, *wanted, *shown, *pairs]))
 
 
-def _default_plots(run: Samples, told: FoundOut) -> list[str]:
+def _default_plots(run: Samples, known: FoundOut) -> list[str]:
     """The first of these that change: expectations, meters, tendons, else the usual quantities."""
     usual = run.catalogue.usual
-    expected = [verdict.quantity for verdict in told.verdicts if verdict.quantity in run]
+    expected = [verdict.quantity for verdict in known.verdicts if verdict.quantity in run]
     for names in ((*expected, *usual["meter"], *usual["tendon"]),
                   (*usual["joint"], *usual["drive"]), (*usual["spring"], *usual["body"])):
         if found := [name for name in dict.fromkeys(names)
@@ -251,6 +251,6 @@ def page(run: Recording, quantities: Sequence[str], height: int) -> RunPage:
         raise OutputError(f"height={quoted(height)} is no height of a page; pass {MIN_HEIGHT} to "
                           f"{MAX_HEIGHT} pixels", code="bad-picture")
     plots = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
-    told = FoundOut(verdicts=run.verdicts, figures=run.audit)
-    return RunPage(report([run], [told], plots), f"{run.mechanism.name or 'a run'} in motion",
+    known = FoundOut(verdicts=run.verdicts, figures=run.audit)
+    return RunPage(report([run], [known], plots), f"{run.mechanism.name or 'a run'} in motion",
                 height)

@@ -12,7 +12,7 @@ from sandbox.picture.bounds import Rectangle, Stage, place_camera
 from sandbox.picture.frames import new_surface
 from sandbox.picture.geometry import large_circle
 from sandbox.picture.scales import round_length, round_up
-from sandbox.picture.typesetter import MOST_LETTERS, Typesetter, ellipsis
+from sandbox.picture.typesetter import MAX_LETTERS, Typesetter, ellipsis
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import frames_of, recording
@@ -100,7 +100,7 @@ def test_a_large_circle_is_where_its_rim_is(angle, radius):
 
 def test_texts_are_bounded_and_print():
     type_ = Typesetter(12)
-    assert type_.width("W" * 20_000) == type_.width("W" * MOST_LETTERS)
+    assert type_.width("W" * 20_000) == type_.width("W" * MAX_LETTERS)
     assert type_.render("\u0301\u0302").get_width() >= 1
     assert type_.width("\u200b\x00") == type_.width("\\u200b\\x00")
     short = ellipsis(type_, "many words " * 2000, 100, 12)

@@ -136,6 +136,25 @@ def test_processes_share_the_compilation_of_a_first_run(tmp_path: Path):
     assert 0.4 < share < 0.8
 
 
+def test_this_process_does_its_part_where_no_other_may_start(monkeypatch: pytest.MonkeyPatch):
+    def refuse(*_words: object, **_options: object) -> None:
+        raise BlockingIOError("Resource temporarily unavailable")
+
+    wanted = [SimpleNamespace(name=f"entry_{i}") for i in range(10)]
+    monkeypatch.setattr(entry_points, "_missing", list)
+    monkeypatch.setattr(entry_points, "subprocess", SimpleNamespace(Popen=refuse, DEVNULL=-3))
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    monkeypatch.setattr("multiprocessing.parent_process", lambda: None)
+    with entry_points._other_processes(wanted) as (others, own):
+        assert others == []
+        assert own == wanted[::2]
+
+
+def test_without_entry_points_nothing_is_missing():
+    """As with NUMBA_BOUNDSCHECK=1, which makes kernels of them."""
+    assert entry_points._missing([]) == []
+
+
 def other_version(**changes: object) -> str:
     """The hash of ``outer`` after changes of what ``inner`` is made of."""
     source_hash.__globals__["_describe"].cache_clear()

@@ -32,7 +32,7 @@ RAW = (b"NaN", b"-Infinity", b"1e999", b"\x00", b"\xff\xfe", b"\xef\xbb\xbf", b"
        b'{"a":1,"a":2}', b"//", b",", b"}", b'"\\ud800"', b"1" * 400)
 KEYS = ("extra", "limits", "value", "rate", "radius", "damping", "", "\ud800", "tables", "force",
         "torque", "only", "between", "beyond")
-MOST_CHANGES = 6
+MAX_CHANGES = 6
 Path = tuple[str | int, ...]
 Change = Callable[[Any, random.Random], None]
 
@@ -42,7 +42,7 @@ def make(seed: int) -> bytes:
     chance = random.Random(seed)
     data = copy.deepcopy(chance.choice(_shipped()))
     data["view"] = {"size": [64, 64], "fps": 20}
-    for _ in range(chance.choice([0, 1, 1, 1, 2, 2, 3, MOST_CHANGES])):
+    for _ in range(chance.choice([0, 1, 1, 1, 2, 2, 3, MAX_CHANGES])):
         chance.choice(CHANGES)(data, chance)
     text = json.dumps(data, indent=chance.choice([None, 1])).encode()
     return damaged(text, chance) if chance.random() < 0.1 else text

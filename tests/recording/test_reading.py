@@ -142,7 +142,7 @@ NO_ARRAY, INVALID = "is not an array of numbers", "its mechanism is not valid.*"
     (member("mechanism.json", b'{"bodies": ' + b"[" * 100_000 + b"]" * 100_000 + b"}"), "nest"),
     (member("mechanism.json", b'{"bodies": NaN}'), "NaN"),
     (member("mechanism.json", b"\xff\xfe"), "damaged"),
-    (member("mechanism.json", b" " * (archive.MOST_TEXT + 1)),
+    (member("mechanism.json", b" " * (archive.MAX_TEXT + 1)),
      "has 20000001 bytes; allowed: at most 20000000"),
     (member("time.npy", None), "'time' is missing"),
     (member("info.json", None), "it has no 'info.json'"),
@@ -184,9 +184,9 @@ def test_many_small_bombs_are_one(saved, monkeypatch):
         name, content, zipfile.ZIP_DEFLATED))
     with zipfile.ZipFile(saved / "run.npz") as archive:
         total = sum(one.file_size for one in archive.infolist())
-    monkeypatch.setattr("sandbox.recording.archive.MOST_UNPACKED", total)
+    monkeypatch.setattr("sandbox.recording.archive.MAX_UNPACKED", total)
     assert Recording.load(saved).complete
-    monkeypatch.setattr("sandbox.recording.archive.MOST_UNPACKED", total - 1)
+    monkeypatch.setattr("sandbox.recording.archive.MAX_UNPACKED", total - 1)
     with pytest.raises(OutputError, match=f"compressed parts would take {total} bytes"):
         Recording.load(saved)
 

@@ -13,12 +13,12 @@ from sandbox.samples.targets import (
     controlled,
     effort,
     initial,
-    led,
     respond,
     responses,
     settling_time,
     start,
     targets,
+    tracked,
 )
 from tests.samples.controlled import STIFFNESS, TARGETS, recording, scene, second_order
 
@@ -36,7 +36,7 @@ def test_targets_of_controllers() -> None:
     assert list(found) == ANGLES
     for name, goal in zip(ANGLES, TARGETS, strict=True):
         assert found[name] == pytest.approx(np.full(len(run), goal))
-    assert led(run) == ANGLES
+    assert tracked(run) == ANGLES
     assert controlled(run) == ["k1", "k2", "k3"]
 
 
@@ -47,7 +47,7 @@ def test_meters_hold_targets_where_nothing_leads() -> None:
     found = targets(run)
     assert set(found) == {"finger.tendon.shortening", "finger.mcp.angle"}
     assert found["finger.mcp.angle"] == pytest.approx(0.3 * run.time)
-    assert led(run) == ["finger.tendon.shortening"]
+    assert tracked(run) == ["finger.tendon.shortening"]
     # a controller's target counts more, one by hand most
     run = recording(scene(meters=meters))
     assert targets(run)["finger.mcp.angle"][0] == pytest.approx(TARGETS[0])

@@ -35,7 +35,7 @@ LOAD_LENGTH, VECTOR_LENGTH, LENGTH = 0.11, 0.1, 0.07
 FAINT = 0.02  # loads below this share of the reference are left out
 STANDING = 1e-6  # points that move less are at rest [picture widths]
 LEVEL = 2e-3  # corners of a body this near to a contact's line, in sizes of the body, lie on it
-MOST_SAMPLES = 200  # samples looked at for the scale of line loads
+MAX_SAMPLES = 200  # samples looked at for the scale of line loads
 
 
 def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, words: str,
@@ -244,7 +244,7 @@ def add_pressure(s: Subject) -> None:
     if "pressure" not in s.layers:
         return
     found, time = line_loads(s.run, s.layers.of("pressure")), s.run.time
-    some = np.unique(np.linspace(0, len(time) - 1, MOST_SAMPLES).astype(np.int64))
+    some = np.unique(np.linspace(0, len(time) - 1, MAX_SAMPLES).astype(np.int64))
     seen, most = np.isin(found.sample, some), found.load.max(axis=1, initial=0.0)
     largest = largest_of(np.searchsorted(some, found.sample[seen]), most[seen], len(some))
     scale = scale_of(typical(largest, time[some]), LENGTH * s.width)

@@ -22,10 +22,10 @@ from sandbox.values.appearance import rgb
 Place = tuple[int, XY]
 TRACE, MARK = 1.8, 3.0  # width of a trace, radius of its marks of time [points]
 PITCH = 70.0  # least distance of lines of the grid [points]
-MOST_LINES, FAR = 200, 1e9  # lines of the grid along an axis, and steps from the origin
+MAX_LINES, FAR = 200, 1e9  # lines of the grid along an axis, and steps from the origin
 WIDE = 1e4  # half the width of a liquid, in widths of the picture
 DARKER = 0.3  # how much darker a trace is than its body
-MOST_NAMED = 6  # of no more than so many traces the bodies' names stand at their ends
+MAX_NAMED = 6  # of no more than so many traces the bodies' names stand at their ends
 PIECES = 12  # between marks of time, at most
 
 
@@ -35,7 +35,7 @@ def add_traces(s: Subject) -> None:
     if not places or "traces" not in s.layers:
         return
     bodies = [body for body, _ in places]
-    named = 1 < len(set(bodies)) == len(bodies) <= MOST_NAMED
+    named = 1 < len(set(bodies)) == len(bodies) <= MAX_NAMED
     every = round_interval(float(s.run.time[-1] - s.run.time[0]))
     own = [colour_of(s.run.model, s.run.mechanism.bodies[body]) for body in bodies]
     colours: list[Colour] = [mixed(rgb(each), INK, DARKER) for each in own if each]
@@ -91,7 +91,7 @@ def grid(out: Listing, camera: Camera, stage: Stage, point: float) -> list[Item]
         if not abs(low) + abs(high) < FAR * step:
             continue
         first, last = math.ceil(low / step), math.floor(high / step)
-        for n in range(first, min(last, first + MOST_LINES) + 1):
+        for n in range(first, min(last, first + MAX_LINES) + 1):
             at = n * step
             ends = [[out.world, *flat(end)] for end in (
                 [(at, y0), (at, y1)] if axis == 0 else [(x0, at), (x1, at)])]

@@ -22,14 +22,14 @@ from sandbox.samples.cables import off_wheels
 
 CABLE = 2.4  # width of a tendon [points]
 WOUND = 1.5  # length of a tendon that is shown on the wheel on which it ends [rad]
-CREEP, LEAST_SLIP = 1e-3, 1e-6  # minimum slip: per sample [largest one], of that [m]
+CREEP, MIN_SLIP = 1e-3, 1e-6  # minimum slip: per sample [largest one], of that [m]
 NEAR_TURN = 0.02  # arcs that are so close to a whole turn are arcs of the other sign [rad]
 TUBE, TUBE_SHARE = (4.5, 9.0), 0.13  # half width of a cylinder: limits [points], [lengths]
 HOSE, VANE = 1.6, 10.0  # width of a hose and radius of a chamber on a hinge [points]
 PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
 """Offsets of pump, tank, line [points]."""
 SPARE = 0.04  # room before and behind a piston [largest lengths of the cylinder]
-LEAST_TUBE, MOST_TUBE = 0.55, 0.95  # limits of a tube [smallest lengths of the cylinder]
+MIN_TUBE, MAX_TUBE = 0.55, 0.95  # limits of a tube [smallest lengths of the cylinder]
 
 
 def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int], on: Flags, *,
@@ -74,7 +74,7 @@ def add_cables(s: Subject) -> None:
     """Every tendon with its eyes, and collars where guides have friction."""
     off, slip = off_wheels(s.run.arrays), s.run.arrays["guide_slip"]
     slid = np.abs(np.diff(slip, axis=0, prepend=slip[:1]))
-    slips = slid > CREEP * np.maximum(slid.max(axis=0, initial=0.0), LEAST_SLIP)
+    slips = slid > CREEP * np.maximum(slid.max(axis=0, initial=0.0), MIN_SLIP)
     for k, spec in enumerate(s.run.mechanism.tendons):
         cable = _Cable(s, k, off[:, s.run.model.tendons.loose(k)])
         gripped = s.run.model.tendons.gripped(k).tolist()
@@ -223,7 +223,7 @@ class _Fluids:
         gap = np.hypot(*(s.out.place(ends[1]) - s.out.place(ends[0])).T)
         least, most = float(gap.min()), float(gap.max())
         spare = SPARE * most
-        tube = min(max(most - least + 2 * spare, LEAST_TUBE * least), MOST_TUBE * least)
+        tube = min(max(most - least + 2 * spare, MIN_TUBE * least), MAX_TUBE * least)
         stroke = min(most - least, max(tube - 2 * spare, 0.0))
         slope = stroke / (most - least) if most > least else 1.0
         foot, head = (way.at(far)[0] for far in (0.0, tube - spare - slope * (most - way.length)))

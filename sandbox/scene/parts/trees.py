@@ -22,7 +22,7 @@ from sandbox.values.numbers import Angle, Damping, Items, Length, Mass, Name, Ra
 from sandbox.values.spec import TYPE
 from sandbox.wording import NearMisses, WrongValueError
 
-LEAST_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
+MIN_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
 ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]
 
 
@@ -35,7 +35,7 @@ class _TreeSpec(PartSpec):
     """Shares of the pull, one for each leaf in any unit; by default equal."""
     direction: Angle = math.pi
     """Direction of the pull in the world [rad], counter-clockwise from +x; by default along -x."""
-    pitch: Length | None = Field(default=None, ge=LEAST_DISTANCE)
+    pitch: Length | None = Field(default=None, ge=MIN_DISTANCE)
     """Distance of neighbouring strings, across the pull [m]; by default that of the leaves, or
     ``travel`` for leaves in one line along the pull. With a pitch each string passes two eyes of
     the tree's frame, ``gap`` behind the rearmost leaf, from its leaf's line to its own."""
@@ -183,7 +183,7 @@ class _Builder:
         """Positions of the strings: those of the leaves, or equally spaced with ``pitch``."""
         across = [place[1] for place in self.places]
         order = sorted(range(len(across)), key=across.__getitem__)
-        apart = all(across[j] - across[i] >= LEAST_DISTANCE for i, j in pairwise(order))
+        apart = all(across[j] - across[i] >= MIN_DISTANCE for i, j in pairwise(order))
         if self.tree.pitch is None and apart:
             return across
         pitch = self.tree.pitch or self.tree.travel
@@ -192,7 +192,7 @@ class _Builder:
         return [first + pitch * rank[leaf] for leaf in range(len(order))]
 
     def _has_eyes(self, leaf: int) -> bool:
-        return abs(self.lines[leaf] - self.places[leaf][1]) >= LEAST_DISTANCE
+        return abs(self.lines[leaf] - self.places[leaf][1]) >= MIN_DISTANCE
 
     def _eyes(self, leaf: Node) -> tuple[Guide, ...]:
         """Guides of the frame from a leaf's line to that of its string, unless they are one."""
