@@ -46,7 +46,6 @@ def test_morris_tells_slopes_of_a_sum_exactly():
 @pytest.mark.parametrize(("more", "fragment"), [
     ({"method": "sobl"}, "method: 'sobl' is not"),
     ({"count": 100}, "a power of 2, not 100. Allowed: 64, 128"),
-    ({"count": 2}, "count: must be at least 4"),
     ({"vary": {"parameters.a": "0:1"}}, "two paths or more"),
     ({"keep": ["y==sqrt(-1 - a)"], "count": 4}, "too few runs have an answer"),
 ])
