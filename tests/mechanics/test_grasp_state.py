@@ -91,11 +91,3 @@ def test_two_mirrored_fingers():
     np.testing.assert_allclose(
         stiffness(contact_stiffness=KC),
         [[35.818082, 0, -1.596764], [0, 353.099848, 0], [-1.596764, 0, 0.210173]], atol=6e-7)
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_what_nothing_lets_give_way_is_told_whatever_rounding_leaves(seed):
-    """Three joints for four directions: one value of J / Kq J^T is 0, or rounding."""
-    J = np.random.default_rng(seed).normal(size=(4, 3))
-    with pytest.raises(ValueError, match="3 joints for 4 directions"):
-        grasp_stiffness(np.ones((3, 4)), J, np.ones(3))
