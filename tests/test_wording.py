@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sandbox.wording import Count, counted, meant, near, nearest, quoted
+from sandbox.wording import meant, near, nearest, quoted
 
 SPRING = ("name", "a", "b", "stiffness", "damping", "rest_length", "breaks_at", "released")
 
@@ -30,9 +30,3 @@ def test_suggestions(word: str, choice: str) -> None:
 def test_quoted_names_keep_their_letters_and_lose_control_characters() -> None:
     assert quoted("größe") == "'größe'"
     assert quoted("ö\n\x1b") == r"'\xf6\n\x1b'"
-
-
-def test_one_is_one() -> None:
-    assert [counted(n, "spring") for n in (0, 1, 2)] == ["0 springs", "1 spring", "2 springs"]
-    assert f"{Count(1):body|bodies}" == "1 body"
-    assert f"{Count(3):body|bodies}" == "3 bodies"
