@@ -74,8 +74,8 @@ def test_a_path_in_the_plane_has_one_scale(capsys: pytest.CaptureFixture[str]) -
         path, other = drawn(figure)
         assert path == pytest.approx(1.0)
         assert other != pytest.approx(1.0, rel=0.5)
-        axes = figure.axes[0]
-        assert (axes.get_xlabel(), axes.get_ylabel()) == (f"{x} [m]", f"{y} [m]")
+        first, last = figure.axes
+        assert (last.get_xlabel(), first.get_ylabel()) == (f"{x} [m]", f"{y} [m]")
     assert capsys.readouterr().err == ""  # of matplotlib, about limits that gave way
 
 
