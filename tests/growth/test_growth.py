@@ -57,7 +57,7 @@ def low_caps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Caps that small scenes reach, too."""
     monkeypatch.setattr(wording.NearMisses.__init__, "__defaults__", (3,))
     monkeypatch.setattr(inspect_elements, "MAX_PAIRS", 30)
-    monkeypatch.setattr("sandbox.scene.read.compose.MOST_LIKE", 3)
+    monkeypatch.setattr("sandbox.scene.read.compose.DEEPEST_LIKE", 3)
     monkeypatch.setattr("sandbox.model.meters.MOST_HINTED", 3)
 
 
