@@ -71,8 +71,7 @@ def test_a_spring_that_is_soft_or_too_stiff_for_the_step(stiffness: float):
 
 
 @pytest.mark.parametrize("name", [
-    "single_finger", "pulley_differential", "servo_arm", "jaw", "toggle_press",
-    pytest.param("pneumatic_hand", marks=pytest.mark.nightly),
+    "single_finger", "pulley_differential", "servo_arm", "jaw", "toggle_press", "pneumatic_hand",
     pytest.param("hydraulic_press", marks=pytest.mark.nightly),
     pytest.param("elastic_tendons", marks=pytest.mark.nightly)])
 def test_where_a_shipped_scene_comes_to_rest(name: str):
