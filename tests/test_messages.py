@@ -11,8 +11,6 @@ import pytest
 import sandbox
 from sandbox.cli.entry import invoke
 from sandbox.errors import Problem
-from sandbox.scene.document import Scene
-from sandbox.values.messages import ELEMENTS, fields_at
 
 SCENE = """{
 "run": {"duration": 1, "step": 0.001},
@@ -78,17 +76,3 @@ def test_a_diagnostic_without_a_known_code_cannot_be_made() -> None:
         Problem("my words", "$")
     with pytest.raises(KeyError, match="no diagnostic has the code 'none'"):
         sandbox.SandboxError("my words", code="none")
-
-
-def test_a_place_of_a_scene_leads_to_its_fields() -> None:
-    scene = {
-        "springs": [{"type": "linear", "stiffness": 3}, {"stiffness": 3}],
-        "parts": [{"type": "assembly", "name": "jaw",
-                   "joints": [{"type": "pin", "limits": [0, 1]}]}],
-        "materials": {"steel": {"friction": 1}}, "bodis": [],
-    }
-    assert [fields_at(Scene, scene, path) for path in (
-        ("springs", 0, "stiffness"), ("springs", 1), ("parts", 0, "joints", 0, "limits", 1),
-        ("materials", "steel", "friction"), ("bodis",))] == [
-        f"{ELEMENTS}#linearspring", "", f"{ELEMENTS}#pin", f"{ELEMENTS}#material",
-        f"{ELEMENTS}#scene"]

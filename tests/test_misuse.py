@@ -87,7 +87,6 @@ def test_no_path_is_not_the_working_directory(
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted(kept)
 
 
-@pytest.mark.parametrize("ending", ["gif", ""])
 @pytest.mark.parametrize(("keys", "wanted"), [
     ({"fps": 24}, "20, 25 or 50"), ({"fps": "x"}, "20, 25 or 50"),
     ({"size": (0, 0)}, "64 to 8192"), ({"size": 5}, "64 to 8192"),
@@ -97,9 +96,9 @@ def test_no_path_is_not_the_working_directory(
     ({"centre": 3}, "(x, y)"), ({"centre": (math.inf, 0)}, "(x, y)"), ({"centre": (1, 2, 3)}, "(x"),
 ])
 def test_pictures_that_cannot_be(
-    run: sandbox.Recording, keys: dict[str, Any], wanted: str, ending: str, tmp_path: Path,
+    run: sandbox.Recording, keys: dict[str, Any], wanted: str, tmp_path: Path,
 ) -> None:
-    message = error_of(sandbox.render, run, tmp_path / f"x.{ending}".rstrip("."), **keys)
+    message = error_of(sandbox.render, run, tmp_path / "x.gif", **keys)
     assert wanted in message
     assert f"{next(iter(keys))}=" in message
     assert not list(tmp_path.iterdir())
@@ -122,14 +121,10 @@ def changed(**keys: Any) -> Mechanism:
 
 @pytest.mark.parametrize(("keys", "place"), [
     ({"mass": math.inf}, "$.bodies[0].mass: must be finite"),
-    ({"mass": "heavy"}, "$.bodies[0].mass: 'heavy' is not a number"),
-    ({"mass": 1e300}, "$.bodies[0].mass: 1e+300 is too large"),
     ({"mass": -1.0}, "$.bodies[0].mass: must be greater than 0"),
     ({"mass": None}, "$.bodies[0]: a dynamic body needs either"),
     ({"mass": None, "density": 1e-9}, "$.bodies[0]: its mass is"),
-    ({"at": None}, "$.bodies[0].at: expected a list"),
     ({"material": "rubber"}, "$.bodies[0].material: there is no material named 'rubber'"),
-    ({"shapes": 3}, "$.bodies[0].shapes: expected a list"),
 ])
 def test_a_body_by_hand(keys: dict[str, Any], place: str) -> None:
     assert error_of(sandbox.simulate, changed(**keys)).startswith(place)

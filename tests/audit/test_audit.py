@@ -10,14 +10,12 @@ import numpy as np
 import pytest
 
 from sandbox.audit import audit as audit_module
-from sandbox.audit import evidence as evidence_module
 from sandbox.audit.audit import audit, figure_data
-from sandbox.audit.evidence import Evidence
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from tests.audit.still import H, block, figures, machine, still
 from tests.audit.test_planted import MIDDLE, array, more, sound
-from tests.engine.machines import G, disc, fixed, mass, mechanism
+from tests.engine.machines import fixed, mass, mechanism
 
 
 @pytest.fixture(scope="module")
@@ -57,57 +55,11 @@ def test_numbers_that_are_none_are_never_a_pass(held):
     json.dumps([figure_data(f) for f in found.values()], allow_nan=False)
 
 
-REASONS = {
-    "differential": "no tree", "poses": "no chain of hinges starts", "tendon.path": "no tendon",
-    "spring.length": "no straight spring", "stop.overrun": "no hinge has stops",
-    "rest.moments": "not at rest", "rest.contacts": "not at rest", "contact.shared": "no finger",
-    "contact.friction": "nothing touches", "tendon.slack": "no tendon", "joint.drift": "no joint",
-    "reaction.size": "no joint"}
-
-
-def test_what_cannot_be_computed_says_why():
-    run = simulate(mechanism(gravity=(0.0, -G), bodies=[mass("stone", 1.0, (0.0, 0.0))]))
-    found = figures(run)
-    for name, reason in REASONS.items():
-        assert found[name].verdict == "not computed"
-        assert reason in found[name].why
-        assert math.isnan(found[name].value)
-
-
-@pytest.mark.parametrize(("more", "reason"), [
-    ({"bodies": [fixed("wall"), {"name": "plate", "motion": "scheduled", "path": {"x": "=t"}}]},
-     "schedule"),
-    ({"bodies": [disc("ball", 0.1, (0, 0))], "drives": [
-        {"type": "radius", "name": "swell", "body": "ball", "value": "=0.1 + 0.01 * t"}]},
-     "radius"),
-])
-def test_work_that_is_not_recorded_is_told(more, reason):
-    for name in ("energy.created", "energy.lost"):
-        figure = figures(simulate(mechanism(**more)))[name]
-        assert figure.verdict == "not computed"
-        assert reason in figure.why
-
-
 def test_an_unfinished_run_and_an_empty_one_are_audited(held):
     cut = replace(held.info, complete=False)
     unfinished = Recording(held.mechanism, held.arrays, cut)
     assert "the run stopped early" in figures(unfinished)["rest.moments"].why
     assert {f.verdict for f in audit(held.part(0, 0))} == {"not computed"}
-
-
-def test_long_runs_are_thinned_to_so_many_numbers(monkeypatch):
-    """Three bodies and 100 numbers: at most 34 samples; of 90 each third, the last among them."""
-    monkeypatch.setattr(evidence_module, "NUMBERS", 100)
-    machine_ = machine(block("one"), block("two"))
-    thin = Evidence(still(machine_, n=90))
-    assert not thin.every_step
-    assert np.rint(thin.run.time / H - 0.5).tolist() == list(range(2, 90, 3))
-    whole = Evidence(still(machine_, n=33))
-    assert (len(whole.run), whole.every_step) == (33, True)
-    half = Evidence(still(machine_, n=34))
-    assert np.rint(half.run.time / H - 0.5).tolist() == list(range(1, 34, 2))
-    assert len(Evidence(still(machine(), n=100)).run) == 100  # a wall alone is one body
-    assert len(Evidence(still(machine(), n=101)).run) < 101
 
 
 def test_one_check_may_fail_and_the_others_are_computed(monkeypatch):

@@ -46,16 +46,6 @@ def test_a_contact_may_use_its_friction_limit_and_a_millionth_more(mu, static):
             touch(1, 0.0, force=5 * normal + side * 2 * e * across, normal=normal)]), by=1e-7)
 
 
-def test_each_contact_has_the_friction_of_its_own_pair():
-    """0.4 on one and two, 0.1 on two and three, 0.2 on three and one: the limits of 5 N each."""
-    machine_ = pair(materials={"m": {}}, contacts=[
-        {"between": between, "friction": mu} for between, mu in (
-            (("one", "two"), 0.4), (("three", "two"), 0.1), (("one", "three"), 0.2))])
-    for who, used in (((1, 2), 0.125), ((2, 3), 0.5), ((3, 1), 0.25), ((2, 1), 0.125)):
-        found = figures(still(machine_, touches=[touch(1, 0.0, force=(0.25, 5.0), who=who)]))
-        assert found["contact.friction"].value == pytest.approx(used)
-
-
 def test_without_friction_any_force_across_is_beyond_the_limit_by_its_share():
     """1 + t / n: 5 N and 5e-6 N across."""
     turns("contact.friction", 1 + 1e-6, lambda e: still(rough(0.0), touches=[
@@ -149,7 +139,7 @@ def test_a_run_of_its_own_scene_passes(key, every):
     assert "look" not in {figure.verdict for figure in figures(run).values()}
 
 
-@pytest.mark.parametrize("factor", [0.95, 0.999, 1.001, 1.05])
+@pytest.mark.parametrize("factor", [0.999, 1.001])
 @pytest.mark.parametrize(("key", "number", "figure"), [
     ("SLIDES", "friction", "slides"), ("DRAGGED", "friction", "slides"),
     ("TUMBLES", "friction", "slides"), ("TUMBLES", "restitution", "bounces"),

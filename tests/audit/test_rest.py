@@ -157,23 +157,6 @@ def test_the_normal_counts_from_the_fingers_side_wherever_it_stands_in_the_row(t
     assert grip.hinges == [0, 1]
 
 
-@pytest.mark.parametrize(("more", "words"), [
-    ({"friction": 0.3}, "its contacts have friction"),
-    ({"contacts": 1}, "1 contact for 2 hinges"),
-    ({"positions": ((0.0, -0.02), (0.16, -0.02))}, "a contact has no arm"),
-    ({"order": ("two", "one")}, "not a chain of hinges"),
-])
-def test_fingers_without_a_closed_form_are_left_out_with_the_reason(more, words):
-    with np.errstate(all="ignore"):
-        positions = more.pop("positions", ((0.05, -0.02), (0.16, -0.02)))
-        if positions[0][0] == 0.0:
-            positions = ((1e-12, -0.02), (0.16, -0.02))
-        make, _ = gripping(positions=positions, **more)
-    figure = figures(make())["rest.contacts"]
-    assert figure.verdict == "not computed"
-    assert figure.why == f"finger: {words}"
-
-
 @pytest.mark.parametrize(("more", "shared", "words"), [
     ({}, 0, "none of 2 on finger"),
     ({"stop": [0.0, 0.1]}, 2, "2 of 2 on finger"),

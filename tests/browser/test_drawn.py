@@ -8,9 +8,8 @@ import pytest
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import contacts_on
 from sandbox.samples.outcome import Happened
-from sandbox.scene.mechanism import Mechanism
 from sandbox.web.page import report
-from tests.draw.conftest import hand, recording, zoo
+from tests.draw.conftest import hand, zoo
 
 AT = int(hand().arrays["contact_sample"].max())
 
@@ -86,26 +85,6 @@ def test_every_kind_of_item_is_seen_by_day_and_by_night(opened):
     assert len(found) > 3
     assert set(found) <= {name.split(".")[0] for name in run.names()} | {
         drive.name for drive in run.mechanism.drives} | {j.name for j in run.mechanism.joints}
-
-
-@pytest.mark.nightly
-def test_six_hundred_parts_are_drawn_sixty_times_a_second(opened):
-    """The script's share of a frame, median of 60: it leaves the browser time to paint."""
-    count = 600
-    mechanism = Mechanism.model_validate({"name": "many", "bodies": [
-        {"name": f"b{k}", "mass": 1, "shapes": [{"type": "box", "size": [0.02, 0.01]}]}
-        for k in range(count)]})
-    time = np.linspace(0, 1, 21)
-    pose = np.zeros((21, count, 3))
-    pose[..., 0], pose[..., 1] = 0.03 * (np.arange(count) % 30), 0.03 * (np.arange(count) // 30)
-    pose[..., 2] = 6 * time[:, None]
-    tab = opened(report([recording(mechanism, time, pose)]))
-    took = tab.evaluate("""() => Array.from({ length: 60 }, (_, k) => {
-      const began = performance.now();
-      sandbox.hold(k / 60);
-      return performance.now() - began;
-    }).sort((a, b) => a - b)[30]""")
-    assert took < 1000 / 60
 
 
 def test_a_trace_is_the_way_that_was_gone(tab, run):

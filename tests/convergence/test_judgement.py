@@ -23,20 +23,6 @@ def power(p: float, error: float) -> tuple[float, float, float]:
     return 1 + error, 1 + error / 2**p, 1 + error / 4**p
 
 
-def test_an_order_beyond_the_scheme_s_is_shown_and_not_trusted() -> None:
-    """Of order 3 the change by the last halving is 7/8 of 1e-3 / 8: a third of it is left then."""
-    trust = verdict_of(power(3, 0.008), 0.0, 2.0)
-    assert trust.order == pytest.approx(3.0)
-    assert trust.limit == pytest.approx(1 + 0.008 / 64 - 0.008 / 8 * 7 / 8 / 3)
-    assert trust.error == pytest.approx(1.008 - trust.limit)
-
-
-def test_rounding_has_no_order() -> None:
-    trust = verdict_of((1.0, 1.0 + 2e-12, 1.0 - 3e-12), 0.9, 1.1)
-    assert math.isnan(trust.order)
-    assert trust.kind is Kind.EXACT
-
-
 # -- what the scene allows ------------------------------------------------------------
 
 
@@ -86,9 +72,3 @@ def test_failing_at_h() -> None:
     assert verdict_of((3.0, 3.1, 3.12), 0.0, 2.0).reason == "it tends to 3.12667, outside 0 to 2"
     assert verdict_of((3.0, 3.1, 3.0), 0.0, math.inf).reason != ""
     assert verdict_of((-3.0, -3.1, -3.0), 0.0, math.inf).reason == "it is outside at least 0"
-
-
-def test_equal_at_h_and_half_is_no_convergence() -> None:
-    trust = verdict_of((1.0, 1.0, 1.2), 0.5, 1.3)
-    assert math.isnan(trust.order)
-    assert trust.kind is Kind.DIVERGES

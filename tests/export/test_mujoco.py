@@ -44,13 +44,6 @@ def test_pieces_become_prisms_with_the_mass_of_the_outline():
     assert (prisms > 0).all()
 
 
-def test_a_polyline_without_a_radius_has_no_counterpart():
-    machine = expand(load_scene({"bodies": [{"name": "ground", "motion": "fixed", "shapes": [
-        {"type": "polyline", "points": [[0, 0], [1, 0]]}]}]}))
-    with pytest.raises(SceneError, match="ground: MuJoCo has no counterpart of a polyline without"):
-        export_mechanism(machine)
-
-
 # --- servos and actuators at rest
 
 

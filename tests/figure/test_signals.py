@@ -13,10 +13,10 @@ from sandbox.figure.signals import MAX_EVENTS, MAX_PANELS, Plotted, Window, draw
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened
-from tests.figure.written import clashes, texts, written
+from tests.figure.written import clashes, texts
 from tests.samples.controlled import recording, scene
 
-MCP, DIP = "finger.mcp.angle", "finger.dip.angle"
+MCP = "finger.mcp.angle"
 
 
 def happening(*times: float) -> Recording:
@@ -40,18 +40,6 @@ def test_a_window_holds_its_samples_and_no_others() -> None:
     assert axes.get_xlim() == (0.5, 1.25)
     low, high = axes.get_ylim()  # as high as what is seen, and not as all of it
     assert high - low == pytest.approx(1.14 * np.ptp(shown))
-
-
-def test_one_against_another_is_sample_by_sample() -> None:
-    run = recording(reach=(1, 1, 0.5))
-    axes, = draw(plotted(run), [MCP], x=DIP, window=Window(end=1.0)).axes
-    across, up = axes.lines[0].get_data()
-    first = run.time <= 1.0
-    assert across == pytest.approx(np.degrees(run[DIP][first]))
-    assert up == pytest.approx(np.degrees(run[MCP][first]))
-    ring = axes.lines[1]
-    assert (ring.get_marker(), *ring.get_data()) == ("o", across[0], up[0])
-    assert axes.get_xlabel() == f"{DIP} [deg]"
 
 
 def drawn(figure: Any) -> list[float]:
@@ -78,19 +66,16 @@ def moved(x: float, y: float) -> tuple[Recording, str]:
             run.mechanism.bodies[0].name)
 
 
-@pytest.mark.parametrize("wide", [3.0, 0.4])
-def test_a_path_in_the_plane_has_one_scale(
-    wide: float, capsys: pytest.CaptureFixture[str],
-) -> None:
-    run, body = moved(wide, 1.0)
-    x, y, cable = f"{body}.x", f"{body}.y", "finger.tendon.length"
-    figure = draw(plotted(run), [y], x=x)
-    assert drawn(figure) == [pytest.approx(1.0)]
-    assert [figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()] == [f"{x} [m]", f"{y} [m]"]
-    path, other = drawn(draw(plotted(run), [y, cable, "k1.value"], x=x))
-    assert path == pytest.approx(1.0)
-    assert other != pytest.approx(1.0, rel=0.5)
-    assert drawn(draw(plotted(run, run), [y, x], x=x)) == pytest.approx([1.0, 1.0])
+def test_a_path_in_the_plane_has_one_scale(capsys: pytest.CaptureFixture[str]) -> None:
+    for wide in (3.0, 0.4):
+        run, body = moved(wide, 1.0)
+        x, y = f"{body}.x", f"{body}.y"
+        figure = draw(plotted(run), [y, "k1.value"], x=x)
+        path, other = drawn(figure)
+        assert path == pytest.approx(1.0)
+        assert other != pytest.approx(1.0, rel=0.5)
+        first, last = figure.axes
+        assert (last.get_xlabel(), first.get_ylabel()) == (f"{x} [m]", f"{y} [m]")
     assert capsys.readouterr().err == ""  # of matplotlib, about limits that gave way
 
 
@@ -104,16 +89,6 @@ def test_events_stand_where_they_were() -> None:
     assert clashes(figure) == []
 
 
-def test_targets_are_in_the_unit_of_their_curves() -> None:
-    run = recording()
-    goal = 0.5 * run[MCP] + 0.1
-    axes, = draw([Plotted("run", run, {MCP: goal})], [MCP, DIP]).axes
-    dashed = next(line for line in axes.lines if line.get_linestyle() == "--")
-    assert dashed.get_ydata()[-len(run):] == pytest.approx(np.degrees(goal))
-    assert dashed.get_xdata()[-len(run):] == pytest.approx(run.time)
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == [MCP, DIP]
-
-
 def test_events_out_of_the_window_are_left_out_and_too_many_are_told() -> None:
     times = [0.1 * k for k in range(1, 2 * MAX_EVENTS + 1)]
     run = happening(*times)
@@ -124,18 +99,6 @@ def test_events_out_of_the_window_are_left_out_and_too_many_are_told() -> None:
         "event2", "event3", "event4", "event5"]
     lines = [line.get_xdata()[0] for line in inside.axes[0].lines if len(line.get_xdata()) == 2]
     assert lines == pytest.approx([0.3, 0.4, 0.5, 0.6])
-
-
-def test_several_runs_have_a_colour_each_and_a_quantity_a_panel() -> None:
-    runs = plotted(recording(), recording(scene("other"), omega=9), happening(1.0))
-    figure = draw(runs, [MCP, "k1.value"])
-    assert [axes.get_title(loc="left") for axes in figure.axes] == [MCP, "k1.value"]
-    for axes in figure.axes:
-        hues = [line.get_color() for line in axes.lines
-                if len(line.get_xdata()) > 2 and not line.is_dashed()]
-        assert hues == list(style.COLOURS[:3])
-    assert {"run 0", "run 1", "run 2"} <= set(texts(figure))
-    assert clashes(figure) == []
 
 
 def test_a_run_that_does_not_have_it_is_left_out() -> None:
@@ -157,18 +120,3 @@ def test_too_much_or_too_little_is_told() -> None:
         draw(plotted(run), [MCP], window=Window(50.0))
     with pytest.raises(OutputError, match="13 panels are too many"):
         draw(plotted(run, run), run.names()[:MAX_PANELS + 1])
-
-
-@pytest.mark.parametrize("count", [1, 3])
-def test_a_figure_of_a_column_has_its_names_above_and_nothing_outside(count: int) -> None:
-    names = [MCP, DIP, "finger.tendon.tension"][:count]
-    figure = draw(plotted(recording()), names, width=0.085, titled=False)
-    assert figure.get_figwidth() * 25.4 == pytest.approx(85)
-    figure.draw_without_rendering()
-    assert figure.axes[0].get_window_extent().width > 0.7 * figure.bbox.width
-    for axes in figure.axes:
-        words = [text.get_text() for text in axes.get_legend().get_texts()]
-        assert words
-        assert set(words) <= set(names)
-    assert clashes(figure) == []
-    assert min(text.get_fontsize() for text in written(figure)) >= 7

@@ -48,11 +48,6 @@ def test_texts_print_and_have_an_end() -> None:
     assert len(style.plain("W" * 20_000)) == style.MAX_LETTERS
 
 
-def test_no_other_files(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"\.png, \.svg, \.pdf"):
-        style.save_figure(style.new_figure(60), tmp_path / "x.bmp")
-
-
 X = np.linspace(0.0, 1.0, 201)
 
 

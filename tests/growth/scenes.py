@@ -28,15 +28,6 @@ def _chain(n: int) -> dict[str, Any]:
     return {"bodies": bodies, "joints": joints}
 
 
-def _arms(n: int) -> dict[str, Any]:
-    """Links, each on a hinge of its own."""
-    bodies = [FRAME, *({"name": f"link{i}", "at": [0, 0.1 * i], "mass": 0.1, "shapes": [
-        {"type": "capsule", "end": [0.05, 0], "radius": 0.005}]} for i in range(n))]
-    joints = [{"type": "pin", "name": f"pin{i}", "a": "frame", "b": f"link{i}", "on_b": [0, 0]}
-              for i in range(n)]
-    return {"bodies": bodies, "joints": joints}
-
-
 def _two() -> list[dict[str, Any]]:
     return [FRAME, _body("disc", 0.1)]
 
@@ -60,11 +51,7 @@ _TYPES: dict[str, Callable[[int], Any]] = {
     # right
     "bodies": lambda n: {"bodies": _row(n)},
     "chain": _chain,
-    "arms": _arms,
     "discs in one place": lambda n: {"bodies": _row(n, 0.0)},
-    "linear springs": lambda n: {"bodies": _two(), "springs": [
-        {"type": "linear", "name": f"s{i}", "a": "frame", "b": "disc", "stiffness": 1}
-        for i in range(n)]},
     "cords of a row": lambda n: {"bodies": _row(n), "tendons": [
         {"name": f"c{i}", "guides": [{"body": f"disc{i}"}, {"body": f"disc{i + 1}"}]}
         for i in range(n - 1)]},
@@ -106,9 +93,6 @@ _TYPES: dict[str, Callable[[int], Any]] = {
     "a tree": lambda n: {"parts": [*_fingers(n // 4), {
         "type": "pulley_tree", "name": "tree", "pitch": 0.01, "at": [1, 0],
         "pulls": [f"finger{i}" for i in range(n // 4)]}]},
-    "paths": lambda n: {"bodies": [_two()[1], *(
-        {"name": f"p{i}", "motion": "scheduled", "at": [0.05 * i, 0],
-         "path": {"x": {"table": [[0, 0.05 * i], [1, 1]]}}} for i in range(n))]},
     # wrong
     "unknown keys": lambda n: {"bodies": _two(), **{f"key{i}": 1 for i in range(n)}},
     "wrong values": lambda n: {"bodies": [{**each, "mass": "heavy"} for each in _row(n)]},
@@ -117,8 +101,6 @@ _TYPES: dict[str, Callable[[int], Any]] = {
     "wrong references": lambda n: {"bodies": _row(n), "joints": [
         {"type": "pin", "name": f"j{i}", "a": f"dsc{i}", "b": f"disk{i}", "on_a": [0, 0]}
         for i in range(n)]},
-    "wrong reads": lambda n: {"bodies": _row(n), "drives": [], "events": [
-        {"name": f"e{i}", "when": f"=dsc{i}.x > 1", "stop": "pass"} for i in range(n)]},
     "wrong expectations": lambda n: {"bodies": _row(n), "expect": [
         {"mean": f"dsc{i}.x", "above": 1} for i in range(n)]},
     "wrong parameters": lambda n: {"bodies": _two(), "parameters": {
@@ -138,5 +120,4 @@ SCENES: dict[str, Text] = {kind: _written(data) for kind, data in _TYPES.items()
     "backslashes": lambda n: '{"title": "' + "\\\\" * 20 * n,
     "a number of many digits": lambda n: '{"bodies": [' + "1" * 40 * n + "]}",
     "long keys": lambda n: '{"' + "k" * 10 * n + '": {"a": NaN, "b": NaN, "c": [NaN, NaN]}}',
-    "numbers": lambda n: '{"view": {"centre": [' + ", ".join(["1"] * n) + "]}}",
 }

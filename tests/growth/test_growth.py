@@ -57,7 +57,7 @@ def low_caps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Caps that small scenes reach, too."""
     monkeypatch.setattr(wording.NearMisses.__init__, "__defaults__", (3,))
     monkeypatch.setattr(inspect_elements, "MAX_PAIRS", 30)
-    monkeypatch.setattr("sandbox.scene.read.compose.MAX_LIKE", 3)
+    monkeypatch.setattr("sandbox.scene.read.compose.DEEPEST_LIKE", 3)
     monkeypatch.setattr("sandbox.model.meters.MAX_HINTED", 3)
 
 
@@ -91,9 +91,9 @@ def test_unchecked_overlaps_are_reported(
 def test_values_of_templates_count_towards_limits() -> None:
     big = {"type": "finger", **{f"key{i}": 1 for i in range(500)}}
     scene = {"templates": {"t": big}, "parts": [
-        {"name": f"f{i}", "like": "t"} for i in range(1000)]}
-    with pytest.raises(SceneError, match=r"has 20\d \d+ values and more") as refused:
-        load_scene(scene)
+        {"name": f"f{i}", "like": "t"} for i in range(100)]}
+    with pytest.raises(SceneError, match=r"has 20 \d+ values and more") as refused:
+        load_scene(scene, limits=Limits(values=20_000))
     assert len(refused.value.problems) == 1
 
 

@@ -69,9 +69,8 @@ def same(one: Recording, other: Recording) -> bool:
     ("single_finger", FINGER),
     ("servo_arm", {"observe": ["left.angle", "right.rate"], "act": {"pd": (0, 1.5)},
                    "reward": "=-abs(left.angle - 1)"}),
-    ("hydraulic_lift", {"observe": ["*.pressure"], "act": {"*": None},
-                        "reward": lambda run: run.time}),
-    (pendulum(), words(randomise={"parameters.mass": [0.1, 0.2, 0.3]})),
+    (pendulum(), words(randomise={"parameters.mass": [0.1, 0.2, 0.3]}, act={"*": None},
+                       observe=["pendulum.*"], reward=lambda run: run.time)),
 ])
 def test_gymnasiums_checker_passes(scene: Any, given: dict[str, Any]) -> None:
     """Its checker warns of what is doubtful, and here warnings are errors."""
@@ -202,23 +201,15 @@ def spans(scene: Any, **more: Any) -> dict[str, tuple[float, float]]:
      r"observe[0]: unknown quantity 'pendulum.angel'. Did you mean 'pendulum.angle'?"),
     ({"observe": ["motor.work"]}, "'motor.work' is computed after the run"),
     ({"observe": ["=pendulum.angle +"]}, "observe[0]: "),
-    ({"observe": {"pendulum.rate": (1, 1)}}, "(1, 1) is no range"),
     ({"act": ["moto"]}, "there is no drive named 'moto'. Did you mean 'motor'?"),
     ({"act": {"motor": "2 N m"}}, "is no range. Allowed: (lowest, highest), in SI"),
-    ({"reward": "pendulum.angl"}, "reward: unknown quantity 'pendulum.angl'"),
     ({"every": "1.5 ms"}, "every: 0.0015 s is no whole number of steps of 0.001 s"),
     ({"randomise": {"parameters.mas": [1, 2]}}, 'randomise["parameters.mas"]: cannot set'),
     ({"randomise": {"parameters.mass": ["1 kg", "-1 kg"]}}, "the scene is wrong"),
-    ({"act": {"motor": (0, "1 mm")}}, "'mm' is a unit of length, and this is in N m"),
     ({"every": "9 s"}, "9 s is longer than the run"),
 ])
 def test_wrong_requests_are_refused_with_a_near_miss(wrong: dict[str, Any], message: str) -> None:
     assert message in refusal(**wrong)
-
-
-def test_all_mistakes_are_reported_at_once() -> None:
-    text = refusal(observe=["pendulum.angel"], act=["moto"], reward="rat", every="0.1 ms")
-    assert text.count("\n") == 3
 
 
 def test_a_drive_that_the_scene_steers_is_refused() -> None:

@@ -14,6 +14,7 @@ from sandbox.mechanics.grasp_state import (
 from sandbox.mechanics.grasp_stiffness import grasp_map, grasp_stiffness, tip_jacobian
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
+from tests.verification.test_grasps import two_fingers
 
 L = (0.045, 0.030)
 STOPS = {"lower": (-1.5, 0.0), "upper": (1.5, 1.6)}
@@ -62,40 +63,11 @@ def test_every_slide_keeps_the_object_and_gives_energy(apart: float) -> None:
     assert seen >= {GraspState.EQUILIBRIUM, GraspState.EJECTS} if not apart else seen
 
 
-KQ, KC = 0.05, 2000.0
-BASES = np.array([[-0.03, 0.0], [0.03, 0.0]])
-TURNS = np.radians([[110, -60], [70, 60]])
-LINKS = 0.04, 0.03
-MOVES = [[True, True, False, False], [False, False, True, True]]
-
-
-def hand():
-    """Hinges [4, 2] finger by finger and tips [2, 2] of two mirrored fingers."""
-    hinges, tips = [], []
-    for base, (first, second) in zip(BASES, TURNS, strict=True):
-        knee = base + LINKS[0] * np.array([np.cos(first), np.sin(first)])
-        tip = knee + LINKS[1] * np.array([np.cos(first + second), np.sin(first + second)])
-        hinges += [base, knee]
-        tips.append(tip)
-    return np.array(hinges), np.array(tips)
-
-
-def stiffness(**more):
-    hinges, tips = hand()
-    return grasp_stiffness(grasp_map(tips, tips.mean(axis=0)), tip_jacobian(tips, hinges, MOVES),
-                           np.full(4, KQ), **more)
-
-
 def test_two_mirrored_fingers():
     """SynGrasp's quasi-static analysis without synergies, of this hand by an own program."""
-    np.testing.assert_allclose(
-        stiffness(contact_stiffness=KC),
-        [[35.818082, 0, -1.596764], [0, 353.099848, 0], [-1.596764, 0, 0.210173]], atol=6e-7)
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_what_nothing_lets_give_way_is_told_whatever_rounding_leaves(seed):
-    """Three joints for four directions: one value of J / Kq J^T is 0, or rounding."""
-    J = np.random.default_rng(seed).normal(size=(4, 3))
-    with pytest.raises(ValueError, match="3 joints for 4 directions"):
-        grasp_stiffness(np.ones((3, 4)), J, np.ones(3))
+    _, hinges, tips = two_fingers()
+    jacobian = tip_jacobian(tips, hinges, [[True, True, False, False], [False, False, True, True]])
+    found = grasp_stiffness(grasp_map(tips, tips.mean(axis=0)), jacobian, np.full(4, 0.05),
+                            contact_stiffness=2000.0)
+    np.testing.assert_allclose(found, [
+        [35.818082, 0, -1.596764], [0, 353.099848, 0], [-1.596764, 0, 0.210173]], atol=6e-7)

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import io
-import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -68,22 +66,3 @@ def test_a_plot_of_one_against_another_in_a_window(run: sandbox.Recording) -> No
     with pytest.raises(sandbox.SandboxError, match=r"did you mean 'finger\.mcp\.angle'"):
         run.plot("finger.pip.angle", x="finger.mcp.angel")
     assert len(run.plot("finger.pip.angle", x="time").axes) == 1
-
-
-def test_a_plot_of_nothing_says_what_there_is(run: sandbox.Recording) -> None:
-    with pytest.raises(sandbox.OutputError, match=r"plot\(\) needs quantities, such as 'disc\.x'"):
-        run.plot()
-    with pytest.raises(sandbox.SandboxError, match=r"did you mean 'finger\.mcp\.angle'"):
-        run.plot("finger.mcp.angel")
-    assert np.isfinite(run["time"]).all()
-
-
-@pytest.mark.parametrize(("times", "said"), [
-    ({"begin": "5 kg"}, "begin='5 kg': "), ({"end": "soon"}, "end='soon': "),
-    ({"begin": 0.1, "end": "50 ms"}, "0.05 s is not after the beginning, 0.1 s")])
-def test_times_of_a_plot_are_refused_in_words(
-    run: sandbox.Recording, times: dict[str, Any], said: str,
-) -> None:
-    with pytest.raises(sandbox.OutputError, match=re.escape(said)):
-        run.plot("finger.mcp.angle", **times)
-    assert run.plot("finger.mcp.angle", begin="100 ms", end=0.15).axes

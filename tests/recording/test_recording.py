@@ -118,17 +118,6 @@ def test_units_are_spelled_for_columns(unit, spelled):
     assert column("a.b", unit) == ("a.b_" + spelled if spelled else "a.b")
 
 
-@pytest.mark.parametrize(("kind", "heads"), [
-    ("springs", "return.length_m return.force_N return.work_J coil.angle_rad coil.torque_N_m "
-                "coil.work_J"),
-    ("meters", "m_N plain"),
-])
-def test_headers(kind, heads):
-    run = recording(meters=[{"name": "m", "value": "=disc.x", "unit": "N"},
-                            {"name": "plain", "value": "=disc.x"}])
-    assert parsed(rows(run, kind))[0] == ["time_s", *heads.split()]
-
-
 def test_numbers_read_back_to_twelve_digits(monkeypatch):
     monkeypatch.setattr(tables, "BLOCK", 50)  # several pieces
     run = recording(contacts=CONTACTS)

@@ -11,7 +11,7 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.samples.samples import MAX_NOTES, ended
+from sandbox.samples.samples import ended
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
 
@@ -52,12 +52,6 @@ def test_the_way_and_the_time_of_free_motion() -> None:
     ids=["longer", "there", "earlier"])
 def test_nothing_is_told_where_none_comes_to_an_end(case: dict[str, Any]) -> None:
     assert list(ended(slider(**case))) == []
-
-
-def test_of_many_only_the_first_are_told() -> None:
-    told = list(ended(slider(count=MAX_NOTES + 2)))
-    assert len(told) == MAX_NOTES + 1
-    assert told[-1] == "2 more reached the ends of their slots later"
 
 
 @pytest.mark.parametrize(("drive", "since"), [

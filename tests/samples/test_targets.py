@@ -145,12 +145,6 @@ def test_what_does_not_settle() -> None:
     assert math.isinf(respond(T, late, ONE).settling)
 
 
-def test_a_target_of_zero_has_a_band_of_the_step() -> None:
-    tau = 0.2
-    found = settling_time(T, 3 * np.exp(-T / tau), 0 * ONE)
-    assert found == pytest.approx(tau * math.log(50), abs=DT**2 / (8 * tau) + 1e-12)
-
-
 def test_a_moving_target() -> None:
     """The band goes with it: what lags behind a ramp by 0.05 / s is in it once the ramp ends."""
     target = np.clip(T, 0, 1)

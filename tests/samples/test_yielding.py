@@ -124,7 +124,7 @@ def pushed(mechanism: Mechanism, name: str, force: tuple[float, float]) -> Mecha
 
 @pytest.mark.parametrize(("scene", "name", "size"), [
     ("sdm", "disc", 1.0), ("soft_synergy", "disc", 0.2),
-    ("four_finger_opposed", "object.body", 1.0)])
+    pytest.param("four_finger_opposed", "object.body", 1.0, marks=pytest.mark.nightly)])
 def test_shipped_hands_answer_a_push_as_their_stiffness_says(
     scene: str, name: str, size: float,
 ) -> None:

@@ -93,8 +93,6 @@ def test_undetermined_parameters_are_reported(tmp_path):
 
 @pytest.mark.parametrize(("text", "words"), [
     ("time,x\n0,1\n0.05,two\n", "row 3: 'two' is no number"),
-    ("x,y\n0,1\n", "no column of times"),
-    ("time,x [furlong]\n0,1\n", "furlong"),
     ("time,x\n0,1,2\n", "3 cells under 2 names"),
     ("time,z\n0,1\n0.05,1\n", "no column 'x'"),
     ("time,x\n0,1\n7,1\n", "times from 0 to 7 s, the run from 0 to 0.1 s"),

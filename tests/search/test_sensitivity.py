@@ -20,9 +20,9 @@ def index_values(found, name, word):
 
 def test_sobols_indices_of_ishigamis_function():
     found = sandbox.search.sensitivity(
-        SCENE, vary=dict.fromkeys(PATHS, f"{-np.pi}:{np.pi}"), count=128,
+        SCENE, vary=dict.fromkeys(PATHS, f"{-np.pi}:{np.pi}"), count=64,
         keep=["y==sin(a) + 7 * sin(b) ** 2 + 0.1 * c ** 4 * sin(a)"])
-    assert found.runs == 128 * 5
+    assert found.runs == 64 * 5
     for word, truth in (("first", [0.3139, 0.4424, 0.0]), ("total", [0.5576, 0.4424, 0.2437])):
         values, halves = index_values(found, "y", word)
         assert (halves > 0).all()
@@ -46,7 +46,6 @@ def test_morris_tells_slopes_of_a_sum_exactly():
 @pytest.mark.parametrize(("more", "fragment"), [
     ({"method": "sobl"}, "method: 'sobl' is not"),
     ({"count": 100}, "a power of 2, not 100. Allowed: 64, 128"),
-    ({"count": 2}, "count: must be at least 4"),
     ({"vary": {"parameters.a": "0:1"}}, "two paths or more"),
     ({"keep": ["y==sqrt(-1 - a)"], "count": 4}, "too few runs have an answer"),
 ])

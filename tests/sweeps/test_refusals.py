@@ -65,7 +65,7 @@ def test_a_window_that_no_run_has_is_refused_before_anything_runs(window, fragme
         assert len(plan_of(study_data(PUCK, keep=keep, **words))) in (2, 3)
 
 
-@pytest.mark.parametrize("design", [None, "random", "latin_hypercube", "sobol", "halton"])
+@pytest.mark.parametrize("design", [None, "sobol"])
 def test_a_count_that_a_design_would_not_use_is_refused(design):
     """Not dropped: who writes four values of one path means to have four."""
     over = {"parameters.push": "1:4:4", "parameters.m": "normal(0.5 kg, 0.05 kg)"}
@@ -81,11 +81,8 @@ def test_a_count_that_a_design_would_not_use_is_refused(design):
 
 @pytest.mark.parametrize(("words", "reported"), [
     (["sweep", "--vary", "parameters.push=1:4:x"], "--vary parameters.push=1:4:x: 'x' is not"),
-    (["sweep", "--vary", "parameters.pusch=1:4:3"], "--vary parameters.pusch=1:4:3: cannot set"),
     (["sweep", "--vary", "parameters.push=1:4:3", "--keep", "v=puck.vz"],
      "--keep v=puck.vz: no run has the quantity 'puck.vz'"),
-    (["sweep", "--vary", "parameters.push=1:4:3", "--keep", "v=mx puck.vx"],
-     "--keep 'v=mx puck.vx': there is no statistic 'mx'"),
     (["search", "threshold", "--vary", "parameters.push=1:x"],
      "--vary parameters.push=1:x: 'x' is not a number with a unit"),
     (["sweep", "--vary", "parameters.push=1:4:3", "--set", "run.stp=1"],

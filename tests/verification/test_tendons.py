@@ -8,11 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.elements.tendons import RIGID
-from sandbox.engine.simulate import simulate
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from sandbox.samples.expectations import verdicts
-from sandbox.scene.read.load import load_scene
 from tests.support.mechanisms import G, cable, fixed, guide, mass, pin, simulated, spring
 from tests.support.reference import integrate
 
@@ -37,25 +34,6 @@ def test_pulley_wheel() -> Iterator[Check]:
                 "the stretch T / k differs by m a / k < 1 μm between start and end")
     yield Check("tension at the end", "N", m * G, run["cord.tension"][-1], 1e-3 * m * G,
                 "the load hangs still but for what is left of the ramp")
-
-
-def tree(scene: str) -> Iterator[Check]:
-    """Expectations of a shipped scene, all of which are closed forms."""
-    for v in verdicts(simulate(load_scene(scene))):
-        yield Check(f"{v.statistic} of {v.quantity}", v.unit, (v.low + v.high) / 2, v.value,
-                    (v.high - v.low) / 2, v.because)
-
-
-@case("Tree of sliding pulleys", "X_P = (x₁ + x₂ + x₃ + x₄) / 4, T = F / 4, (1)–(7)",
-      "the scene `pulley_differential`")
-def test_pulley_tree() -> Iterator[Check]:
-    yield from tree("pulley_differential")
-
-
-@case("Tree of rockers", "X_P = (x₁ + x₂ + x₃ + x₄) / 4, T = F / 4, (5)–(7)",
-      "the scene `rocker_differential`")
-def test_rocker_tree() -> Iterator[Check]:
-    yield from tree("rocker_differential")
 
 
 @case("Rocker with unequal arms", "T₁ = F b / (a + b), T₂ = F a / (a + b)",
