@@ -65,26 +65,20 @@ def reached(monkeypatch):
 
 
 @pytest.mark.parametrize(("shape", "options"), [
-    (CIRCLE, {}), (CIRCLE, {"at": (1000.0, 0.0)}), (CIRCLE, {"at": (1e9, 0.0)}),
-    (SMALL, {"view": {**CM, "force_scale": 1e3}}),
-    (SMALL, {"view": {"size": list(SIZE), "force_scale": 1e3}}),
+    (CIRCLE, {}), (CIRCLE, {"at": (1e9, 0.0)}),
     (SMALL, {"force": (1e300, 1e300), "view": {**CM, "force_scale": 1e3}}),
     (SMALL, {"at": (1e300, -1e300)}), (SMALL, {"at": (np.nan, np.nan)}),
-    ({"type": "box", "size": [1, 1e6]}, {}),
     ({"type": "box", "size": [1, 1e6]}, {"view": {"size": list(SIZE)}}),
     ({"type": "capsule", "start": [-1e6, 0], "end": [1e6, 1], "radius": 1e3}, {}),
-    (SMALL, {"title": "W" * 20_000}), (SMALL, {"title": "\u0301"}),
-    (SMALL, {"title": "a\x00\u200b"}),
+    (SMALL, {"title": "W" * 20_000 + "\u0301\x00\u200b"}),
 ])
-@pytest.mark.parametrize("show", [[], ["all"]])
 @pytest.mark.filterwarnings("error")
-def test_what_is_out_of_sight_is_cut_before_it_is_drawn(shape, options, show, reached):
-    drawn(shape, **options, show=show)
+def test_what_is_out_of_sight_is_cut_before_it_is_drawn(shape, options, reached):
+    drawn(shape, **options, show=["all"])
     assert 0 < max(reached) <= FAR
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, -1.3])
-@pytest.mark.parametrize("radius", [5e3, 1e6, 1e9])
+@pytest.mark.parametrize(("angle", "radius"), [(0.0, 5e3), (0.7, 1e6), (-1.3, 1e9)])
 def test_a_large_circle_is_where_its_rim_is(angle, radius):
     """Its rim passes the middle of the picture: one side is inside, the other is not."""
     surface = new_surface(*SIZE)
@@ -137,8 +131,6 @@ def test_round_length_is_round_and_not_above(largest):
     assert min(abs(digit - d) for d in (1, 2, 5)) < 1e-6
 
 
-@pytest.mark.parametrize(("value", "expected"), [(15, 15), (15.1, 20), (3.75, 4), (0.9, 1),
-                                                 (0.83, 1), (0.0, 1), (5e-324, 1),
-                                                 (1.4e308, 1.5e308)])
-def test_round_up(value, expected):
-    assert round_up(value) == pytest.approx(expected)
+def test_round_up():
+    for value, expected in ((15, 15), (15.1, 20), (0.83, 1), (5e-324, 1), (1.4e308, 1.5e308)):
+        assert round_up(value) == pytest.approx(expected)

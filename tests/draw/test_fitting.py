@@ -160,15 +160,6 @@ def test_a_still_of_some_bodies_is_fitted_to_where_they_are_then():
     assert body_box(run).width == pytest.approx(9.1)
 
 
-def test_a_body_that_goes_far_in_its_machine_is_shown_with_what_is_near():
-    ways = {"slider": np.stack((40 * TIME, 0 * TIME), axis=1)}
-    rail = {**SLIDER, "end": [40.0, 0.1]}
-    run = world(body("slider", [0, 0.1]), joints=[rail], ways=ways, view={"follow": "slider"})
-    box = body_box(run)
-    # half its size to either side, where rail and floor go on; nothing is above
-    assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((-0.1, 0.0, 0.1, 0.15))
-
-
 RADIUS = 0.04
 
 

@@ -53,8 +53,3 @@ def test_no_element_may_be_called_like_a_quantity_of_another(element):
         with pytest.raises(SceneError, match="also means the quantity") as refused:
             load_scene(scene(name))
         assert len(refused.value.problems) == 1, name
-
-
-def test_other_names_are_free():
-    assert load_scene(scene("disc.tension"))
-    assert load_scene(scene("disc.normal"))

@@ -158,20 +158,6 @@ def test_a_callable_is_checked_like_a_controller(more, scene, words):
         run(made, mine)
 
 
-def test_a_pair_of_bodies_in_an_expression_is_explained_as_a_quotient():
-    scene = rotor(events=[{"name": "touch", "when": "=a/b.normal > 0", "stop": "pass"}])
-    scene["bodies"] += [{"name": name, "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
-                        for name in "ab"]
-    with pytest.raises(sandbox.SceneError) as caught:
-        run(scene)
-    problem, = caught.value.problems
-    assert problem.path == "$.events[0].when"
-    assert problem.message == "'/' divides in an expression, so that 'a/b.normal' is no pair there"
-    assert "'a.contact.normal'" in problem.allowed
-    scene["events"][0]["when"] = "a/b.normal"  # they begin at one place
-    assert run(scene).info.stopped is not None
-
-
 def test_an_event_may_only_mark_an_instant():
     """It is noted when its condition becomes true, at the event's rate of 1 kHz, and in plots."""
     events = [{"name": "quick", "when": "=axle.rate > 2"}, {"name": "half", "at": 0.05}]

@@ -39,7 +39,11 @@ def run_again(machine: Mechanism) -> Any:
     return simulate(scene)
 
 
-@pytest.mark.parametrize("scene", ["adaptive_grasp", "finger_dual_control", "conveyor"])
+@pytest.mark.parametrize("scene", [
+    "adaptive_grasp", "finger_dual_control", "conveyor",
+    *(pytest.param(name, marks=pytest.mark.nightly) for name in (
+        "dog_clutch", "hydraulic_press", "linear_actuator", "motor_line", "planetary", "servo_arm",
+        "shape_change", "tendon_stiffness", "trebuchet"))])
 def test_a_played_scene_gives_the_same_bytes_again(scene: str) -> None:
     machine = expand(load_scene(scene))
     live, rng = Live(machine), np.random.default_rng(4)

@@ -72,21 +72,6 @@ def arch(half: float, rise: float) -> dict[str, object]:
     return {"type": "curve", "points": points, "corners": [0, 32]}
 
 
-@pytest.mark.parametrize("shape", [
-    {"type": "box", "size": [0.06, 0.04]},
-    {"type": "capsule", "start": [-0.03, 0], "end": [0.03, 0], "radius": 0.02}])
-def test_a_rough_body_rocks_on_a_curve_as_on_a_circle(shape: dict[str, object]) -> None:
-    """240 points have the curvature of the circle to 6e-5, and so the period to 3e-5."""
-    start = {"free": True, "friction": 2, "angular_velocity": 1.5}
-    on_circle = placed({"type": "circle", "radius": 0.05}, shape, [0, 0.07], **start)
-    on_curve = placed({"type": "curve", "points": ring(0.05)}, shape, [0, 0.07], **start)
-    swing = np.ptp(on_circle["body.angle"])
-    assert swing > 0.03
-    assert np.abs(on_curve["body.angle"] - on_circle["body.angle"]).max() < 1e-4 * swing
-    assert on_curve["body/ground.normal"] == pytest.approx(
-        on_circle["body/ground.normal"], rel=1e-5)
-
-
 @pytest.mark.parametrize("off", [0.0, 0.004, -0.009])
 def test_a_ball_on_a_corner_is_pushed_away_from_the_corner(off: float) -> None:
     """The normal leads from the corner to the middle of the ball."""

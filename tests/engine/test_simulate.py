@@ -12,14 +12,11 @@ from sandbox.engine.inputs import make_clock
 from sandbox.engine.inspect import look_over
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
-from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
-from sandbox.scene.library import find_scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.load import load_scene
 
 from .machines import G, H, cable, disc, fixed, mass, mechanism
 
@@ -141,18 +138,6 @@ def test_sixteen_touching_circles_at_every_microsecond() -> None:
     assert "11 412 000 000 bytes with 120 contacts in each sample" in problem.message
     assert "'recorded_bytes', raised by --limit recorded_bytes=N" in problem.allowed
     assert list(found.beyond(Limits(recorded_bytes=10**11))) == []
-
-
-@pytest.mark.parametrize("name", ["hourglass", "chain_bag"])
-def test_estimate_of_many_contacts(name: str) -> None:
-    machine = load_scene(find_scene(name))
-    found = look_over(machine).estimate
-    simulation = Simulation(machine)
-    simulation.run(1500)
-    slots = np.diff(simulation._tables.result.pile_starts)
-    products = int((slots * (slots + 2)).sum())  # of 3 x 3 blocks, in one factorisation
-    assert products > 300
-    assert 1 / 3 < found.seconds / found.steps / (80e-9 * products) < 3
 
 
 FLOOR = fixed("floor", shapes=[{"type": "box", "size": [4, 0.1], "at": [0, -0.05]}],

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from sandbox.scene.layers import EVERY, LAYERS, meant, parse_layers, shown
+from sandbox.scene.layers import EVERY, meant, parse_layers
 from sandbox.wording import WrongValueError
 
 
@@ -12,13 +12,6 @@ def test_words_are_taken_in_order():
     assert parse_layers("traces, -contacts") == {"traces": EVERY, "contacts": ()}
     assert parse_layers(["contacts", "-contacts"]) == {"contacts": ()}
     assert parse_layers(["-contacts", "contacts"]) == {"contacts": EVERY}
-
-
-def test_default_layers():
-    usual = {name for name, layer in LAYERS.items() if layer.default}
-    assert set(shown({}, traced=False)) == usual
-    assert set(shown({}, traced=True)) == usual | {"traces"}
-    assert set(shown(parse_layers("-traces"), traced=True)) == usual
 
 
 def test_layers_may_name_their_bodies():

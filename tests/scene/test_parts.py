@@ -1,4 +1,4 @@
-"""Fingers, sections and trees: wrong counts and references, the hold of a square."""
+"""Fingers, sections and trees: wrong counts and references."""
 
 
 import pytest
@@ -8,7 +8,6 @@ from sandbox.errors import SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.parts.finger import Finger
-from sandbox.scene.parts.section import Section, expand_section
 
 SET_G = {
     "type": "finger", "name": "f",
@@ -34,20 +33,6 @@ def test_wrong_counts_are_named_where_they_are(changes, field, words):
     (error,) = caught.value.errors()
     assert error["loc"] == ((field,) if field else ())
     assert words in error["msg"]
-
-
-# --- sections
-
-
-def test_the_square_is_held_equally_along_and_across_its_rod():
-    made = expand_section(Section.model_validate({
-        "type": "section", "name": "s", "at": [0.1, 0.2], "circle": "16 mm", "square": "12 mm",
-        "rod": ["10 mm", "36 mm"], "angle": "90 deg", "hold": "5 N/m", "damping": 1}))
-    push, hold = made["springs"]
-    assert (push.stiffness, push.rest_length) == (5, 0.036)
-    assert hold.stiffness == pytest.approx(5 * 0.036**2)  # torque k r^2 phi = force k s at r
-    pivot = next(j for j in made["joints"] if j.name == hold.joint)
-    assert pivot.damping == pytest.approx(1 * 0.036**2)
 
 
 # --- expansion

@@ -13,7 +13,7 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.scene.read.load import load_scene, read_scene
+from sandbox.scene.read.load import read_scene
 from sandbox.web.session import FRAME, MAX_SPEED, Found, Session
 
 from .test_frames import decoded
@@ -210,34 +210,6 @@ def test_what_was_played_is_saved_as_a_scene_and_as_a_run(tmp_path: Path) -> Non
     assert run.complete
     assert run.arrays["body_pose"][-1, 1, 1] == pytest.approx(y, abs=1e-3)
     assert set(run.match("hand*.value")) == {"hand1.x.value", "hand1.y.value"}
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("scene", [
-    "capstan", "dog_clutch", "hydraulic_press", "linear_actuator", "motor_line", "planetary",
-    "servo_arm", "shape_change", "tendon_stiffness", "trebuchet"])
-def test_scenes_of_all_kinds_run_again_to_the_same_bits(scene: str, tmp_path: Path) -> None:
-    made = Session(lambda overrides: Found(read_scene(scene, overrides=overrides)), {},
-                   lambda name: tmp_path / name)
-    bodies = made.scene.bodies
-    free = [body.name for body in bodies if body.motion == "dynamic"]
-    play(made, 0.05)
-    assert ask(made, drag=[free[-1], 0.001, 0.002], to=[0.05, 0.05]) == []
-    play(made, 0.05)
-    for control in made.head()["head"]["controls"]:
-        if control["kind"] in ("drive", "target"):
-            assert ask(made, set=control["name"],
-                       value=0.5 * (control["low"] + control["high"])) == []
-    play(made, 0.05)
-    ask(made, drop=1)
-    made.advance(FRAME, budget=10.0)
-    poses = made.live.latest()["body_pose"][-1]
-    [answer] = ask(made, save="scene")
-    again = simulate(load_scene(json.loads(answer["text"]), overrides={
-        "run.sample_rate": 1 / made.scene.run.step}))
-    # a scheduled body's last step leads on, and a run's end is where its path ends
-    own = [i for i, body in enumerate(bodies) if body.motion != "scheduled"]
-    assert np.array_equal(again.arrays["body_pose"][-1, own], poses[own])
 
 
 def test_a_view_opens_with_the_meters_of_the_scene(tmp_path: Path) -> None:
