@@ -8,12 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.elements.controllers.pid import (
-    RULES,
-    Relay,
-    RelayController,
-    gains_of,
-)
+from sandbox.elements.controllers.pid import RULES, Relay, RelayController, gains_of
 
 from .loops import Plant, closed
 

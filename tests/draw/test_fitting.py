@@ -6,7 +6,6 @@ import pytest
 from sandbox.errors import OutputError
 from sandbox.picture.bounds import ROOM, body_box, groups_of
 from sandbox.picture.options import view_of
-from sandbox.picture.palette import TRACE
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import frames_of, recording
@@ -171,29 +170,6 @@ def turning(turns=1.0, samples=101, traces=({"body": "arm", "at": [RADIUS, 0]},)
     return recording(Mechanism.model_validate({
         "bodies": [{"name": "arm", "mass": 1, "shapes": [{"type": "circle", "radius": 0.005}]}],
         "view": {"centre": [0, 0], "width": 0.12, "traces": list(traces), **view}}), time, pose)
-
-
-def green(run, t, at):
-    """Whether places [k, 2] of the world show the trace's colour at ``t``."""
-    drawn = frames_of(run, size=(480, 480))
-    picture = drawn.draw(t).astype(int)
-    found = []
-    for x, y in drawn.picture.camera.to_pixels(np.asarray(at, dtype=float)):
-        near = picture[int(y) - 2:int(y) + 3, int(x) - 2:int(x) + 3].reshape(-1, 3)
-        found.append(bool((np.abs(near - TRACE).max(axis=1) < 40).any()))
-    return found
-
-
-def on_circle(*degrees):
-    angle = np.radians(degrees)
-    return RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
-def test_a_way_gone_twice_is_as_one_gone_once():
-    """One outline around both would have its inside out."""
-    places = on_circle(*range(5, 360, 15))
-    assert all(green(turning(turns=2.0), 1.0, places))
-    assert all(green(turning(turns=3.5), 1.0, places))
 
 
 def test_the_picture_has_room_for_it():

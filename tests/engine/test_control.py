@@ -115,16 +115,6 @@ def test_a_condition_without_a_value_is_named():
         run(rotor(events=events))
 
 
-def test_a_target_set_for_a_while_is_restored():
-    law = {"type": "pid", "name": "loop", "reads": "axle.angle", "target": 0.1, "writes": "motor",
-           "kp": 1}
-    events = [{"name": "step", "at": "20 ms", "set": {"loop.target": 0.5}, "lasts": "10 ms"}]
-    got = run(rotor(controllers=[law], events=events))
-    after = np.abs(np.diff(got["motor.value"]))
-    jumps = np.flatnonzero(after > 0.3)
-    np.testing.assert_allclose(got.time[jumps + 1], [0.02 + H / 2, 0.03 + H / 2], atol=1e-12)
-
-
 @pytest.mark.parametrize(("first", "second", "expected"), [
     (40, 40, [0.01, 1.0, 2.0, 2.0, 2.0, 0.01]),  # the first ends before the second
     (40, 10, [0.01, 1.0, 2.0, 1.0, 0.01, 0.01]),  # the second within the first

@@ -31,33 +31,6 @@ def setting(value: Any) -> list[dict[str, Any]]:
     return [{"type": "stiffness", "name": "k", "spring": "s", "value": value}]
 
 
-def test_force_of_a_spring_whose_stiffness_changes() -> None:
-    """F = k(t) (l - l0) at every sample, k as the signal says; below 0 it counts as 0."""
-    run = simulate(mechanism(
-        duration=0.4, bodies=[fixed("wall"), mass("m", 0.1, (0.12, 0.0))],
-        springs=[{"type": "linear", "name": "s", "a": "wall", "b": "m", "stiffness": 40.0,
-                  "rest_length": 0.1}], drives=setting({"from": 80.0, "to": -20.0, "over": 0.3})))
-    k = np.clip(80 - 100 * run.time / 0.3, 0, None)
-    np.testing.assert_allclose(run["k.value"], k, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(run["s.force"], k * (run["s.length"] - 0.1), rtol=0, atol=1e-14)
-    assert (run["m.ax"][run.time > 0.25] == 0).all()
-
-
-@SENSES
-def test_torque_of_a_rotary_spring_whose_stiffness_changes(positive: str, sense: int) -> None:
-    """tau = k(t) (angle - rest), against the hinge's own sense; I alpha = - tau."""
-    run = simulate(mechanism(
-        duration=0.4, bodies=[fixed("wall"), WHEEL],
-        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0), "zero": 0.1,
-                 "positive": positive}],
-        springs=[{"type": "rotary", "name": "s", "joint": "p", "stiffness": 0.01,
-                  "rest_angle": 0.2}], drives=setting("=0.02 + 0.015 * sin(40 * t)")))
-    k = 0.02 + 0.015 * np.sin(40 * run.time)
-    np.testing.assert_allclose(
-        run["s.torque"], k * (run["p.angle"] - 0.2), rtol=0, atol=1e-14)
-    np.testing.assert_allclose(4e-5 * sense * run["w.alpha"], -run["s.torque"], atol=1e-12)
-
-
 # -- motors ------------------------------------------------------------------------
 
 
@@ -84,25 +57,6 @@ def test_a_free_motor_reaches_its_speed(positive: str, sense: int) -> None:
     assert run["d.work"][-1] == pytest.approx(4e-5 * 20.0**2 / 2, rel=1e-9)
     assert run.unit("d.torque") == "N m"
     assert run.unit("d.value") == "rad/s"
-
-
-@SENSES
-@pytest.mark.parametrize(("value", "speed"), [
-    ("=20 + 30 * t", lambda t: 20 + 30 * t),
-    ("=20 + 4 * sin(9 * t)", lambda t: 20 + 4 * np.sin(9 * t))])
-def test_a_motor_that_starts_at_speed_turns_from_the_end_of_the_first_step_on(
-        positive: str, sense: int, value: str, speed: Any) -> None:
-    """The first pose is that of the scene, so the angle lags by what the first half step lacks.
-
-    A blow is no acceleration: led half a step back along it, the first pose would be h u / 8 off.
-    Of what the signal changes by itself h^2 / 8 may be there.
-    """
-    run = motored(positive, value=value, torque=100.0)
-    change = 36.0
-    assert sense * run["w.angle"][0] == pytest.approx(0.0, abs=H**2 / 8 * change)
-    turned = np.cumsum(H * speed(run.time + H / 2))[:-1]
-    lead = run["p.angle"][1:] - turned - run["p.angle"][0]
-    np.testing.assert_allclose(lead, 0.0, atol=1e-11)
 
 
 # -- the machinery -----------------------------------------------------------------

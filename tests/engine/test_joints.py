@@ -32,29 +32,6 @@ def bar(name: str, at: tuple[float, float], **more: Any) -> dict[str, Any]:
     return {"name": name, "mass": 0.05, "inertia": 4e-5, "at": at, "centre": (0.05, 0.0), **more}
 
 
-@pytest.mark.parametrize("positive", ["counterclockwise", "clockwise"])
-@pytest.mark.parametrize("torque", [0.02, -0.02])
-def test_stops(positive: str, torque: float) -> None:
-    """Driven with tau against a stop, a hinge rests there: angle on the limit, stop torque -tau.
-
-    Both in the hinge's positive sense, zero 0.1 rad off the frames'.
-    """
-    run = simulate(mechanism(
-        duration=0.3, bodies=[fixed("wall"), bar("a", (0, 0))],
-        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "a", "on_a": (0, 0), "zero": 0.1,
-                 "limits": (-0.5, 0.7), "positive": positive}],
-        drives=[{"type": "torque", "name": "t", "joint": "p", "value": torque}]))
-    limit = 0.7 if torque > 0 else -0.5
-    np.testing.assert_allclose(run["p.angle"][-100:], limit, atol=ROUNDING)
-    np.testing.assert_allclose(run["p.stop"][-100:], -torque, rtol=1e-9)
-    assert run["p.angle"].min() > -0.5 - ROUNDING
-    assert run["p.angle"].max() < 0.7 + ROUNDING
-    free = np.abs(run["p.angle"] - 0.1) < 0.3
-    assert (run["p.stop"][free] == 0).all()
-    sign = 1.0 if positive == "counterclockwise" else -1.0
-    assert run["a.angle"][-1] == pytest.approx(sign * (limit + 0.1), abs=ROUNDING)
-
-
 def test_path_ends_and_release() -> None:
     """A bead in a valley is let go, caught again and then stopped by an end of its path."""
     points = [(x, 4 * x**2) for x in np.linspace(-0.2, 0.14, 35)]
@@ -72,35 +49,6 @@ def test_path_ends_and_release() -> None:
     assert run["a.x"][arrived] == pytest.approx(0.14, abs=1e-6)
     assert run["j.speed"][arrived - 2] > 0.4
     assert run["j.speed"][arrived + 2] == pytest.approx(0.0, abs=0.05)
-
-
-@pytest.mark.parametrize("turns", [True, False])
-def test_slot(turns: bool) -> None:
-    """A body's point runs along a slanted groove of a wall; a slider keeps its angle, too.
-
-    Down the slope it gains g sin(30 deg) t: 0.5 s would be 0.6 m, but the groove ends after 0.3 m.
-    """
-    c, s = math.cos(math.radians(-30)), math.sin(math.radians(-30))
-    run = simulate(mechanism(
-        duration=0.6, gravity=(0.0, -G),
-        bodies=[fixed("wall", angle=math.radians(-30)),
-                {**mass("a", 0.1, (0.1 * c, 0.1 * s)), "inertia": 1e-4, "angle": 0.2,
-                 "centre": (0.01, 0.02)}],
-        joints=[{"type": "slot", "name": "j", "a": "wall", "b": "a", "start": (0.0, 0.0),
-                 "end": (0.3, 0.0), "turns": turns}]))
-    track = place(run, "a", (0.0, 0.0))
-    along, across = track @ [c, s], track @ [-s, c]
-    arrived = int(np.argmax(along > 0.2999))
-    assert arrived > 0
-    assert np.abs(across).max() < GAP
-    # of a point that goes round the centre of mass the row knows the tangent: omega^2 r h^2 / 2
-    assert along.max() < 0.3 + np.abs(run["a.omega"]).max()**2 * 0.0224 * H**2 / 2 + ROUNDING
-    if not turns:
-        np.testing.assert_allclose(along[arrived + 1:], 0.3, atol=ROUNDING)
-    if turns:
-        assert np.ptp(run["a.angle"]) > 0.1
-    else:
-        np.testing.assert_allclose(run["a.angle"], 0.2, atol=ROUNDING)
 
 
 def test_weld() -> None:
@@ -154,9 +102,9 @@ def test_a_rope_that_swings_is_as_long_as_it_is() -> None:
     assert run["r.reaction"][-1] == pytest.approx(0.1 * 9 / 0.2, rel=1e-3)
 
 
-@pytest.mark.parametrize("start", np.linspace(0.2, 0.2 + 3 * H, 7))
+@pytest.mark.parametrize("start", np.linspace(0.2, 0.2 + 3 * H, 4))
 def test_a_stop_gives_nothing_back(start: float) -> None:
-    """A bar arrives at a stop with 10 rad/s, at seven instants within its steps.
+    """A bar arrives at a stop with 10 rad/s, at four instants within its steps.
 
     It leaves with the share HOLD = 1e-10 of that by which impulses are held to their last, once
     for what stops it before the limit and once for what lands it there.

@@ -46,14 +46,6 @@ def _orders(error: Callable[[float], float], *, first: float = 2e-3) -> list[flo
     return errors
 
 
-def test_wind_takes_along() -> None:
-    """In the frame of the wind it is drag: v = w (1 - e^(-k t))."""
-    run = _run(_scene({"type": "drag", "name": "d", "linear": 2.0, "flow": [3, -1]}))
-    left = np.exp(-2 * run.time)
-    assert run["b.vx"] == pytest.approx(3 * (1 - left), abs=3e-6)
-    assert run["b.vy"] == pytest.approx(-(1 - left), abs=3e-6)
-
-
 def off_centre_drag(t: float, x: float, y: float, a: float, u: float, v: float, w: float,
                     ) -> list[float]:
     """F = -3 |v| v at the point (0.3, 0.1) of the body: linear and angular acceleration."""

@@ -139,9 +139,8 @@ HILL = [[x / 20, -0.05 * (x / 20) ** 2] for x in range(20, -21, -1)]
 COMB = [[x / 10, -0.3 - 0.4 * (x % 2)] for x in range(-10, 11)]
 
 
-@pytest.mark.parametrize("at", [-0.5, -0.05, 0.0, 0.01, 0.3])
-@pytest.mark.parametrize("speed", [0.1, 20.0])
-@pytest.mark.parametrize("sharp", [0.02, 0.2])
+@pytest.mark.parametrize("at", [-0.5, 0.0, 0.01])
+@pytest.mark.parametrize(("speed", "sharp"), [(0.1, 0.2), (20.0, 0.02)])
 def test_a_sharp_corner_does_not_fall_through_a_seam(at, speed, sharp):
     """A spike hits a hill cut into many pieces, at its corners, where seams end, and beside them.
 

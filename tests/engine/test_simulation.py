@@ -22,7 +22,6 @@ from sandbox.errors import RecordingFull
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status, Stop
-from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
@@ -291,16 +290,6 @@ def test_a_recording_that_exceeds_its_limit_is_kept_incomplete() -> None:
     whole = simulate(machine)
     assert len(whole) == simulation._clock.samples
     assert np.array_equal(whole.arrays["body_pose"][:len(run)], run.arrays["body_pose"])
-
-
-def test_a_run_notes_in_how_many_steps_forces_were_relaxed() -> None:
-    run = Simulation(Scene.model_validate({"run": {"duration": 0.01}, "bodies": [
-        {"name": "ground", "motion": "fixed"}]}))
-    run.run()
-    assert run.recording().notes == []
-    run._tables.state.standing[0] = 3
-    note, = run.recording().notes
-    assert "approximate in 3 of 20 steps" in note
 
 
 def short(name: str, duration: float = 0.03) -> Mechanism:

@@ -32,19 +32,6 @@ def measure(*guides: tuple[Any, ...], bodies: tuple[Any, ...] = (), duration: fl
         tendons=[{"name": "cord", "guides": written, "stiffness": 1.0}]))
 
 
-@pytest.mark.parametrize(("side", "wrap"), [("right", math.pi / 2), ("left", 3 * math.pi / 2)])
-def test_a_wheel_between_two_points(side: str, wrap: float) -> None:
-    """From (-L, 0) over a wheel at the origin to (0, -L), tangents of length sqrt(L^2 - r^2).
-
-    On the right the wheel takes 90 deg + 2 asin(r / L) of the rim; on the left the tendon crosses
-    itself: 270 deg + 2 asin(r / L).
-    """
-    run = measure(("wall", (-FAR, 0), 0, "left"), ("wall", (0, 0), RADIUS, side, {"begins": "on"}),
-                  ("wall", (0, -FAR), 0, "left"))
-    expected = 2 * math.sqrt(FAR**2 - RADIUS**2) + RADIUS * (wrap + 2 * math.asin(RADIUS / FAR))
-    assert run["cord.length"][0] == pytest.approx(expected, rel=1e-13)
-
-
 @pytest.mark.parametrize("side", ["right", "left"])
 def test_a_tendon_that_grazes_its_wheel_does_not_go_round_it(side: str) -> None:
     """Three points in line: the wrap is 0, not 2 pi, however the rounding falls."""

@@ -17,15 +17,6 @@ from sandbox.values.units import RANGES, size_fault
 from sandbox.wording import WrongValueError
 
 
-def refused(**scene: Any) -> str:
-    with pytest.raises(SceneError) as found:
-        load_scene(scene)
-    return str(found.value)
-
-
-DISC = {"name": "a", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
-
-
 @pytest.mark.parametrize("dimension", ["length", "force"])
 def test_a_number_at_the_end_of_its_range(dimension: str) -> None:
     most, least = RANGES[dimension].most, RANGES[dimension].least
@@ -36,15 +27,6 @@ def test_a_number_at_the_end_of_its_range(dimension: str) -> None:
     assert size_fault(most * 1.000001, dimension)
     assert size_fault(least * 0.999999, dimension)
     assert size_fault(math.nan, dimension).startswith("no finite number")
-
-
-@pytest.mark.parametrize("scene", [
-    {"parameters": "=load", "bodies": [{**DISC, "mass": "=load"}],
-     "expect": [{"final": "a.x", "above": "=load"}]},
-    {"parameters": "body"}, {"parameters": "body", "bodies": [{**DISC, "mass": "=body"}]},
-])
-def test_nothing_is_left_out_in_silence(scene: dict[str, Any]) -> None:
-    assert refused(**scene).startswith("$.parameters: expected an object {…}")
 
 
 def test_a_moment_that_was_not_tried_makes_the_run_diverge() -> None:
