@@ -10,7 +10,7 @@ from PIL import Image
 import sandbox
 from sandbox.errors import OutputError
 from sandbox.picture import film as video
-from sandbox.picture.film import GifWriter, render
+from sandbox.picture.film import render
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
 from sandbox.picture.palette import FORCE
@@ -171,20 +171,6 @@ def test_a_place_that_cannot_be_written(tmp_path, zoo_run, name):
     (tmp_path / "wall").write_text("a file, not a directory")
     with pytest.raises(OutputError, match="cannot write"):
         render(zoo_run, tmp_path / "wall" / name, size=FILM)
-
-
-def test_a_full_disk_leaves_the_old_film(tmp_path, zoo_run, monkeypatch):
-    path = tmp_path / "film.gif"
-    path.write_bytes(b"old")
-
-    def full(self, frame, hundredths):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(GifWriter, "add", full)
-    with pytest.raises(OutputError, match="No space left"):
-        render(zoo_run, path, size=FILM)
-    assert path.read_bytes() == b"old"
-    assert [p.name for p in tmp_path.iterdir()] == ["film.gif"]
 
 
 def test_an_empty_run_is_refused(tmp_path):

@@ -63,13 +63,11 @@ def test_a_free_motor_reaches_its_speed(positive: str, sense: int) -> None:
 
 
 @pytest.mark.parametrize(("value", "more"), [
-    (40.0, {}), ({"to": 9e5, "over": 0.1}, {}), ({"table": [(0, 1.0), (0.1, 9e5)]}, {}),
-    (40.0, {"controllers": [{"type": "schedule", "name": "c", "writes": "k", "value": 50.0,
-                             "limits": (0.0, 9e5)}]}),
+    (40.0, {}), ({"table": [(0, 1.0), (0.1, 9e5)]}, {}),
     (40.0, {"events": [{"name": "e", "at": 0.1, "set": {"k": 9e5}}]}),
 ])
 def test_inspection_warns_of_a_stiffness_beyond_the_step(value: Any, more: Any) -> None:
-    """h w = 5e-4 sqrt(9e5 / 0.1) = 1.5, a table's last point, a limit and an event included."""
+    """h w = 5e-4 sqrt(9e5 / 0.1) = 1.5, a table's last point and an event included."""
     machine = mechanism(
         bodies=[fixed("wall"), mass("m", 0.1, (0.12, 0.0))],
         springs=[{"type": "linear", "name": "s", "a": "wall", "b": "m", "stiffness": 40.0}],

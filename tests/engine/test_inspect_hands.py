@@ -154,13 +154,3 @@ def test_a_rocker_turns_over_at_the_predicted_travel(links: str) -> None:
     turned = abs(run["tree.rocker1.angle"][-1])
     assert turned == pytest.approx(math.pi / 2, rel=0, abs=math.asin(20 / 280))
     assert run["load1.x"][-1] == pytest.approx(-0.04, abs=0.7e-3)
-
-
-def test_a_slot_ends_at_the_predicted_travel() -> None:
-    """Nothing held: both loads are drawn on until the pivot's slot ends."""
-    mechanism = two_loads(held=0, travel="50 mm")
-    (note,) = reaches(compile_mechanism(mechanism))
-    assert "its slots end after 50 mm along the pull and 30 mm against it" in note
-    run = simulate(mechanism)
-    start = mechanism.bodies[[b.name for b in mechanism.bodies].index("tree.rocker1")].at[0]
-    assert run["tree.rocker1.x"][-1] == pytest.approx(start - 0.05, abs=1e-6)

@@ -14,7 +14,9 @@ from sandbox.engine.inspect_springs import over_centre, ringing_problems
 from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
-from tests.engine.machines import G, fixed, mechanism
+from tests.support.mechanisms import cable, pin
+
+from .machines import G, fixed, mechanism
 
 
 def spring_across(
@@ -145,31 +147,20 @@ def test_a_slack_tendon_rings_once_it_is_taut_as_if_it_were_from_the_start(more,
 
 
 @pytest.mark.parametrize(("make", "square"), [
-    # pinned under a hook of a gram: both swing as one
-    (lambda: {"bodies": [BEAM, weight("hook", 1e-3), weight("load", 30.0, (0.0, -0.2))],
-              "joints": [{"type": "pin", "name": "pin", "a": "hook", "b": "load", "on_a": (0, 0)}],
-              "tendons": [{"name": "cord", "guides": [{"body": "hook"}, {"body": "beam"}]}]},
-     K / 30.001),
     # a movable pulley: two stretches lift it
     (lambda: {"bodies": [BEAM, weight("load", 100.0, (0.0, -0.5))],
-              "tendons": [{"name": "cord", "guides": [
-                  {"body": "beam", "at": (-0.05, 0.0)},
-                  {"body": "load", "radius": 0.05, "side": "left"},
-                  {"body": "beam", "at": (0.05, 0.0)}]}]},
+              "tendons": [cable("cord", ("beam", (-0.05, 0.0)), ("load", (0, 0), 0.05),
+                                ("beam", (0.05, 0.0)))]},
      4 * K / 100.0),
     # wound on a wheel that turns: r^2 / I
     (lambda: {"bodies": [BEAM, {"name": "wheel", "mass": 1.0, "inertia": 0.5}],
-              "joints": [{"type": "pin", "name": "axle", "a": "beam", "b": "wheel",
-                          "on_b": (0, 0)}],
-              "tendons": [{"name": "cord", "guides": [
-                  {"body": "wheel", "radius": 0.1, "side": "left"},
-                  {"body": "beam", "at": (1.0, 0.0)}]}]},
+              "joints": [pin("axle", "beam", "wheel")],
+              "tendons": [cable("cord", ("wheel", (0, 0), 0.1), ("beam", (1.0, 0.0)))]},
      0.01 * K / 0.5),
     # two cords in a row: half as stiff
     (lambda: {"bodies": [BEAM, weight("knot", 1e-3), weight("load", 30.0, (0.0, -0.2))],
-              "tendons": [{"name": "cord", "guides": [{"body": "knot"}, {"body": "beam"}]},
-                          {"name": "other", "stiffness": 1.01 * K,
-                           "guides": [{"body": "load"}, {"body": "knot"}]}]},
+              "tendons": [cable("cord", ("knot",), ("beam",)),
+                          cable("other", ("load",), ("knot",), stiffness=1.01 * K)]},
      K / 30.0 / (1 + 1 / 1.01)),
 ])
 def test_the_frequency_counts_all_connected_masses(make, square):

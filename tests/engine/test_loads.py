@@ -109,13 +109,6 @@ def test_a_load_that_depends_on_time_wakes_a_body_at_rest() -> None:
     assert run["b.y"][-1] == pytest.approx((15 - G) * 0.5**2 / 2, rel=5e-3)
 
 
-def test_a_table_is_a_law() -> None:
-    scene = _scene(_law(force=["=-grip(vx)", 0]), velocity=[1, 0])
-    scene["tables"] = {"grip": {"points": [[-2, -4], [2, 4]], "beyond": "extend"}}
-    run = _run(scene)
-    assert run["b.vx"] == pytest.approx(np.exp(-2 * run.time), abs=1e-6)
-
-
 def test_one_law_for_many_bodies_is_each_ones_own() -> None:
     more = [{"name": f"c{i}", "at": [0, 5 * i], "mass": i, "velocity": [1, 0],
              "shapes": [{"type": "circle", "radius": 0.1}]} for i in (1, 2, 3)]

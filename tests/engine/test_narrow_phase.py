@@ -9,7 +9,6 @@ import pytest
 
 import sandbox
 from sandbox.engine.simulate import simulate
-from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene
 
@@ -103,17 +102,6 @@ def test_a_ball_in_a_hollow_rests_on_both_of_its_flanks() -> None:
     force = run.arrays["contact_force"][last].sum(axis=0)
     assert np.abs(force) == pytest.approx([0.0, MASS * GRAVITY], abs=1e-7)
     assert 0.5 < lean < 1.0
-
-
-@pytest.mark.parametrize(("nodes", "words"), [
-    ([[[0, 0, 0, 1]]], "are not on its outline"),
-    ([[[0, 0, 0, 1], [2, 0, 0, 1]]], "are not on its outline"),
-    ([[[0, 0, 0, 1], [1, 0, 0, 1]]] * 2, "there are 2 curves of 'nodes'")])
-@pytest.mark.parametrize("kind", ["polygon", "polyline"])
-def test_nodes_belong_to_their_outline(kind: str, nodes: list[object], words: str) -> None:
-    with pytest.raises(SceneError, match=words):
-        load_scene({"bodies": [{"name": "plate", "motion": "fixed", "shapes": [
-            {"type": kind, "points": [[0, 0], [1, 0], [1, 1]], "nodes": nodes}]}]})
 
 
 DISC, HIGH = {"type": "circle", "radius": 0.03}, 0.03

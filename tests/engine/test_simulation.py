@@ -108,25 +108,6 @@ def test_a_set_value_holds_until_it_is_reset() -> None:
     assert simulation["load.vy"] == pytest.approx(G * 20 * H, rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["pull", "brake", "stiffness"])
-def test_a_signal_below_its_minimum_is_recorded_as_the_minimum(kind: str) -> None:
-    """From -3 to 3: 0 up to the middle, in the log as in the forces."""
-    signal = {"ramp": {"from": -3.0, "to": 3.0, "over": 0.1}}
-    drive = {"pull": {"tendon": "rope"}, "brake": {"joint": "hinge"},
-             "stiffness": {"spring": "coil"}}[kind]
-    machine = mechanism(
-        bodies=[fixed("floor"), mass("load", 1.0, (0.3, 0.1))],
-        joints=[{"type": "pin", "name": "hinge", "a": "floor", "b": "load", "on_b": [0, 0]}],
-        springs=[{"type": "rotary", "name": "coil", "joint": "hinge", "stiffness": 1.0}],
-        tendons=[cable("rope", ("load",), ("floor", (0.3, 1.0)))],
-        drives=[{"type": kind, "name": "d", "value": signal, **drive}])
-    run = simulate(machine)
-    np.testing.assert_allclose(
-        run["d.value"], np.maximum(-3 + 60 * run.time, 0.0), rtol=1e-12, atol=1e-12)
-    if kind == "pull":
-        np.testing.assert_array_equal(run["rope.tension"], run["d.value"])
-
-
 def test_a_copy_is_independent() -> None:
     first = Simulation(weight())
     first.step(10)

@@ -145,6 +145,8 @@ drives = [{"type": "force", "name": "push", "body": "a", "direction": [1, 0], "v
 [outline]
 bodies[0].shapes[0].points = [[0, 0], [2, 2], [2, 0], [0, 2]] | bad-outline
     | crosses or touches itself at [1, 1], where the side from corner 0 meets that from corner 2
+bodies[0].shapes[0].nodes = [[[0, 0, 0, 1], [2, 0, 0, 1]]]
+    | bad-outline | are not on its outline @ bodies[0].shapes[0]
 bodies[0].shapes[0].points = [[0, 0], [1, 1], [2, 2]]
     | bad-outline | no area: its corners lie in one line
 bodies[0].shapes[0].points = [[0, 0], [1, 0], [1, 0], [0, 1]]

@@ -82,19 +82,6 @@ def test_complaints(text: str, line: int, column: int, path: str, words: str) ->
     assert words in problem.message
 
 
-@pytest.mark.parametrize(("text", "path", "column"), [
-    (r'{"a": "\ud800"}', "$.a", 7), (r'{"a": ["x\uDFFFy"]}', "$.a[0]", 8),
-    (r'{"\udc00": 1}', "$", 2), (r'{"a": "\ude00\ud83d"}', "$.a", 7),
-])
-def test_half_a_character_is_refused(text: str, path: str, column: int) -> None:
-    """``json`` takes it, and the run is lost when its files are written."""
-    with pytest.raises(SceneError) as refused:
-        parse_source(text)
-    problem, = refused.value.problems
-    assert (problem.path, problem.column) == (path, column)
-    assert "half a character" in problem.message
-
-
 @pytest.mark.parametrize("opening", ["[", '{"a":'])
 def test_nesting_is_limited_and_the_limit_can_be_raised(opening: str) -> None:
     closing = {"[": "]", "{": "}"}[opening[0]]
