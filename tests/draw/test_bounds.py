@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from sandbox.picture.bounds import Rectangle, Stage, place_camera
 from sandbox.picture.frames import new_surface
 from sandbox.picture.geometry import large_circle
-from sandbox.picture.scales import round_length, round_up
-from sandbox.picture.typesetter import MOST_LETTERS, Typesetter, ellipsis
+from sandbox.picture.scales import round_length
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import frames_of, recording
@@ -92,16 +91,6 @@ def test_a_large_circle_is_where_its_rim_is(angle, radius):
         assert surface.get_at(outside)[:3] != RED
 
 
-def test_texts_are_bounded_and_print():
-    type_ = Typesetter(12)
-    assert type_.width("W" * 20_000) == type_.width("W" * MOST_LETTERS)
-    assert type_.render("\u0301\u0302").get_width() >= 1
-    assert type_.width("\u200b\x00") == type_.width("\\u200b\\x00")
-    short = ellipsis(type_, "many words " * 2000, 100, 12)
-    assert short.endswith("...")
-    assert 60 < type_.width(short) <= 100
-
-
 metres = st.floats(-10, 10)
 sizes = st.floats(1e-4, 10)
 
@@ -129,8 +118,3 @@ def test_round_length_is_round_and_not_above(largest):
     assert largest < 2.5 * length * (1 + 1e-8)
     digit = length / 10 ** np.floor(np.log10(length) + 1e-9)
     assert min(abs(digit - d) for d in (1, 2, 5)) < 1e-6
-
-
-def test_round_up():
-    for value, expected in ((15, 15), (15.1, 20), (0.83, 1), (5e-324, 1), (1.4e308, 1.5e308)):
-        assert round_up(value) == pytest.approx(expected)

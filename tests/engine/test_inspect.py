@@ -385,17 +385,6 @@ def test_unconnected_bodies_may_have_any_mass_ratio(more):
     assert mass_warnings(unlike_pair(1e-9, links={"contacts": APART, **more})) == []
 
 
-def test_a_mass_ratio_counts_through_a_third_body():
-    scene = unlike_pair(1e-6, links={"contacts": APART})
-    scene["bodies"].append({"name": "mean", "mass": 1e-3, "inertia": 1e-7, "at": [0.01, 0]})
-    scene["joints"] = [{"type": "pin", "name": f"to_{one}", "a": "mean", "b": one, "on_b": [0, 0]}
-                       for one in ("heavy", "light")]
-    assert "light: has 1e-06 kg where 'heavy'" in mass_warnings(scene)[0]
-    scene["bodies"][2]["motion"] = "fixed"
-    del scene["bodies"][2]["mass"], scene["bodies"][2]["inertia"]
-    assert mass_warnings(scene) == []
-
-
 def test_a_body_that_turns_too_easily_is_as_light_where_it_is_pushed():
     """1/m + r^2/I with 0.1 kg, 1e-12 kg m^2 and 20 mm: 2.5e-9 kg."""
     found, = mass_warnings(unlike_pair(0.1, links=PIN | {"joints": [

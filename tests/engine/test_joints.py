@@ -74,24 +74,6 @@ def test_weld() -> None:
         middle - middle[0], np.outer(run.time - run.time[0], [0.5 - 2.5 * y, 2.5 * x]), atol=1e-9)
 
 
-def test_rope() -> None:
-    """Free in between, no longer than its longest, no shorter than its shortest, and no throw."""
-    def hung(speed: float) -> Recording:
-        return simulate(mechanism(
-            duration=0.4, bodies=[fixed("wall"), mass("m", 0.1, (0.2, 0.0), velocity=(speed, 0.0))],
-            joints=[{"type": "rope", "name": "r", "a": "wall", "b": "m", "longest": 0.3,
-                     "shortest": 0.1}]))
-
-    out, back = hung(1.0), hung(-1.0)
-    assert out["m.x"].max() == pytest.approx(0.3, abs=ROUNDING)
-    assert back["m.x"].min() == pytest.approx(0.1, abs=ROUNDING)
-    free = out.time < 0.09
-    np.testing.assert_allclose(out["m.x"][free], 0.2 + out.time[free], atol=1e-12)
-    assert (out["r.reaction"][free] == 0).all()
-    for run in (out, back):
-        assert run["m.vx"][-1] == pytest.approx(0.0, abs=1e-9)
-
-
 def test_a_rope_that_swings_is_as_long_as_it_is() -> None:
     """A limit's row knows the tangent: taut, it is too long by (v h)^2 / (2 r), and no more."""
     run = simulate(mechanism(

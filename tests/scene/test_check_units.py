@@ -7,12 +7,8 @@ from typing import Any
 import pytest
 
 import sandbox
+from tests.scene.hand import FINGER
 
-FINGER = {"type": "finger", "name": "finger", "lengths": ["45 mm", "26 mm", "21 mm"],
-          "radii": ["9 mm", "8 mm", "7.5 mm"], "masses": ["12 g", "6 g", "4 g"],
-          "guides": [["-22 mm", "-14 mm"], ["24 mm", "-8 mm"], ["10 mm", "-3 mm"],
-                     ["4 mm", "-1 mm"]],
-          "springs": {"stiffness": "300 N/m", "from": ["-8 mm", "8 mm"], "to": ["8 mm", "8 mm"]}}
 SCENE: dict[str, Any] = {
     "run": {"duration": "1 s", "step": "0.5 ms"},
     "bodies": [{"name": "base", "motion": "fixed"},

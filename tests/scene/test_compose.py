@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from pathlib import Path
 from typing import Any
@@ -29,20 +28,6 @@ def bodies(entry: dict[str, Any], **scene: Any) -> tuple[Any, ...]:
 
 
 class TestRepeat:
-    @pytest.mark.parametrize(("shape", "first"), [
-        ({"type": "box", "size": [1, 1], "at": [1, 0]}, "at"),
-        ({"type": "capsule", "start": [1, 0], "end": [2, 0], "radius": 0.1}, "start"),
-        ({"type": "polygon", "points": [[1, 0], [2, 0], [2, 1]]}, "points"),
-    ])
-    def test_shapes_go_round_too(self, shape: dict[str, Any], first: str):
-        shapes = bodies({"name": "gear", "shapes": [
-            {**shape, "repeat": {"count": 2, "circle": [0, 0]}}]})[0].shapes
-        one, other = (getattr(each, first) for each in shapes)
-        one, other = (p if first != "points" else p[0] for p in (one, other))
-        assert other == pytest.approx((-one[0], -one[1]))
-        if shape["type"] == "box":
-            assert shapes[1].angle == pytest.approx(math.pi)
-
     def test_of_all_copies_the_first_wrong_one_is_told(self):
         found = problems({"bodies": [
             {**POINT, "name": "b{i}", "repeat": 9, "mass": "=1 - i", "at": [0, "3 kg"]}]})
