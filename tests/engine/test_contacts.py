@@ -75,18 +75,6 @@ def test_a_rolling_disc_has_static_friction(tangent: float, rolls: bool) -> None
     assert run["disc.vx"] == pytest.approx(gains * run.time, abs=1e-9)
 
 
-def test_a_body_that_lands_sliding_has_sliding_friction() -> None:
-    """It loses mu times its blow, and then mu g t."""
-    fall, mu = 1.0, 0.2
-    run = sound(simulate(mechanism(
-        duration=0.1, gravity=(0.0, -G), materials={"rough": {"friction": mu, "static": 2.0}},
-        bodies=[fixed("plane", material="rough", shapes=[{"type": "box", "size": (4.0, 0.02)}]),
-                {"name": "block", "mass": 1.0, "at": (0.0, 0.0205), "velocity": (1.0, -fall),
-                 "material": "rough", "shapes": [{"type": "box", "size": (0.3, 0.02)}]}])))
-    # all of its speed downwards is gone at the first step that it ends on the plane
-    assert run["block.vx"][-1] == pytest.approx(1.0 - mu * (fall + G * run.time[-1]), abs=1e-9)
-
-
 @pytest.mark.parametrize("count", [3, 5])
 def test_a_bar_on_feet_in_line_stays_put(count: int) -> None:
     """Pushed aside by less than friction holds: it does not move at all, and carries its weight."""

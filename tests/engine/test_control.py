@@ -14,8 +14,6 @@ import pytest
 
 import sandbox
 from sandbox.elements.controllers.custom import Custom
-from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Status
 
 H, INERTIA = 5e-4, 2e-4
 
@@ -91,22 +89,6 @@ def test_a_switched_off_controller_leaves_the_drive_to_its_signal():
     expected = np.where(got.time < 0.04, 0.01, -0.02)
     # switched off again, the drive keeps what it had
     assert np.array_equal(got["motor.value"], expected)
-
-
-def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
-    events = [{"name": "far", "when": "=axle.angle > 0.05", "stop": "fail",
-               "because": "it must stay near"}]
-    got = run(rotor(events=events))
-    assert got.complete
-    assert got.time[-1] < 0.07
-    assert got.info.status is Status.STOPPED
-    assert got.info.stopped.event == "far"
-    from sandbox.samples.expectations import verdicts
-
-    verdict = verdicts(got)[-1]
-    assert (verdict.ok, verdict.because) == (False, "it must stay near")
-    got.save(tmp_path)
-    assert verdicts(Recording.load(tmp_path))[-1] == verdict
 
 
 def test_a_condition_without_a_value_is_named():

@@ -34,19 +34,10 @@ def setting(value: Any) -> list[dict[str, Any]]:
 # -- motors ------------------------------------------------------------------------
 
 
-def motored(positive: str, **motor: Any) -> Recording:
-    """A wheel on a hinge with a motor."""
-    return simulate(mechanism(
-        duration=0.5, bodies=[fixed("wall"), WHEEL],
-        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0),
-                 "positive": positive}],
-        drives=[{"type": "motor", "name": "d", "joint": "p", **motor}]))
-
-
 @SENSES
 def test_a_free_motor_reaches_its_speed(positive: str, sense: int) -> None:
     """omega = tau t / I up to the speed, which it then keeps without torque."""
-    run = motored(positive, value=20.0, torque=2e-3)
+    run = servo_run({"type": "motor", "value": 20.0, "torque": 2e-3}, step=H, positive=positive)
     ready = 20.0 * 4e-5 / 2e-3
     rate = np.minimum(run.time / ready, 1.0) * 20.0
     still = np.abs(run.time - ready) > H
@@ -84,7 +75,7 @@ INERTIA, MAX_TORQUE = 4e-5, 2e-3
 
 def servo_run(drive: dict[str, Any], *, step: float = 1e-3, duration: float = 0.5,
               **pin: Any) -> Recording:
-    """A wheel on a hinge with a servo."""
+    """A wheel on a hinge with a servo or another drive."""
     return simulate(mechanism(
         duration=duration, step=step, bodies=[fixed("wall"), WHEEL],
         joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0), **pin}],

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 from typing import Any
 
 import pytest
@@ -181,45 +180,31 @@ def inertia_about_hinge() -> float:
     return mass_properties(bar).inertia + M * (L / 2) ** 2
 
 
-def test_a_rotary_spring_is_held_against_the_step():
-    """h w = h sqrt(k / I) for a bar on the ground; warned above 0.5, damped above 1.
-
-    I is about the hinge: that of the bar about its centre and m (L/2)^2.
-    """
-    inertia, h = inertia_about_hinge(), Mechanism().run.step
-    for pace, words in ((0.49, None), (0.51, "more than 1 % off"), (0.99, "more than 1 % off"),
-                        (1.01, "damped, to 70 % in a step")):
-        spring = {"type": "rotary", "name": "s", "joint": "hinge",
-                  "stiffness": inertia * (pace / h) ** 2}
-        findings = found(PINNED | {"springs": [spring]})
-        assert len(findings) == (words is not None)
-        assert words is None or words in findings[0][2]
+TWO_BARS: dict[str, Any] = {
+    "bodies": [{"name": "a", "mass": M, "shapes": [BAR], "at": [-L, 0]},
+               {"name": "b", "mass": M, "shapes": [BAR]}],
+    "joints": [{"type": "pin", "name": "hinge", "a": "a", "b": "b", "on_b": [0, 0]}]}
+ROTARY = {"type": "rotary", "name": "s", "joint": "hinge"}
+AT_ITS_RIM = {"type": "linear", "name": "s", "a": "ground", "b": "a", "on_a": [R, 0.1],
+              "on_b": [R, 0]}
 
 
-def test_a_rotary_spring_between_moving_bodies_counts_both() -> None:
-    """Two equal bars end to end: each turns about its centre, the hinge moves with both."""
-    inertia, h = mass_properties(Mechanism.model_validate(PINNED).bodies[1]).inertia, 5e-4
-    assert Mechanism().run.step == h
-    scene = {"bodies": [{"name": "a", "mass": M, "shapes": [BAR], "at": [-L, 0]},
-                        {"name": "b", "mass": M, "shapes": [BAR]}],
-             "joints": [{"type": "pin", "name": "hinge", "a": "a", "b": "b", "on_b": [0, 0]}]}
-    for pace, count in ((0.499, 0), (0.501, 1)):
-        spring = {"type": "rotary", "name": "s", "joint": "hinge",
-                  "stiffness": (pace / h) ** 2 * inertia / 2}
-        assert len(found(scene, springs=[spring])) == count
-
-
-def test_a_straight_spring_counts_its_arm() -> None:
-    """1/m + r^2/I: a disc of inertia m r^2/2, pulled at its rim across the line of centres."""
-    k = 100.0
-    bodies = [GROUND, {"name": "a", "mass": M, "shapes": [DISC]}]
-    spring = {"type": "linear", "name": "s", "a": "ground", "b": "a", "stiffness": k,
-              "on_a": [R, 0.1], "on_b": [R, 0]}
-    softness = 1 / M + R**2 / (M * R**2 / 2)
-    for step, count in ((0.49, 0), (0.51, 1)):
-        run = {"step": step / math.sqrt(k * softness), "duration": 1,
-               "sample_rate": math.sqrt(k * softness) / step}
-        assert len(found({"bodies": bodies, "springs": [spring], "run": run})) == count
+@pytest.mark.parametrize(("scene", "spring", "softness"), [
+    (PINNED, ROTARY, lambda: 1 / inertia_about_hinge()),
+    # two equal bars end to end: each turns about its centre, the hinge moves with both
+    (TWO_BARS, ROTARY, lambda: 2 / (inertia_about_hinge() - M * (L / 2) ** 2)),
+    # a disc of inertia m r^2/2, pulled at its rim across the line of centres: 1/m + r^2/I
+    ({"bodies": [GROUND, {"name": "a", "mass": M, "shapes": [DISC]}]}, AT_ITS_RIM, lambda: 3 / M),
+])
+@pytest.mark.parametrize(("pace", "words"), [
+    (0.49, None), (0.51, "more than 1 % off"), (0.99, "more than 1 % off"),
+    (1.01, "damped, to 70 % in a step")])
+def test_a_spring_is_held_against_the_step(scene, spring, softness, pace, words):
+    """h w = h sqrt(k softness); warned above 0.5, damped above 1."""
+    stiffness = (pace / Mechanism().run.step) ** 2 / softness()
+    findings = found(scene, springs=[{**spring, "stiffness": stiffness}])
+    assert len(findings) == (words is not None)
+    assert words is None or words in findings[0][2]
 
 
 def test_a_damper_that_settles_within_a_fraction_of_the_step():

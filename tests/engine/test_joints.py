@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from itertools import combinations
 from typing import Any
 
@@ -11,20 +10,12 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SandboxError, SimulationDiverged
-from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
 
 from .machines import G, H, fixed, mass, mechanism
 
 GAP = 2e-10
 ROUNDING = 1e-11
-
-
-def place(run: Recording, body: str, point: tuple[float, float]) -> np.ndarray:
-    """World track of a point of a body, [n, 2]."""
-    x, y, angle = (run[f"{body}.{q}"] for q in ("x", "y", "angle"))
-    c, s = np.cos(angle), np.sin(angle)
-    return np.stack([x + c * point[0] - s * point[1], y + s * point[0] + c * point[1]], axis=1)
 
 
 def bar(name: str, at: tuple[float, float], **more: Any) -> dict[str, Any]:
@@ -49,29 +40,6 @@ def test_path_ends_and_release() -> None:
     assert run["a.x"][arrived] == pytest.approx(0.14, abs=1e-6)
     assert run["j.speed"][arrived - 2] > 0.4
     assert run["j.speed"][arrived + 2] == pytest.approx(0.0, abs=0.05)
-
-
-def test_weld() -> None:
-    """Two bars thrown in a spin stay one: gap and angle; the pair keeps its spin and its course.
-
-    Velocities of the centres of mass are those of one rigid body: v_b = v_a + omega x r.
-    """
-    x, y = 0.05 + 0.05 * math.cos(0.5), 0.05 * math.sin(0.5)
-    run = simulate(mechanism(
-        duration=0.5,
-        bodies=[bar("a", (0, 0), velocity=(0.5, 0.0), angular_velocity=5.0),
-                bar("b", (0.1, 0), angle=0.5, velocity=(0.5 - 5 * y, 5 * x), angular_velocity=5.0)],
-        joints=[{"type": "weld", "name": "w", "a": "a", "b": "b", "on_b": (0, 0)}]))
-    # the first pose is on the path to the third order of the half step
-    gap = place(run, "a", (0.1, 0)) - place(run, "b", (0, 0))
-    assert np.abs(gap[0]).max() < (5 * H / 2)**3 * 0.1
-    np.testing.assert_allclose(gap[1:], 0.0, atol=GAP)
-    np.testing.assert_allclose(run["b.angle"] - run["a.angle"], 0.5, atol=ROUNDING)
-    # the weld closes over chords: the pair turns on as one body does, to (omega h)^2
-    np.testing.assert_allclose(run["a.omega"], 5.0, rtol=(5 * H)**2)
-    middle = (place(run, "a", (0.05, 0.0)) + place(run, "b", (0.05, 0.0))) / 2
-    np.testing.assert_allclose(
-        middle - middle[0], np.outer(run.time - run.time[0], [0.5 - 2.5 * y, 2.5 * x]), atol=1e-9)
 
 
 def test_a_rope_that_swings_is_as_long_as_it_is() -> None:
