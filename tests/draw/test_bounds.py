@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from sandbox.picture.bounds import Rectangle, Stage, place_camera
 from sandbox.picture.frames import new_surface
 from sandbox.picture.geometry import large_circle
-from sandbox.picture.scales import round_length
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import frames_of, recording
@@ -109,12 +108,3 @@ def test_box_leaves_out_what_is_not_finite():
     box = Rectangle.around(np.array([[0, 0], [np.nan, 9], [1, 2], [np.inf, 0]]))
     assert box == Rectangle(0, 0, 1, 2)
     assert Rectangle.around(np.zeros((0, 2))) == Rectangle(0, 0, 0, 0)
-
-
-@given(st.floats(1e-9, 1e9))
-def test_round_length_is_round_and_not_above(largest):
-    length = round_length(largest)
-    assert length <= largest * (1 + 1e-8)
-    assert largest < 2.5 * length * (1 + 1e-8)
-    digit = length / 10 ** np.floor(np.log10(length) + 1e-9)
-    assert min(abs(digit - d) for d in (1, 2, 5)) < 1e-6

@@ -14,7 +14,7 @@ from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 
-from .machines import G, H, fixed, mass, mechanism
+from .machines import H, fixed, mass, mechanism
 
 SENSES = pytest.mark.parametrize(("positive", "sense"), [("counterclockwise", 1),
                                                          ("clockwise", -1)])
@@ -234,20 +234,6 @@ def test_a_length_follows_its_signal_while_the_actuator_swings(kind: str) -> Non
         np.testing.assert_allclose(spin, spin[0], rtol=0.05 * (step / 1e-3))
         assert_audit_passes(run, "work")
     assert 1.9 < math.log2(errors[0] / errors[1]) < 3.1
-
-
-def test_a_rigid_length_goes_there_in_the_least_time() -> None:
-    """2 sqrt(m L / F), as a servo; then it carries the weight."""
-    run = slide({"type": "length", "value": 0.2, "force": 2.0}, longest=0.3, shortest=0.05,
-                duration=0.8)
-    least = 2 * math.sqrt(0.1 / 2.0)
-    assert run["c.length"].max() < 0.2 + 2.0 * 1e-6 / 8
-    assert run.time[np.argmax(run["c.length"] > 0.2 - 1e-5)] == pytest.approx(least, abs=8e-3)
-    run = slide({"type": "length", "value": 0.2, "force": 20.0, "speed": 0.3}, gravity=G)
-    assert run["c.length"].max() < 0.2 + 1e-6
-    assert run["c.speed"].max() == pytest.approx(0.3, rel=1e-9)
-    assert run["d.force"][-1] == pytest.approx(G, rel=1e-9)
-    assert_audit_passes(run, "drive.place")
 
 
 def test_ends_of_stroke_are_hard() -> None:

@@ -14,7 +14,6 @@ from sandbox.samples.outcome import Status
 
 from .machines import G, H, fixed, mass, mechanism
 
-GAP = 2e-10
 ROUNDING = 1e-11
 
 

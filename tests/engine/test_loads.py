@@ -119,14 +119,6 @@ def test_one_law_for_many_bodies_is_each_ones_own() -> None:
 # --- liquids
 
 
-def _floating(shape: dict[str, Any], *, at: list[float], density: float = 500.0, level: float = 0.0,
-              duration: float = 0.01, h: float = 1e-3, **more: Any) -> Recording:
-    scene = _scene({"type": "buoyancy", "name": "w", "level": level}, g=G, h=h, duration=duration)
-    scene["bodies"] = [{"name": "b", "density": density, "thickness": 0.1, "at": at,
-                        "shapes": [shape], **more}]
-    return _run(scene)
-
-
 @pytest.mark.parametrize("shape", [
     {"type": "box", "size": [0.4, 0.2]},
     {"type": "polygon", "points": [[-0.2, -0.1], [0.2, -0.1], [0.1, 0], [0.2, 0.1], [-0.2, 0.1]],
@@ -134,7 +126,9 @@ def _floating(shape: dict[str, Any], *, at: list[float], density: float = 500.0,
     {"type": "capsule", "start": [-0.1, 0], "end": [0.1, 0.05], "radius": 0.05}])
 def test_a_submerged_body_weighs_less_by_the_water_it_displaces(shape: dict[str, Any]) -> None:
     """Twice as dense as the water it sinks at g / 2, at any angle, and is not turned."""
-    run = _floating(shape, at=[0.3, -2], density=2000, angle=1.0, duration=0.2)
+    bodies = [{"name": "b", "density": 2000, "thickness": 0.1, "at": [0.3, -2], "angle": 1.0,
+               "shapes": [shape]}]
+    run = _run({**_scene({"type": "buoyancy", "name": "w"}, g=G, duration=0.2), "bodies": bodies})
     assert run["b.ay"] == pytest.approx(-G / 2, rel=1e-11)
     assert np.abs(run["b.alpha"]).max() < 1e-9
 
