@@ -159,21 +159,11 @@ def test_a_still_of_some_bodies_is_fitted_to_where_they_are_then():
     assert body_box(run).width == pytest.approx(9.1)
 
 
-RADIUS = 0.04
-
-
-def turning(turns=1.0, samples=101, traces=({"body": "arm", "at": [RADIUS, 0]},), **view):
-    """An arm that turns about the middle, evenly, once in a second for each of ``turns``."""
-    time = np.linspace(0, 1, samples)
-    pose = np.zeros((samples, 1, 3))
-    pose[:, 0, 2] = 2 * np.pi * turns * time
-    return recording(Mechanism.model_validate({
-        "bodies": [{"name": "arm", "mass": 1, "shapes": [{"type": "circle", "radius": 0.005}]}],
-        "view": {"centre": [0, 0], "width": 0.12, "traces": list(traces), **view}}), time, pose)
-
-
-def test_the_picture_has_room_for_it():
-    view = {"centre": None, "width": None}
-    far = turning(traces=[{"body": "arm", "at": [0.5, 0]}], **view)
-    assert body_box(far).width == pytest.approx(1.0, rel=0.01)
-    assert body_box(turning(traces=(), **view)).width < 0.02
+def test_the_picture_has_room_for_traces():
+    """A point 0.5 m from the middle of a body that turns once."""
+    pose = np.zeros((N, 1, 3))
+    pose[:, 0, 2] = 2 * np.pi * TIME
+    for traces, width in (([{"body": "arm", "at": [0.5, 0]}], 1.0), ([], 0.01)):
+        mechanism = Mechanism.model_validate({"view": {"traces": traces}, "bodies": [
+            {"name": "arm", "mass": 1, "shapes": [{"type": "circle", "radius": 0.005}]}]})
+        assert body_box(recording(mechanism, TIME, pose)).width == pytest.approx(width, rel=0.01)

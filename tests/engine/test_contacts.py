@@ -11,10 +11,8 @@ import pytest
 from sandbox.engine import simulation as module
 from sandbox.engine import world
 from sandbox.engine.simulate import simulate
-from sandbox.engine.world import Room, make_filters
+from sandbox.engine.world import Room
 from sandbox.errors import SandboxError
-from sandbox.model.compile import compile_mechanism
-from sandbox.model.pairs import friction_of, static_friction_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
 
@@ -188,22 +186,6 @@ def test_too_many_contacts_are_refused_with_their_number(monkeypatch: pytest.Mon
     small_buffers(monkeypatch)
     with pytest.raises(SandboxError, match=r"\d+ contacts at once at t = .*more than the 5"):
         simulate(heap(2, 8))
-
-
-def test_friction_of_a_pair_is_that_of_the_last_rule_or_of_materials() -> None:
-    """The engine's tables, and what reads one pair at a time."""
-    machine = mechanism(
-        bodies=[disc(n, 0.01, (0.0, 0.0), material=m)
-                for n, m in (("a", "x"), ("b", "y"), ("c", "y"))],
-        materials={"x": {"friction": 0.2, "static": 2.0}, "y": {"friction": 0.8}},
-        contacts=[{"between": ("b", "c"), "friction": 0.3, "static": 1.6},
-                  {"between": ("c", "*"), "static": 1.1}])
-    filters = make_filters(compile_mechanism(machine))
-    for i, j, slides, holds in ((0, 1, 0.4, 2.0**0.5), (1, 2, 0.3, 1.1), (0, 2, 0.4, 1.1)):
-        assert filters.friction[i, j] == pytest.approx(slides)
-        assert filters.static[i, j] == pytest.approx(holds)
-        assert friction_of(machine, i, j) == pytest.approx(slides)
-        assert static_friction_of(machine, i, j) == pytest.approx(slides * holds)
 
 
 def crossing(count: int, duration: float = 0.1) -> Mechanism:

@@ -119,18 +119,9 @@ def test_counts(duration: float, step: float, rate: float, steps: int, every: in
     assert (clock.steps, clock.every) == (steps, every)
 
 
-SMALL_DISC = {"type": "circle", "radius": 0.01}
-
-
-def row_of_discs(count: int, apart: float, **more: Any) -> Mechanism:
-    return Mechanism.model_validate({
-        "bodies": [{"name": f"d{i}", "mass": 0.1, "at": [apart * i, 0], "shapes": [SMALL_DISC]}
-                   for i in range(count)],
-        "run": {"duration": 0.01, "step": 1e-3, "sample_rate": 500}, **more})
-
-
 def test_sixteen_touching_circles_at_every_microsecond() -> None:
-    machine = row_of_discs(16, 0.0, run={"duration": 0.9, "step": 1e-6, "sample_rate": 1e6})
+    machine = mechanism(duration=0.9, step=1e-6,
+                        bodies=[disc(f"d{i}", 0.01, (0, 0)) for i in range(16)])
     found = look_over(machine).estimate
     assert found.contacts == 120
     assert found.recorded_bytes > 9e9
