@@ -57,7 +57,6 @@ def test_a_body_has_its_colour_else_that_of_its_material_else_that_of_its_role()
 
 
 def test_colours_are_read_and_what_is_none_is_said():
-
     assert rgb("#fa3") == rgb("#ffaa33") == (255, 170, 51)
     with pytest.raises(SceneError) as caught:
         sandbox.load_scene({"bodies": [{"name": "b", "mass": 1, "shapes": [BOX],

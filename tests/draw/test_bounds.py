@@ -102,9 +102,3 @@ def test_fitted_box_lies_on_the_stage_and_touches_its_margin(x, y, w, h, width, 
     margins = [left / width, 1 - right / width, (top - 30) / height,
                1 - (bottom - 30) / height]
     assert min(margins) == pytest.approx(0.04, abs=1e-6)
-
-
-def test_box_leaves_out_what_is_not_finite():
-    box = Rectangle.around(np.array([[0, 0], [np.nan, 9], [1, 2], [np.inf, 0]]))
-    assert box == Rectangle(0, 0, 1, 2)
-    assert Rectangle.around(np.zeros((0, 2))) == Rectangle(0, 0, 0, 0)

@@ -39,11 +39,6 @@ def test_a_wedged_disc_is_not_pushed_out() -> None:
 GRAVITY, MASS = 9.81, 0.5
 
 
-def ring(radius: float, count: int = 240) -> list[list[float]]:
-    turns = np.arange(count) * math.tau / count
-    return [[radius * math.cos(turn), radius * math.sin(turn)] for turn in turns]
-
-
 def placed(ground: dict[str, object], shape: dict[str, object], at: list[float],
            **keys: object) -> Recording:
     """A body that may move along y only, or freely with ``free``, on fixed ground."""
