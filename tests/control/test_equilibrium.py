@@ -56,9 +56,7 @@ def moment(theta: Any) -> np.ndarray:
 
 
 @pytest.mark.parametrize("finger", [
-    {}, {"palm": "above"}, {"angle": 0.7, "at": [0.1, -0.2]}, {"start": [0.3, 0.1]},
-    {"palm": "above", "angle": -2.0},
-])
+    {"angle": 0.7, "at": [0.1, -0.2]}, {"start": [0.3, 0.1]}, {"palm": "above", "angle": -2.0}])
 def test_arms_and_moments_are_those_of_the_closed_forms(finger):
     """However the finger lies, mirrored, turned or bent at the start; to rounding."""
     made = mechanism(law_spec(), **finger)
@@ -81,9 +79,6 @@ def test_at_the_targets_the_stiffnesses_are_those_of_equilibrium():
     law = begun(law_spec(), [*TARGETS, 0.0, 0.0, 12.0], [1.0, 1.0])
     wanted = law.act(0.0, [*TARGETS, 0.0, 0.0, 12.0], TARGETS, [1.0, 1.0])
     assert wanted == pytest.approx(12.0 * arm(TARGETS) / moment(TARGETS), rel=1e-12)
-    fixed = begun(law_spec(pull=10.0), [*TARGETS, 0.0, 0.0], [1.0, 1.0])
-    assert fixed.act(0.0, [*TARGETS, 0.0, 0.0], TARGETS, [1.0, 1.0]) == pytest.approx(
-        10.0 * arm(TARGETS) / moment(TARGETS), rel=1e-12)
 
 
 def test_feedback_is_a_torque_over_the_present_moment():
@@ -130,11 +125,8 @@ def test_a_law_switched_on_late_continues_from_the_drive_values(rise):
 
 
 @pytest.mark.parametrize("more", [
-    {"kp": [1.0]}, {"ki": [1.0, 1.0, 1.0]}, {"targets": [0.1]}, {"joints": ["finger.mcp"]},
-    {"guard": 0}, {"geometry": {"lengths": LENGTHS, "guides": GUIDES[:2], "from": BEFORE,
-                                "to": AFTER}},
-    {"geometry": {"lengths": [0.1], "guides": GUIDES[:2], "from": BEFORE[:1], "to": AFTER[:1]}},
-])
+    {"kp": [1.0]}, {"targets": [0.1]},
+    {"geometry": {"lengths": LENGTHS, "guides": GUIDES[:2], "from": BEFORE, "to": AFTER}}])
 def test_lists_that_do_not_fit_are_refused(more):
     with pytest.raises(ValidationError):
         TypeAdapter(Controller).validate_python(law_spec(**more))
@@ -144,7 +136,6 @@ def test_lists_that_do_not_fit_are_refused(more):
     ({"tendon": "finger.cord"}, ".tendon", "no tendon"),
     ({"joints": ["finger.mcp", "finger.hip"]}, ".joints[1]", "no hinge"),
     ({"writes": ["k2", "k1"]}, ".writes[0]", "across"),
-    ({"writes": ["pull", "k2"]}, ".writes[0]", "across"),
 ])
 def test_wrong_references_are_refused(more, path, word):
     with pytest.raises(SceneError) as caught:

@@ -11,8 +11,6 @@ from hypothesis import strategies as st
 from sandbox.picture.bounds import Rectangle, Stage, place_camera
 from sandbox.picture.frames import new_surface
 from sandbox.picture.geometry import large_circle
-from sandbox.picture.scales import round_length, round_up
-from sandbox.picture.typesetter import MAX_LETTERS, Typesetter, ellipsis
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import frames_of, recording
@@ -65,26 +63,20 @@ def reached(monkeypatch):
 
 
 @pytest.mark.parametrize(("shape", "options"), [
-    (CIRCLE, {}), (CIRCLE, {"at": (1000.0, 0.0)}), (CIRCLE, {"at": (1e9, 0.0)}),
-    (SMALL, {"view": {**CM, "force_scale": 1e3}}),
-    (SMALL, {"view": {"size": list(SIZE), "force_scale": 1e3}}),
+    (CIRCLE, {}), (CIRCLE, {"at": (1e9, 0.0)}),
     (SMALL, {"force": (1e300, 1e300), "view": {**CM, "force_scale": 1e3}}),
     (SMALL, {"at": (1e300, -1e300)}), (SMALL, {"at": (np.nan, np.nan)}),
-    ({"type": "box", "size": [1, 1e6]}, {}),
     ({"type": "box", "size": [1, 1e6]}, {"view": {"size": list(SIZE)}}),
     ({"type": "capsule", "start": [-1e6, 0], "end": [1e6, 1], "radius": 1e3}, {}),
-    (SMALL, {"title": "W" * 20_000}), (SMALL, {"title": "\u0301"}),
-    (SMALL, {"title": "a\x00\u200b"}),
+    (SMALL, {"title": "W" * 20_000 + "\u0301\x00\u200b"}),
 ])
-@pytest.mark.parametrize("show", [[], ["all"]])
 @pytest.mark.filterwarnings("error")
-def test_what_is_out_of_sight_is_cut_before_it_is_drawn(shape, options, show, reached):
-    drawn(shape, **options, show=show)
+def test_what_is_out_of_sight_is_cut_before_it_is_drawn(shape, options, reached):
+    drawn(shape, **options, show=["all"])
     assert 0 < max(reached) <= FAR
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, -1.3])
-@pytest.mark.parametrize("radius", [5e3, 1e6, 1e9])
+@pytest.mark.parametrize(("angle", "radius"), [(0.0, 5e3), (0.7, 1e6), (-1.3, 1e9)])
 def test_a_large_circle_is_where_its_rim_is(angle, radius):
     """Its rim passes the middle of the picture: one side is inside, the other is not."""
     surface = new_surface(*SIZE)
@@ -96,16 +88,6 @@ def test_a_large_circle_is_where_its_rim_is(angle, radius):
                            for sign in (-1, 1))
         assert surface.get_at(inside)[:3] == RED
         assert surface.get_at(outside)[:3] != RED
-
-
-def test_texts_are_bounded_and_print():
-    type_ = Typesetter(12)
-    assert type_.width("W" * 20_000) == type_.width("W" * MAX_LETTERS)
-    assert type_.render("\u0301\u0302").get_width() >= 1
-    assert type_.width("\u200b\x00") == type_.width("\\u200b\\x00")
-    short = ellipsis(type_, "many words " * 2000, 100, 12)
-    assert short.endswith("...")
-    assert 60 < type_.width(short) <= 100
 
 
 metres = st.floats(-10, 10)
@@ -120,25 +102,3 @@ def test_fitted_box_lies_on_the_stage_and_touches_its_margin(x, y, w, h, width, 
     margins = [left / width, 1 - right / width, (top - 30) / height,
                1 - (bottom - 30) / height]
     assert min(margins) == pytest.approx(0.04, abs=1e-6)
-
-
-def test_box_leaves_out_what_is_not_finite():
-    box = Rectangle.around(np.array([[0, 0], [np.nan, 9], [1, 2], [np.inf, 0]]))
-    assert box == Rectangle(0, 0, 1, 2)
-    assert Rectangle.around(np.zeros((0, 2))) == Rectangle(0, 0, 0, 0)
-
-
-@given(st.floats(1e-9, 1e9))
-def test_round_length_is_round_and_not_above(largest):
-    length = round_length(largest)
-    assert length <= largest * (1 + 1e-8)
-    assert largest < 2.5 * length * (1 + 1e-8)
-    digit = length / 10 ** np.floor(np.log10(length) + 1e-9)
-    assert min(abs(digit - d) for d in (1, 2, 5)) < 1e-6
-
-
-@pytest.mark.parametrize(("value", "expected"), [(15, 15), (15.1, 20), (3.75, 4), (0.9, 1),
-                                                 (0.83, 1), (0.0, 1), (5e-324, 1),
-                                                 (1.4e308, 1.5e308)])
-def test_round_up(value, expected):
-    assert round_up(value) == pytest.approx(expected)

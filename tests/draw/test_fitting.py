@@ -6,7 +6,6 @@ import pytest
 from sandbox.errors import OutputError
 from sandbox.picture.bounds import ROOM, body_box, groups_of
 from sandbox.picture.options import view_of
-from sandbox.picture.palette import TRACE
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import frames_of, recording
@@ -160,53 +159,11 @@ def test_a_still_of_some_bodies_is_fitted_to_where_they_are_then():
     assert body_box(run).width == pytest.approx(9.1)
 
 
-def test_a_body_that_goes_far_in_its_machine_is_shown_with_what_is_near():
-    ways = {"slider": np.stack((40 * TIME, 0 * TIME), axis=1)}
-    rail = {**SLIDER, "end": [40.0, 0.1]}
-    run = world(body("slider", [0, 0.1]), joints=[rail], ways=ways, view={"follow": "slider"})
-    box = body_box(run)
-    # half its size to either side, where rail and floor go on; nothing is above
-    assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((-0.1, 0.0, 0.1, 0.15))
-
-
-RADIUS = 0.04
-
-
-def turning(turns=1.0, samples=101, traces=({"body": "arm", "at": [RADIUS, 0]},), **view):
-    """An arm that turns about the middle, evenly, once in a second for each of ``turns``."""
-    time = np.linspace(0, 1, samples)
-    pose = np.zeros((samples, 1, 3))
-    pose[:, 0, 2] = 2 * np.pi * turns * time
-    return recording(Mechanism.model_validate({
-        "bodies": [{"name": "arm", "mass": 1, "shapes": [{"type": "circle", "radius": 0.005}]}],
-        "view": {"centre": [0, 0], "width": 0.12, "traces": list(traces), **view}}), time, pose)
-
-
-def green(run, t, at):
-    """Whether places [k, 2] of the world show the trace's colour at ``t``."""
-    drawn = frames_of(run, size=(480, 480))
-    picture = drawn.draw(t).astype(int)
-    found = []
-    for x, y in drawn.picture.camera.to_pixels(np.asarray(at, dtype=float)):
-        near = picture[int(y) - 2:int(y) + 3, int(x) - 2:int(x) + 3].reshape(-1, 3)
-        found.append(bool((np.abs(near - TRACE).max(axis=1) < 40).any()))
-    return found
-
-
-def on_circle(*degrees):
-    angle = np.radians(degrees)
-    return RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
-def test_a_way_gone_twice_is_as_one_gone_once():
-    """One outline around both would have its inside out."""
-    places = on_circle(*range(5, 360, 15))
-    assert all(green(turning(turns=2.0), 1.0, places))
-    assert all(green(turning(turns=3.5), 1.0, places))
-
-
-def test_the_picture_has_room_for_it():
-    view = {"centre": None, "width": None}
-    far = turning(traces=[{"body": "arm", "at": [0.5, 0]}], **view)
-    assert body_box(far).width == pytest.approx(1.0, rel=0.01)
-    assert body_box(turning(traces=(), **view)).width < 0.02
+def test_the_picture_has_room_for_traces():
+    """A point 0.5 m from the middle of a body that turns once."""
+    pose = np.zeros((N, 1, 3))
+    pose[:, 0, 2] = 2 * np.pi * TIME
+    for traces, width in (([{"body": "arm", "at": [0.5, 0]}], 1.0), ([], 0.01)):
+        mechanism = Mechanism.model_validate({"view": {"traces": traces}, "bodies": [
+            {"name": "arm", "mass": 1, "shapes": [{"type": "circle", "radius": 0.005}]}]})
+        assert body_box(recording(mechanism, TIME, pose)).width == pytest.approx(width, rel=0.01)

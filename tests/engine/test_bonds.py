@@ -51,13 +51,13 @@ JOINTS = {
 
 
 @pytest.mark.parametrize("kind", JOINTS)
-@pytest.mark.parametrize("h", [1e-3, 0.53e-3])
-def test_a_joint_breaks_at_its_load(kind: str, h: float) -> None:
+def test_a_joint_breaks_at_its_load(kind: str) -> None:
     """It carries m g + GROWS t, so from (LOAD - m g) / GROWS on the weight is free.
 
     Impulses of a load that is linear in time are exact by the midpoint rule, but for the last one,
     (s - 1/2) h LOAD: between it and the integral of the load lies h^2 GROWS / 2 at most.
     """
+    h = 0.53e-3
     run = pulled(h, joints=[{"name": "held", "a": "frame", "b": "weight", "breaks_at": LOAD,
                              **JOINTS[kind]}])
     end, broke = run.time[-1] + h / 2, (LOAD - G) / GROWS
@@ -83,12 +83,12 @@ HOLDERS: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("kind", HOLDERS)
-@pytest.mark.parametrize("h", [1e-3, 0.53e-3])
-def test_an_elastic_element_breaks_at_its_load(kind: str, h: float) -> None:
+def test_an_elastic_element_breaks_at_its_load(kind: str) -> None:
     """m x'' = GROWS t - k x from rest: x = GROWS / k (t - sin(w t) / w), w^2 = k / m.
 
     Allowed: h^2 times dT/dt at the break, as above, and the leapfrog's own error, which is less.
     """
+    h = 0.53e-3
     holder = {key: [{**each, "breaks_at": LOAD} for each in value]
               for key, value in HOLDERS[kind].items()}
     run = pulled(h, **holder)
@@ -123,31 +123,6 @@ def test_an_element_engaged_as_is_begins_without_force(kind: str) -> None:
     assert abs(force["as_is"]) < SOFT * G * 0.1 * 2e-3  # what it falls in two steps
 
 
-def test_a_released_hinge_takes_its_springs_stops_and_drives_with_it() -> None:
-    """Nothing turns two bodies any more: damper, stop, springs, torque, motor, brake have gone."""
-    bodies = [weight("a", (0, 0)), weight("b", (0.3, 0))]
-    spring = {"type": "rotary", "joint": "hinge", "stiffness": 0.1}
-    run = simulate(load_scene(scene(
-        bodies, gravity=[0, 0],
-        joints=[{"type": "pin", "name": "hinge", "a": "a", "b": "b", "on_a": [0.1, 0],
-                 "damping": 0.01, "limits": [-0.01, 0.01]}],
-        springs=[{**spring, "name": "soft"}, {**spring, "name": "stiff", "stiffness": 1e6},
-                 {**spring, "name": "law", "stiffness": None, "torque": "=0.1 * twist ** 3"}],
-        drives=[{"type": "torque", "name": "torque", "joint": "hinge", "value": 0.05},
-                {"type": "motor", "name": "motor", "joint": "hinge", "value": 3, "torque": 0.1},
-                {"type": "brake", "name": "brake", "joint": "hinge", "value": 0.1}],
-        events=[{"name": "cut", "at": 0.1, "release": ["hinge"]}])))
-    after = run.time > 0.102
-    for body in ("a", "b"):
-        for rate in ("omega", "vx", "vy"):
-            assert np.ptp(run[f"{body}.{rate}"][after]) < 1e-12
-    assert run["hinge.reaction"][50] > 0
-    for quantity in ("hinge.reaction", "hinge.damping", "hinge.stop", "soft.torque",
-                     "stiff.torque", "law.torque", "motor.torque", "brake.torque"):
-        assert not run[quantity][after].any()
-    sound(run, "tendon.slack")
-
-
 def test_lasting_events_undo_releasing_and_engaging() -> None:
     held = HOLDERS["spring"]["springs"][0]
     run = simulate(load_scene(scene(
@@ -158,7 +133,7 @@ def test_lasting_events_undo_releasing_and_engaging() -> None:
     assert (run["other.held"] == off).all()
 
 
-@pytest.mark.parametrize("h", [0.25e-3, 0.5e-3, 1e-3, 2e-3])
+@pytest.mark.parametrize("h", [0.5e-3, 2e-3])
 def test_equally_loaded_rods_break_in_the_same_step(h: float) -> None:
     """Two rods share a growing load 100 t, and break where each carries 20 N: as one of both would.
 
@@ -182,9 +157,9 @@ def test_equally_loaded_rods_break_in_the_same_step(h: float) -> None:
         assert f"{rod} broke at its load of 20 N, t = 0.3" in words
 
 
-@pytest.mark.parametrize("h", [1e-3, 0.37e-3])
-def test_a_hold_drive_gives_the_same_bytes_as_events(h: float) -> None:
+def test_a_hold_drive_gives_the_same_bytes_as_events() -> None:
     """Released, engaged and released again at the same steps: the same bytes."""
+    h = 0.37e-3
     holder = {"joints": [{"type": "rod", "name": "rod", "a": "frame", "b": "weight",
                           "on_b": [0, 0], "takes_up_in": 0.01, "breaks_at": 1e6}]}
     times = (0.1, 0.2, 0.35)
@@ -291,7 +266,7 @@ def slowed(kind: str, t: float) -> float:
 
 
 @pytest.mark.parametrize("kind", ABOUT)
-@pytest.mark.parametrize("h", [1e-3, 0.53e-3, 0.29e-3])
+@pytest.mark.parametrize("h", [1e-3, 0.53e-3])
 def test_torques_about_a_hinge_act_until_it_breaks(kind: str, h: float) -> None:
     """A wheel that spins in a bearing, which is pulled at until it breaks.
 

@@ -14,10 +14,9 @@ from sandbox.engine.inspect_springs import over_centre, ringing_problems
 from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
-from tests.engine.machines import G, fixed, mechanism
+from tests.support.mechanisms import cable, pin
 
-M_BEFORE, M_AFTER = (-0.007, 0.008), (0.007, 0.008)
-"""The ends of Set A's springs from the hinge [m]."""
+from .machines import G, fixed, mechanism
 
 
 def spring_across(
@@ -46,12 +45,10 @@ def at(degrees: float) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize(("positive", "limits", "expected"), [
-    ("counterclockwise", None, 160), ("clockwise", None, -160),
-    ("counterclockwise", (-100, 250), 160), ("clockwise", (-250, 100), -160),
-    ("counterclockwise", (-250, 100), -200), ("clockwise", (-100, 250), 200),
-    ("counterclockwise", (-150, 150), None), ("clockwise", (-150, 150), None),
+    ("counterclockwise", None, 160), ("clockwise", (-250, 100), -160),
+    ("counterclockwise", (-250, 100), -200), ("clockwise", (-150, 150), None),
 ])
-@pytest.mark.parametrize("first", [170, 160, 20, 0, -5, -15, -180])
+@pytest.mark.parametrize("first", [170, 20, -5, -180])
 def test_the_over_centre_angle_is_the_nearest_within_the_limits(
     first, positive, limits, expected,
 ):
@@ -70,8 +67,9 @@ def test_the_over_centre_angle_is_the_nearest_within_the_limits(
 
 @pytest.mark.parametrize("from_bar", [False, True])
 def test_a_spring_over_centre_is_reported_with_its_angle(from_bar):
-    (finding,) = inspect(spring_across(
-        {"positive": "clockwise", "limits": (0, 1.8)}, M_BEFORE, M_AFTER, from_bar=from_bar))
+    """Between the ends of Set A's springs."""
+    (finding,) = inspect(spring_across({"positive": "clockwise", "limits": (0, 1.8)},
+                                       (-0.007, 0.008), (0.007, 0.008), from_bar=from_bar))
     degrees = math.degrees(2 * math.atan2(8, 7))
     assert (finding.severity, finding.element) == ("warning", "s")
     assert f"snaps over the centre of 'hinge' at {degrees:.4g} deg" in finding.message
@@ -131,57 +129,38 @@ def test_a_tendon_rings_as_long_as_predicted():
 
 @pytest.mark.parametrize(("mass", "more"), [
     (0.5, {}),  # 0.11 of what is critical, by the step alone
-    (20.0, {"damping": 200.0}),
     (20.0, {"stiffness": 0.9e5}),  # a spring that is to ring
-    (0.5, {"slack": 0.01}),
     (20.0, {"slack": 0.01, "damping": 200.0}),
 ])
 def test_damped_tendons_are_not_reported(mass, more):
     assert ringing_of(hanging(mass, **more)) == []
 
 
-@pytest.mark.parametrize("more", [{"rest_length": 0.09}, {"rest_length": 0.1},
-                                  {"rest_length": 0.09, "slack": 0.01}])
-def test_a_cable_that_is_taut_from_the_start_is_named(more):
-    assert len(ringing_of(hanging(20.0, **more))) == 1
-    assert " Hz: it decays" in str(next(ringing_problems(compile_mechanism(hanging(20.0, **more)))))
-
-
-@pytest.mark.parametrize("more", [{"slack": 1e-6}, {"slack": 0.01}, {"rest_length": 0.11},
-                                  {"rest_length": 0.09, "slack": 0.011}])
-def test_a_slack_cable_rings_once_it_is_taut_as_if_it_were_from_the_start(more):
-    """It is the one that gets the jolt."""
-    assert ringing_of(hanging(20.0, **more)) == ringing_of(hanging(20.0))
+@pytest.mark.parametrize(("more", "slack"), [
+    ({"rest_length": 0.1}, False), ({"rest_length": 0.09, "slack": 0.01}, False),
+    ({"slack": 1e-6}, True), ({"rest_length": 0.11}, True),
+    ({"rest_length": 0.09, "slack": 0.011}, True)])
+def test_a_slack_tendon_rings_once_it_is_taut_as_if_it_were_from_the_start(more, slack):
+    assert not slack or ringing_of(hanging(20.0, **more)) == ringing_of(hanging(20.0))
     found, = ringing_problems(compile_mechanism(hanging(20.0, **more)))
-    assert " Hz once all tendons are taut: it decays" in str(found)
+    assert (" Hz once all tendons are taut: it decays" if slack else " Hz: it decays") in str(found)
 
 
 @pytest.mark.parametrize(("make", "square"), [
-    # pinned under a hook of a gram: both swing as one
-    (lambda: {"bodies": [BEAM, weight("hook", 1e-3), weight("load", 30.0, (0.0, -0.2))],
-              "joints": [{"type": "pin", "name": "pin", "a": "hook", "b": "load", "on_a": (0, 0)}],
-              "tendons": [{"name": "cord", "guides": [{"body": "hook"}, {"body": "beam"}]}]},
-     K / 30.001),
     # a movable pulley: two stretches lift it
     (lambda: {"bodies": [BEAM, weight("load", 100.0, (0.0, -0.5))],
-              "tendons": [{"name": "cord", "guides": [
-                  {"body": "beam", "at": (-0.05, 0.0)},
-                  {"body": "load", "radius": 0.05, "side": "left"},
-                  {"body": "beam", "at": (0.05, 0.0)}]}]},
+              "tendons": [cable("cord", ("beam", (-0.05, 0.0)), ("load", (0, 0), 0.05),
+                                ("beam", (0.05, 0.0)))]},
      4 * K / 100.0),
     # wound on a wheel that turns: r^2 / I
     (lambda: {"bodies": [BEAM, {"name": "wheel", "mass": 1.0, "inertia": 0.5}],
-              "joints": [{"type": "pin", "name": "axle", "a": "beam", "b": "wheel",
-                          "on_b": (0, 0)}],
-              "tendons": [{"name": "cord", "guides": [
-                  {"body": "wheel", "radius": 0.1, "side": "left"},
-                  {"body": "beam", "at": (1.0, 0.0)}]}]},
+              "joints": [pin("axle", "beam", "wheel")],
+              "tendons": [cable("cord", ("wheel", (0, 0), 0.1), ("beam", (1.0, 0.0)))]},
      0.01 * K / 0.5),
     # two cords in a row: half as stiff
     (lambda: {"bodies": [BEAM, weight("knot", 1e-3), weight("load", 30.0, (0.0, -0.2))],
-              "tendons": [{"name": "cord", "guides": [{"body": "knot"}, {"body": "beam"}]},
-                          {"name": "other", "stiffness": 1.01 * K,
-                           "guides": [{"body": "load"}, {"body": "knot"}]}]},
+              "tendons": [cable("cord", ("knot",), ("beam",)),
+                          cable("other", ("load",), ("knot",), stiffness=1.01 * K)]},
      K / 30.0 / (1 + 1 / 1.01)),
 ])
 def test_the_frequency_counts_all_connected_masses(make, square):

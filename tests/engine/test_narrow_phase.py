@@ -9,7 +9,6 @@ import pytest
 
 import sandbox
 from sandbox.engine.simulate import simulate
-from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene
 
@@ -40,11 +39,6 @@ def test_a_wedged_disc_is_not_pushed_out() -> None:
 GRAVITY, MASS = 9.81, 0.5
 
 
-def ring(radius: float, count: int = 240) -> list[list[float]]:
-    turns = np.arange(count) * math.tau / count
-    return [[radius * math.cos(turn), radius * math.sin(turn)] for turn in turns]
-
-
 def placed(ground: dict[str, object], shape: dict[str, object], at: list[float],
            **keys: object) -> Recording:
     """A body that may move along y only, or freely with ``free``, on fixed ground."""
@@ -70,21 +64,6 @@ def arch(half: float, rise: float) -> dict[str, object]:
     points = [*zip(x.tolist(), (-y).tolist(), strict=True)]
     points += [*zip(x[::-1].tolist(), y[::-1].tolist(), strict=True)][1:-1]
     return {"type": "curve", "points": points, "corners": [0, 32]}
-
-
-@pytest.mark.parametrize("shape", [
-    {"type": "box", "size": [0.06, 0.04]},
-    {"type": "capsule", "start": [-0.03, 0], "end": [0.03, 0], "radius": 0.02}])
-def test_a_rough_body_rocks_on_a_curve_as_on_a_circle(shape: dict[str, object]) -> None:
-    """240 points have the curvature of the circle to 6e-5, and so the period to 3e-5."""
-    start = {"free": True, "friction": 2, "angular_velocity": 1.5}
-    on_circle = placed({"type": "circle", "radius": 0.05}, shape, [0, 0.07], **start)
-    on_curve = placed({"type": "curve", "points": ring(0.05)}, shape, [0, 0.07], **start)
-    swing = np.ptp(on_circle["body.angle"])
-    assert swing > 0.03
-    assert np.abs(on_curve["body.angle"] - on_circle["body.angle"]).max() < 1e-4 * swing
-    assert on_curve["body/ground.normal"] == pytest.approx(
-        on_circle["body/ground.normal"], rel=1e-5)
 
 
 @pytest.mark.parametrize("off", [0.0, 0.004, -0.009])
@@ -120,17 +99,6 @@ def test_a_ball_in_a_hollow_rests_on_both_of_its_flanks() -> None:
     assert 0.5 < lean < 1.0
 
 
-@pytest.mark.parametrize(("nodes", "words"), [
-    ([[[0, 0, 0, 1]]], "are not on its outline"),
-    ([[[0, 0, 0, 1], [2, 0, 0, 1]]], "are not on its outline"),
-    ([[[0, 0, 0, 1], [1, 0, 0, 1]]] * 2, "there are 2 curves of 'nodes'")])
-@pytest.mark.parametrize("kind", ["polygon", "polyline"])
-def test_nodes_belong_to_their_outline(kind: str, nodes: list[object], words: str) -> None:
-    with pytest.raises(SceneError, match=words):
-        load_scene({"bodies": [{"name": "plate", "motion": "fixed", "shapes": [
-            {"type": kind, "points": [[0, 0], [1, 0], [1, 1]], "nodes": nodes}]}]})
-
-
 DISC, HIGH = {"type": "circle", "radius": 0.03}, 0.03
 
 
@@ -154,9 +122,8 @@ HILL = [[x / 20, -0.05 * (x / 20) ** 2] for x in range(20, -21, -1)]
 COMB = [[x / 10, -0.3 - 0.4 * (x % 2)] for x in range(-10, 11)]
 
 
-@pytest.mark.parametrize("at", [-0.5, -0.05, 0.0, 0.01, 0.3])
-@pytest.mark.parametrize("speed", [0.1, 20.0])
-@pytest.mark.parametrize("sharp", [0.02, 0.2])
+@pytest.mark.parametrize("at", [-0.5, 0.0, 0.01])
+@pytest.mark.parametrize(("speed", "sharp"), [(0.1, 0.2), (20.0, 0.02)])
 def test_a_sharp_corner_does_not_fall_through_a_seam(at, speed, sharp):
     """A spike hits a hill cut into many pieces, at its corners, where seams end, and beside them.
 

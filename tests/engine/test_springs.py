@@ -79,13 +79,6 @@ def test_a_bump_stop_of_any_stiffness_neither_pulls_nor_throws(k: float) -> None
         assert run["m.vx"][-1] == pytest.approx(1.0, abs=math.sqrt(k) * STEP)
 
 
-def test_a_one_sided_damper_neither_pulls_on_the_way_back() -> None:
-    """F = min(k s + c v, 0) while s < 0."""
-    run = run_of(oscillator(0.0, stiffness=400.0, damping=30.0, only="push", v=-1.0, duration=0.4))
-    assert run["s.force"].max() == 0.0
-    assert 0.0 < run["m.vx"][-1] < 0.5
-
-
 def test_a_law_of_the_rate_is_a_damper_of_any_strength() -> None:
     """dv/dt = -c v^3: v = v0 / sqrt(1 + 2 c v0^2 t); a hard one is stable."""
     run = run_of(oscillator(0.0, force="=2 * rate ** 3", v=1.0, duration=1.0))

@@ -88,6 +88,15 @@ ARM: dict[str, Any] = {
 }
 """An arm of two links under a PID controller."""
 
+FINGER: dict[str, Any] = {
+    "type": "finger", "name": "finger",
+    "lengths": ["45 mm", "26 mm", "21 mm"], "radii": ["9 mm", "8 mm", "7.5 mm"],
+    "masses": ["12 g", "6 g", "4 g"],
+    "guides": [["-22 mm", "-14 mm"], ["24 mm", "-8 mm"], ["10 mm", "-3 mm"], ["4 mm", "-1 mm"]],
+    "springs": {"stiffness": "300 N/m", "from": ["-8 mm", "8 mm"], "to": ["8 mm", "8 mm"]},
+}
+"""A finger of three phalanges, as a part."""
+
 FLUIDS: dict[str, Any] = {
     "bodies": [{"name": "ground", "motion": "fixed"},
                {"name": "ram", "mass": 1, "inertia": 1, "at": [0.1, 0]}],

@@ -144,20 +144,20 @@ def records() -> set[type[Spec]]:
 
 def test_every_angle_side_and_vector_is_marked():
     """A field that a turn or a mirror changes has a mark, Placed."""
-    def dimension(metadata):
-        number = mark_of(metadata, Dimension)
+    def dimension(marked):
+        number = mark_of(getattr(marked, "metadata", getattr(marked, "__metadata__", ())),
+                         Dimension)
         return number.name if number else ""
 
     missing = []
     for kind in records():
         for name, field in kind.model_fields.items():
-            choices = set(get_args(field.annotation))
-            numbers = [arg for arg in get_args(field.annotation)
-                       if dimension(getattr(arg, "__metadata__", ())) in ("speed", "ratio")]
-            turned = dimension(field.metadata) in ("angle", "angular speed") or any(
-                dimension(getattr(arg, "__metadata__", ())) == "angle"
-                for option in (field.annotation, *get_args(field.annotation))
-                for arg in get_args(option))
+            parts = get_args(field.annotation)
+            choices = set(parts)
+            numbers = [part for part in parts if dimension(part) in ("speed", "ratio")]
+            turned = dimension(field) in ("angle", "angular speed") or any(
+                dimension(part) == "angle" for option in (field.annotation, *parts)
+                for part in get_args(option))
             marked = any(isinstance(mark, Placed) for mark in field.metadata)
             if (turned or len(numbers) == 2 or choices & {"left", "clockwise"}) and not marked:
                 missing.append((kind.__name__, name))

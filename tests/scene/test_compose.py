@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from pathlib import Path
 from typing import Any
@@ -24,56 +23,35 @@ def problems(scene: Any, **more: Any) -> list[Problem]:
     return caught.value.problems
 
 
-def bodies(entry: dict[str, Any], **scene: Any) -> tuple[Any, ...]:
-    return load_scene({"bodies": [{**POINT, **entry}], **scene}).bodies
+def test_of_all_copies_the_first_wrong_one_is_told():
+    found = problems({"bodies": [
+        {**POINT, "name": "b{i}", "repeat": 9, "mass": "=1 - i", "at": [0, "3 kg"]}]})
+    assert {(each.path, each.message[-11:]) for each in found} == {
+        ("$.bodies[0].mass", "(for i = 1)"), ("$.bodies[0].at[1]", "(for i = 0)")}
 
 
-class TestRepeat:
-    @pytest.mark.parametrize(("shape", "first"), [
-        ({"type": "box", "size": [1, 1], "at": [1, 0]}, "at"),
-        ({"type": "capsule", "start": [1, 0], "end": [2, 0], "radius": 0.1}, "start"),
-        ({"type": "polygon", "points": [[1, 0], [2, 0], [2, 1]]}, "points"),
-    ])
-    def test_shapes_go_round_too(self, shape: dict[str, Any], first: str):
-        shapes = bodies({"name": "gear", "shapes": [
-            {**shape, "repeat": {"count": 2, "circle": [0, 0]}}]})[0].shapes
-        one, other = (getattr(each, first) for each in shapes)
-        one, other = (p if first != "points" else p[0] for p in (one, other))
-        assert other == pytest.approx((-one[0], -one[1]))
-        if shape["type"] == "box":
-            assert shapes[1].angle == pytest.approx(math.pi)
-
-    def test_of_all_copies_the_first_wrong_one_is_told(self):
-        found = problems({"bodies": [
-            {**POINT, "name": "b{i}", "repeat": 9, "mass": "=1 - i", "at": [0, "3 kg"]}]})
-        assert {(each.path, each.message[-11:]) for each in found} == {
-            ("$.bodies[0].mass", "(for i = 1)"), ("$.bodies[0].at[1]", "(for i = 0)")}
+def test_a_template_in_its_own_content_is_named():
+    found = problems({"templates": {"a": {"type": "assembly", "parts": [
+        {"like": "b", "name": "x"}]}, "b": {"type": "assembly", "parts": [
+            {"like": "a", "name": "y"}]}}, "parts": [{"like": "a", "name": "p"}]})
+    assert [(e.path, e.message) for e in found] == [
+        ("$.templates.b.parts[0].like", "templates are like one another: a → b → a")]
 
 
-class TestLike:
-    def test_a_template_in_its_own_content_is_named(self):
-        found = problems({"templates": {"a": {"type": "assembly", "parts": [
-            {"like": "b", "name": "x"}]}, "b": {"type": "assembly", "parts": [
-                {"like": "a", "name": "y"}]}}, "parts": [{"like": "a", "name": "p"}]})
-        assert [(e.path, e.message) for e in found] == [
-            ("$.templates.b.parts[0].like", "templates are like one another: a → b → a")]
+def test_what_is_written_out_counts_as_bytes():
+    found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 100, "shapes": [
+        {"type": "circle", "radius": 1}] * 100}]}, limits=Limits(file_bytes=100_000))
+    assert [e.path for e in found] == ["$.bodies[0]"]
+    assert "'file_bytes'" in found[0].message
 
 
-class TestCost:
-
-    def test_what_is_written_out_counts_as_bytes(self):
-        found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 100, "shapes": [
-            {"type": "circle", "radius": 1}] * 100}]}, limits=Limits(file_bytes=100_000))
-        assert [e.path for e in found] == ["$.bodies[0]"]
-        assert "'file_bytes'" in found[0].message
-
-    def test_templates_that_double_forty_times(self):
-        templates = {f"t{k}": {"type": "assembly", "parts": [
-            {"like": f"t{k + 1}", "name": name} for name in "ab"]} for k in range(40)}
-        found = problems({"templates": {**templates, "t40": {"type": "assembly"}},
-                          "parts": [{"like": "t0", "name": "p"}]})
-        assert len(found) == 1
-        assert "nesting" in found[0].message
+def test_templates_that_double_forty_times():
+    templates = {f"t{k}": {"type": "assembly", "parts": [
+        {"like": f"t{k + 1}", "name": name} for name in "ab"]} for k in range(40)}
+    found = problems({"templates": {**templates, "t40": {"type": "assembly"}},
+                      "parts": [{"like": "t0", "name": "p"}]})
+    assert len(found) == 1
+    assert "nesting" in found[0].message
 
 
 class TestInclude:

@@ -15,7 +15,6 @@ import sandbox
 from sandbox.audit.audit import audit
 from sandbox.cli.entry import invoke
 from sandbox.scene.document import load_elements, registered
-from sandbox.scene.reference import scene_schema
 
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "own_joint.md").read_text(encoding="utf-8")
 BLOCKS: dict[str, str] = dict(re.findall(r"^```python (\w+)\.py\n(.*?)^```$", PAGE, re.M | re.S))
@@ -98,10 +97,7 @@ def test_worker_processes_get_the_file(capsys: Any) -> None:
     ("return {", "return {{", "wrong.py:26: SyntaxError: '{' was never closed"),
     ("import sandbox\n", "import sandbox\n1 / 0\n", "wrong.py:4: ZeroDivisionError: division by"),
     ("@sandbox.register\n", "", "wrong.py: it registers no element"),
-    ('"strut"', '"finger"', "the type 'finger' is already that of Finger"),
-    ("sandbox.Composite", "sandbox.build.Rod", "'Strut' cannot be registered (allowed: a subclass"),
     ("stiffness=self.stiffness", "stiffness=self.k", "elements(): AttributeError: 'Strut' object"),
-    ("stiffness=self.stiffness", "stifness=3", "LinearSpring.stifness: unknown key 'stifness'"),
     ('"springs":', '"sprins":', "unknown key 'sprins'. Did you mean 'springs'?"),
     ('"springs":', '"at": [1, 0], "springs":', "'at' is no list of elements"),
     ("name=spring", 'name="spring"', "the name 'spring' must begin with 'leg.'"),
@@ -119,8 +115,7 @@ def test_a_wrong_file_gets_one_clear_message(
 
 
 @pytest.mark.usefixtures("loaded")
-def test_the_schema_has_a_registered_type_and_refuses_others() -> None:
-    assert "Strut" in scene_schema()["$defs"]
+def test_other_classes_and_taken_types_cannot_be_registered() -> None:
     with pytest.raises(sandbox.SandboxError, match=r"a subclass of sandbox\.Composite"):
         sandbox.register(dict)  # type: ignore[type-var]
 

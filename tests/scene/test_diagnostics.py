@@ -53,25 +53,20 @@ bodies[0].mas = 1 | unknown-key | unknown key 'mas' ? 'mass'
 bodies[0].name = | missing-key | 'name' is missing @ bodies[0]
 bodies[0].mass = 0 | out-of-range | must be greater than 0, got 0
 bodies[0].mass = "1 mm" | wrong-unit | 'mm' is a unit of length
-bodies[0].mass = Infinity | out-of-range | must be finite
 bodies[0].mass = "=pul" | name-not-found | unknown name 'pul' ? 'pull'
-bodies[0].mass = "=(1).__class__" | bad-expression | no place in an express
 bodies[1].at = [1] | missing-key | entry 1 of the list is missing
 bodies[1].motion = "fix" | not-allowed | 'fix' is not allowed ? 'fixed'
 bodies[1].shapes[0].type = "polygone" | unknown-type | unknown type 'polygone' ? 'polygon'
 bodies[2].name = "disc" | duplicate-name | is already that of another body
 joints[0].a = "wal" | name-not-found | there is no body named 'wal' ? 'wall'
 joints[0].b = "wall" | conflicting-keys | must be two bodies @ joints[0]
-springs[0].joint = "leash" | name-not-found | no pin joint named 'leash'
 tendons[0].guides = [{"body": "disc"}] | wrong-type | at least 2
-drives[0].tendon = "tre" | name-not-found | no tendon named 'tre' ? 'tree'
 drives[2].direction = [0, 0] | out-of-range | [0, 0] is no direction
 drives[1].shape = 1 | not-settable | shape 1 of 'disc' is a box
 drives[1].value = "=0.01 - t" | out-of-range | not greater than 0 at t
 parts[0].like = "digits" | bad-template | no template 'digits' ? 'digit'
 parts[3].pulls[1] = "fingr2" | name-not-found | named 'fingr2' ? 'finger2'
 parts[2].name = "finger1" | duplicate-name | is taken by $.parts[0]
-parts[2].material = "ruber" | name-not-found | no material named 'ruber' ? 'rubber' @ parts[2]
 templates.digit.rads = 1 | unknown-key | unknown key ? 'radii'
 parameters.pull = "=each" | circular-definition | each → pull → each @ parameters.each
 parameters["a.b"] = 1 | invalid-name | is not the name of a parameter
@@ -84,7 +79,6 @@ contacts[0].collide = "no" | wrong-type | expected true or false, got the text '
 materials.rubber.static = 0.5 | out-of-range | at least 1
 materials.rubber = {"friction": 0, "static": 2}
     | conflicting-keys | 'static' is a multiple of 'friction', which is 0
-groups[0].bodies[0] = "disk" | name-not-found | no body named ? 'disc'
 meters[0].value = "=a +" | bad-expression | 'a +' is not an expression
 expect[0].within = "5 parsec" | wrong-unit | unknown unit 'parsec'
 expect[0].at = "1 ms" | conflicting-keys | 'quantity' and 'at' go together @ expect[0]
@@ -93,10 +87,8 @@ expect[0] = {"quantity": "body.x", "at": "1 ms", "over": [0, "1 ms"], "is": 1}
     | conflicting-keys | 'at' is one instant and 'over' a window: give one of them
 format = 2 | unsupported-format | this version of sandbox reads format 1
 drives[2].value = "3 mm" | wrong-unit | 'mm' is a unit of length, but this is a force
-drives[2].value = "=sin(t, 1)" | bad-expression | takes one argument
 drives[2].value = {"table": [[1, 0], [1, 2]]} | bad-table | must increase @ drives[2].value.table
 drives[2].value = {"too": 3} | wrong-type | expected a number, a ramp
-drives[2].value = {"to": 1, "over": -1} | out-of-range | 0 or more @ drives[2].value.over
 [arm]
 controllers[0].writes = "moter"
     | name-not-found | there is no drive named 'moter' to write ? 'motor'
@@ -107,7 +99,6 @@ controllers[0].limits = [1, -1] | out-of-range | 1 is not below -1
 controllers[0].rate = "300 Hz"
     | bad-rate | 300 Hz is no whole number of steps: one act every 6.66667 steps of 0.0
 controllers[0].target = "=1 / (t - t)" | out-of-range | no finite value
-controllers[0].type = "pidd" | unknown-type | unknown type 'pidd' ? 'pid'
 controllers[0].name = "motor" | duplicate-name | already that of a drive
 events = [{"name": "later", "at": "2 s", "stop": "pass"}]
     | event-never-happens | the run ends at 1 s @ events[0].at
@@ -126,7 +117,6 @@ events = [{"name": "later", "stop": "pass"}]
 events = [{"name": "later", "at": 0.1, "stop": "fail", "lasts": 0.1}]
     | conflicting-keys | 'lasts' needs 'set' @ events[0].lasts
 [fluids]
-lines[0].chambers[0].b = "rum" | name-not-found | no body named 'rum' ? 'ram'
 lines[0].chambers[0].area = "10 cm" | wrong-unit | 'cm' is a unit of length
 lines[0].chambers[1].displacement = 0 | out-of-range | 2 ml/rad @ lines[0].chambers[1]
 lines[1].volume = | out-of-range | outside of
@@ -140,13 +130,10 @@ drives[0] = {"type": "pressure", "name": "more", "line": "air", "value": 0}
 [ball]
 bodies[0].plane = "al" | not-allowed | 'al' is not a plane ? 'all'
 bodies[0].plane = [] | wrong-type | expected 1 to 64 planes, got 0
-bodies[0].plane = 1001 | not-allowed | 1001 is not a plane
 bodies = [{"name": "a", "mass": 5e-324, "inertia": 1}]
     | out-of-range | at least 1e-12 kg @ bodies[0].mass
 bodies = [{"name": "a", "density": 1000000000000.0, "shapes": [{"type": "box", "size": [1000000.0,
     1000000.0]}]}] | out-of-range | mass is 1e+22 @ bodies[0]
-bodies = [{"name": "a", "mass": 1e-12, "shapes": [{"type": "circle", "radius": 1e-09}]}]
-    | out-of-range | inertia is 5e-31 @ bodies[0]
 bodies = [{"name": "a", "motion": "fixed", "shapes": [{"type": "polygon", "points": [[0, 0], [1e-12,
     0], [0, 1]]}]}] | out-of-range | shortest side @ bodies[0].shapes[0].points
 bodies = [{"name": "a", "motion": "scheduled", "path": {"x": {"table": [[0, 0], [0.5, 1000000000.0],
@@ -158,15 +145,14 @@ drives = [{"type": "force", "name": "push", "body": "a", "direction": [1, 0], "v
 [outline]
 bodies[0].shapes[0].points = [[0, 0], [2, 2], [2, 0], [0, 2]] | bad-outline
     | crosses or touches itself at [1, 1], where the side from corner 0 meets that from corner 2
-bodies[0].shapes[0].points = [[0, 0], [4, 0], [4, 4], [2, 0], [0, 4]] | bad-outline | at [2, 0]
+bodies[0].shapes[0].nodes = [[[0, 0, 0, 1], [2, 0, 0, 1]]]
+    | bad-outline | are not on its outline @ bodies[0].shapes[0]
 bodies[0].shapes[0].points = [[0, 0], [1, 1], [2, 2]]
     | bad-outline | no area: its corners lie in one line
 bodies[0].shapes[0].points = [[0, 0], [1, 0], [1, 0], [0, 1]]
     | bad-outline | corners 1 and 2 are the same point
 bodies[0].shapes[0].holes = [[[5, 5], [6, 5], [5, 6]]]
     | bad-outline | hole 0: this hole lies outside of the outline at [5, 5]
-bodies[0].shapes[0].holes = [[[0.5, 0.5], [1.5, 0.5], [0.5, 0.6]]]
-    | bad-outline | hole 0: this hole meets the outline at [1, 0.5]
 bodies[0].shapes[0].holes = [[[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]], [[0.2, 0.2], [0.3, 0.2], [0.2,
     0.3]]] | bad-outline | hole 1: this hole and hole 0 lie one in the other
 bodies[0].shapes[0] = {"type": "cam", "base": 0.03, "roller": 0.01, "lift": [[0, 0], [2, 0], [1,
@@ -175,15 +161,12 @@ bodies[0].shapes[0] = {"type": "cam", "base": 0.03, "roller": 0.01, "lift": [[0,
     ["360 deg", 0]]} | bad-outline | cover 360 deg
 [repeat]
 bodies[0].repeat = 0 | bad-repeat | 0 is not a number of copies
-bodies[0].repeat = "forever" | bad-repeat | 'forever' is not a number
 bodies[0].repeat = 1000000000.0 | limit-exceeded | 1e+09 copies are more
 bodies[0].repeat = {} | bad-repeat | either 'count' or 'list'
 bodies[0].repeat = {"list": [{"i": 3}]}
     | duplicate-name | that of the index @ bodies[0].repeat.list[0].i
 bodies[0].repeat = {"count": 2, "index": "t"}
     | invalid-name | means the time @ bodies[0].repeat.index
-bodies[0].repeat = {"count": 2, "lien": [0, 0]}
-    | unknown-key | unknown key 'lien' ? 'line' @ bodies[0].repeat.lien
 bodies[0].repeat = {"count": 2, "circle": [0, 0], "line": [0, 0]}
     | bad-repeat | exclude each other @ bodies[0].repeat.circle
 [tables]
@@ -209,14 +192,12 @@ tendons = [{"name": "cord", "guides": [{"body": "wall"}, {"body": "disc", "frict
     {"body": "wall", "at": [1, 0]}], "stiffness": 500}] & drives = [{"type": "stiffness",
     "name": "d", "tendon": "cord", "value": 1}] | not-settable
     | its guide 1 has friction @ drives[0].tendon
-drives = [{"type": "brake", "name": "d", "joint": "hinge", "value": "=sqrt(0.5 - t)"}]
-    | out-of-range | no finite value @ drives[0].value
-drives = [{"type": "radius", "name": "d", "body": "wall", "value": 1}]
-    | not-settable | shape 0 of 'wall' is a box @ drives[0].shape
 drives = [{"type": "pull", "name": "d", "tendon": "cord", "value": "=sqrt(0.5 - t)"}]
     | out-of-range | no finite value @ drives[0].value
 meters = [{"name": "hinge", "value": "=1"}]
     | duplicate-name | already that of a joint @ meters[0].name
+bodies[2] = {"name": "disc.angle", "mass": 1, "inertia": 1}
+    | duplicate-name | also means the quantity 'angle' of 'disc' @ bodies[2].name
 meters = [{"name": "disc.angle", "value": "=1"}]
     | duplicate-name | also means the quantity 'angle' of 'disc' @ meters[0].name
 drives = [{"type": "pull", "name": "d", "value": 1, "tendon": "cord"}, {"type": "pull",
@@ -225,45 +206,25 @@ drives = [{"type": "pull", "name": "d", "value": 1, "tendon": "cord"}, {"type": 
 drives = [{"type": "servo", "name": "d", "joint": "piston", "value": 0.1, "torque": 1}]
     | name-not-found | 'piston' is an actuator, and 'servo' acts on a hinge
     ? a drive of type 'length', which acts on an actuator @ drives[0].joint
-drives = [{"type": "motor", "name": "d", "joint": "piston", "value": 0.1, "torque": 1}]
-    | name-not-found | 'piston' is an actuator, and 'motor' acts on a hinge
-    ? a drive of type 'extend', which acts on an actuator @ drives[0].joint
 drives = [{"type": "length", "name": "d", "joint": "hinge", "value": 0.1, "force": 1}]
     | name-not-found | 'hinge' is a hinge, and 'length' acts on an actuator
     ? a drive of type 'servo', which acts on a hinge @ drives[0].joint
-drives = [{"type": "brake", "name": "d", "joint": "piston", "value": 0.1}]
-    | name-not-found | 'piston' is an actuator, and 'brake' acts on a hinge @ drives[0].joint
 [mesh]
 joints[0].friction = 1 & joints[0].friction_coefficient = 0.1 & joints[0].pin_radius = 0.01 |
     conflicting-keys | not both @ joints[0]
 joints[0].friction_coefficient = 0.1 | conflicting-keys | needs a 'pin_radius' @ joints[0]
-joints[0].pin_radius = 0.1 | conflicting-keys | needs a 'friction_coefficient' @ joints[0]
-joints[0].static = 1.2 | conflicting-keys | needs 'friction' or @ joints[0]
 joints[0].friction = 1 & joints[0].static = 0.5 | out-of-range | at least 1 @ joints[0].static
-joints[0].friction = -1 | out-of-range | at least 0
-joints[1].stiffness = 0 | out-of-range | greater than 0
 joints[1].pressure_angle = "50 deg" | out-of-range | must be at most 0.785398
 joints[1].inside = true & joints[1].radius_b = 0.02 | out-of-range | must differ @ joints[1]
-joints[1].type = "roll" & joints[1].inside = true & joints[1].radius_b = 0.02 | out-of-range | must
-    differ @ joints[1]
 joints[1].backlash = -0.001 | out-of-range | must be 0 or more
 joints[1] = {"type": "rack", "name": "mesh", "a": "wall", "b": "disc", "radius": 0.02, "along": [0,
     0]} | out-of-range | [0, 0] is no direction @ joints[1].along
-joints[1] = {"type": "rack", "name": "mesh", "a": "wall", "b": "disc", "radius": 0.02, "along":
-    [1e-30, 0]} | out-of-range | as a direction its length is 1e-30 @ joints[1].along
 springs[0].force = | conflicting-keys | give 'stiffness' or 'force', one of them @ springs[0]
 springs[0].stiffness = 1 | conflicting-keys | not both @ springs[0]
 springs[0].force = "=twist" | name-not-found | unknown name 'twist'
-springs[0].force = "=m.x" | name-not-found | unknown name 'm.x'
 springs[0].force = "=play(stretch)" | bad-expression | unknown function 'play'
-springs[0].force = "=stretch +" | bad-expression | is not an expression
-springs[0].only = "above" | not-allowed | is not allowed
-parameters = {"rate": 2} & springs[0].force = "=rate" | duplicate-name | 'rate' is a parameter @
-    springs[0].force
 drives = [{"type": "stiffness", "name": "d", "spring": "band", "value": 200}] | not-settable |
     follows a law and has no stiffness to set @ drives[0].spring
-drives = [{"type": "stiffness", "name": "k"}] | conflicting-keys | needs either 'spring' or 'tendon'
-    @ drives[0]
 drives = [{"type": "stiffness", "name": "k", "spring": "band", "tendon": "cord"}] & tendons =
     [{"name": "cord", "guides": [{"body": "wall", "at": [0, 1]}, {"body": "disc"}]}] |
     conflicting-keys | needs either 'spring' or 'tendon' @ drives[0]
@@ -271,9 +232,6 @@ loads[0].force = ["=-vxx", 0] | name-not-found | unknown name 'vxx' ? 'vx' @ loa
 parameters = {"mass": 2} & loads[0].force = ["=-mass * vx", 0] | duplicate-name | 'mass' is a
     parameter, and here it would mean the body's own @ loads[0].force[0]
 loads[0].force[0] = "3 m/s" | wrong-unit | 'm/s' is a unit of speed, but this is a force
-loads[0].force[0] = "=grip(x)" | bad-expression | unknown function 'grip'
-loads[0].force = & loads[0].acceleration = ["3 N", 0] | wrong-unit | is a unit of force, but this is
-    an acceleration @ loads[0].acceleration[0]
 loads[0].force = | conflicting-keys | give a 'force', an 'acceleration' or a 'torque' @ loads[0]
 loads[0].acceleration = [0, 0] | conflicting-keys | not both @ loads[0]
 loads[0].bodies = "dsc" | name-not-found | no body's name matches 'dsc' ? 'disc' @
@@ -284,32 +242,17 @@ loads[0].force[1] = "=1 / x" | undefined-law | has no finite value on 'disc' at 
 loads[0] = {"type": "drag", "name": "f"} | conflicting-keys | give 'linear', 'area' or 'turning'
 gravity = [1, 0] & loads[0] = {"type": "buoyancy", "name": "f"} | bad-fluid | gravity, which has to
     point downwards @ loads[0]
-groups = [{"name": "f.disc", "bodies": ["disc"]}] | duplicate-name | 'f.disc' is the name of another
-    element @ loads[0].name
 bodies[0].displaces = [{"type": "polyline", "points": [[0, 0], [1, 0]]}] | bad-outline | no area
     that could keep a liquid away @ bodies[0]
-events = [{"name": "e", "at": 0.1, "release": "hinges"}] | name-not-found | there is no joint,
-    spring or tendon named 'hinges' ? 'hinge' @ events[0].release[0]
 events = [{"name": "e", "at": 0.1, "release": ["hinge", "disc"]}] | not-releasable | 'disc' is a
     body, which events cannot release @ events[0].release[1]
 events = [{"name": "e", "at": 0.1, "take_up": "mesh"}] | not-releasable | 'mesh' joins wheels where
     they meet at t = 0, so events cannot engage it again @ events[0].take_up[0]
-events = [{"name": "e", "at": 0.1, "release": "mesh", "lasts": 0.1}] | not-releasable | 'mesh' joins
-    wheels @ events[0].lasts
 events = [{"name": "e", "at": 0.1, "release": "hinge", "take_up": "hinge"}] | conflicting-keys | one
     event cannot release and engage 'hinge' @ events[0]
-events = [{"name": "e", "at": 0.1, "lasts": 0.1, "stop": "pass"}] | conflicting-keys | 'lasts' needs
-    'set', 'release' or 'take_up' @ events[0].lasts
-drives = [{"type": "hold", "name": "h0", "element": "hing", "value": 1}] | name-not-found | there is
-    no joint, spring or tendon named 'hing' ? 'hinge' @ drives[0].element
-drives = [{"type": "hold", "name": "h0", "element": "mesh", "value": 1}] | not-releasable | 'mesh'
-    joins wheels where they meet at t = 0 @ drives[0].element
 drives = [{"type": "hold", "name": "h0", "element": "hinge", "value": 1}, {"type": "hold", "name":
     "h1", "element": "hinge", "value": 1}] | set-twice | the hold of 'hinge' is set already, by 'h0'
     @ drives[1].element
-drives = [{"type": "surface", "name": "s0", "body": "wall", "value": 1}, {"type": "surface", "name":
-    "s1", "body": "wall", "value": 1}] | set-twice | the surface of 'wall' is set already, by 's0' @
-    drives[1].body
 loads[0].bodies = "all" | name-not-found
     | no body's name matches 'all' ? '*', every body that moves freely @ loads[0].bodies[0]
 """

@@ -9,7 +9,6 @@ import pytest
 import sandbox
 from sandbox.engine.inspect import inspect
 from sandbox.scene.expand import expand, to_json
-from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
 from tests.scene.hand import ARM, PID
 
@@ -39,28 +38,6 @@ def test_a_target_beyond_a_stop_is_warned_of(target):
     assert [(f.severity, f.element) for f in found] == [("warning", "loop")]
     assert "but its stops are at -0.5236 and 1.571 rad" in found[0].message
     assert not inspect(expand(sandbox.load_scene(arm(PID))))
-
-
-# --- loads
-
-
-BALLS: list[dict[str, Any]] = [
-    {"name": name, "mass": 1, "at": [i, 0], "shapes": [{"type": "circle", "radius": 0.1}]}
-    for i, name in enumerate(("ball1", "ball2", "box"))]
-WALL = {"name": "ballast", "motion": "fixed"}
-
-
-def _mechanism(*loads: dict[str, Any], **more: Any) -> Mechanism:
-    return expand(load_scene({"gravity": [0, -9.81], "bodies": [*BALLS, WALL], "loads": list(loads),
-                              **more}))
-
-
-@pytest.mark.parametrize(("bodies", "found"), [
-    (None, [0, 1, 2]), ("ball*", [0, 1]), (["box", "ball[2]"], [1, 2]),
-    (["ball1", "ball*"], [0, 1])])
-def test_patterns_match_bodies_that_move_freely(bodies: Any, found: list[int]) -> None:
-    load = {"type": "drag", "name": "d", "linear": 1} | ({"bodies": bodies} if bodies else {})
-    assert [body for _, body in _mechanism(load).loaded] == found
 
 
 # --- planes

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from sandbox.scene.layers import EVERY, LAYERS, meant, parse_layers, shown
+from sandbox.scene.layers import EVERY, meant, parse_layers
 from sandbox.wording import WrongValueError
 
 
@@ -12,13 +12,6 @@ def test_words_are_taken_in_order():
     assert parse_layers("traces, -contacts") == {"traces": EVERY, "contacts": ()}
     assert parse_layers(["contacts", "-contacts"]) == {"contacts": ()}
     assert parse_layers(["-contacts", "contacts"]) == {"contacts": EVERY}
-
-
-def test_default_layers():
-    usual = {name for name, layer in LAYERS.items() if layer.default}
-    assert set(shown({}, traced=False)) == usual
-    assert set(shown({}, traced=True)) == usual | {"traces"}
-    assert set(shown(parse_layers("-traces"), traced=True)) == usual
 
 
 def test_layers_may_name_their_bodies():
@@ -37,9 +30,7 @@ def test_layers_may_name_their_bodies():
 @pytest.mark.parametrize(("value", "message", "hint"), [
     (["velocty"], "no layer named 'velocty'", "'velocity'"),
     ("contact", "no layer named 'contact'", "'contacts'"),
-    ("-trace", "no layer named 'trace'", "'traces'"),
     ([3], "the number 3 is no layer", ""),
-    (7, "the number 7 names no layers", ""),
     ({"velocity": 3}, "the number 3 does not name the bodies for 'velocity'", ""),
     ({"tensions": ["a"]}, "'tensions' is shown for all bodies or for none", ""),
 ])

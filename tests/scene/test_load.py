@@ -26,8 +26,7 @@ def _problems(data: Any, **options: Any) -> list[Problem]:
 
 
 @pytest.mark.parametrize(("text", "hint"), [
-    ("2 r", "'=2 * r'"), ("r", "'=r'"), ("r * 2", "'=r * 2'"), ("2.5r", "'=2.5 * r'"),
-    ("2 q", ""), ("2 m m", ""), ("r mm", ""),
+    ("2 r", "'=2 * r'"), ("r * 2", "'=r * 2'"), ("2.5r", "'=2.5 * r'"), ("2 q", ""), ("r mm", ""),
 ])
 def test_an_expression_without_its_sign(text: str, hint: str) -> None:
     (problem,) = _problems({"parameters": {"r": 0.1}, "bodies": [
@@ -68,10 +67,8 @@ def test_overrides() -> None:
     ("bodies[disk].mass", 1, "nothing in 'bodies' is named 'disk'", "'disc'"),
     ("bodies[3].mass", 1, "'bodies' has no entry 3", ""),  # there are three
     ("bodies[0].mass.x", 1, "'mass' is the number 1 and has no 'x' in it", ""),
-    ("parts[finger1].lenghts[0]", 1, "there is no list 'lenghts' there", ""),
     ("run..step", 1, "'run..step' is not a path", ""),
     ("run", "[" * 10_000, "too many brackets", ""),
-    ("run.step", "NaN", "'NaN' is not a number with a unit", ""),
 ])
 def test_overrides_that_lead_nowhere(path: str, value: Any, words: str, hint: str) -> None:
     (problem,) = _problems(hand(), overrides={path: value})

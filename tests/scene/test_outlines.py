@@ -67,7 +67,7 @@ def problems(**shape) -> str:
     return str(raised.value)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_self_intersections_are_found(seed):
     """Against every pair of sides, one by one; what is sound is cut into pieces."""
     rng = np.random.default_rng(seed)

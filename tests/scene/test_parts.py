@@ -1,4 +1,4 @@
-"""Fingers, sections and trees: wrong counts and references, the hold of a square."""
+"""Fingers, sections and trees: wrong counts and references."""
 
 
 import pytest
@@ -8,16 +8,7 @@ from sandbox.errors import SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.parts.finger import Finger
-from sandbox.scene.parts.section import Section, expand_section
-
-SET_G = {
-    "type": "finger", "name": "f",
-    "lengths": ["45 mm", "26 mm", "21 mm"], "radii": ["9 mm", "8 mm", "7.5 mm"],
-    "masses": ["12 g", "6 g", "4 g"],
-    "guides": [["-22 mm", "-14 mm"], ["24 mm", "-8 mm"], ["10 mm", "-3 mm"], ["4 mm", "-1 mm"]],
-    "springs": {"stiffness": "300 N/m", "from": ["-8 mm", "8 mm"], "to": ["8 mm", "8 mm"]},
-    "damping": [4e-3, 1.2e-3, 3e-4], "limits": ["85 deg", "95 deg", "75 deg"],
-}
+from tests.scene.hand import FINGER
 
 
 @pytest.mark.parametrize(("changes", "field", "words"), [
@@ -30,24 +21,10 @@ SET_G = {
 ])
 def test_wrong_counts_are_named_where_they_are(changes, field, words):
     with pytest.raises(ValidationError) as caught:
-        Finger.model_validate(SET_G | changes)
+        Finger.model_validate(FINGER | changes)
     (error,) = caught.value.errors()
     assert error["loc"] == ((field,) if field else ())
     assert words in error["msg"]
-
-
-# --- sections
-
-
-def test_the_square_is_held_equally_along_and_across_its_rod():
-    made = expand_section(Section.model_validate({
-        "type": "section", "name": "s", "at": [0.1, 0.2], "circle": "16 mm", "square": "12 mm",
-        "rod": ["10 mm", "36 mm"], "angle": "90 deg", "hold": "5 N/m", "damping": 1}))
-    push, hold = made["springs"]
-    assert (push.stiffness, push.rest_length) == (5, 0.036)
-    assert hold.stiffness == pytest.approx(5 * 0.036**2)  # torque k r^2 phi = force k s at r
-    pivot = next(j for j in made["joints"] if j.name == hold.joint)
-    assert pivot.damping == pytest.approx(1 * 0.036**2)
 
 
 # --- expansion
@@ -58,7 +35,7 @@ def scene_of(*parts, **more):
 
 
 def fingers(count):
-    return [SET_G | {"name": f"f{i + 1}", "at": [0, 0.13 * i]} for i in range(count)]
+    return [FINGER | {"name": f"f{i + 1}", "at": [0, 0.13 * i]} for i in range(count)]
 
 
 def tree_of(*pulls, **more):
@@ -73,7 +50,7 @@ def problems(*parts, **more):
 
 def test_only_the_cause_is_reported_of_dependent_parts():
     """The cause alone: neither the tree that pulls the broken finger nor the tree that pulls it."""
-    broken = SET_G | {"name": "g", "on": "plam"}
+    broken = FINGER | {"name": "g", "on": "plam"}
     trees = tree_of("f1", "g"), tree_of("tree", "f2") | {"name": "two"}
     assert set(problems(*fingers(2), broken, *trees)) == {"$.parts[2].on"}
     within = {"type": "assembly", "name": "hand", "parts": [broken]}

@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-import sandbox
 from sandbox.errors import SceneError
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits
@@ -15,15 +14,6 @@ from sandbox.scene.read.load import load_scene
 from sandbox.values.numbers import number_from
 from sandbox.values.units import RANGES, size_fault
 from sandbox.wording import WrongValueError
-
-
-def refused(**scene: Any) -> str:
-    with pytest.raises(SceneError) as found:
-        load_scene(scene)
-    return str(found.value)
-
-
-DISC = {"name": "a", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
 
 
 @pytest.mark.parametrize("dimension", ["length", "force"])
@@ -36,28 +26,6 @@ def test_a_number_at_the_end_of_its_range(dimension: str) -> None:
     assert size_fault(most * 1.000001, dimension)
     assert size_fault(least * 0.999999, dimension)
     assert size_fault(math.nan, dimension).startswith("no finite number")
-
-
-@pytest.mark.parametrize("scene", [
-    {"parameters": "=load", "bodies": [{**DISC, "mass": "=load"}],
-     "expect": [{"final": "a.x", "above": "=load"}]},
-    {"parameters": "body"}, {"parameters": "body", "bodies": [{**DISC, "mass": "=body"}]},
-])
-def test_nothing_is_left_out_in_silence(scene: dict[str, Any]) -> None:
-    assert refused(**scene).startswith("$.parameters: expected an object {…}")
-
-
-def test_a_moment_that_was_not_tried_makes_the_run_diverge() -> None:
-    """Its instant is none of those at which signals are looked at beforehand."""
-    scene = sandbox.load_scene({
-        "bodies": [{"name": "a", "mass": 1, "inertia": 1}],
-        "drives": [{"type": "force", "name": "f", "body": "a", "direction": [1, 0],
-                    "value": "=1e15 if abs(t - 0.7305) < 0.0006 else 0"}],
-        "run": {"duration": 1, "step": 1e-3}})
-    with pytest.raises(sandbox.SimulationDiverged) as caught:
-        sandbox.simulate(scene)
-    assert caught.value.recording is not None
-    assert len(caught.value.recording) > 700
 
 
 # --- limits

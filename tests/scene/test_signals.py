@@ -41,15 +41,6 @@ def test_a_cubic_of_many_points_comes_close_as_the_fourth_power() -> None:
     assert math.log2(errors[0] / errors[1]) == pytest.approx(4, abs=0.3)
 
 
-def test_numbers_parameters_and_signals_call_tables() -> None:
-    scene = sandbox.load_scene(_scene(parameters={"a": "=b + profile(0.5)", "b": 2}, **_force(
-        "=a * profile(10 * t)")) | {"gravity": ["=profile(2)", 0]})
-    assert scene.parameters["a"] == 4.0
-    assert scene.gravity[0] == 2.5
-    run = sandbox.simulate(scene)
-    assert run["push.value"] == pytest.approx(4 * np.interp(10 * run.time, [0, 1, 3], [1, 3, 2]))
-
-
 def test_tables_may_read_parameters_which_then_may_not_call_them() -> None:
     table = {"points": [[0, 0], [1, "=b"]]}
     scene = sandbox.load_scene(_scene(

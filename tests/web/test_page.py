@@ -7,6 +7,7 @@ import hashlib
 import html
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -79,9 +80,6 @@ def test_a_page_needs_a_run_and_shows_up_to_four():
 
 
 def test_a_run_that_is_not_complete_says_so_and_is_shown():
-    from dataclasses import replace
-
-
     run = hand()
     info = replace(run.info, complete=False, reason="interrupted")
     page = report([Recording(run.mechanism, run.arrays, info)])
