@@ -55,7 +55,7 @@ def allowed_pairs(model: Model) -> Flags:
     known = list({number for those in planes if those != ALL for number in those})
     everywhere = np.array([those == ALL for those in planes], dtype=bool)
     lies = np.array([[those != ALL and number in those for number in known] for those in planes],
-                    dtype=np.float32).reshape(len(planes), -1)
+                    dtype=np.float32).reshape(len(planes), len(known))
     allowed &= (lies @ lies.T > 0) | everywhere[:, None] | everywhere
     i, j = joined(model)
     allowed[i, j] = allowed[j, i] = False
