@@ -159,16 +159,19 @@ def test_too_much_or_too_little_is_told() -> None:
         draw(plotted(run, run), run.names()[:MAX_PANELS + 1])
 
 
-@pytest.mark.parametrize("count", [1, 3])
-def test_a_figure_of_a_column_has_its_names_above_and_nothing_outside(count: int) -> None:
-    names = [MCP, DIP, "finger.tendon.tension"][:count]
+@pytest.mark.parametrize("names", [
+    [MCP], [MCP, DIP, "finger.tendon.tension"],
+    [f"finger.{body}.contact.{force}" for body in ("proximal", "middle", "distal")
+     for force in ("normal", "tangential", "fx")]], ids=len)
+def test_a_figure_of_a_column_has_its_names_above_and_nothing_outside(names: list[str]) -> None:
     figure = draw(plotted(recording()), names, width=0.085, titled=False)
     assert figure.get_figwidth() * 25.4 == pytest.approx(85)
     figure.draw_without_rendering()
     assert figure.axes[0].get_window_extent().width > 0.7 * figure.bbox.width
     for axes in figure.axes:
-        words = [text.get_text() for text in axes.get_legend().get_texts()]
-        assert words
-        assert set(words) <= set(names)
+        legend = axes.get_legend()
+        words = {text.get_text() for text in legend.get_texts()} if legend else set()
+        assert (words or {axes.get_title(loc="left")}) <= set(names)
+        assert axes.get_window_extent().height / figure.dpi * 25.4 == pytest.approx(38, abs=1)
     assert clashes(figure) == []
     assert min(text.get_fontsize() for text in written(figure)) >= 7
