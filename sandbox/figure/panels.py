@@ -124,6 +124,7 @@ def draw(
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
+    from matplotlib.transforms import ScaledTranslation
 
     rows = [[row] if isinstance(row, Panel) else list(row) for row in panels]
     figure = style.new_figure(TALL * len(rows), width)
@@ -148,7 +149,9 @@ def draw(
                 head = axes.get_title(loc="left")
                 axes.set_title("", loc="left")
                 style.legend(axes, names, width - 12.0, loc="lower left", title=head,
-                             bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1 + room / style.SMALL,
+                             bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1,
+                             bbox_transform=axes.transAxes + ScaledTranslation(
+                                 0.0, room / 72, figure.dpi_scale_trans),
                              title_fontsize=style.PLAIN)
     head = style.in_lines(title, width, style.HEAD, style.BOLD)
     if key:
