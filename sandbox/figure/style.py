@@ -137,13 +137,13 @@ def legend_width(names: Sequence[str]) -> float:
 
 def legend(where: Any, key: Sequence[tuple[str, Any]], width: float = 0.0, **how: Any) -> None:
     """A legend without a frame on a figure or axes, in columns that fit a width [mm]; 0 for one."""
-    where.legend([artist for _, artist in key],
-                 [plain(name if len(name) <= MAX_NAME else f"…{name[1 - MAX_NAME:]}")
-                  for name, _ in key],
-                 ncols=max(1, min(len(key), int(width / legend_width([name for name, _ in key])))),
-                 **{"labelcolor": INK, "facecolor": "white", "edgecolor": "none", "borderpad": 0.2,
-                    "framealpha": 0.85, "fontsize": SMALL, "handlelength": 1.8,
-                    "labelspacing": 0.35, "columnspacing": 1.4, "alignment": "left", **how})
+    names = [plain(name if len(name) <= MAX_NAME else f"…{name[1 - MAX_NAME:]}") for name, _ in key]
+    drawn = where.legend([artist for _, artist in key], names, **{
+        "ncols": max(1, min(len(key), int(width / legend_width(names)))), "labelcolor": INK,
+        "facecolor": "white", "edgecolor": "none", "borderpad": 0.2, "framealpha": 0.85,
+        "fontsize": SMALL, "handlelength": 1.8, "labelspacing": 0.35, "columnspacing": 1.4,
+        "alignment": "left", **how})
+    drawn.get_title().set_color(INK)
 
 
 def save_figure(figure: Any, path: Path) -> None:

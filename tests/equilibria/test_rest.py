@@ -173,7 +173,8 @@ def test_what_a_schedule_has_carried_away(starts: tuple[dict[str, float], ...]):
 def test_along_a_stiffness_and_not_a_load():
     """k a = m g l sin a of a pendulum with its spring at rest at 0.1 rad."""
     def make(k: float) -> Mechanism:
-        return read_scene(pendulum(k, rest_angle=0.1)).mechanism
+        # the command line writes the value as text
+        return read_scene(pendulum(float(repr(k)), rest_angle=0.1)).mechanism
 
     branch, = rest_along(make, 0.5, 0.15, 6)
     for stop in branch.stops:
