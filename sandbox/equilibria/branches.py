@@ -148,7 +148,7 @@ class _Follower:
     def at(self, value: float) -> Settler:
         """The mechanism of a value; of the last few they are kept."""
         if value not in self._made:
-            mechanism = self._make(value)
+            mechanism = self._make(float(value))
             while len(self._made) > 2:
                 del self._made[next(iter(self._made))]
             self._made[value] = Settler(

@@ -35,6 +35,7 @@ POWERS = (-3, 5)  # powers of ten between which the numbers of a linear axis are
 MIN_PLANE, MAX_PLANE, PLANE_MARGIN = 38.0, 110.0, 1.14
 """Height of panels with equal scales [mm]; the range shown as a multiple of the values' range."""
 ROUNDING = 1e-12  # values below this are zero
+TALL = 250.0  # height of a row before its panels have theirs: any legend fits [mm]
 ROW = 1.25 * style.SMALL * style.MM_PER_POINT  # height of a name beside a panel [mm]
 
 
@@ -123,9 +124,10 @@ def draw(
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
+    from matplotlib.transforms import ScaledTranslation
 
     rows = [[row] if isinstance(row, Panel) else list(row) for row in panels]
-    figure = style.new_figure(50.0 * len(rows), width)
+    figure = style.new_figure(TALL * len(rows), width)
     grid = figure.subplots(len(rows), len(rows[0]), squeeze=False, width_ratios=widths,
                            sharex="col" if shared else "none",
                            sharey="row" if len(rows[0]) > 1 else "none")
@@ -133,8 +135,8 @@ def draw(
     for row, all_axes in zip(rows, grid, strict=True):
         heights.append(0.0)
         for panel, axes in zip(row, all_axes, strict=True):
-            _dress(axes, panel, bottom=not shared or row is rows[-1])
-            names = _fill(axes, panel)
+            _dress(axes, panel, width / len(row), bottom=not shared or row is rows[-1])
+            names, room = _fill(axes, panel, width)
             heights[-1] = max(heights[-1], panel.height)
             if not panel.names or not names:
                 continue
@@ -151,6 +153,8 @@ def draw(
                 axes.set_title("", loc="left")
                 style.legend(axes, names, width - 12.0, loc="lower left", title=head,
                              bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1,
+                             bbox_transform=axes.transAxes + ScaledTranslation(
+                                 0.0, room / 72, figure.dpi_scale_trans),
                              title_fontsize=style.PLAIN)
     head = style.in_lines(title, width, style.HEAD, style.BOLD)
     if key:
@@ -168,14 +172,15 @@ def draw(
     return figure
 
 
-def _dress(axes: Any, panel: Panel, *, bottom: bool) -> None:
-    """Set the title, the labels, the grid and the frame of a panel."""
+def _dress(axes: Any, panel: Panel, width: float, *, bottom: bool) -> None:
+    """Set the title, the labels, the grid and the frame of a panel of a width [mm]."""
     text = {"fontsize": style.SMALL, "color": style.INK}
     if panel.title:
         axes.set_title(style.plain(panel.title), loc="left", pad=5,
                        **{**text, "fontsize": style.PLAIN})
     axes.set_ylabel(style.plain(panel.y.label), **text)
-    axes.set_xlabel(style.plain(panel.x.label) if bottom else "", **text)
+    label = style.in_lines(panel.x.label.replace(".", ". "), width, style.SMALL)
+    axes.set_xlabel(label.replace(". ", ".") if bottom else "", **text)
     axes.tick_params(labelsize=style.SMALL, colors=style.INK, which="both", length=2.5)
     axes.tick_params(which="minor", length=1.5)
     axes.set_axisbelow(True)
@@ -183,11 +188,16 @@ def _dress(axes: Any, panel: Panel, *, bottom: bool) -> None:
         axes.grid(color=style.FAINT, linewidth=0.6, axis=panel.grid)
     axes.spines[["top", "right"]].set_visible(False)
     axes.yaxis.set_offset_position("right")
-    axes.yaxis.offsetText.set(**text)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.offsetText.set(**text)
 
 
-def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
-    """Draw the marks of a panel; the names of its curves with samples for a legend."""
+def _fill(axes: Any, panel: Panel, width: float) -> tuple[list[tuple[str, Any]], float]:
+    """Draw the marks of a panel.
+
+    Returns the names of its curves with samples for a legend, and the height of the names of
+    vertical lines above it [pt].
+    """
     curves, uprights = panel.curves, [mark for mark in panel.marks if isinstance(mark, Upright)]
     looks, names = _looks(curves)
     lines = []
@@ -205,17 +215,30 @@ def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
             mark.draw(axes)
     for mark in uprights:
         axes.axvline(mark.x, **mark.look)
-    if named := [mark for mark in uprights if mark.name]:
-        top = axes.secondary_xaxis("top")
-        top.set_xticks([mark.x for mark in named], [style.plain(mark.name) for mark in named],
-                       rotation=45, ha="left", rotation_mode="anchor", fontsize=style.TINY,
-                       color=style.QUIET)
-        top.tick_params(length=0, pad=1)
-        top.spines[:].set_visible(False)
     _scale(axes, panel)
+    room = 0.0
+    if named := sorted((mark.x, style.plain(mark.name)) for mark in uprights if mark.name):
+        room = _name_uprights(axes, named, width)
     style.show_coincident(axes, [line for line, curve in zip(lines, curves, strict=True)
                                  if curve.kind == "line"])
-    return names
+    return names, room
+
+
+def _name_uprights(axes: Any, named: Sequence[tuple[float, str]], width: float) -> float:
+    """Write names above a panel, slanted unless there is room; returns their height [pt]."""
+    letter = style.LETTER * style.TINY
+    low, high = axes.get_xlim()
+    places = np.array([place for place, _ in named])
+    # the frame takes some 80 % of a figure without names at its side
+    gaps = np.diff(places) / (high - low) * 0.6 * width / style.MM_PER_POINT
+    sizes = np.array([letter * (len(name) + 2) for _, name in named])
+    slanted = bool((gaps < 0.5 * (sizes[:-1] + sizes[1:])).any())
+    top = axes.secondary_xaxis("top")
+    top.set_xticks(places, [name for _, name in named], fontsize=style.TINY, color=style.QUIET,
+                   **{"rotation": 45, "ha": "left", "rotation_mode": "anchor"} if slanted else {})
+    top.tick_params(length=0, pad=1)
+    top.spines[:].set_visible(False)
+    return float(0.75 * sizes.max()) if slanted else 1.5 * style.TINY
 
 
 def _looks(curves: Sequence[Curve]) -> tuple[list[dict[str, Any]], list[tuple[str, Any]]]:

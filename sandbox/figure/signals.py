@@ -73,7 +73,8 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
     _check(runs, window, wide)
     groups = _groups(runs, list(dict.fromkeys(quantities)), x)
     several, mechanism = len(runs) > 1, runs[0].run.mechanism
-    place: Any = "" if several else "side" if wide >= style.WIDTH else "above"
+    listed = [name for names in groups if len(names) > 1 for name in names]
+    place: Any = "side" if style.legend_width(listed) <= wide / 4 else "above"
     paths: dict[str, Array] = {}
     """Values of the panels that show paths in the plane, by their first quantity."""
     along = style.shown_as("s")
@@ -90,13 +91,14 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
     for names in groups:
         unit, path = _unit(runs, names[0]), names[0] in paths
         marks, shown = _marks(runs, names, x, window, along, along if path else None)
-        named = bool(x) and len(names) == 1 and not several
-        word = "" if several else names[0] if named else WORDS.get(unit, "")
+        alone = several or len(names) == 1
+        title = names[0] if several or (alone and not x) else ""
+        word = "" if several else names[0] if alone and x else WORDS.get(unit, "")
         lines = events if names is groups[0] else [each._replace(name="") for each in events]
         panels.append(Panel(
-            names[0] if several else "",
+            title,
             Axis(along.label(x or "time"), limits=None if x else _limits(runs, window)),
-            Axis(shown.label(word)), [*marks, *lines], "" if named else place, plane=path))
+            Axis(shown.label(word)), [*marks, *lines], "" if alone else place, plane=path))
     return draw_panels(
         panels, title="" if several or not titled else mechanism.title or mechanism.name,
         key=[(one.label, {"color": style.hue(i), "linewidth": style.LINE})

@@ -103,7 +103,7 @@ def new_figure(height: float, width: float = WIDTH) -> Any:
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.03)
+    layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06, wspace=0.03, hspace=0.0)
     figure: Any = Figure(figsize=(width * MM, height * MM), dpi=DPI, layout=layout)
     # notebooks call this; matplotlib registers its own only once pyplot is loaded
     figure._repr_png_ = partial(_png, figure)
@@ -130,16 +130,20 @@ def in_lines(text: str, width: float, size: float, letter: float = LETTER) -> st
                      for part in textwrap.wrap(line, letters))
 
 
+def legend_width(names: Sequence[str]) -> float:
+    """Width of a column of a legend with these names [mm]."""
+    return LETTER * SMALL * MM_PER_POINT * max(map(len, names), default=0) + SAMPLE
+
+
 def legend(where: Any, key: Sequence[tuple[str, Any]], width: float = 0.0, **how: Any) -> None:
     """A legend without a frame on a figure or axes, in columns that fit a width [mm]; 0 for one."""
-    wide = LETTER * SMALL * MM_PER_POINT * max((len(name) for name, _ in key), default=0) + SAMPLE
-    where.legend([artist for _, artist in key],
-                 [plain(name if len(name) <= MAX_NAME else f"…{name[1 - MAX_NAME:]}")
-                  for name, _ in key],
-                 ncols=max(1, min(len(key), int(width / wide))),
-                 **{"labelcolor": INK, "facecolor": "white", "edgecolor": "none", "borderpad": 0.2,
-                    "framealpha": 0.85, "fontsize": SMALL, "handlelength": 1.8,
-                    "labelspacing": 0.35, "columnspacing": 1.4, "alignment": "left", **how})
+    names = [plain(name if len(name) <= MAX_NAME else f"…{name[1 - MAX_NAME:]}") for name, _ in key]
+    drawn = where.legend([artist for _, artist in key], names, **{
+        "ncols": max(1, min(len(key), int(width / legend_width(names)))), "labelcolor": INK,
+        "facecolor": "white", "edgecolor": "none", "borderpad": 0.2, "framealpha": 0.85,
+        "fontsize": SMALL, "handlelength": 1.8, "labelspacing": 0.35, "columnspacing": 1.4,
+        "alignment": "left", **how})
+    drawn.get_title().set_color(INK)
 
 
 def save_figure(figure: Any, path: Path) -> None:

@@ -9,13 +9,29 @@ import numpy as np
 import pytest
 
 import sandbox
+from sandbox.equilibria.branches import rest_along
 from sandbox.equilibria.rest import AtRest, rest
 from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import read_scene
 
 G = 9.81
 RUN = {"duration": 1.0, "step": 1e-3}
 WALL = {"name": "wall", "motion": "fixed"}
+MASS, ARM, RADIUS = 0.2, 0.1, 0.01
+
+
+def pendulum(stiffness: float, *, rest_angle: float = 0.0) -> dict[str, Any]:
+    """A bob on a hinge, straight up at 0, held there by a rotary spring."""
+    return {
+        "format": 1, "run": RUN, "gravity": [0, -G],
+        "bodies": [WALL, {"name": "bob", "at": [0, ARM], "mass": MASS,
+                          "shapes": [{"type": "circle", "radius": RADIUS}]}],
+        "joints": [{"type": "pin", "name": "hinge", "a": "wall", "b": "bob", "on_a": [0, 0],
+                    "on_b": [0, -ARM]}],
+        "springs": [{"type": "rotary", "name": "spring", "joint": "hinge", "stiffness": stiffness,
+                     "rest_angle": rest_angle}]}
 
 
 def hanging(stiffness: float, mass: float, **spring: float) -> dict[str, Any]:
@@ -122,8 +138,8 @@ def test_a_box_that_friction_holds_on_a_slope():
     ("release", {}, r"the event 'catch' acts at t = 0\.1 s"),
     ("four_bar", {}, "the drive 'motor' goes on for ever"),
     ({"bodies": [{"name": "wall", "motion": "fixed"}]}, {}, "nothing moves freely"),
-    (hanging(50.0, 0.3), {"starts": [{"wight.y": 1.0}]}, r"Did you mean 'weight\.y'"),
-    (hanging(50.0, 0.3), {"at": 2.0}, "2 s is not within the run"),
+    (pendulum(1.0), {"starts": [{"hing.angle": 1.0}]}, r"Did you mean 'hinge\.angle'"),
+    (pendulum(1.0), {"at": 2.0}, "2 s is not within the run"),
     (on_slope(0.3, math.atan(0.4)), {}, r"nothing holds 'box': it has gone .* m and goes on"),
 ])
 def test_scenes_without_an_equilibrium_are_refused(scene, options, words):
@@ -149,3 +165,20 @@ def test_what_a_schedule_has_carried_away(starts: tuple[dict[str, float], ...]):
                           "path": {"y": {"ramp": {"to": 0.01, "over": 0.5}}}}
     found = only(scene, starts=starts)
     assert found["weight.y"] == pytest.approx(0.01 - 0.2 - 0.3 * G / 50, abs=1e-10)
+
+
+# --- branches
+
+
+def test_along_a_stiffness_and_not_a_load():
+    """k a = m g l sin a of a pendulum with its spring at rest at 0.1 rad."""
+    def make(k: float) -> Mechanism:
+        # the command line writes the value as text
+        return read_scene(pendulum(float(repr(k)), rest_angle=0.1)).mechanism
+
+    branch, = rest_along(make, 0.5, 0.15, 6)
+    for stop in branch.stops:
+        angle = stop.rest["hinge.angle"]
+        assert stop.value * (angle - 0.1) == pytest.approx(
+            MASS * G * ARM * math.sin(angle), abs=1e-9)
+        assert stop.rest.stability == "stable"

@@ -13,7 +13,7 @@ from sandbox.figure.signals import MAX_EVENTS, MAX_PANELS, Plotted, Window, draw
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened
-from tests.figure.written import clashes, texts
+from tests.figure.written import clashes, texts, written
 from tests.samples.controlled import recording, scene
 
 MCP = "finger.mcp.angle"
@@ -120,3 +120,21 @@ def test_too_much_or_too_little_is_told() -> None:
         draw(plotted(run), [MCP], window=Window(50.0))
     with pytest.raises(OutputError, match="13 panels are too many"):
         draw(plotted(run, run), run.names()[:MAX_PANELS + 1])
+
+
+@pytest.mark.parametrize("names", [
+    [MCP], [MCP, "finger.dip.angle", "finger.tendon.tension"],
+    [f"finger.{body}.contact.{force}" for body in ("proximal", "middle", "distal")
+     for force in ("normal", "tangential", "fx")]], ids=len)
+def test_a_figure_of_a_column_has_its_names_above_and_nothing_outside(names: list[str]) -> None:
+    figure = draw(plotted(recording()), names, width=0.085, titled=False)
+    assert figure.get_figwidth() * 25.4 == pytest.approx(85)
+    figure.draw_without_rendering()
+    assert figure.axes[0].get_window_extent().width > 0.7 * figure.bbox.width
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        words = {text.get_text() for text in legend.get_texts()} if legend else set()
+        assert (words or {axes.get_title(loc="left")}) <= set(names)
+        assert axes.get_window_extent().height / figure.dpi * 25.4 == pytest.approx(38, abs=1)
+    assert clashes(figure) == []
+    assert min(text.get_fontsize() for text in written(figure)) >= 7
