@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from scipy.signal import lfilter, lsim
 
 from sandbox.elements.controllers.pid import Pid, PidController
 
@@ -51,6 +51,18 @@ def test_pid_on_a_mass_on_a_spring(gains, filter_time):
     rounding = 10 * np.spacing(1) * np.abs(denominator).sum() / abs(np.polyval(denominator, 1))
     assert rounding < 1e-9
     np.testing.assert_allclose(got, wanted, rtol=0, atol=rounding)
+
+
+def test_the_derivative_is_that_of_straight_lines_through_a_low_pass():
+    """s/(tau s + 1) of a reading that goes straight from act to act, which lsim integrates
+    exactly."""
+    tau, readings = 7e-3, np.cumsum(np.random.default_rng(1).normal(size=400))
+    law = pid(kd=1.0, filter=tau, bias=0.0)
+    law.begin([readings[0]], [0.0], [0.0])
+    got = [-law.act(k * H, [y], [0.0], [0.0])[0] for k, y in enumerate(readings)]
+    t = H * np.arange(len(readings))
+    _, exact, _ = lsim(([1, 0], [tau, 1]), readings - readings[0], t, interp=True)
+    np.testing.assert_allclose(got, exact, rtol=0, atol=ROUNDING * np.abs(exact).max())
 
 
 def test_a_target_that_jumps_gives_no_kick():

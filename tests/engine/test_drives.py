@@ -14,7 +14,7 @@ from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 
-from .machines import H, fixed, mass, mechanism
+from .machines import G, H, fixed, mass, mechanism
 
 SENSES = pytest.mark.parametrize(("positive", "sense"), [("counterclockwise", 1),
                                                          ("clockwise", -1)])
@@ -31,13 +31,49 @@ def setting(value: Any) -> list[dict[str, Any]]:
     return [{"type": "stiffness", "name": "k", "spring": "s", "value": value}]
 
 
+def test_force_of_a_spring_whose_stiffness_changes() -> None:
+    """F = k(t) (l - l0) at every sample, k as the signal says; below 0 it counts as 0."""
+    run = simulate(mechanism(
+        duration=0.4, bodies=[fixed("wall"), mass("m", 0.1, (0.12, 0.0))],
+        springs=[{"type": "linear", "name": "s", "a": "wall", "b": "m", "stiffness": 40.0,
+                  "rest_length": 0.1}], drives=setting({"from": 80.0, "to": -20.0, "over": 0.3})))
+    k = np.clip(80 - 100 * run.time / 0.3, 0, None)
+    np.testing.assert_allclose(run["k.value"], k, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run["s.force"], k * (run["s.length"] - 0.1), rtol=0, atol=1e-14)
+    assert (run["m.ax"][run.time > 0.25] == 0).all()
+
+
+@SENSES
+def test_torque_of_a_rotary_spring_whose_stiffness_changes(positive: str, sense: int) -> None:
+    """tau = k(t) (angle - rest), against the hinge's own sense; I alpha = - tau."""
+    run = simulate(mechanism(
+        duration=0.4, bodies=[fixed("wall"), WHEEL],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0), "zero": 0.1,
+                 "positive": positive}],
+        springs=[{"type": "rotary", "name": "s", "joint": "p", "stiffness": 0.01,
+                  "rest_angle": 0.2}], drives=setting("=0.02 + 0.015 * sin(40 * t)")))
+    k = 0.02 + 0.015 * np.sin(40 * run.time)
+    np.testing.assert_allclose(
+        run["s.torque"], k * (run["p.angle"] - 0.2), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(4e-5 * sense * run["w.alpha"], -run["s.torque"], atol=1e-12)
+
+
 # -- motors ------------------------------------------------------------------------
+
+
+def motored(positive: str, **motor: Any) -> Recording:
+    """A wheel on a hinge with a motor."""
+    return simulate(mechanism(
+        duration=0.5, bodies=[fixed("wall"), WHEEL],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0),
+                 "positive": positive}],
+        drives=[{"type": "motor", "name": "d", "joint": "p", **motor}]))
 
 
 @SENSES
 def test_a_free_motor_reaches_its_speed(positive: str, sense: int) -> None:
     """omega = tau t / I up to the speed, which it then keeps without torque."""
-    run = servo_run({"type": "motor", "value": 20.0, "torque": 2e-3}, step=H, positive=positive)
+    run = motored(positive, value=20.0, torque=2e-3)
     ready = 20.0 * 4e-5 / 2e-3
     rate = np.minimum(run.time / ready, 1.0) * 20.0
     still = np.abs(run.time - ready) > H
@@ -50,15 +86,36 @@ def test_a_free_motor_reaches_its_speed(positive: str, sense: int) -> None:
     assert run.unit("d.value") == "rad/s"
 
 
+@SENSES
+@pytest.mark.parametrize(("value", "speed"), [
+    ("=20 + 30 * t", lambda t: 20 + 30 * t),
+    ("=20 + 4 * sin(9 * t)", lambda t: 20 + 4 * np.sin(9 * t))])
+def test_a_motor_that_starts_at_speed_turns_from_the_end_of_the_first_step_on(
+        positive: str, sense: int, value: str, speed: Any) -> None:
+    """The first pose is that of the scene, so the angle lags by what the first half step lacks.
+
+    A blow is no acceleration: led half a step back along it, the first pose would be h u / 8 off.
+    Of what the signal changes by itself h^2 / 8 may be there.
+    """
+    run = motored(positive, value=value, torque=100.0)
+    change = 36.0
+    assert sense * run["w.angle"][0] == pytest.approx(0.0, abs=H**2 / 8 * change)
+    turned = np.cumsum(H * speed(run.time + H / 2))[:-1]
+    lead = run["p.angle"][1:] - turned - run["p.angle"][0]
+    np.testing.assert_allclose(lead, 0.0, atol=1e-11)
+
+
 # -- the machinery -----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("value", "more"), [
-    (40.0, {}), ({"table": [(0, 1.0), (0.1, 9e5)]}, {}),
+    (40.0, {}), ({"to": 9e5, "over": 0.1}, {}), ({"table": [(0, 1.0), (0.1, 9e5)]}, {}),
+    (40.0, {"controllers": [{"type": "schedule", "name": "c", "writes": "k", "value": 50.0,
+                             "limits": (0.0, 9e5)}]}),
     (40.0, {"events": [{"name": "e", "at": 0.1, "set": {"k": 9e5}}]}),
 ])
 def test_inspection_warns_of_a_stiffness_beyond_the_step(value: Any, more: Any) -> None:
-    """h w = 5e-4 sqrt(9e5 / 0.1) = 1.5, a table's last point and an event included."""
+    """h w = 5e-4 sqrt(9e5 / 0.1) = 1.5, a table's last point, a limit and an event included."""
     machine = mechanism(
         bodies=[fixed("wall"), mass("m", 0.1, (0.12, 0.0))],
         springs=[{"type": "linear", "name": "s", "a": "wall", "b": "m", "stiffness": 40.0}],
@@ -75,7 +132,7 @@ INERTIA, MAX_TORQUE = 4e-5, 2e-3
 
 def servo_run(drive: dict[str, Any], *, step: float = 1e-3, duration: float = 0.5,
               **pin: Any) -> Recording:
-    """A wheel on a hinge with a servo or another drive."""
+    """A wheel on a hinge with a servo."""
     return simulate(mechanism(
         duration=duration, step=step, bodies=[fixed("wall"), WHEEL],
         joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0), **pin}],
@@ -234,6 +291,20 @@ def test_a_length_follows_its_signal_while_the_actuator_swings(kind: str) -> Non
         np.testing.assert_allclose(spin, spin[0], rtol=0.05 * (step / 1e-3))
         assert_audit_passes(run, "work")
     assert 1.9 < math.log2(errors[0] / errors[1]) < 3.1
+
+
+def test_a_rigid_length_goes_there_in_the_least_time() -> None:
+    """2 sqrt(m L / F), as a servo; then it carries the weight."""
+    run = slide({"type": "length", "value": 0.2, "force": 2.0}, longest=0.3, shortest=0.05,
+                duration=0.8)
+    least = 2 * math.sqrt(0.1 / 2.0)
+    assert run["c.length"].max() < 0.2 + 2.0 * 1e-6 / 8
+    assert run.time[np.argmax(run["c.length"] > 0.2 - 1e-5)] == pytest.approx(least, abs=8e-3)
+    run = slide({"type": "length", "value": 0.2, "force": 20.0, "speed": 0.3}, gravity=G)
+    assert run["c.length"].max() < 0.2 + 1e-6
+    assert run["c.speed"].max() == pytest.approx(0.3, rel=1e-9)
+    assert run["d.force"][-1] == pytest.approx(G, rel=1e-9)
+    assert_audit_passes(run, "drive.place")
 
 
 def test_ends_of_stroke_are_hard() -> None:

@@ -145,6 +145,24 @@ def test_a_relief_lets_out_and_the_work_adds_up() -> None:
         2e6 * 1e-5 * 0.1, rel=1e-9)
 
 
+def test_a_shut_valve_holds_and_an_open_one_lets_down() -> None:
+    """Laminar: v = p / (R A), at half an opening half of it."""
+    resistance = 1e9
+    recording = run(rams(("ram", 10.0, 0.5), lines=[line("oil", cylinder("ram"), pressure=1e6)],
+                         valves=[{"name": "tap", "a": "oil", "resistance": resistance}],
+                         drives=[push("ram", 1000.0),
+                                 {"type": "opening", "name": "lever", "valve": "tap",
+                                  "value": steps((0, 0), (0.1, 0.5), (0.3, 2))}]), 0.5)
+
+    def speed(t: float) -> float:
+        return float(np.interp(t, recording.time, recording["ram.vx"]))
+
+    assert speed(0.08) == pytest.approx(0.0, abs=1e-9)
+    assert speed(0.28) == pytest.approx(-0.5 * 1e6 / resistance / AREA, rel=1e-6)
+    assert speed(0.48) == pytest.approx(-1e6 / resistance / AREA, rel=1e-6)
+    assert recording["tap.loss"][-1] > 0
+
+
 def test_a_void_pulls_with_its_least_pressure() -> None:
     """1 m/s out against 0.1 MPa: 10 mm and 20 ms, by the closed form of a parabola."""
     scene = rams(("ram", 10.0, 0.1), lines=[line("oil", cylinder("ram", 5e-3), least=-1e5,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import combinations
 from typing import Any
 
@@ -10,16 +11,48 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SandboxError, SimulationDiverged
+from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
 
 from .machines import G, H, fixed, mass, mechanism
 
+GAP = 2e-10
 ROUNDING = 1e-11
+
+
+def place(run: Recording, body: str, point: tuple[float, float]) -> np.ndarray:
+    """World track of a point of a body, [n, 2]."""
+    x, y, angle = (run[f"{body}.{q}"] for q in ("x", "y", "angle"))
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([x + c * point[0] - s * point[1], y + s * point[0] + c * point[1]], axis=1)
 
 
 def bar(name: str, at: tuple[float, float], **more: Any) -> dict[str, Any]:
     """A slim bar of 0.1 m, its frame at one end, its mass in the middle."""
     return {"name": name, "mass": 0.05, "inertia": 4e-5, "at": at, "centre": (0.05, 0.0), **more}
+
+
+@pytest.mark.parametrize("positive", ["counterclockwise", "clockwise"])
+@pytest.mark.parametrize("torque", [0.02, -0.02])
+def test_stops(positive: str, torque: float) -> None:
+    """Driven with tau against a stop, a hinge rests there: angle on the limit, stop torque -tau.
+
+    Both in the hinge's positive sense, zero 0.1 rad off the frames'.
+    """
+    run = simulate(mechanism(
+        duration=0.3, bodies=[fixed("wall"), bar("a", (0, 0))],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "a", "on_a": (0, 0), "zero": 0.1,
+                 "limits": (-0.5, 0.7), "positive": positive}],
+        drives=[{"type": "torque", "name": "t", "joint": "p", "value": torque}]))
+    limit = 0.7 if torque > 0 else -0.5
+    np.testing.assert_allclose(run["p.angle"][-100:], limit, atol=ROUNDING)
+    np.testing.assert_allclose(run["p.stop"][-100:], -torque, rtol=1e-9)
+    assert run["p.angle"].min() > -0.5 - ROUNDING
+    assert run["p.angle"].max() < 0.7 + ROUNDING
+    free = np.abs(run["p.angle"] - 0.1) < 0.3
+    assert (run["p.stop"][free] == 0).all()
+    sign = 1.0 if positive == "counterclockwise" else -1.0
+    assert run["a.angle"][-1] == pytest.approx(sign * (limit + 0.1), abs=ROUNDING)
 
 
 def test_path_ends_and_release() -> None:
@@ -41,6 +74,76 @@ def test_path_ends_and_release() -> None:
     assert run["j.speed"][arrived + 2] == pytest.approx(0.0, abs=0.05)
 
 
+@pytest.mark.parametrize("turns", [True, False])
+def test_slot(turns: bool) -> None:
+    """A body's point runs along a slanted groove of a wall; a slider keeps its angle, too.
+
+    Down the slope it gains g sin(30 deg) t: 0.5 s would be 0.6 m, but the groove ends after 0.3 m.
+    """
+    c, s = math.cos(math.radians(-30)), math.sin(math.radians(-30))
+    run = simulate(mechanism(
+        duration=0.6, gravity=(0.0, -G),
+        bodies=[fixed("wall", angle=math.radians(-30)),
+                {**mass("a", 0.1, (0.1 * c, 0.1 * s)), "inertia": 1e-4, "angle": 0.2,
+                 "centre": (0.01, 0.02)}],
+        joints=[{"type": "slot", "name": "j", "a": "wall", "b": "a", "start": (0.0, 0.0),
+                 "end": (0.3, 0.0), "turns": turns}]))
+    track = place(run, "a", (0.0, 0.0))
+    along, across = track @ [c, s], track @ [-s, c]
+    arrived = int(np.argmax(along > 0.2999))
+    assert arrived > 0
+    assert np.abs(across).max() < GAP
+    # of a point that goes round the centre of mass the row knows the tangent: omega^2 r h^2 / 2
+    assert along.max() < 0.3 + np.abs(run["a.omega"]).max()**2 * 0.0224 * H**2 / 2 + ROUNDING
+    if not turns:
+        np.testing.assert_allclose(along[arrived + 1:], 0.3, atol=ROUNDING)
+    if turns:
+        assert np.ptp(run["a.angle"]) > 0.1
+    else:
+        np.testing.assert_allclose(run["a.angle"], 0.2, atol=ROUNDING)
+
+
+def test_weld() -> None:
+    """Two bars thrown in a spin stay one: gap and angle; the pair keeps its spin and its course.
+
+    Velocities of the centres of mass are those of one rigid body: v_b = v_a + omega x r.
+    """
+    x, y = 0.05 + 0.05 * math.cos(0.5), 0.05 * math.sin(0.5)
+    run = simulate(mechanism(
+        duration=0.5,
+        bodies=[bar("a", (0, 0), velocity=(0.5, 0.0), angular_velocity=5.0),
+                bar("b", (0.1, 0), angle=0.5, velocity=(0.5 - 5 * y, 5 * x), angular_velocity=5.0)],
+        joints=[{"type": "weld", "name": "w", "a": "a", "b": "b", "on_b": (0, 0)}]))
+    # the first pose is on the path to the third order of the half step
+    gap = place(run, "a", (0.1, 0)) - place(run, "b", (0, 0))
+    assert np.abs(gap[0]).max() < (5 * H / 2)**3 * 0.1
+    np.testing.assert_allclose(gap[1:], 0.0, atol=GAP)
+    np.testing.assert_allclose(run["b.angle"] - run["a.angle"], 0.5, atol=ROUNDING)
+    # the weld closes over chords: the pair turns on as one body does, to (omega h)^2
+    np.testing.assert_allclose(run["a.omega"], 5.0, rtol=(5 * H)**2)
+    middle = (place(run, "a", (0.05, 0.0)) + place(run, "b", (0.05, 0.0))) / 2
+    np.testing.assert_allclose(
+        middle - middle[0], np.outer(run.time - run.time[0], [0.5 - 2.5 * y, 2.5 * x]), atol=1e-9)
+
+
+def test_rope() -> None:
+    """Free in between, no longer than its longest, no shorter than its shortest, and no throw."""
+    def hung(speed: float) -> Recording:
+        return simulate(mechanism(
+            duration=0.4, bodies=[fixed("wall"), mass("m", 0.1, (0.2, 0.0), velocity=(speed, 0.0))],
+            joints=[{"type": "rope", "name": "r", "a": "wall", "b": "m", "longest": 0.3,
+                     "shortest": 0.1}]))
+
+    out, back = hung(1.0), hung(-1.0)
+    assert out["m.x"].max() == pytest.approx(0.3, abs=ROUNDING)
+    assert back["m.x"].min() == pytest.approx(0.1, abs=ROUNDING)
+    free = out.time < 0.09
+    np.testing.assert_allclose(out["m.x"][free], 0.2 + out.time[free], atol=1e-12)
+    assert (out["r.reaction"][free] == 0).all()
+    for run in (out, back):
+        assert run["m.vx"][-1] == pytest.approx(0.0, abs=1e-9)
+
+
 def test_a_rope_that_swings_is_as_long_as_it_is() -> None:
     """A limit's row knows the tangent: taut, it is too long by (v h)^2 / (2 r), and no more."""
     run = simulate(mechanism(
@@ -51,9 +154,9 @@ def test_a_rope_that_swings_is_as_long_as_it_is() -> None:
     assert run["r.reaction"][-1] == pytest.approx(0.1 * 9 / 0.2, rel=1e-3)
 
 
-@pytest.mark.parametrize("start", np.linspace(0.2, 0.2 + 3 * H, 4))
+@pytest.mark.parametrize("start", np.linspace(0.2, 0.2 + 3 * H, 7))
 def test_a_stop_gives_nothing_back(start: float) -> None:
-    """A bar arrives at a stop with 10 rad/s, at four instants within its steps.
+    """A bar arrives at a stop with 10 rad/s, at seven instants within its steps.
 
     It leaves with the share HOLD = 1e-10 of that by which impulses are held to their last, once
     for what stops it before the limit and once for what lands it there.
@@ -133,11 +236,15 @@ LEVER = [{"type": "pin", "name": "pivot", "a": "frame", "b": "lever", "on_a": (0
 
 
 @pytest.mark.parametrize(("bodies", "joints", "jams", "one", "other"), [
-    # faces meet once the gaps are closed: 0.3 m
+    # faces meet once the gaps are closed: 0.3 m; 0.3 mm
     ([WALL, block("crate", 0.2), ram(0.5)], [], 0.6, "crate", "wall"),
+    ([WALL, block("crate", 0.3999, 1e-5), ram(2e-3, 0.2997)], [], 0.15, "crate", "wall"),
     ([WALL, *(block(f"c{i}", 0.2 + 0.1 * i) for i in range(3)), ram(0.5, 0.05)], [], 0.1, "c2",
      "wall"),
     ([block("crate", 0.2), ram(0.5), ram(-0.5, 0.4, name="other")], [], 0.2, "crate", "other"),
+    ([WALL, block("crate", 0.2), block("tool", 0.0), ram(0.5, shapes=[])], [
+        {"type": "weld", "name": "fix", "a": "ram", "b": "tool", "on_a": (0, 0)}], 0.6, "crate",
+     "wall"),
     # two ropes in line, 0.4 m in all; a lever of 0.3 m whose stop is 0.3 tan(20°) away
     ([fixed("wall"), {"name": "bead", "mass": 0.2, "inertia": 1e-3, "at": (0.2, 0)},
       ram(0.5, 0.35, shapes=[])], ROPES, 0.1, "bead", "wall"),
@@ -172,6 +279,8 @@ def test_a_jam_ends_the_run_with_both_bodies_and_the_instant(
     # ten tons at 10 m/s strike a pin of 1 g, while something else moves on a schedule
     {"bodies": [WALL, block("pin", 0.4, 1e-3), block("hammer", 0.0, 1e4, velocity=(10, 0)),
                 ram(0.1, 9.0)]},
+    # a schedule that comes to rest where the faces meet
+    {"bodies": [WALL, block("crate", 0.2), {**ram(0.0), "path": {"x": "=0.3 * min(2 * t, 1)"}}]},
     # a press whose schedule takes it away again
     {"bodies": [WALL, block("crate", 0.2), {**ram(0.0), "path": {"x": "=0.3 * sin(4 * t) ** 2"}}]},
 ])
