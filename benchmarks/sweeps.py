@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from benchmarks.measure import Figure
-from sandbox.sweeps.processes import processors
+from sandbox.engine.compiling import processors
 
 SCENE, PATH = "single_finger", "parameters.pull"
 LEAST = 0.95

@@ -1,4 +1,4 @@
-"""Notices about the compilation of the engine, which takes seconds in the first run.
+"""The number of processors, and notices about the compilation of the engine in the first run.
 
 Nothing is reported if all code is in the cache. Worker processes report what they compile to the
 process that started them, which passes it on.
@@ -6,9 +6,18 @@ process that started them, which passes it on.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+
+
+def processors() -> int:
+    """Processors that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on every system
+        return os.cpu_count() or 1
 
 
 @dataclass

@@ -33,7 +33,7 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from sandbox.engine import source_hash
-from sandbox.engine.compiling import report_compiled, report_progress
+from sandbox.engine.compiling import processors, report_compiled, report_progress
 from sandbox.engine.kernel import entry_point_compiler, fast_compilation, kernel
 from sandbox.engine.memory import TABLE_WORDS
 from sandbox.engine.records import GEAR, RACK, ROLL
@@ -209,7 +209,7 @@ def _other_processes(
 ) -> Iterator[tuple[list[subprocess.Popen[bytes]], list[EntryPoint]]]:
     """Processes that compile parts of what is not in the cache, and the part left to this one."""
     missing = _missing(wanted)
-    count = min(_PROCESSES, os.cpu_count() or 1, len(missing) // _SHARE)
+    count = min(_PROCESSES, processors(), len(missing) // _SHARE)
     if (count < 2 or multiprocessing.parent_process() is not None
             or not Path(sys.executable).name.startswith("python")):
         yield [], wanted
@@ -242,8 +242,9 @@ def compile_named(names: list[str]) -> None:
 
 
 def _missing(wanted: list[EntryPoint]) -> list[EntryPoint]:
-    """The entry points whose code is not in the cache; none if there is no cache."""
-    if not wanted:  # all are kernels
+    """The entry points that are neither loaded nor in the cache; none if there is no cache."""
+    wanted = [one for one in wanted if "compiled" not in vars(one)]
+    if not wanted:
         return []
     try:
         folder = Path(_function_cache(wanted[0].source).cache_path)

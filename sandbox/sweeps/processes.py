@@ -7,18 +7,11 @@ import os
 from importlib import import_module
 from multiprocessing.context import BaseContext
 
+from sandbox.engine.compiling import processors
 from sandbox.errors import SandboxError
 
 MAX_PER_PROCESSOR = 4  # worker processes for each processor; each needs some 200 MB
 LOADED = "sandbox.sweeps.runner"  # the module that worker processes need; it loads the engine
-
-
-def processors() -> int:
-    """Processors that this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on every system
-        return os.cpu_count() or 1
 
 
 def check_workers(workers: int | str) -> int | str:

@@ -14,6 +14,7 @@ from numba.core import caching
 
 from sandbox.engine import entry_points
 from sandbox.engine import kernel as kernels
+from sandbox.engine.compiling import processors
 from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.kernel import kernel
 from sandbox.engine.source_hash import source_hash
@@ -120,7 +121,7 @@ print(float(run.arrays["body_pose"].sum()).hex(), loaded, len(made))
 
 
 @pytest.mark.nightly
-@pytest.mark.skipif(os.cpu_count() == 1, reason="one process compiles everything")
+@pytest.mark.skipif(processors() == 1, reason="one process compiles everything")
 def test_processes_share_the_compilation_of_a_first_run(tmp_path: Path):
     found = []
     for alone in (True, False):
@@ -143,7 +144,7 @@ def test_this_process_does_its_part_where_no_other_may_start(monkeypatch: pytest
     wanted = [SimpleNamespace(name=f"entry_{i}") for i in range(10)]
     monkeypatch.setattr(entry_points, "_missing", list)
     monkeypatch.setattr(entry_points, "subprocess", SimpleNamespace(Popen=refuse, DEVNULL=-3))
-    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(entry_points, "processors", lambda: 2)
     monkeypatch.setattr("multiprocessing.parent_process", lambda: None)
     with entry_points._other_processes(wanted) as (others, own):
         assert others == []
