@@ -4,7 +4,7 @@ Over one step a force does the work h F . (v_before + v_after) / 2. With this ru
 forces and impulses on a body is its increase of kinetic energy, to rounding. Work is summed in each
 step, because an impact lasts one step and samples would miss it.
 
-Breaks: forces of step n stand for the time from (n - 1) h to n h, but follow from the pose in its
+Breaks: forces of step n hold for the time from (n - 1) h to n h, but follow from the pose in its
 middle. With T' and T > T_b the loads in the last step and in this one, the load reached T_b at
 
     t = (n - 3/2 + s) h,    s = (T_b - T') / (T - T')

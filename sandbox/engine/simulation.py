@@ -466,7 +466,7 @@ def diverged(now: float, world: World, tables: Tables, control: Control) -> Simu
                    "schedule: past a dead centre or out of reach the connected bodies cannot "
                    "follow")
     if loop := control.furthest():
-        reason += f", led by {loop}"
+        reason += f", driven by {loop}"
         helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"
     return SimulationDiverged(
         now, model.bodies.name[world.order[worst]], f"{reason}; {helps}")

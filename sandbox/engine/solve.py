@@ -70,7 +70,7 @@ from sandbox.numeric import Array, Records
 HARD = 1e-12
 """Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
 ROUNDS = 12
-"""Most times in one step that tendons are let go and taken up, or laws of springs linearised."""
+"""Maximum number of times in one step that tendons turn slack or taut, or laws are linearised."""
 PRESSED = 60
 """The same of loads: a drag that grows with the square of the speed, and stops what is fast in one
 step, halves the speed each time."""
