@@ -128,7 +128,7 @@ function plot(parent, { title, unit: unitName, names, short: words = names.map(c
 
 // The time cursor is a line above the canvas: the curves need no stroke anew to move it.
 function placeCursor(u, line, t) {
-  const x = u.valToPos(t, "x"), inside = x >= -1 && x <= u.over.clientWidth + 1;
+  const x = u.valToPos(t, "x"), inside = x >= -1 && x <= u.bbox.width / (devicePixelRatio || 1) + 1;   // no layout
   line.style.transform = `translateX(${x.toFixed(2)}px)`;
   line.style.visibility = inside ? "visible" : "hidden";
 }

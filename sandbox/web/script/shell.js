@@ -109,6 +109,7 @@ class Viewer {                                            // base class; subclas
     } });
   }
   showPlaying() {
+    if (this.play.ariaLabel === (this.playing ? "pause" : "play")) return;
     this.play.textContent = this.playing ? "\u275a\u275a" : "\u25b6";
     this.play.ariaLabel = this.playing ? "pause" : "play";
   }

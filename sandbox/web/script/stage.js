@@ -45,9 +45,10 @@ class Stage {
     const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion: ${use}` });
     canvas.style.aspectRatio = String(head.view.aspect);
     Object.assign(this, { canvas, head, list: head.list, ctx: canvas.getContext("2d"), zoom: 1, pan: [0, 0], hover: null, extra: [],
-                          stamp: "", lines: 0, stamps: {} });
+                          stamp: "", lines: 0, stamps: {}, widths: new Map() });
     this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
     this.follow = head.view.follow ? head.bodies.findIndex((b) => b.name === head.view.follow) : -1;
+    new ResizeObserver(() => { this.size = null; }).observe(canvas);
     this.dress();
   }
   dress() {                                               // light or dark colours
@@ -66,7 +67,8 @@ class Stage {
 
   // -- camera -----------------------------------------------------------------------------------
   resize() {
-    const { canvas, head } = this, dpr = globalThis.devicePixelRatio || 1, w = canvas.clientWidth || 300, h = canvas.clientHeight || 200;
+    const { canvas, head } = this, dpr = globalThis.devicePixelRatio || 1;
+    const [w, h] = this.size ??= [canvas.clientWidth || 300, canvas.clientHeight || 200];   // reading it may lay out the page
     const [W, H] = [Math.round(w * dpr), Math.round(h * dpr)];
     if (canvas.width !== W || canvas.height !== H) { canvas.width = W; canvas.height = H; }
     const u = clamp(Math.min(w / 800, h / 400), 0.6, 1.5);
@@ -105,6 +107,12 @@ class Stage {
     const p = this.pose, a = p[3 * f + 2], k = this.scale * this.dpr, c = k * Math.cos(a), s = k * Math.sin(a);
     const e = this.dpr * (this.ox + this.scale * p[3 * f]), g = this.dpr * (this.oy - this.scale * p[3 * f + 1]);
     this.ctx.setTransform(c, -s, -s, -c, e, g);
+  }
+  widthOf(text) {                                         // in the present font, which is slow to measure
+    const key = `${this.ctx.font}|${text}`;
+    if (this.widths.size > 2000) this.widths.clear();
+    if (!this.widths.has(key)) this.widths.set(key, this.ctx.measureText(text).width);
+    return this.widths.get(key);
   }
   plain() { this.ctx.setTransform(this.dpr, 0, 0, this.dpr, 0, 0); }
   zoomAt(factor, x, y) {                                  // the point at (x, y) stays where it is
@@ -262,7 +270,7 @@ class Stage {
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
     for (const { text, tip, side, ink, clear, number } of this.words) {
       if (number && numbers >= most) continue;
-      const w = ctx.measureText(text).width / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
+      const w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
       const wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
       const [x, y] = [clamp(wanted[0], w, this.w - w), clamp(wanted[1], h, bottom - h)], box = [x - w, y - h, x + w, y + h];
       if (apart(wanted, [x, y]) > INSIDE * u
@@ -308,7 +316,7 @@ class Stage {
     const { ctx, u } = this;
     ctx.fillStyle = this.back; ctx.fillRect(0, this.h - this.foot, this.w, this.foot);
     ctx.font = `${this.text}px ${FONT}`; ctx.textBaseline = "middle";
-    const put = (text, x, y) => { ctx.fillStyle = this.ink("faint_ink"); ctx.fillText(text, x, y); return x + ctx.measureText(text).width; };
+    const put = (text, x, y) => { ctx.fillStyle = this.ink("faint_ink"); ctx.fillText(text, x, y); return x + this.widthOf(text); };
     this.rows.forEach((entries, k) => {
       const y = this.h - this.foot + (1.5 * k + 1) * this.text;
       let x = this.text;
@@ -353,7 +361,7 @@ class Stage {
       }
       if (f >= 0) this.place(f);
       ctx.lineWidth = REACH;
-      const hit = f >= 0 ? ctx.isPointInPath(item.seen, px, py, item.m ? "nonzero" : "evenodd") : ctx.isPointInStroke(item.seen, px, py);
+      const hit = item.k === "mark" ? apart(item.seen, [x, y]) <= REACH / 2 : f >= 0 ? ctx.isPointInPath(item.seen, px, py, item.m ? "nonzero" : "evenodd") : ctx.isPointInStroke(item.seen, px, py);
       this.plain();
       if (hit) return { n: item.n, f };
     }
@@ -361,7 +369,7 @@ class Stage {
   }
 }
 
-// -- each kind of item; the result is a path for picking -------------------------------------------------
+// -- each kind of item; the result is a path for picking, of a mark its place -------------------------------------------------
 
 const PAINT = {
   path(s, item) {
@@ -382,7 +390,7 @@ const PAINT = {
   mark(s, item) {
     const at = s.at(item.at);
     s.glyph(s.choice(item, item.g), at, item.turn === undefined ? 0 : s.value(item.turn));
-    return polyline([at, [at[0] + 0.1, at[1]]]);
+    return at;
   },
   span(s, item) {                                         // a pattern between two points
     const a = s.at(item.a), b = s.at(item.b), d = apart(a, b) || 1e-9, [ex, ey] = [(b[0] - a[0]) / d, (b[1] - a[1]) / d], { t, u = s.u } = item;
