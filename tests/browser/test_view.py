@@ -27,21 +27,23 @@ CRANK = {
 DRAG = """async () => {
   const slider = document.querySelector("[data-control='parameters.pitch']");
   const own = sandbox.link.send, ids = [], stages = new Set();
-  let most = 0;
+  let most = 0, moves = 0;
   sandbox.link.send = (text) => {
     const asked = JSON.parse(text);
     if (asked.set) ids.push(asked.id);
     most = Math.max(most, ids.filter((id) => sandbox.sent.has(id)).length);
     own(text);
   };
-  for (let k = 1; k <= 60; k++) {
-    slider.value = 105 + k / 2;
+  while (moves < 60 || (stages.size < 2 && moves < 3000)) {   // a busy machine takes longer
+    slider.value = 105 + (++moves % 60 || 60) / 2;
     slider.dispatchEvent(new Event("input"));
     await new Promise((done) => setTimeout(done, 20));
     if (sandbox.frame) stages.add(sandbox.stage);
     if (document.querySelectorAll(".sheet canvas").length !== 1) throw new Error("no picture");
   }
-  return { asked: ids.length, most, pictures: stages.size };
+  slider.value = 135;
+  slider.dispatchEvent(new Event("input"));
+  return { asked: ids.length, most, moves, pictures: stages.size };
 }"""
 
 
@@ -109,7 +111,7 @@ def test_a_dragged_slider_has_one_request_under_way_and_ends_at_the_last_value(s
     tab = served("adaptive_grasp")
     found = tab.evaluate(DRAG)
     assert found["most"] == 1
-    assert 1 < found["pictures"] <= 1 + found["asked"] < 60  # one is there before
+    assert 1 < found["pictures"] <= 1 + found["asked"] < found["moves"]  # one is there before
     until(tab, "sandbox.head.controls.find((c) => c.name === 'parameters.pitch').value === 135")
 
 
