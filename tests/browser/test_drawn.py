@@ -45,6 +45,13 @@ def test_arrows_are_those_of_the_recording(tab, run):
     found = np.array(sorted(seen))
     assert long.any()
     assert found == pytest.approx(np.array(sorted(expected[long].tolist())), abs=0.2)
+    largest = np.argmax(size * long)  # on top of the others; the pointer tells its force
+    box = tab.locator("canvas").first.bounding_box()
+    x0, y0, x1, y1 = expected[largest]
+    tab.mouse.move(box["x"] + (x0 + 2 * x1) / 3, box["y"] + (y0 + 2 * y1) / 3)
+    name, value = tab.locator(".tip").inner_text().split("\n")
+    assert "/" in name
+    assert float(value.removesuffix(" N")) == pytest.approx(size[largest], abs=0.0051)
 
 
 def test_every_kind_of_item_is_seen_by_day_and_by_night(opened):

@@ -24,7 +24,7 @@ function camera(stage, redraw, hooks = {}) {
       stage.hover = found;
       canvas.style.cursor = found ? "pointer" : "grab";
       if (hooks.hover) hooks.hover(found, e);
-      if ((found && found.n) !== (before && before.n) || !!(found && found.row) !== !!(before && before.row)) redraw();
+      if ((found && found.n) !== (before && before.n) || (found && found.value) !== (before && before.value)) redraw();
       return;
     }
     moved += apart(was, now);
@@ -141,7 +141,7 @@ class Viewer {                                            // base class; subclas
     const { tip } = this;
     tip.hidden = !(pick && pick.n);
     if (tip.hidden) return;
-    const lines = pick.row ? [`${short(Math.hypot(pick.row[2], pick.row[3]))} N`] : quantitiesOf(pick, series).slice(0, 6).flatMap((name) => {
+    const lines = pick.value ? [pick.value] : quantitiesOf(pick, series).slice(0, 6).flatMap((name) => {
       const text = read(name);
       return text ? [`${name.slice(pick.n.length + 1) || "value"}  ${text}`] : [];
     });

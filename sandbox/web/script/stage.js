@@ -346,7 +346,7 @@ class Stage {
   }
 
   // -- picking ------------------------------------------------------------------------------------------
-  // The topmost named item under a pixel, {n, f, row}: its name, frame (or -1) and row of a table; `of` says which frames count.
+  // The topmost named item under a pixel, {n, f, value}: its name, frame (or -1) and the text of an arrow; `of` says which frames count.
   pick(x, y, of = () => true) {
     const { ctx } = this, [px, py] = [x * this.dpr, y * this.dpr];
     for (let i = this.list.items.length - 1; i >= 0; i--) {
@@ -354,8 +354,8 @@ class Stage {
       if (!item.n || !item.seen || !of(f)) continue;
       if (item.k === "arrows") {
         const { bodies } = this.head, pair = (key) => `${bodies[Math.floor(key / bodies.length)].name}/${bodies[key % bodies.length].name}`;
-        for (const [path, row] of item.seen) {
-          if (ctx.isPointInPath(path, px, py)) return { n: item.l === "contacts" ? pair(row[1]) : item.n, f, row };
+        for (const [path, row, value] of item.seen) {
+          if (ctx.isPointInPath(path, px, py)) return { n: item.l === "contacts" ? pair(row[1]) : item.n, f, value };
         }
         continue;
       }
@@ -444,11 +444,9 @@ const PAINT = {
     return s.vectors(item).map(([row, tail, tip, size]) => {
       const path = s.arrow(tail, tip, item.size, fill, rim, width);
       if (size > item.most) s.cutBars(tail, tip, (item.size[0] + 6.5) / 2 * s.u, rim);
-      if (size >= 0.5 * (item.told || 0)) {
-        const value = row.length > 6 ? row[6] : size, name = item.names?.[row[1]] || "";
-        s.say(item, row[1], `${name} ${s.valueText(item, value)}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
-      }
-      return [path, row];
+      const value = s.valueText(item, row.length > 6 ? row[6] : size), name = item.names?.[row[1]] || "";
+      if (size >= 0.5 * (item.told || 0)) s.say(item, row[1], `${name} ${value}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
+      return [path, row, value];
     });
   },
   strips(s, item) {
