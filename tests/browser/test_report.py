@@ -1,5 +1,6 @@
 """The report page in a real browser: six smoke checks by day, the rest with ``-m nightly``."""
 
+import fnmatch
 import io
 import re
 
@@ -159,6 +160,12 @@ def test_the_pointer_tells_opens_plots_zooms_and_moves(opened, page):
     assert tab.locator(".plot").count() == count + 1
     tab.locator(".plot .close").last.click()
     assert tab.locator(".plot").count() == count
+    box.fill("finger*.angle")  # more than a plot of eight curves can show
+    box.press("Enter")
+    curves = tab.evaluate("sandbox.plots.flatMap((p) => p.key.split(' '))")
+    angles = fnmatch.filter(tab.evaluate("[...sandbox.series[0].keys()]"), "finger*.angle")
+    assert len(angles) > 8
+    assert set(angles) <= set(curves)
     box.fill("finger2.mcp.angel")
     box.press("Enter")
     assert "did you mean finger2.mcp.angle?" in tab.locator(".said").inner_text()

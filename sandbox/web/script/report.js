@@ -9,6 +9,8 @@ const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point
 
 const MOST_CURVES = 8, MOST_PLOTS = 12, AT_FIRST = 2;
 
+const parted = (all, size) => Array.from({ length: Math.ceil(all.length / size) }, (_, i) => all.slice(i * size, (i + 1) * size));
+
 class Series extends Map {                                // quantities of one run by name
   constructor(head, data) {
     super(head.series.map((one) => [one.name, one]));
@@ -176,12 +178,14 @@ class Report extends Viewer {
 
   // -- plots that a reader opens: quantities of one unit, of all runs at once --------------------------------
   open(names, title) {
-    for (const some of this.grouped(names, (name, of) => of.unit(name))) {
+    const plots = this.grouped(names, (name, of) => of.unit(name)).flatMap((all) => parted(all, MOST_CURVES));
+    for (const some of plots.slice(0, MOST_PLOTS)) {
       const key = some.join(" "), there = this.plots.find((p) => p.key === key);
       if (there) there.box.scrollIntoView({ block: "nearest" });
-      else this.openOne(some.slice(0, MOST_CURVES), { title: some.length > 1 ? title : "", key });
+      else this.openOne(some, { title: some.length > 1 ? title : "", key });
     }
     this.show();
+    return plots.length;
   }
   grouped(names, keyOf) {                                 // those that some run has, by key, in order
     const found = names.flatMap((name) => { const of = this.series.find((s) => s.has(name)); return of ? [[name, keyOf(name, of)]] : []; });
@@ -228,7 +232,10 @@ class Report extends Viewer {
   // AT_FIRST are open, the others have a button each.
   openFirst() {
     const every = [...new Set(this.series.flatMap((s) => [...s.keys()]))], said = el("output", { className: "said" });
-    const box = finder("plot a quantity", () => every, (names, text) => { said.textContent = ""; this.open(names, text); }, (text) => {
+    const box = finder("plot a quantity", () => every, (names, text) => {
+      const count = this.open(names, text);
+      said.textContent = count > MOST_PLOTS ? `${text} needs ${count} plots; these are the first ${MOST_PLOTS}` : "";
+    }, (text) => {
       const near = nearest(text, every);
       said.textContent = `no quantity matches ${text}${near ? `; did you mean ${near}?` : ""}`;
     });
@@ -242,9 +249,9 @@ class Report extends Viewer {
     const shown = new Set(meters.flatMap((meter) => meter.names)), most = this.heads.length > 1 ? 2 : MOST_CURVES;
     const lastWord = (name) => name.slice(name.lastIndexOf(".") + 1);
     for (const names of this.grouped(plots.filter((name) => !shown.has(name)), (name, of) => `${of.unit(name)} ${lastWord(name)}`)) {
-      for (let i = 0; i < names.length; i += most) {
-        const some = names.slice(i, i + most), title = some.length > 1 ? lastWord(some[0]) : "";
-        offers.push([title ? `${title}${i ? ` ${i / most + 1}` : ""}` : some[0], () => this.open(some, title)]);
+      for (const [i, some] of parted(names, most).entries()) {
+        const title = some.length > 1 ? lastWord(some[0]) : "";
+        offers.push([title ? `${title}${i ? ` ${i + 1}` : ""}` : some[0], () => this.open(some, title)]);
       }
     }
     for (const [title, open] of offers.slice(0, MOST_PLOTS)) {
