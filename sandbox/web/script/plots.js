@@ -72,17 +72,17 @@ function plot(parent, { title, unit: unitName, names, short: words = names.map(c
     values.style.gridTemplateColumns = `repeat(auto-fill, minmax(min(100%, ${letters}ch), 1fr))`;
   }
   box.append(el("figcaption", {}, what, values)); parent.append(box);
-  let shown, told, u, line, dark, colours, now = 0, last = box.clientWidth;   // how values are shown, and as such
+  let shown, scaled, u, line, dark, colours, now = 0, last = box.clientWidth;   // how values are shown; rows in that unit
   const take = () => {
     shown = shownAs(unitName, range ? sizeOfRow(range) : sizeOfRows(rows));
-    told = shown.factor === 1 ? rows : rows.map((row) => row.map((v) => (v && shown.factor * (Math.abs(v) < LEAST ? 0 : v))));
+    scaled = shown.factor === 1 ? rows : rows.map((row) => row.map((v) => (v && shown.factor * (Math.abs(v) < LEAST ? 0 : v))));
     what.textContent = [title, shown.unit && (title ? `[${shown.unit}]` : shown.unit)].filter(Boolean).join(" ");
   };
   const size = () => ({ width: Math.max(180, box.clientWidth - 12), height: 150 });
-  const tellValues = () => {
+  const showValues = () => {
     if (!u) return;
     const { left } = u.cursor, at = left >= 0 ? u.posToVal(left, "x") : now;
-    told.forEach((row, k) => { cells[k].said.textContent = short(row[indexNear(time, at, row)] ?? null); });
+    scaled.forEach((row, k) => { cells[k].said.textContent = short(row[indexNear(time, at, row)] ?? null); });
   };
   const make = () => {
     dark = isDark(box); colours = inks.map(([i]) => inkOf(i, dark)); line = null;
@@ -102,9 +102,9 @@ function plot(parent, { title, unit: unitName, names, short: words = names.map(c
       hooks: {
         drawAxes: [(q) => bandsOn(q, bands, shown.factor, dark)],
         draw: [(q) => { takeTurns(q, solid, colours, devicePixelRatio || 1); if (line) placeCursor(q, line, now); }],
-        setCursor: [tellValues],
+        setCursor: [showValues],
       },
-    }, [time, ...told], box);
+    }, [time, ...scaled], box);
     line = el("div", { className: "now" });
     u.over.append(line);
     u.over.onclick = (e) => { if (seek && u.select.width < 3) seek(u.posToVal(e.offsetX, "x")); };
@@ -120,9 +120,9 @@ function plot(parent, { title, unit: unitName, names, short: words = names.map(c
   if (close) box.firstChild.append(button("", "\u00d7", "close this plot", () => { remove(); close(); }, "close"));
   return {
     get u() { return u; }, box, remove,
-    at(t) { now = t; placeCursor(u, line, t); tellValues(); },
+    at(t) { now = t; placeCursor(u, line, t); showValues(); },
     dress() { u.destroy(); make(); },
-    set(newTime, newRows) { time = newTime; rows = newRows; take(); u.setData([time, ...told]); },
+    set(newTime, newRows) { time = newTime; rows = newRows; take(); u.setData([time, ...scaled]); },
   };
 }
 
