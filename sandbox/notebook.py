@@ -14,8 +14,9 @@ import os
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -39,52 +40,46 @@ from sandbox.values.numbers import number_from
 from sandbox.wording import WrongValueError, counted, listed, meant, quoted
 
 FILM_SIZE = (640, 480)  # default size of a film [pixels]: fits a cell of a notebook, some 100 kB
+MIN_HEIGHT, MAX_HEIGHT = 200, 4000  # of the frame of a page [pixels]
 FORMS = {"time": "seconds, or a time such as '0.8 s'",
          "length": "metres, or a length such as '85 mm'"}  # accepted values by dimension
 
 
 @dataclass(frozen=True, repr=False)
 class Media:
-    """The bytes of a picture or a film."""
+    """A picture, a film or a page as the bytes of a file, which a notebook shows."""
 
     data: bytes
     about: str  # alternative text
-    ENDING: ClassVar[str]
+    ending: str  # of the file
+    height: int = 0  # of the frame of a page [pixels]
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write it to a file with its own ending; OutputError if that fails."""
         file = output_path(path, "a picture")
-        if file.suffix.lower() != self.ENDING:
-            raise OutputError(f"{file}: this is a {self.ENDING} file; sandbox.render makes others",
-                              code="bad-picture")
+        if file.suffix.lower() != self.ending:
+            raise OutputError(f"{file}: this is a {self.ending} file", code="bad-picture")
         with atomic_file(file) as aside:
             aside.write_bytes(self.data)
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} of {self.about}, {len(self.data) / 1000:.0f} kB>"
+        return f"<{self.ending[1:].upper()} of {self.about}, {len(self.data) / 1000:.0f} kB>"
 
     def _repr_html_(self, style: str = "max-width:100%") -> str:
-        """An HTML element that needs no other file."""
+        """An HTML element that needs no other file; scripts of a page do not reach the notebook."""
+        if self.ending == ".html":
+            return ('<iframe sandbox="allow-scripts allow-downloads" '
+                    f'style="width:100%;height:{self.height}px;border:0" '
+                    f'title="{html.escape(self.about)}" '
+                    f'srcdoc="{html.escape(self.data.decode(), quote=True)}"></iframe>')
         return (f'<img style="{style}" alt="{html.escape(self.about)}" '
-                f'src="data:image/{self.ENDING[1:]};base64,'
+                f'src="data:image/{self.ending[1:]};base64,'
                 f'{base64.b64encode(self.data).decode()}">')
-
-
-class Picture(Media):
-    """A PNG."""
-
-    ENDING = ".png"
-
-
-class Film(Media):
-    """A GIF."""
-
-    ENDING = ".gif"
 
 
 def picture(
     run: Recording, at: float | str = "end", size: tuple[int, int] | None = None,
-) -> Picture:
+) -> Media:
     """See :meth:`sandbox.Recording.picture`."""
     if not len(run):
         raise OutputError("nothing was recorded, so there is nothing to draw", code="bad-time")
@@ -96,10 +91,11 @@ def picture(
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "picture.png")
         save_picture(run, path, t=when, size=size)
-        return Picture(path.read_bytes(), f"{run.mechanism.name or 'a run'} at t = {when:.6g} s")
+        return Media(path.read_bytes(), f"{run.mechanism.name or 'a run'} at t = {when:.6g} s",
+                     ".png")
 
 
-def film(run: Recording, options: Mapping[str, Any]) -> Film:
+def film(run: Recording, options: Mapping[str, Any]) -> Media:
     """See :meth:`sandbox.Recording.film`."""
     known = [name for name in inspect.signature(render).parameters if name not in ("run", "path")]
     for name in options:
@@ -109,8 +105,20 @@ def film(run: Recording, options: Mapping[str, Any]) -> Film:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "film.gif")
         render(run, path, **{"size": FILM_SIZE, **options})
-        return Film(path.read_bytes(),
-                    f"{run.mechanism.name or 'a run'} up to t = {run.time[-1]:.6g} s")
+        return Media(path.read_bytes(),
+                     f"{run.mechanism.name or 'a run'} up to t = {run.time[-1]:.6g} s", ".gif")
+
+
+def page(run: Recording, quantities: Sequence[str], height: int) -> Media:
+    """See :meth:`sandbox.Recording.page`."""
+    from sandbox.web.page import FoundOut, report
+
+    if not isinstance(height, Integral) or not MIN_HEIGHT <= height <= MAX_HEIGHT:
+        raise OutputError(f"height={quoted(height)} is no height of a page; pass {MIN_HEIGHT} to "
+                          f"{MAX_HEIGHT} pixels", code="bad-picture")
+    plots = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
+    text = report([run], [FoundOut(verdicts=run.verdicts, figures=run.audit)], plots)
+    return Media(text.encode(), f"{run.mechanism.name or 'a run'} in motion", ".html", height)
 
 
 def plot(

@@ -103,7 +103,7 @@ class Recording(Samples):
         return plot(self, quantities, x, begin, end, width, title)
 
     def picture(self, at: float | str = "end", *, size: tuple[int, int] | None = None) -> Any:
-        """A :class:`~sandbox.notebook.Picture` of one moment, which a notebook shows.
+        """A PNG of one moment, which a notebook shows; ``save`` writes it to a file.
 
         Args:
             at: the instant: seconds, a time such as ``"0.8 s"``, ``"start"`` or ``"end"``.
@@ -117,7 +117,7 @@ class Recording(Samples):
         return picture(self, at, size)
 
     def film(self, **options: Any) -> Any:
-        """A :class:`~sandbox.notebook.Film` of the run, a GIF, which a notebook shows.
+        """A GIF of the run, which a notebook shows; ``save`` writes it to a file.
 
         Args:
             options: those of :func:`sandbox.render`, such as ``speed=0.5``, ``size=(640, 480)``.
@@ -130,7 +130,7 @@ class Recording(Samples):
         return film(self, options)
 
     def page(self, *quantities: str, height: int = 760) -> Any:
-        """A :class:`~sandbox.web.page.RunPage` that plays the run, as ``sandbox report`` does.
+        """A page that plays the run, as ``sandbox report`` does.
 
         A notebook shows it in a frame; ``save`` writes it to a file.
 
@@ -143,7 +143,7 @@ class Recording(Samples):
             OutputError: nothing was recorded, or what is no height.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        from sandbox.web.page import page
+        from sandbox.notebook import page
 
         return page(self, quantities, height)
 

@@ -13,34 +13,28 @@ import hashlib
 import html
 import json
 import math
-import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from itertools import chain, repeat
-from numbers import Integral
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from sandbox.atomic_files import output_path, write_atomic
 from sandbox.audit.figures import Figure
 from sandbox.elements.quantities import GRASP, by_telling
 from sandbox.errors import OutputError
 from sandbox.figure import style
 from sandbox.picture.options import check_run
-from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import Verdict, verdicts, window
 from sandbox.samples.samples import Samples
 from sandbox.scene.expand import to_json
 from sandbox.web.drawing import drawing, listed, meters_of
 from sandbox.web.packing import level, packed
-from sandbox.wording import printable, quoted
+from sandbox.wording import printable
 
 MAX_RUNS = 4
 MAX_PAIRS = 64  # pairs of bodies whose contact forces can be plotted, the most loaded ones
-MIN_HEIGHT, MAX_HEIGHT = 200, 4000  # of the frame in a notebook [pixels]
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8">{meta}
 <meta name="viewport" content="width=device-width,initial-scale=1">
@@ -217,40 +211,3 @@ def safe_json(data: Mapping[str, Any]) -> str:
     """JSON in ASCII that may stand in a script element: nothing in it ends or opens a tag."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
-
-
-@dataclass(frozen=True, repr=False)
-class RunPage:
-    """One HTML file that plays a run."""
-
-    text: str
-    about: str  # alternative text
-    height: int  # of the frame in a notebook [pixels]
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it to an .html file; OutputError if that fails."""
-        file = output_path(path, "a page")
-        if file.suffix.lower() not in (".html", ".htm"):
-            raise OutputError(f"{file}: a page is an .html file", code="bad-picture")
-        write_atomic(file, self.text)
-
-    def __repr__(self) -> str:
-        return f"<RunPage of {self.about}, {len(self.text) / 1000:.0f} kB>"
-
-    def _repr_html_(self) -> str:
-        """A frame whose script may run and save, without access to the notebook."""
-        return ('<iframe sandbox="allow-scripts allow-downloads" '
-                f'style="width:100%;height:{self.height}px;border:0" '
-                f'title="{html.escape(self.about)}" '
-                f'srcdoc="{html.escape(self.text, quote=True)}"></iframe>')
-
-
-def page(run: Recording, quantities: Sequence[str], height: int) -> RunPage:
-    """See :meth:`sandbox.Recording.page`."""
-    if not isinstance(height, Integral) or not MIN_HEIGHT <= height <= MAX_HEIGHT:
-        raise OutputError(f"height={quoted(height)} is no height of a page; pass {MIN_HEIGHT} to "
-                          f"{MAX_HEIGHT} pixels", code="bad-picture")
-    plots = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
-    known = FoundOut(verdicts=run.verdicts, figures=run.audit)
-    return RunPage(report([run], [known], plots), f"{run.mechanism.name or 'a run'} in motion",
-                height)

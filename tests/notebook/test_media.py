@@ -22,7 +22,7 @@ def test_a_picture_is_that_of_render(run: sandbox.Recording, tmp_path: Path) -> 
     picture = run.picture(size=(320, 240))
     assert picture.data == (tmp_path / "a.png").read_bytes()
     assert picture.data != run.picture(0.01, size=(320, 240)).data
-    assert repr(picture).startswith("<Picture of single_finger at t = 0.19975 s, ")
+    assert repr(picture).startswith("<PNG of single_finger at t = 0.19975 s, ")
     assert picture._repr_html_().startswith('<img style="max-width:100%" alt="single_finger at')
     picture.save(tmp_path / "b.png")
     assert (tmp_path / "b.png").read_bytes() == picture.data

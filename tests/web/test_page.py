@@ -124,15 +124,16 @@ def test_controls_and_texts_have_contrast_by_day_and_by_night(night):
 def test_it_is_the_page_in_a_frame_that_reaches_nothing(tmp_path: Path) -> None:
     run = hand()
     made = run.page("finger1.*.angle", height=500)
-    assert made.text == report([run], [FoundOut(verdicts=run.verdicts, figures=run.audit)],
-                               run.names("finger1.*.angle"))
+    text = made.data.decode()
+    assert text == report([run], [FoundOut(verdicts=run.verdicts, figures=run.audit)],
+                          run.names("finger1.*.angle"))
     shown = made._repr_html_()
     assert re.findall(r'sandbox="([^"]*)"', shown) == ["allow-scripts allow-downloads"]
     assert "height:500px" in shown
-    assert html.unescape(re.findall(r'srcdoc="([^"]*)"', shown)[0]) == made.text
-    assert repr(made).startswith(f"<RunPage of {run.mechanism.name} in motion, ")
+    assert html.unescape(re.findall(r'srcdoc="([^"]*)"', shown)[0]) == text
+    assert repr(made).startswith(f"<HTML of {run.mechanism.name} in motion, ")
     made.save(tmp_path / "run.html")
-    assert (tmp_path / "run.html").read_text(encoding="utf-8") == made.text
+    assert (tmp_path / "run.html").read_text(encoding="utf-8") == text
 
 
 def test_what_is_wrong_is_said(tmp_path: Path) -> None:
