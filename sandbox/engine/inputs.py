@@ -130,7 +130,6 @@ class Inputs:
             for shape in itertools.chain(*self.world.shapes[index]):
                 self.world.space.reindex_shape(shape)
         self.world.read()
-        self.world.velocity[:] = self.world.body[:, 3:]
 
     def places(self, k: int) -> Array:
         """Poses of scheduled bodies' frames in step k, in pymunk's order, [ns, 3]."""

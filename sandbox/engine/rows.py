@@ -207,13 +207,12 @@ def joint_gaps(table: int, h: float) -> float:
     """Let joints ask, in the scratch, for closed gaps where ``velocity`` leads; the largest gap."""
     joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
     asked, kept = at.unknowns(table)[4], at.unknowns(table)[5]
-    turn = at.force(table)  # which is not needed any more
+    turn = at.ahead(table)
     # the rows foresaw the bend of the velocities before
     if not (_bends(joints, h, velocity) or _bends(joints, h, at.before(table))):
         return 0.0
     for b in range(len(body)):
-        angle = body[b, 2] + h * velocity[b, 2]
-        turn[b, 0], turn[b, 1] = math.cos(angle), math.sin(angle)
+        turned(turn, b, body[b, 2] + h * velocity[b, 2])
     worst = 0.0
     for k in range(len(joints)):
         joint = joints[k]
@@ -244,6 +243,14 @@ def joint_gaps(table: int, h: float) -> float:
             asked[joint["row_y"]] = -gap / h
             worst = max(worst, abs(gap))
     return worst
+
+
+@kernel
+def turned(last: Array, b: int, angle: float) -> tuple[float, float]:
+    """Cosine and sine of an angle of body ``b``; ``last`` [nb, 3] has them and the last angle."""
+    if last[b, 2] != angle:
+        last[b, 0], last[b, 1], last[b, 2] = math.cos(angle), math.sin(angle), angle
+    return last[b, 0], last[b, 1]
 
 
 @kernel
