@@ -101,8 +101,27 @@ def limit_row(table: int, h: float, i: int, out: Any) -> None:
         out["want"] = closing_rate(h, gap - limit["bound"], RETURN)
         return
     put_coordinate(out, joint, side)
+    out["want"] = _gap_rate(h, limit, joint)
+
+
+@kernel
+def _gap_rate(h: float, limit: Any, joint: Any) -> float:
+    """What the row of a limit that is no flank adds to its rate."""
     fastest = RETURN_TURNING if limit["what"] == STOP else RETURN
-    out["want"] = closing_rate(h, side * (joint["way"] - limit["bound"]), fastest)
+    return closing_rate(h, limit["side"] * (joint["way"] - limit["bound"]), fastest)
+
+
+@kernel
+def _kept(table: int, h: float, i: int, slack: float) -> bool:
+    """Whether the velocities keep limit ``i``: by the sums of its row, which is not made."""
+    limit, v = at.limits(table)[i], at.velocity(table)
+    if limit["what"] == FLANK:
+        return False
+    joint, side = at.joints(table)[limit["joint"]], limit["side"]
+    a, b, dx, dy = joint["a"], joint["b"], side * joint["dx"], side * joint["dy"]
+    speed = (-dx * v[a, 0] - dy * v[a, 1] + side * joint["ta"] * v[a, 2]
+             + dx * v[b, 0] + dy * v[b, 1] + side * joint["tb"] * v[b, 2])
+    return bool(speed + _gap_rate(h, limit, joint) >= -slack)
 
 
 @entry_point()
@@ -156,7 +175,8 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
     rows, touches, velocity, first = at.rows(table), at.touches(table), at.velocity(table), n
     limits = at.limits(table)
     for i in range(len(limits)):
-        if not joint_holds(table, limits[i]["joint"]) or piled(table, limits[i]["joint"]):
+        joint = limits[i]["joint"]
+        if _kept(table, h, i, slack) or not joint_holds(table, joint) or piled(table, joint):
             continue
         limit_row(table, h, i, rows[n])
         new = rate(rows[n], velocity) + rows[n]["want"] < -slack
