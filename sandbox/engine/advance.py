@@ -15,7 +15,7 @@ import numpy as np
 from sandbox.elements.arrays import FORCES
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import release_and_engage
-from sandbox.engine.contacts import list_contacts_of_step, short
+from sandbox.engine.contacts import apart, list_contacts_of_step, short
 from sandbox.engine.entry_points import CalledFromPython, entry_point
 from sandbox.engine.groups import apply_forces, is_valid
 from sandbox.engine.impacts import REBOUND
@@ -346,8 +346,11 @@ def _move(table: int, h: float) -> bool:
 
 @entry_point("shapes")
 def _find_contacts(table: int, h: float) -> None:
-    """Move pymunk's bodies likewise; it finds the points that are near one another."""
+    """Move pymunk's bodies likewise, if any may touch; it finds the points that are near."""
     touching = at.touching(table)
+    if apart(table):
+        touching[2] = 1
+        return
     if touching[2]:
         at.place_count(table)[0] = 0
         call_each(at.each_body(table), at.space(table), at.put(table), at.place(table))

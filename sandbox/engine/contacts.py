@@ -36,6 +36,9 @@ ITERATIONS = 40
 CONVERGED = 1e-12  # change of the parameter of a span in one iteration
 SAME_WAY = 0.5  # the least cosine between pymunk's normal and the exact one
 SAME_PLACE = 1e-6  # distance below which contacts of two shapes are the same [m]
+ON_CURVE = -1  # the feature of all contacts on a curve
+ASKEW = 1e-6  # tolerance of normals [rad]: pymunk finds them to about 1e-9
+CHECKED = 256  # number of pairs of bodies up to which their bounds are checked before pymunk does
 DROPPED, EXACT, AS_FOUND = 0, 1, 2  # states of a contact of pymunk on a curve
 
 
@@ -376,8 +379,31 @@ def _advance(spans: Records, k: int, w: float, step: float) -> Any:
     return 1.0 - w, there, False, still
 
 
-ON_CURVE = -1  # the feature of all contacts on a curve
-ASKEW = 1e-6  # tolerance of normals [rad]: pymunk finds them to about 1e-9
+@kernel
+def apart(table: int) -> bool:
+    """Whether no bodies that may touch have bounds that meet; never of too many pairs."""
+    pairs, boxes, shapes, vertices = (
+        at.neighbors(table), at.boxes(table), at.shapes(table), at.vertices(table))
+    body, turn = at.body(table), at.turn(table)
+    if len(pairs) > CHECKED:
+        return False
+    for b in range(len(boxes)):
+        boxes[b, 0] = boxes[b, 1] = math.inf
+        boxes[b, 2] = boxes[b, 3] = -math.inf
+    for k in range(len(shapes)):
+        b, r = shapes[k]["body"], shapes[k]["radius"] + shapes[k]["margin"] + SAME_PLACE
+        c, s = turn[b, 0], turn[b, 1]
+        for i in range(shapes[k]["vertex"], shapes[k]["vertex_end"]):
+            x = body[b, 0] + c * vertices[i, 0] - s * vertices[i, 1]
+            y = body[b, 1] + s * vertices[i, 0] + c * vertices[i, 1]
+            boxes[b, 0], boxes[b, 1] = min(boxes[b, 0], x - r), min(boxes[b, 1], y - r)
+            boxes[b, 2], boxes[b, 3] = max(boxes[b, 2], x + r), max(boxes[b, 3], y + r)
+    for k in range(len(pairs)):
+        i, j = pairs[k, 0], pairs[k, 1]
+        if (boxes[i, 0] <= boxes[j, 2] and boxes[j, 0] <= boxes[i, 2]
+                and boxes[i, 1] <= boxes[j, 3] and boxes[j, 1] <= boxes[i, 3]):
+            return False
+    return True
 
 
 @kernel

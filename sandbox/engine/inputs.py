@@ -107,6 +107,8 @@ class Inputs:
                 self._latched[i] = value
                 # a controller's value is not checked, and pymunk refuses some
                 circle.unsafe_set_radius(min(value, range_of("length").most) + margin)
+                shapes = self.world.shape_tables.shapes
+                shapes["radius"][circle.collision_type - 1] = circle.radius - margin
                 self.world.space.reindex_shape(circle)  # pymunk keeps the bounds of fixed bodies
 
     def speeds(self, k: int, count: int) -> Array:

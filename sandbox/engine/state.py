@@ -192,7 +192,8 @@ class Constants(NamedTuple):
     restitution: Annotated[Array, "bodies bodies"]  # of every pair
     skin: Annotated[Array, "2 bodies bodies"]
     """Stiffness [N/m], damping [N s/m] of contacts of every pair, 0 of rigid ones; or [2, 0, 0]."""
-    neighbors: Annotated[Integers, "neighbors 2"]  # pairs of bodies whose shapes may touch
+    neighbors: Annotated[Integers, "neighbors 2"]
+    """Pairs of bodies whose shapes may touch, :data:`CHECKED` and one at most."""
     loose: Integers  # the PILE_BODY of each body, or -1
     pile_nodes: Annotated[Integers, "pile_nodes 3"]
     """This and the next two: bilateral rows between these (:mod:`sandbox.engine.pile_rows`)."""
@@ -260,6 +261,7 @@ class Result(NamedTuple):
     ahead: Annotated[Array, "bodies 3"]  # the same of other angles, and these: of one step on
     pressing: Annotated[Array, "loaded numbers 3"]  # NUMBERS of the loaded bodies
     felt: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
+    boxes: Annotated[Array, "bodies 4"]  # bounds of the bodies' shapes: least x, y, largest x, y
     belts: Annotated[Array, "bodies"]  # speeds of surfaces, counter-clockwise [m/s]
     stack: Annotated[Array, "stack 4"]  # scratch of laws: values with their slopes
     read_names: Annotated[Array, "names 4"]  # scratch: what a law reads, values with slopes

@@ -10,6 +10,7 @@ import numpy as np
 from sandbox.engine import element_tables as et
 from sandbox.engine import state as st
 from sandbox.engine.blocks import BITS
+from sandbox.engine.contacts import CHECKED
 from sandbox.engine.pile_rows import pile_tables
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
@@ -77,7 +78,8 @@ def make_tables(world: World) -> Tables:
         spans=spans,
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
-        neighbors=np.argwhere(np.triu(filters.allowed[pairs] & has & has[:, None])).copy(),
+        neighbors=np.argwhere(
+            np.triu(filters.allowed[pairs] & has & has[:, None]))[:CHECKED + 1].copy(),
         loose=piled.loose, pile_nodes=piled.nodes, pile_blocks=piled.blocks,
         pile_entries=piled.entries,
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
