@@ -112,13 +112,12 @@ def _gap_rate(h: float, limit: Any, joint: Any) -> float:
 
 
 @kernel
-def _kept(table: int, h: float, i: int, slack: float) -> bool:
-    """Whether the velocities keep limit ``i``: by the sums of its row, which is not made."""
-    limit, v = at.limits(table)[i], at.velocity(table)
+def _kept(h: float, limit: Any, joint: Any, v: Array, slack: float) -> bool:
+    """Whether velocities ``v`` keep a limit: by the sums of its row, which is not made."""
     if limit["what"] == FLANK:
         return False
-    joint, side = at.joints(table)[limit["joint"]], limit["side"]
-    a, b, dx, dy = joint["a"], joint["b"], side * joint["dx"], side * joint["dy"]
+    a, b, side = joint["a"], joint["b"], limit["side"]
+    dx, dy = side * joint["dx"], side * joint["dy"]
     speed = (-dx * v[a, 0] - dy * v[a, 1] + side * joint["ta"] * v[a, 2]
              + dx * v[b, 0] + dy * v[b, 1] + side * joint["tb"] * v[b, 2])
     return bool(speed + _gap_rate(h, limit, joint) >= -slack)
@@ -173,10 +172,11 @@ def _with_touch(
 def broken_rows(table: int, h: float, n: int, slack: float) -> int:
     """Add the limits and contacts that the velocities break; how many rows there are then."""
     rows, touches, velocity, first = at.rows(table), at.touches(table), at.velocity(table), n
-    limits = at.limits(table)
+    limits, joints = at.limits(table), at.joints(table)
     for i in range(len(limits)):
-        joint = limits[i]["joint"]
-        if _kept(table, h, i, slack) or not joint_holds(table, joint) or piled(table, joint):
+        j = limits[i]["joint"]
+        if _kept(h, limits[i], joints[j], velocity, slack) or (
+                not joint_holds(table, j) or piled(table, j)):
             continue
         limit_row(table, h, i, rows[n])
         new = rate(rows[n], velocity) + rows[n]["want"] < -slack
