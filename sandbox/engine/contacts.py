@@ -381,29 +381,48 @@ def _advance(spans: Records, k: int, w: float, step: float) -> Any:
 
 @kernel
 def apart(table: int) -> bool:
-    """Whether no bodies that may touch have bounds that meet; never of too many pairs."""
+    """Whether lines part all bodies that may touch; never of too many pairs."""
     pairs, boxes, shapes, vertices = (
         at.neighbors(table), at.boxes(table), at.shapes(table), at.vertices(table))
-    body, turn = at.body(table), at.turn(table)
+    body, turn, last = at.body(table), at.turn(table), -1
     if len(pairs) > CHECKED:
         return False
-    for b in range(len(boxes)):
-        boxes[b, 0] = boxes[b, 1] = math.inf
-        boxes[b, 2] = boxes[b, 3] = -math.inf
-    for k in range(len(shapes)):
+    for k in range(len(shapes)):  # those of a body one after the other
         b, r = shapes[k]["body"], shapes[k]["radius"] + shapes[k]["margin"] + SAME_PLACE
-        c, s = turn[b, 0], turn[b, 1]
+        c, s, x0, y0, x1, y1 = turn[b, 0], turn[b, 1], math.inf, math.inf, -math.inf, -math.inf
         for i in range(shapes[k]["vertex"], shapes[k]["vertex_end"]):
-            x = body[b, 0] + c * vertices[i, 0] - s * vertices[i, 1]
-            y = body[b, 1] + s * vertices[i, 0] + c * vertices[i, 1]
-            boxes[b, 0], boxes[b, 1] = min(boxes[b, 0], x - r), min(boxes[b, 1], y - r)
-            boxes[b, 2], boxes[b, 3] = max(boxes[b, 2], x + r), max(boxes[b, 3], y + r)
+            x, y = c * vertices[i, 0] - s * vertices[i, 1], s * vertices[i, 0] + c * vertices[i, 1]
+            x0, y0, x1, y1 = min(x0, x), min(y0, y), max(x1, x), max(y1, y)
+        x0, y0, x1, y1 = body[b, 0] + x0 - r, body[b, 1] + y0 - r, body[b, 0] + x1 + r, body[
+            b, 1] + y1 + r
+        if b == last:
+            x0, y0 = min(x0, boxes[b, 0]), min(y0, boxes[b, 1])
+            x1, y1 = max(x1, boxes[b, 2]), max(y1, boxes[b, 3])
+        boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3], last = x0, y0, x1, y1, b
     for k in range(len(pairs)):
-        i, j = pairs[k, 0], pairs[k, 1]
-        if (boxes[i, 0] <= boxes[j, 2] and boxes[j, 0] <= boxes[i, 2]
-                and boxes[i, 1] <= boxes[j, 3] and boxes[j, 1] <= boxes[i, 3]):
-            return False
+        a, b = pairs[k, 0], pairs[k, 1]
+        if (boxes[a, 0] <= boxes[b, 2] and boxes[b, 0] <= boxes[a, 2]
+                and boxes[a, 1] <= boxes[b, 3] and boxes[b, 1] <= boxes[a, 3]):
+            x, y = body[b, 0] - body[a, 0], body[b, 1] - body[a, 1]
+            if not _reach(table, a, x, y) + _reach(table, b, -x, -y) < x * x + y * y:
+                return False
     return True
+
+
+@kernel
+def _reach(table: int, b: int, x: float, y: float) -> float:
+    """How far the shapes of a body extend along (x, y) from its centre of mass, times its length.
+    """
+    shapes, vertices, turn, size = (
+        at.shapes(table), at.vertices(table), at.turn(table), math.hypot(x, y))
+    x, y = turn[b, 0] * x + turn[b, 1] * y, turn[b, 0] * y - turn[b, 1] * x
+    most = -math.inf
+    for k in range(len(shapes)):
+        if shapes[k]["body"] == b:
+            r = shapes[k]["radius"] + shapes[k]["margin"] + SAME_PLACE
+            for i in range(shapes[k]["vertex"], shapes[k]["vertex_end"]):
+                most = max(most, x * vertices[i, 0] + y * vertices[i, 1] + r * size)
+    return most
 
 
 @kernel
