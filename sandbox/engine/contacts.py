@@ -411,8 +411,7 @@ def apart(table: int) -> bool:
 
 @kernel
 def _reach(table: int, b: int, x: float, y: float) -> float:
-    """How far the shapes of a body extend along (x, y) from its centre of mass, times its length.
-    """
+    """How far a body extends along (x, y) from its centre of mass, times the length of that."""
     shapes, vertices, turn, size = (
         at.shapes(table), at.vertices(table), at.turn(table), math.hypot(x, y))
     x, y = turn[b, 0] * x + turn[b, 1] * y, turn[b, 0] * y - turn[b, 1] * x

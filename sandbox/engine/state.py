@@ -56,6 +56,7 @@ BOUND = np.dtype([
     ("gave", float),        # impulse of the last step, then that with static friction
     ("slip", float),        # mode of the last step, then rate of slip with static friction
     ("mode", np.int64),     # -1, 0, 1: at low, in between (y = 0), at high
+    ("factored", np.int64),     # its mode in the system that is factored
     ("last", float),        # impulse of the last step, which fades where it moves
     ("p", float),           # impulse
     ("free", float),        # y without bounded rows
