@@ -51,7 +51,8 @@ LARGE, MIN_ROUNDS = 600, 8
 UNFACTORED = 2
 """As the mode in which a row was factored: none."""
 SHARE, ALONE = 0.3, 3
-"""Later those change that are wrong by this share of the worst; every so many rounds it alone."""
+"""Later rows change from this share of the largest violation on; every so many rounds that alone.
+"""
 
 
 @kernel
@@ -230,16 +231,16 @@ def solve_modes(
         _impulses(rows, n, G, A, chosen)
         worst, which = slack, -1
         for k in range(n):
-            bad, _ = _wrong(rows, n, G, k, slack)
-            rows[k]["wrong"] = bad
+            bad, _ = _violation(rows, n, G, k, slack)
+            rows[k]["violation"] = bad
             if bad > worst:
                 worst, which = bad, k
         if which < 0:
             return round
         share = 0.0 if round <= FIRST else SHARE if round % ALONE else 1.0
         for k in range(n):
-            if rows[k]["wrong"] > slack and rows[k]["wrong"] >= share * worst:
-                _, to = _wrong(rows, n, G, k, slack)
+            if rows[k]["violation"] > slack and rows[k]["violation"] >= share * worst:
+                _, to = _violation(rows, n, G, k, slack)
                 _change(rows, n, k, to)
     return -rounds
 
@@ -258,7 +259,7 @@ def search_modes(
             _impulses(rows, n, G, A, chosen)
             most, which, mode = 0.0, -1, 0
             for k in range(n):
-                bad, to = _wrong(rows, n, G, k, slack)
+                bad, to = _violation(rows, n, G, k, slack)
                 random = (1103515245 * random + 12345) % 2147483648
                 if bad > slack and bad * random > most:
                     most, which, mode = bad * random, k, to
@@ -388,7 +389,7 @@ def y_of(rows: Records, n: int, G: Array, k: int) -> float:
 
 
 @kernel
-def _wrong(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float, int]:
+def _violation(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float, int]:
     """By how much a row breaks its mode, as a rate, and the mode that it should have."""
     row = rows[k]
     t, mode, p = row["normal"], row["mode"], row["p"]

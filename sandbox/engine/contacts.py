@@ -442,33 +442,10 @@ def short(table: int) -> bool:
 @entry_point("shapes")
 def list_contacts_of_step(table: int) -> None:
     """Note the points of bodies that may touch, in an order that does not depend on memory."""
-    raw, count, shapes, faces = at.raw(table), at.near(table)[0], at.shapes(table), at.faces(table)
+    raw, shapes, order, out = at.raw(table), at.shapes(table), at.order(table), at.found(table)
     friction, restitution, body = at.friction(table), at.restitution(table), at.body(table)
-    old, order, out, touching = (
-        at.touches(table), at.order(table), at.found(table), at.touching(table))
-    old_count, n = touching[0], 0
-    for i in range(count):
-        if friction[shapes[raw[i]["shape_a"]]["body"], shapes[raw[i]["shape_b"]]["body"]] < 0.0:
-            continue
-        one, two = shapes[raw[i]["shape_a"]], shapes[raw[i]["shape_b"]]
-        nx, ny = raw[i]["nx"], raw[i]["ny"]
-        if not (_faced(one, faces, body[one["body"], 2], nx, ny)
-                and _faced(two, faces, body[two["body"], 2], -nx, -ny)):
-            continue
-        raw[i]["ax"] -= one["margin"] * nx
-        raw[i]["ay"] -= one["margin"] * ny
-        raw[i]["bx"] += two["margin"] * nx
-        raw[i]["by"] += two["margin"] * ny
-        if one["body"] > two["body"]:  # the normal leads to the body with the higher number
-            exchange(raw[i])
-        j = n
-        while j > 0 and _after(raw, order[j - 1], i):
-            order[j] = order[j - 1]
-            j -= 1
-        order[j] = i
-        n += 1
-    near, n = n, 0
-    for k in range(near):
+    old, belts, touching, n = at.touches(table), at.belts(table), at.touching(table), 0
+    for k in range(_sort_found(table)):
         found = raw[order[k]]
         nx, ny = found["nx"], found["ny"]
         found["ka"], found["da"] = straight_curvature(
@@ -488,19 +465,46 @@ def list_contacts_of_step(table: int) -> None:
         n += 1
     guess = 0
     for k in range(n):
-        w = _last(old, old_count, guess, out[k])
+        w, now = _last(old, touching[0], guess, out[k]), out[k]
+        now["belt"] = -(belts[now["a"]] + belts[now["b"]])
         if w >= 0:
-            last, now = old[w], out[k]
+            last = old[w]
             now["normal"], now["tangent"] = last["normal"], last["tangent"]
             now["mode"], now["listed"] = last["mode"], last["listed"]
             now["phase"], now["sums"] = last["phase"], last["sums"]
             now["stretch"] = last["stretch"]
             guess = w + 1
-    belts = at.belts(table)
     for k in range(n):
-        out[k]["belt"] = -(belts[out[k]["a"]] + belts[out[k]["b"]])
         old[k] = out[k]
     touching[0] = n
+
+
+@kernel
+def _sort_found(table: int) -> int:
+    """Points of bodies that may touch, from their surfaces: their number, and ``order`` of them."""
+    raw, shapes, faces, body = at.raw(table), at.shapes(table), at.faces(table), at.body(table)
+    friction, order, n = at.friction(table), at.order(table), 0
+    for i in range(at.near(table)[0]):
+        if friction[shapes[raw[i]["shape_a"]]["body"], shapes[raw[i]["shape_b"]]["body"]] < 0.0:
+            continue
+        one, two = shapes[raw[i]["shape_a"]], shapes[raw[i]["shape_b"]]
+        nx, ny = raw[i]["nx"], raw[i]["ny"]
+        if not (_faced(one, faces, body[one["body"], 2], nx, ny)
+                and _faced(two, faces, body[two["body"], 2], -nx, -ny)):
+            continue
+        raw[i]["ax"] -= one["margin"] * nx
+        raw[i]["ay"] -= one["margin"] * ny
+        raw[i]["bx"] += two["margin"] * nx
+        raw[i]["by"] += two["margin"] * ny
+        if one["body"] > two["body"]:  # the normal leads to the body with the higher number
+            exchange(raw[i])
+        j = n
+        while j > 0 and _after(raw, order[j - 1], i):
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = i
+        n += 1
+    return n
 
 
 @kernel

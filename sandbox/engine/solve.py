@@ -1,7 +1,7 @@
 """The solve of a step: impulses of all joints, dampers, tendons, limits, motors and contacts.
 
-pymunk has moved the bodies to the poses x of the step and found what is near. With W the inverse
-masses, f the forces that the poses tell, B the bilateral rows and C those with bounds,
+Bodies are in the poses x of the step, and what is near has been found. With W the inverse masses, f
+the forces that follow from the poses, B the bilateral rows and C those with bounds,
 
     v = v_before + h W f + W B^T p_b + W C^T p_c
 

@@ -64,7 +64,7 @@ BOUND = np.dtype([
     ("back", float),        # how much of free asks an overlap back, not above 0
     ("out", np.int64),      # whether joints hold it, so that it neither sees nor gives anything
     ("branch", np.int64),   # how many unknowns its column has
-    ("wrong", float),       # by what rate its mode is broken
+    ("violation", float),   # of its mode, as a rate
 ])
 
 BODY = np.dtype([

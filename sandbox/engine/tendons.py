@@ -138,7 +138,7 @@ def _lay(cable: Any, guides: Records, pose: Array, turn: Array) -> bool:
             continue
         if not guides[i]["lifted"]:
             before = i
-            wrong = -guides[i]["wrap"] - GRAZE
+            excess = -guides[i]["wrap"] - GRAZE
         else:
             after = i + 1
             while guides[after]["lifted"]:
@@ -146,9 +146,9 @@ def _lay(cable: Any, guides: Records, pose: Array, turn: Array) -> bool:
             on = _stretch(guides[before], guides[i], pose, turn)
             off = _stretch(guides[i], guides[after], pose, turn)
             bend = math.atan2(on[1], -on[2]) - math.atan2(off[1], -off[2])
-            wrong = _wrapped(guides[i], bend, False)
-        if wrong > worst:
-            worst, which = wrong, i
+            excess = _wrapped(guides[i], bend, False)
+        if excess > worst:
+            worst, which = excess, i
     if which >= 0:
         guides[which]["lifted"] = 1 - guides[which]["lifted"]
     return which >= 0
