@@ -8,7 +8,6 @@ so that the sum of means is the sum of impulses.
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ import numpy as np
 from sandbox.elements.arrays import FORCES
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import release_and_engage
-from sandbox.engine.contacts import list_contacts_of_step, short
+from sandbox.engine.contacts import apart, list_contacts_of_step, short
 from sandbox.engine.entry_points import CalledFromPython, entry_point
 from sandbox.engine.groups import apply_forces, is_valid
 from sandbox.engine.impacts import REBOUND
@@ -25,6 +24,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step, copy_words
 from sandbox.engine.records import SAMPLED, STOP
 from sandbox.engine.report import add_work
+from sandbox.engine.rows import turned
 from sandbox.engine.solve import SETTLED, solve
 from sandbox.engine.state import AWAY, CLOSING, RESTING, Snapshot, allocate
 from sandbox.engine.tables import Tables
@@ -329,19 +329,42 @@ def _again(table: int, drive: Array, speeds: Array) -> bool:
 @kernel
 def _move(table: int, h: float) -> bool:
     """Move the bodies, unless a step is unfinished; whether there is room for all contacts."""
-    touching = at.touching(table)
+    touching, body, placed = at.touching(table), at.body(table), at.placed(table)
+    velocity, turn = at.velocity(table), at.turn(table)
     if not touching[1]:
-        at.near(table)[0] = at.read_count(table)[0] = 0
-        call_step(at.step(table), at.space(table), h)
-        call_each(at.each_body(table), at.space(table), at.get(table), at.read(table))
+        for i in range(len(body)):
+            for j in range(3):
+                body[i, 3 + j] = velocity[i, j] + 0.0  # as pymunk: without negative zeros
+                body[i, j] = placed[i, j] + h * body[i, 3 + j]
+            turn[i, 0], turn[i, 1] = turned(at.ahead(table), i, body[i, 2])
+        at.near(table)[0] = 0
+        if len(at.neighbors(table)) > 0:
+            _find_contacts(table, h)
     touching[1] = short(table)
     return not touching[1]
 
 
+@entry_point("shapes")
+def _find_contacts(table: int, h: float) -> None:
+    """Move pymunk's bodies likewise, if any may touch; it finds the points that are near."""
+    touching = at.touching(table)
+    if apart(table):
+        touching[2] = 1
+        return
+    if touching[2]:
+        at.place_count(table)[0] = 0
+        call_each(at.each_body(table), at.space(table), at.put(table), at.place(table))
+        touching[2] = 0
+    at.write_count(table)[0] = 0
+    call_each(at.each_body(table), at.space(table), at.put(table), at.write(table))
+    call_step(at.step(table), at.space(table), h)
+
+
 @kernel
 def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
-    """Find the velocities after the step and give them to pymunk; whether they are valid."""
-    body, velocity = at.body(table), at.velocity(table)
+    """Find the velocities after the step; whether they are valid."""
+    body, velocity, placed, shift = (
+        at.body(table), at.velocity(table), at.placed(table), at.shift(table))
     release_and_engage(table, drive)
     begin(table)
     apply_forces(table, h, drive)
@@ -356,15 +379,9 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     for b in range(len(body)):
         for j in range(3):
             body[b, 3 + j] = velocity[b, j]
-    at.write_count(table)[0] = 0
-    call_each(at.each_body(table), at.space(table), at.put(table), at.write(table))
-    if struck:  # impacts after the poses displace them
-        shift, placed = at.shift(table), at.placed(table)
-        for b in range(len(body)):
-            for j in range(3):
-                placed[b, j] = body[b, j] + shift[b, j]
-        at.place_count(table)[0] = 0
-        call_each(at.each_body(table), at.space(table), at.put(table), at.place(table))
+            # impacts after the poses displace them
+            placed[b, j] = body[b, j] + shift[b, j] if struck else body[b, j]
+    at.touching(table)[2] |= struck
     add_work(table, h)
     note_impacts(table)
     return bool(sound(h, body)) and bool(is_valid(table)) and at.standing(table)[3] == 0
@@ -403,13 +420,11 @@ def advance(
 
 @kernel
 def begin(table: int) -> None:
-    """Note how the bodies stand and move where pymunk has moved them."""
-    body, before, turn, force, kick, shift = (
-        at.body(table), at.before(table), at.turn(table), at.force(table), at.kick(table),
-        at.shift(table))
+    """Note how the bodies move before the step."""
+    body, before, force, kick, shift = (
+        at.body(table), at.before(table), at.force(table), at.kick(table), at.shift(table))
     at.made(table)[0] += 1
     for i in range(len(body)):
-        turn[i, 0], turn[i, 1] = math.cos(body[i, 2]), math.sin(body[i, 2])
         for j in range(3):
             before[i, j] = body[i, 3 + j]
             force[i, j] = kick[i, j] = shift[i, j] = 0.0

@@ -29,6 +29,7 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.plan import clear
 from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
@@ -47,8 +48,11 @@ SEARCHED, TRIES = 100, 6
 """Rows up to which modes are searched in random order; how often from the start."""
 LARGE, MIN_ROUNDS = 600, 8
 """Of more rows than this each round takes so long that there are fewer, down to the second."""
+UNFACTORED = 2
+"""As the mode in which a row was factored: none."""
 SHARE, ALONE = 0.3, 3
-"""Later those change that are wrong by this share of the worst; every so many rounds it alone."""
+"""Later rows change from this share of the largest violation on; every so many rounds that alone.
+"""
 
 
 @kernel
@@ -132,9 +136,14 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
     hubs, inverse_mass, free = at.hubs(table), at.inverse_mass(table), at.free(table)
     values, G = at.values(table), at.delassus(table)
     diagonal = len(values) - at.unknowns(table).shape[1]
+    scaled = at.unknowns(table)[4]  # D^-1 y of the row
+    clear(scaled)
     for k in range(first, count):
         row, y = rows[k], Y[k]
         a, b, n = row["a"], row["b"], row["branch"]
+        for q in range(n):
+            r = reached[k, q]
+            scaled[r] = y[r] * values[diagonal + r]
         row["free"] = free_rate(table, row, y, reached[k], free, row["want"])
         row["base"] = 0.0
         if a < len(inverse_mass):
@@ -160,9 +169,12 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
             short = m if other["branch"] < n else k
             for q in range(min(n, other["branch"])):
                 r = reached[short, q]
-                x -= y[r] * values[diagonal + r] * z[r]
+                if scaled[r] != 0.0:
+                    x -= scaled[r] * z[r]
             G[k, m] = 0.0 if other["measure"] else x
             G[m, k] = 0.0 if row["measure"] else x
+        for q in range(n):
+            scaled[reached[k, q]] = 0.0
         G[k, k] = 1.0 if row["measure"] else G[k, k] + row["soft"]
         row["back"] = 0.0
         if row["want"] < 0.0 and row["gentle"]:  # undone so slowly that it throws no body
@@ -204,27 +216,31 @@ def rate(row: Any, velocity: Array) -> float:
 
 
 @kernel
-def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float) -> int:
+def solve_modes(
+    rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float, again: bool,
+) -> int:
     """Find the modes and the impulses ``p``; how many systems it took, negative if it gave up.
 
     It begins with the modes of the rows; ``slack`` is a rate that counts as none, ``A`` and
-    ``chosen`` are scratch.
+    ``chosen`` are scratch. ``again``: only rates changed since the last call.
     """
+    if n > 0 and not again:
+        rows[0]["factored"] = UNFACTORED
     rounds = ROUNDS if n <= LARGE else max(MIN_ROUNDS, int(ROUNDS * (LARGE / n) ** 3))
     for round in range(1, rounds + 1):
         _impulses(rows, n, G, A, chosen)
         worst, which = slack, -1
         for k in range(n):
-            bad, _ = _wrong(rows, n, G, k, slack)
-            rows[k]["wrong"] = bad
+            bad, _ = _violation(rows, n, G, k, slack)
+            rows[k]["violation"] = bad
             if bad > worst:
                 worst, which = bad, k
         if which < 0:
             return round
         share = 0.0 if round <= FIRST else SHARE if round % ALONE else 1.0
         for k in range(n):
-            if rows[k]["wrong"] > slack and rows[k]["wrong"] >= share * worst:
-                _, to = _wrong(rows, n, G, k, slack)
+            if rows[k]["violation"] > slack and rows[k]["violation"] >= share * worst:
+                _, to = _violation(rows, n, G, k, slack)
                 _change(rows, n, k, to)
     return -rounds
 
@@ -243,7 +259,7 @@ def search_modes(
             _impulses(rows, n, G, A, chosen)
             most, which, mode = 0.0, -1, 0
             for k in range(n):
-                bad, to = _wrong(rows, n, G, k, slack)
+                bad, to = _violation(rows, n, G, k, slack)
                 random = (1103515245 * random + 12345) % 2147483648
                 if bad > slack and bad * random > most:
                     most, which, mode = bad * random, k, to
@@ -267,7 +283,7 @@ def choose(rows: Records, n: int, chosen: Integers) -> int:
 
 @kernel
 def make_system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int) -> None:
-    """Their equations, right sides in the last column."""
+    """Their equations without right sides."""
     for r in range(m):
         i = chosen[r]
         row = rows[i]
@@ -277,35 +293,54 @@ def make_system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: 
             if k + 1 < n and rows[k + 1]["normal"] == k and rows[k + 1]["mode"] != 0:
                 x += rows[k + 1]["mode"] * rows[k + 1]["friction"] * G[i, k + 1]
             A[r, c] = x
-        hold = held(row)
-        A[r, r] += hold
-        f = row["free"]
+        A[r, r] += held(row)
+
+
+@kernel
+def _right_sides(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int) -> None:
+    """Right sides of these equations, into the last column."""
+    for r in range(m):
+        i = chosen[r]
+        f = rows[i]["free"]
         for k in range(n):
             other = rows[k]
             if other["normal"] < 0 and other["mode"] != 0:
                 bound = other["low"] if other["mode"] < 0 else other["high"]
                 if bound != 0.0:
                     f += G[i, k] * bound
-        A[r, m] = hold * row["last"] - f
+        A[r, m] = held(rows[i]) * rows[i]["last"] - f
 
 
 @kernel
-def eliminate(A: Array, m: int) -> None:
-    """Solve in place; the solution stands in the last column."""
+def factor_system(A: Array, m: int, swaps: Integers) -> None:
+    """Factor in place; ``swaps`` are the rows that are exchanged with each column's."""
     for c in range(m):
         pivot, best = c, abs(A[c, c])
         for r in range(c + 1, m):
             if abs(A[r, c]) > 8.0 * best:
                 best, pivot = abs(A[r, c]), r
+        swaps[c] = pivot
         if pivot != c:
-            for q in range(c, m + 1):
+            for q in range(c, m):
                 A[c, q], A[pivot, q] = A[pivot, q], A[c, q]
         inverse = 1.0 / A[c, c]
         for r in range(c + 1, m):
             x = A[r, c] * inverse
+            A[r, c] = x
             if x != 0.0:
-                for q in range(c + 1, m + 1):
+                for q in range(c + 1, m):
                     A[r, q] -= x * A[c, q]
+
+
+@kernel
+def solve_system(A: Array, m: int, swaps: Integers) -> None:
+    """Solve for the last column in place."""
+    for c in range(m):
+        x = A[swaps[c], m]
+        A[swaps[c], m], A[c, m] = A[c, m], x
+        if x != 0.0:
+            for r in range(c + 1, m):
+                A[r, m] -= A[r, c] * x
     for r in range(m - 1, -1, -1):
         x = A[r, m]
         for q in range(r + 1, m):
@@ -316,9 +351,15 @@ def eliminate(A: Array, m: int) -> None:
 @kernel
 def _impulses(rows: Records, n: int, G: Array, A: Array, chosen: Integers) -> None:
     """Impulses for the modes."""
-    m = choose(rows, n, chosen)
-    make_system(rows, n, G, A, chosen, m)
-    eliminate(A, m)
+    m, swaps, same = choose(rows, n, chosen), chosen[n:], True
+    for k in range(n):
+        same &= rows[k]["factored"] == rows[k]["mode"]
+        rows[k]["factored"] = rows[k]["mode"]
+    if not same:
+        make_system(rows, n, G, A, chosen, m)
+        factor_system(A, m, swaps)
+    _right_sides(rows, n, G, A, chosen, m)
+    solve_system(A, m, swaps)
     for k in range(n):
         row = rows[k]
         row["p"] = 0.0
@@ -348,7 +389,7 @@ def y_of(rows: Records, n: int, G: Array, k: int) -> float:
 
 
 @kernel
-def _wrong(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float, int]:
+def _violation(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float, int]:
     """By how much a row breaks its mode, as a rate, and the mode that it should have."""
     row = rows[k]
     t, mode, p = row["normal"], row["mode"], row["p"]

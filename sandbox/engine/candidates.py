@@ -101,8 +101,26 @@ def limit_row(table: int, h: float, i: int, out: Any) -> None:
         out["want"] = closing_rate(h, gap - limit["bound"], RETURN)
         return
     put_coordinate(out, joint, side)
+    out["want"] = _gap_rate(h, limit, joint)
+
+
+@kernel
+def _gap_rate(h: float, limit: Any, joint: Any) -> float:
+    """What the row of a limit that is no flank adds to its rate."""
     fastest = RETURN_TURNING if limit["what"] == STOP else RETURN
-    out["want"] = closing_rate(h, side * (joint["way"] - limit["bound"]), fastest)
+    return closing_rate(h, limit["side"] * (joint["way"] - limit["bound"]), fastest)
+
+
+@kernel
+def _kept(h: float, limit: Any, joint: Any, v: Array, slack: float) -> bool:
+    """Whether velocities ``v`` keep a limit: by the sums of its row, which is not made."""
+    if limit["what"] == FLANK:
+        return False
+    a, b, side = joint["a"], joint["b"], limit["side"]
+    dx, dy = side * joint["dx"], side * joint["dy"]
+    speed = (-dx * v[a, 0] - dy * v[a, 1] + side * joint["ta"] * v[a, 2]
+             + dx * v[b, 0] + dy * v[b, 1] + side * joint["tb"] * v[b, 2])
+    return bool(speed + _gap_rate(h, limit, joint) >= -slack)
 
 
 @entry_point()
@@ -154,9 +172,11 @@ def _with_touch(
 def broken_rows(table: int, h: float, n: int, slack: float) -> int:
     """Add the limits and contacts that the velocities break; how many rows there are then."""
     rows, touches, velocity, first = at.rows(table), at.touches(table), at.velocity(table), n
-    limits = at.limits(table)
+    limits, joints = at.limits(table), at.joints(table)
     for i in range(len(limits)):
-        if not joint_holds(table, limits[i]["joint"]) or piled(table, limits[i]["joint"]):
+        j = limits[i]["joint"]
+        if _kept(h, limits[i], joints[j], velocity, slack) or (
+                not joint_holds(table, j) or piled(table, j)):
             continue
         limit_row(table, h, i, rows[n])
         new = rate(rows[n], velocity) + rows[n]["want"] < -slack

@@ -36,6 +36,9 @@ ITERATIONS = 40
 CONVERGED = 1e-12  # change of the parameter of a span in one iteration
 SAME_WAY = 0.5  # the least cosine between pymunk's normal and the exact one
 SAME_PLACE = 1e-6  # distance below which contacts of two shapes are the same [m]
+ON_CURVE = -1  # the feature of all contacts on a curve
+ASKEW = 1e-6  # tolerance of normals [rad]: pymunk finds them to about 1e-9
+CHECKED = 256  # number of pairs of bodies up to which their bounds are checked before pymunk does
 DROPPED, EXACT, AS_FOUND = 0, 1, 2  # states of a contact of pymunk on a curve
 
 
@@ -376,8 +379,49 @@ def _advance(spans: Records, k: int, w: float, step: float) -> Any:
     return 1.0 - w, there, False, still
 
 
-ON_CURVE = -1  # the feature of all contacts on a curve
-ASKEW = 1e-6  # tolerance of normals [rad]: pymunk finds them to about 1e-9
+@kernel
+def apart(table: int) -> bool:
+    """Whether lines part all bodies that may touch; never of too many pairs."""
+    pairs, boxes, shapes, vertices = (
+        at.neighbors(table), at.boxes(table), at.shapes(table), at.vertices(table))
+    body, turn, last = at.body(table), at.turn(table), -1
+    if len(pairs) > CHECKED:
+        return False
+    for k in range(len(shapes)):  # those of a body one after the other
+        b, r = shapes[k]["body"], shapes[k]["radius"] + shapes[k]["margin"] + SAME_PLACE
+        c, s, x0, y0, x1, y1 = turn[b, 0], turn[b, 1], math.inf, math.inf, -math.inf, -math.inf
+        for i in range(shapes[k]["vertex"], shapes[k]["vertex_end"]):
+            x, y = c * vertices[i, 0] - s * vertices[i, 1], s * vertices[i, 0] + c * vertices[i, 1]
+            x0, y0, x1, y1 = min(x0, x), min(y0, y), max(x1, x), max(y1, y)
+        x0, y0, x1, y1 = body[b, 0] + x0 - r, body[b, 1] + y0 - r, body[b, 0] + x1 + r, body[
+            b, 1] + y1 + r
+        if b == last:
+            x0, y0 = min(x0, boxes[b, 0]), min(y0, boxes[b, 1])
+            x1, y1 = max(x1, boxes[b, 2]), max(y1, boxes[b, 3])
+        boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3], last = x0, y0, x1, y1, b
+    for k in range(len(pairs)):
+        a, b = pairs[k, 0], pairs[k, 1]
+        if (boxes[a, 0] <= boxes[b, 2] and boxes[b, 0] <= boxes[a, 2]
+                and boxes[a, 1] <= boxes[b, 3] and boxes[b, 1] <= boxes[a, 3]):
+            x, y = body[b, 0] - body[a, 0], body[b, 1] - body[a, 1]
+            if not _reach(table, a, x, y) + _reach(table, b, -x, -y) < x * x + y * y:
+                return False
+    return True
+
+
+@kernel
+def _reach(table: int, b: int, x: float, y: float) -> float:
+    """How far a body extends along (x, y) from its centre of mass, times the length of that."""
+    shapes, vertices, turn, size = (
+        at.shapes(table), at.vertices(table), at.turn(table), math.hypot(x, y))
+    x, y = turn[b, 0] * x + turn[b, 1] * y, turn[b, 0] * y - turn[b, 1] * x
+    most = -math.inf
+    for k in range(len(shapes)):
+        if shapes[k]["body"] == b:
+            r = shapes[k]["radius"] + shapes[k]["margin"] + SAME_PLACE
+            for i in range(shapes[k]["vertex"], shapes[k]["vertex_end"]):
+                most = max(most, x * vertices[i, 0] + y * vertices[i, 1] + r * size)
+    return most
 
 
 @kernel
@@ -398,33 +442,10 @@ def short(table: int) -> bool:
 @entry_point("shapes")
 def list_contacts_of_step(table: int) -> None:
     """Note the points of bodies that may touch, in an order that does not depend on memory."""
-    raw, count, shapes, faces = at.raw(table), at.near(table)[0], at.shapes(table), at.faces(table)
+    raw, shapes, order, out = at.raw(table), at.shapes(table), at.order(table), at.found(table)
     friction, restitution, body = at.friction(table), at.restitution(table), at.body(table)
-    old, order, out, touching = (
-        at.touches(table), at.order(table), at.found(table), at.touching(table))
-    old_count, n = touching[0], 0
-    for i in range(count):
-        if friction[shapes[raw[i]["shape_a"]]["body"], shapes[raw[i]["shape_b"]]["body"]] < 0.0:
-            continue
-        one, two = shapes[raw[i]["shape_a"]], shapes[raw[i]["shape_b"]]
-        nx, ny = raw[i]["nx"], raw[i]["ny"]
-        if not (_faced(one, faces, body[one["body"], 2], nx, ny)
-                and _faced(two, faces, body[two["body"], 2], -nx, -ny)):
-            continue
-        raw[i]["ax"] -= one["margin"] * nx
-        raw[i]["ay"] -= one["margin"] * ny
-        raw[i]["bx"] += two["margin"] * nx
-        raw[i]["by"] += two["margin"] * ny
-        if one["body"] > two["body"]:  # the normal leads to the body with the higher number
-            exchange(raw[i])
-        j = n
-        while j > 0 and _after(raw, order[j - 1], i):
-            order[j] = order[j - 1]
-            j -= 1
-        order[j] = i
-        n += 1
-    near, n = n, 0
-    for k in range(near):
+    old, belts, touching, n = at.touches(table), at.belts(table), at.touching(table), 0
+    for k in range(_sort_found(table)):
         found = raw[order[k]]
         nx, ny = found["nx"], found["ny"]
         found["ka"], found["da"] = straight_curvature(
@@ -444,19 +465,46 @@ def list_contacts_of_step(table: int) -> None:
         n += 1
     guess = 0
     for k in range(n):
-        w = _last(old, old_count, guess, out[k])
+        w, now = _last(old, touching[0], guess, out[k]), out[k]
+        now["belt"] = -(belts[now["a"]] + belts[now["b"]])
         if w >= 0:
-            last, now = old[w], out[k]
+            last = old[w]
             now["normal"], now["tangent"] = last["normal"], last["tangent"]
             now["mode"], now["listed"] = last["mode"], last["listed"]
             now["phase"], now["sums"] = last["phase"], last["sums"]
             now["stretch"] = last["stretch"]
             guess = w + 1
-    belts = at.belts(table)
     for k in range(n):
-        out[k]["belt"] = -(belts[out[k]["a"]] + belts[out[k]["b"]])
         old[k] = out[k]
     touching[0] = n
+
+
+@kernel
+def _sort_found(table: int) -> int:
+    """Points of bodies that may touch, from their surfaces: their number, and ``order`` of them."""
+    raw, shapes, faces, body = at.raw(table), at.shapes(table), at.faces(table), at.body(table)
+    friction, order, n = at.friction(table), at.order(table), 0
+    for i in range(at.near(table)[0]):
+        if friction[shapes[raw[i]["shape_a"]]["body"], shapes[raw[i]["shape_b"]]["body"]] < 0.0:
+            continue
+        one, two = shapes[raw[i]["shape_a"]], shapes[raw[i]["shape_b"]]
+        nx, ny = raw[i]["nx"], raw[i]["ny"]
+        if not (_faced(one, faces, body[one["body"], 2], nx, ny)
+                and _faced(two, faces, body[two["body"], 2], -nx, -ny)):
+            continue
+        raw[i]["ax"] -= one["margin"] * nx
+        raw[i]["ay"] -= one["margin"] * ny
+        raw[i]["bx"] += two["margin"] * nx
+        raw[i]["by"] += two["margin"] * ny
+        if one["body"] > two["body"]:  # the normal leads to the body with the higher number
+            exchange(raw[i])
+        j = n
+        while j > 0 and _after(raw, order[j - 1], i):
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = i
+        n += 1
+    return n
 
 
 @kernel

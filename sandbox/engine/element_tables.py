@@ -17,6 +17,7 @@ from sandbox.elements.element import ATMOSPHERE
 from sandbox.elements.joint import Keeps
 from sandbox.engine import records
 from sandbox.engine import stiffness as stiffnesses
+from sandbox.engine.rows import note_turns
 from sandbox.engine.tendons import measure
 from sandbox.engine.world import span_table
 from sandbox.model import joints as of_joint
@@ -446,10 +447,11 @@ def cable_tables(places: PlacedBodies, h: float, rows: Rows) -> CableTables:
         cables[name][:whole] = values
     found = CableTables(cables, guides, np.zeros(len(tendons.grips), records.SLIP),
                         np.zeros(len(tendons.grips)), [])
-    stiff = stiffnesses.stiff_cables(model, h)
+    stiff, turn = stiffnesses.stiff_cables(model, h), np.zeros((len(places.pose), 2))
+    note_turns(places.pose, turn)
     for e, cable in enumerate(cables):
         cable["lifts"] = guides["lifts"][cable["first"]:cable["last"]].any()
-        cable["length"] = measure(cable, guides, places.pose, True)
+        cable["length"] = measure(cable, guides, places.pose, turn, True)
         if e >= whole:
             continue
         length = float(cable["length"])

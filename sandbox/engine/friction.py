@@ -175,10 +175,10 @@ def break_away(table: int, n: int) -> bool:
         tried |= row["phase"] == st.TRIED
     if tried and not changed:
         for k in range(n):
-            rows[k]["wrong"] = _share(rows, n, G, k)
+            rows[k]["violation"] = _share(rows, n, G, k)
         for k in range(n):
             if rows[k]["static"] > 1.0 and rows[k]["phase"] == st.TRIED:
-                s = rows[k]["wrong"]
+                s = rows[k]["violation"]
                 _multiply(rows[k], max((s - 0.5) * rows[k]["static"] + 1.5 - s, 0.0))
                 rows[k]["phase"], rows[k]["slip"] = st.SLIDES, 0.0
     return changed or tried

@@ -294,7 +294,8 @@ def lead_back(table: int, h: float, n: int) -> None:
         k = chosen[q]
         A[q, m] = 0.0 if rows[k]["out"] else -unilateral.free_rate(
             table, rows[k], Y[k], reached[k], shift, 0.0)
-    unilateral.eliminate(A, m)
+    unilateral.factor_system(A, m, chosen[n:])
+    unilateral.solve_system(A, m, chosen[n:])
     for r in range(unknowns.shape[1]):
         unknowns[4, r] = unknowns[2, r]
     for q in range(m):
@@ -409,7 +410,7 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
             return event > 0
         fastest = _struck(rows, n, touches, now, end, CLOSED if event < ORDERED else math.inf)
         end = max(end, FAINT * fastest)
-        if unilateral.solve_modes(rows, n, G, A, chosen, EXACT * fastest) < 0:
+        if unilateral.solve_modes(rows, n, G, A, chosen, EXACT * fastest, False) < 0:
             unilateral.relax(rows, n, G)
         for q in range(n):
             p = rows[q]["p"]

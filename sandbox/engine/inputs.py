@@ -3,7 +3,7 @@
 Values are those at the pose of the step, but those of motors at the step's end, half a step later,
 and of rigid servos at the pose of the next step. No value is below its drive's floor.
 
-Time comes from the step's index. pymunk moves positions first, then velocities: after step k the
+Time comes from the step's index. Positions move first, then velocities: after step k the
 poses, and the forces of step k, belong to t = (k - 1/2) h, the velocities to t = k h. Labelled so,
 the scheme is a leapfrog of second order.
 """
@@ -107,6 +107,8 @@ class Inputs:
                 self._latched[i] = value
                 # a controller's value is not checked, and pymunk refuses some
                 circle.unsafe_set_radius(min(value, range_of("length").most) + margin)
+                shapes = self.world.shape_tables.shapes
+                shapes["radius"][circle.collision_type - 1] = circle.radius - margin
                 self.world.space.reindex_shape(circle)  # pymunk keeps the bounds of fixed bodies
 
     def speeds(self, k: int, count: int) -> Array:
@@ -130,7 +132,6 @@ class Inputs:
             for shape in itertools.chain(*self.world.shapes[index]):
                 self.world.space.reindex_shape(shape)
         self.world.read()
-        self.world.velocity[:] = self.world.body[:, 3:]
 
     def places(self, k: int) -> Array:
         """Poses of scheduled bodies' frames in step k, in pymunk's order, [ns, 3]."""

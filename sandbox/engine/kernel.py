@@ -7,9 +7,10 @@ Called from Python, a kernel runs as plain Python.
 Four measures make the first run about three times as fast: kernels are only linked into their
 callers, without machine code and wrappers of their own; references are not counted, and compiler
 passes that plain loops over numbers do not need are left out; the types of operators are
-remembered; Python's garbage collector is off meanwhile. The first three use private parts of Numba.
-Before the first use a small function is compiled and run. If this fails, for instance with a later
-version of Numba, only documented interfaces are used.
+remembered; Python's garbage collector is off meanwhile. A fifth makes steps about a sixth faster:
+negative indices do not count from the end of an array, and no kernel may use one. All but the
+garbage collector are private parts of Numba. Before the first use a small function is compiled and
+run. If this fails, for instance with a later version of Numba, only documented interfaces are used.
 """
 
 from __future__ import annotations
@@ -114,6 +115,7 @@ def _compilers() -> tuple[Any, Any] | None:
     compilers = _tested_compilers()
     if compilers and _contexts:
         _contexts[-1].enter_context(_operator_types_remembered())
+        _contexts[-1].enter_context(_indices_as_they_are())
     return compilers
 
 
@@ -121,7 +123,7 @@ def _compilers() -> tuple[Any, Any] | None:
 def _tested_compilers() -> tuple[Any, Any] | None:
     try:
         compilers = _make_compilers()
-        with _operator_types_remembered():
+        with _operator_types_remembered(), _indices_as_they_are():
             if _probe(*compilers) == 42.0:
                 return compilers
     except Exception:  # whatever a changed interface raises
@@ -236,3 +238,15 @@ def _operator_types_remembered() -> Iterator[None]:
         yield
     finally:
         function_type.get_call_type = resolve
+
+
+@contextmanager
+def _indices_as_they_are() -> Iterator[None]:
+    arrays: Any = import_module("numba.np.arrayobj")
+    usual = arrays.fix_integer_index
+    arrays.fix_integer_index = (
+        lambda context, builder, kind, index, *size: context.cast(builder, index, kind, types.intp))
+    try:
+        yield
+    finally:
+        arrays.fix_integer_index = usual

@@ -59,10 +59,10 @@ def make_memory(
     return Memory(whole.ctypes.data, constants.h, (whole, *values))
 
 
-def _view(name: str, place: int, dtype: Any, axes: int) -> Any:
+def _view(name: str, place: int, dtype: Any, shape: list[str]) -> Any:
     """An intrinsic for the array at ``place`` in the table, or the number without ``dtype``."""
     item = None if dtype is None else from_dtype(np.dtype(dtype))
-    made = types.int64 if item is None else types.Array(item, axes, "C")
+    made = types.int64 if item is None else types.Array(item, len(shape), "C")
 
     def view(context: Any, table: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -75,7 +75,8 @@ def _view(name: str, place: int, dtype: Any, axes: int) -> Any:
                 return at(0)
             array = _arrays.make_array(made)(context, builder)
             size = ir.Constant(_WORD, context.get_abi_sizeof(context.get_data_type(item)))
-            lengths = [at(1 + axis) for axis in range(axes)]
+            lengths = [ir.Constant(_WORD, int(length)) if length.isdigit() else at(1 + axis)
+                       for axis, length in enumerate(shape)]
             strides = [size]
             for length in lengths[:0:-1]:
                 strides.insert(0, builder.mul(strides[0], length))
@@ -87,7 +88,7 @@ def _view(name: str, place: int, dtype: Any, axes: int) -> Any:
         return made(table), generate
 
     result: Any = intrinsic(view)
-    result.view_of_table = f"{name} {place} {made} {dtype and np.dtype(dtype)!r}"
+    result.view_of_table = f"{name} {place} {made} {shape} {dtype and np.dtype(dtype)!r}"
     return result
 
 
@@ -98,7 +99,7 @@ def _views() -> Iterator[tuple[str, Any]]:
             if field in declared(part):
                 item, shape = declared(part)[field]
                 view = f"kept_{field}" if part is Snapshot else field
-                yield view, _view(view, place, item, len(shape))
+                yield view, _view(view, place, item, shape)
             place += WIDTH
 
 

@@ -1,7 +1,7 @@
 """pymunk's own C functions, called from compiled code.
 
-Going through Python to read bodies, write velocities and step costs more than a step of a small
-hand itself. The functions behind ``Space.step`` and ``pymunk.batch`` are therefore called by
+Going through Python to write velocities and step costs more than a step of a small hand itself. The
+functions behind ``Space.step`` and ``pymunk.batch`` are therefore called by
 address. This is the only module that knows of pymunk's insides.
 """
 
@@ -105,17 +105,12 @@ class Native(NamedTuple):
     step: int
     each_body: int
     space: int
-    get: int
-    read: int
     put: int
     write: int
     place: int
-    read_count: NDArray[np.intc]  # fill of the buffer that is read into, [1]; 0 before each call
     write_count: NDArray[np.intc]
     """Fill of the buffer that is written from, [1]; 0 before each call."""
     place_count: NDArray[np.intc]  # the same of the buffer of poses
-    placed: Annotated[Array, "bodies 3"]
-    """Poses for pymunk, [nb, 3]: those of the step, displaced by impacts after them."""
     near: Integers  # the table of `Finder`, whose first number is set to 0 before each call, [5]
     raw: Annotated[Records, FOUND]  # [room]
 
@@ -129,7 +124,6 @@ class Channel:
     """One batch of body fields; ``count`` [1] is the fill of its buffer, 0 before each call."""
 
     def __init__(self, fields: batch.BodyFields, memory: Array) -> None:
-        self.memory = memory
         self.buffer = batch.Buffer()
         self.buffer.set_float_buf(memory)
         self.request = ffi.new("pmBatchedData *")
@@ -142,19 +136,16 @@ class Channel:
 
 
 def make_native(
-    space: pymunk.Space, read: Channel, write: Channel, place: Channel, finder: Finder,
+    space: pymunk.Space, write: Channel, place: Channel, finder: Finder,
 ) -> Native:
     """What the compiled loop needs for ``space``."""
     return Native(
         step=address(ffi.addressof(lib, "cpSpaceStep")),
         each_body=address(ffi.addressof(lib, "cpSpaceEachBody")),
         space=address(space._space),
-        get=address(ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")),
-        read=address(read.request),
         put=address(ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")),
         write=address(write.request), place=address(place.request),
-        read_count=read.count, write_count=write.count, place_count=place.count,
-        placed=place.memory, near=finder.table, raw=finder.raw,
+        write_count=write.count, place_count=place.count, near=finder.table, raw=finder.raw,
     )
 
 

@@ -239,9 +239,15 @@ def assemble(pairs: Integers, direct: Integers, J: Array, WJ: Array, values: Arr
     """Add up the matrix, compliances and masses of hubs left out."""
     for i in range(len(values)):
         values[i] = 0.0
-    for k in range(len(pairs)):
+    slot, x = 0, 0.0
+    for k in range(len(pairs)):  # those of a slot one after the other
         a, b = pairs[k, 1], pairs[k, 2]
-        values[pairs[k, 0]] += J[a, 0] * WJ[b, 0] + J[a, 1] * WJ[b, 1] + J[a, 2] * WJ[b, 2]
+        if pairs[k, 0] != slot:
+            values[slot] = x
+            slot, x = pairs[k, 0], 0.0
+        x += J[a, 0] * WJ[b, 0] + J[a, 1] * WJ[b, 1] + J[a, 2] * WJ[b, 2]
+    if len(pairs) > 0:
+        values[slot] = x
     for k in range(len(direct)):
         values[direct[k, 0]] += J[direct[k, 1], direct[k, 2]]
 

@@ -20,7 +20,7 @@ from sandbox.engine.bonds import holds, remaining_gap
 from sandbox.engine.contacts import CONFORMING, nearest_start
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import add_to, backward, forward
+from sandbox.engine.plan import backward, forward
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.numeric import Array, Records
 
@@ -207,13 +207,12 @@ def joint_gaps(table: int, h: float) -> float:
     """Let joints ask, in the scratch, for closed gaps where ``velocity`` leads; the largest gap."""
     joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
     asked, kept = at.unknowns(table)[4], at.unknowns(table)[5]
-    turn = at.force(table)  # which is not needed any more
+    turn = at.ahead(table)
     # the rows foresaw the bend of the velocities before
     if not (_bends(joints, h, velocity) or _bends(joints, h, at.before(table))):
         return 0.0
     for b in range(len(body)):
-        angle = body[b, 2] + h * velocity[b, 2]
-        turn[b, 0], turn[b, 1] = math.cos(angle), math.sin(angle)
+        turned(turn, b, body[b, 2] + h * velocity[b, 2])
     worst = 0.0
     for k in range(len(joints)):
         joint = joints[k]
@@ -247,6 +246,14 @@ def joint_gaps(table: int, h: float) -> float:
 
 
 @kernel
+def turned(last: Array, b: int, angle: float) -> tuple[float, float]:
+    """Cosine and sine of an angle of body ``b``; ``last`` [nb, 3] has them and the last angle."""
+    if last[b, 2] != angle:
+        last[b, 0], last[b, 1], last[b, 2] = math.cos(angle), math.sin(angle), angle
+    return last[b, 0], last[b, 1]
+
+
+@kernel
 def note_turns(body: Array, turn: Array) -> None:
     """Note cosine and sine of the angles of all bodies."""
     for b in range(len(body)):
@@ -260,10 +267,15 @@ def right_side(table: int, free: Array, asked: Array, rhs: Array) -> None:
     inverse_mass, J = at.inverse_mass(table), at.entries(table)[0]
     for r in range(len(rhs)):
         rhs[r] = asked[r]
-    for e in range(len(entry_row)):
+    row, x = 0, 0.0
+    for e in range(len(entry_row)):  # those of a row one after the other
         b = entry_body[e]
+        if e == 0 or entry_row[e] != row:
+            row = entry_row[e]
+            x = rhs[row]
         if hubs[b, 0] < 0:
-            rhs[entry_row[e]] -= J[e, 0] * free[b, 0] + J[e, 1] * free[b, 1] + J[e, 2] * free[b, 2]
+            x -= J[e, 0] * free[b, 0] + J[e, 1] * free[b, 1] + J[e, 2] * free[b, 2]
+        rhs[row] = x
     for b in range(len(free)):
         if hubs[b, 0] >= 0:
             rhs[hubs[b, 0]] = -free[b, 0] / inverse_mass[b, 0]
@@ -287,7 +299,15 @@ def answer(table: int, free: Array, asked: Array, impulses: Array) -> None:
 def apply_impulses(table: int, impulses: Array, velocity: Array) -> None:
     """Add W B^T p to the velocities of free bodies."""
     entry_row, entry_body, WJ = at.entry_row(table), at.entry_body(table), at.entries(table)[1]
-    for e in range(len(entry_row)):
-        b, p = entry_body[e], impulses[entry_row[e]]
-        if b < len(velocity):
-            add_to(velocity, b, WJ[e, 0] * p, WJ[e, 1] * p, WJ[e, 2] * p)
+    starts, entries, direct = at.body_starts(table), at.body_entries(table), at.direct(table)
+    for b in range(len(velocity)):
+        x, y, t = velocity[b, 0], velocity[b, 1], velocity[b, 2]
+        for k in range(starts[b], starts[b + 1]):
+            e = entries[k]
+            p = impulses[entry_row[e]]
+            x, y, t = x + WJ[e, 0] * p, y + WJ[e, 1] * p, t + WJ[e, 2] * p
+        velocity[b, 0], velocity[b, 1], velocity[b, 2] = x, y, t
+    for k in range(len(direct)):  # hubs
+        e, axis = direct[k, 1], direct[k, 2]
+        if entry_body[e] < len(velocity):
+            velocity[entry_body[e], axis] += WJ[e, axis] * impulses[entry_row[e]]

@@ -1,7 +1,7 @@
 """The solve of a step: impulses of all joints, dampers, tendons, limits, motors and contacts.
 
-pymunk has moved the bodies to the poses x of the step and found what is near. With W the inverse
-masses, f the forces that the poses tell, B the bilateral rows and C those with bounds,
+Bodies are in the poses x of the step, and what is near has been found. With W the inverse masses, f
+the forces that follow from the poses, B the bilateral rows and C those with bounds,
 
     v = v_before + h W f + W B^T p_b + W C^T p_c
 
@@ -114,7 +114,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
             struck = strike(table, h, drive, n)
         right_side(table, at.free(table), at.unknowns(table)[0], solved)
         forward(starts, below, values, solved)
-        done, closings, taken = 0, 0, math.inf
+        done, closings, taken, again = 0, 0, math.inf, False
         while True:  # rows only grow in number, and joints are closed so often at most
             columns(table, 0, done, n)
             couple(table, 0, done, n)
@@ -122,12 +122,13 @@ def solve(table: int, h: float, drive: Array) -> bool:
                 limit_rates(table, h, n)
                 leave(table, h, n)
             done = n
-            slack = solve_bounded(table, n)
+            slack = solve_bounded(table, n, again)
             find_velocities(table, n)
             piles = solve_piles(table, h, solves)
             solves += 1
             n = broken_rows(table, h, n, slack)
-            if n == done:
+            again = n == done
+            if again:
                 taken = close_joints(table, h, n, GROWN * taken) if closings < CLOSINGS else 0.0
                 if taken == 0.0:
                     break
@@ -223,8 +224,8 @@ def close_joints(table: int, h: float, n: int, most: float) -> float:
 
 
 @entry_point()
-def solve_bounded(table: int, n: int) -> float:
-    """Impulses of the bounded rows; a rate that counts as none."""
+def solve_bounded(table: int, n: int, again: bool) -> float:
+    """Impulses of the bounded rows; a rate that counts as none. ``again``: :func:`solve_modes`."""
     rows = at.rows(table)
     most = 0.0
     for k in range(n):
@@ -235,7 +236,7 @@ def solve_bounded(table: int, n: int) -> float:
         return slack
     hopeless = True
     while hopeless:  # wedged overlaps, which have no way to go, are no longer asked back
-        _impulses(table, n, slack)
+        _impulses(table, n, slack, again)
         hopeless = False
         for k in range(n):
             row = rows[k]
@@ -246,14 +247,14 @@ def solve_bounded(table: int, n: int) -> float:
 
 
 @kernel
-def _impulses(table: int, n: int, slack: float) -> None:
+def _impulses(table: int, n: int, slack: float, again: bool) -> None:
     rows, G, A, chosen = at.rows(table), at.delassus(table), at.system(table), at.chosen(table)
     given_up = at.standing(table)
     if given_up[2] >= ATTEMPTS:
         relax(rows, n, G)
-    elif solve_modes(rows, n, G, A, chosen, slack) < 0:
+    elif solve_modes(rows, n, G, A, chosen, slack, again) < 0:
         relax(rows, n, G)
-        if solve_modes(rows, n, G, A, chosen, slack) < 0 and not (
+        if solve_modes(rows, n, G, A, chosen, slack, True) < 0 and not (
                 n <= SEARCHED and search_modes(rows, n, G, A, chosen, slack)):
             relax(rows, n, G)
             given_up[0] += 1 if given_up[2] == 0 else 0
@@ -291,13 +292,13 @@ def jammed(table: int, n: int, slack: float) -> int:
         return 0
     for k in range(n):
         rows[k]["base"] *= SOFTER
-    _impulses(table, n, slack)
+    _impulses(table, n, slack, False)
     left = abs(rows[which]["p"] - rows[which]["last"]) * rows[which]["base"] / SOFTER
     for k in range(n):
         rows[k]["base"] /= SOFTER
     if left < SOFT_SHARE * most:
         return which + 1
-    _impulses(table, n, slack)
+    _impulses(table, n, slack, False)
     return 0
 
 

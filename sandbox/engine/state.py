@@ -1,7 +1,7 @@
 """Arrays of a run: constants, elements, the state that the next step needs, results of the last.
 
-A run is its constants, its elements, its state and where pymunk's bodies are. The records of
-elements stand in :mod:`sandbox.engine.records`.
+A run is its constants, its elements, its state and pymunk's space. The records of elements stand in
+:mod:`sandbox.engine.records`.
 
 :func:`allocate` makes arrays of zeros with the declared shapes. ``unknowns`` and ``entries`` are
 those of the bilateral rows (:mod:`sandbox.engine.plan`), ``rows`` bounded ones, ``piles`` bodies of
@@ -56,6 +56,7 @@ BOUND = np.dtype([
     ("gave", float),        # impulse of the last step, then that with static friction
     ("slip", float),        # mode of the last step, then rate of slip with static friction
     ("mode", np.int64),     # -1, 0, 1: at low, in between (y = 0), at high
+    ("factored", np.int64),     # its mode in the system that is factored
     ("last", float),        # impulse of the last step, which fades where it moves
     ("p", float),           # impulse
     ("free", float),        # y without bounded rows
@@ -63,7 +64,7 @@ BOUND = np.dtype([
     ("back", float),        # how much of free asks an overlap back, not above 0
     ("out", np.int64),      # whether joints hold it, so that it neither sees nor gives anything
     ("branch", np.int64),   # how many unknowns its column has
-    ("wrong", float),       # by what rate its mode is broken
+    ("violation", float),   # of its mode, as a rate
 ])
 
 BODY = np.dtype([
@@ -192,6 +193,8 @@ class Constants(NamedTuple):
     restitution: Annotated[Array, "bodies bodies"]  # of every pair
     skin: Annotated[Array, "2 bodies bodies"]
     """Stiffness [N/m], damping [N s/m] of contacts of every pair, 0 of rigid ones; or [2, 0, 0]."""
+    neighbors: Annotated[Integers, "neighbors 2"]
+    """Pairs of bodies whose shapes may touch, :data:`CHECKED` and one at most."""
     loose: Integers  # the PILE_BODY of each body, or -1
     pile_nodes: Annotated[Integers, "pile_nodes 3"]
     """This and the next two: bilateral rows between these (:mod:`sandbox.engine.pile_rows`)."""
@@ -224,12 +227,14 @@ class State(NamedTuple):
     """All that changes in a run and that the next step needs."""
 
     body: Annotated[Array, "bodies 6"]  # positions and velocities of the centres of mass
+    placed: Annotated[Array, "bodies 3"]  # poses that the step moves on: impacts displace them
     made: Annotated[Integers, "4"]
     """Steps made, without those at rest; index of this one in the call; rows of broken, impacts."""
     broken: Annotated[Records, records.BROKEN]  # what broke in the steps made in one go
     impacts: Annotated[Records, IMPACT, "impacts"]  # of the steps made in one go
     touches: Annotated[Records, TOUCH, "contacts"]  # of the last step
-    touching: Annotated[Integers, "2"]  # their number; whether a step waits for more room
+    touching: Annotated[Integers, "3"]
+    """Their number; whether a step waits for more room, whether pymunk lacks the poses of it."""
     last_drive: Annotated[Array, "drives"]  # values of the drives in the last step
     standing: Annotated[Integers, "6"]
     """Steps without modes, steps at rest, failures now, jammed row, rows, unordered steps."""
@@ -244,18 +249,20 @@ class State(NamedTuple):
 class Result(NamedTuple):
     """Results of the last step, and scratch memory."""
 
-    velocity: Annotated[Array, "bodies 3"]  # after the step; pymunk's, which takes it from here
+    velocity: Annotated[Array, "bodies 3"]  # after the step; pymunk takes it from here
     before: Annotated[Array, "bodies 3"]  # velocities before the step
     force: Annotated[Array, "bodies 3"]
-    """Forces and torques at the poses [N, N m]; later cosine, sine of the angles one step on."""
+    """Forces and torques at the poses [N, N m]."""
     free: Annotated[Array, "bodies 3"]
     """Velocities by these forces and impacts; after the step the mean of before and after."""
     kick: Annotated[Array, "bodies 3"]  # velocities that impacts add, in ``free`` already
     delayed: Annotated[Array, "bodies 3"]  # the same, times their instants after the pose
     shift: Annotated[Array, "bodies 3"]  # displacement of the pose by later impacts
     turn: Annotated[Array, "bodies 2"]  # cosine and sine of the bodies' angles
+    ahead: Annotated[Array, "bodies 3"]  # the same of other angles, and these: of one step on
     pressing: Annotated[Array, "loaded numbers 3"]  # NUMBERS of the loaded bodies
     felt: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
+    boxes: Annotated[Array, "bodies 4"]  # bounds of the bodies' shapes: least x, y, largest x, y
     belts: Annotated[Array, "bodies"]  # speeds of surfaces, counter-clockwise [m/s]
     stack: Annotated[Array, "stack 4"]  # scratch of laws: values with their slopes
     read_names: Annotated[Array, "names 4"]  # scratch: what a law reads, values with slopes

@@ -64,7 +64,6 @@ class Still(Simulation):
     def slow(self, share: float) -> None:
         """Multiply the speeds of the bodies by a share."""
         self._world.velocity[:] = share * self._world.body[:, 3:]
-        self._world.write()
         self._tables.state.standing[1] = 0
 
     def driven(self, time: float) -> tuple[Array, Array]:

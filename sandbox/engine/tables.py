@@ -10,6 +10,7 @@ import numpy as np
 from sandbox.engine import element_tables as et
 from sandbox.engine import state as st
 from sandbox.engine.blocks import BITS
+from sandbox.engine.contacts import CHECKED
 from sandbox.engine.pile_rows import pile_tables
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
@@ -66,6 +67,7 @@ def make_tables(world: World) -> Tables:
         actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
         slips=cables.slips, joints=joints, limits=et.limit_table(places), motors=motors,
         dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
+    has = np.bincount(shapes.shapes["body"], minlength=count) > 0
     piled = pile_tables(pattern, places.inverse_mass, elements, shapes.shapes)
     pairs, filters = np.ix_(order, order), world.filters
     constants = st.Constants(
@@ -76,6 +78,8 @@ def make_tables(world: World) -> Tables:
         spans=spans,
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
+        neighbors=np.argwhere(
+            np.triu(filters.allowed[pairs] & has & has[:, None]))[:CHECKED + 1].copy(),
         loose=piled.loose, pile_nodes=piled.nodes, pile_blocks=piled.blocks,
         pile_entries=piled.entries,
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
@@ -93,7 +97,7 @@ def make_tables(world: World) -> Tables:
         "slots": nodes * (nodes - 1) // 2}
     breaking = int(np.isfinite(model.bonds.breaks_at).sum())
     state: st.State = st.allocate(
-        st.State, sizes, body=world.body, pile_bodies=et.fill(
+        st.State, sizes, body=world.body, placed=world.placed, pile_bodies=et.fill(
             st.PILE_BODY, piles, number=np.flatnonzero(constants.loose >= 0),
             cluster=piled.cluster),
         pile_place=np.full(nodes, -1),
@@ -105,6 +109,7 @@ def make_tables(world: World) -> Tables:
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
     result.unknowns[1][cables.slips["row"]] = -cables.drag
+    result.ahead[:] = math.nan
     return Tables(constants, elements, state, result, pattern)
 
 

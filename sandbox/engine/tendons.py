@@ -54,21 +54,21 @@ def _near(angle: float, last: float) -> float:
 
 @kernel
 def measure(
-    cable: Any, guides: Records, pose: Array, start: bool,
+    cable: Any, guides: Records, pose: Array, turn: Array, start: bool,
 ) -> float:
     """Length of a tendon [m] at ``pose`` [nb, 3]; fills its J. ``start``: count turns anew."""
-    length: float = _along(cable, guides, pose, start)
+    length: float = _along(cable, guides, pose, turn, start)
     if cable["lifts"] and not start:
         for _ in range(2 * (cable["last"] - cable["first"])):
-            if not _lay(cable, guides, pose):
+            if not _lay(cable, guides, pose, turn):
                 break
-            length = _along(cable, guides, pose, start)
+            length = _along(cable, guides, pose, turn, start)
     return length
 
 
 @kernel
 def _along(
-    cable: Any, guides: Records, pose: Array, start: bool,
+    cable: Any, guides: Records, pose: Array, turn: Array, start: bool,
 ) -> float:
     """The length over the guides that the tendon lies on, as :func:`measure` has it."""
     length = 0.0
@@ -83,7 +83,7 @@ def _along(
             j += 1
         a, b = guides[i], guides[j]
         ra, rb = a["radius"], b["radius"]
-        straight, ux, uy, ax, ay, bx, by = _stretch(a, b, pose)
+        straight, ux, uy, ax, ay, bx, by = _stretch(a, b, pose, turn)
         nx, ny = -uy, ux
         length += straight
         a["jx"] -= ux
@@ -92,7 +92,9 @@ def _along(
         b["jx"] += ux
         b["jy"] += uy
         b["jt"] += (bx + rb * nx) * uy - (by + rb * ny) * ux
-        angle = math.atan2(ny, nx)
+        angle = 0.0
+        if ra != 0.0 or rb != 0.0 or cable["closed"]:  # else the direction is not needed
+            angle = math.atan2(ny, nx)
         if i == first:
             angle_out = angle
             if ra != 0.0 and not cable["closed"]:
@@ -110,14 +112,14 @@ def _along(
 
 @kernel
 def _stretch(
-    a: Any, b: Any, pose: Array,
+    a: Any, b: Any, pose: Array, turn: Array,
 ) -> tuple[float, float, float, float, float, float, float]:
     """Length of the tendon between two guides [m], its direction; the guides from their centres."""
-    qa, qb = pose[a["body"]], pose[b["body"]]
-    ca, sa, cb, sb = math.cos(qa[2]), math.sin(qa[2]), math.cos(qb[2]), math.sin(qb[2])
+    i, j = a["body"], b["body"]
+    ca, sa, cb, sb = turn[i, 0], turn[i, 1], turn[j, 0], turn[j, 1]
     ax, ay = ca * a["x"] - sa * a["y"], sa * a["x"] + ca * a["y"]
     bx, by = cb * b["x"] - sb * b["y"], sb * b["x"] + cb * b["y"]
-    dx, dy = qb[0] + bx - qa[0] - ax, qb[1] + by - qa[1] - ay
+    dx, dy = pose[j, 0] + bx - pose[i, 0] - ax, pose[j, 1] + by - pose[i, 1] - ay
     offset = a["radius"] - b["radius"]
     distance = math.hypot(dx, dy)
     straight = math.sqrt(max(distance * distance - offset * offset, 1e-24))
@@ -127,7 +129,7 @@ def _stretch(
 
 
 @kernel
-def _lay(cable: Any, guides: Records, pose: Array) -> bool:
+def _lay(cable: Any, guides: Records, pose: Array, turn: Array) -> bool:
     """Change the wheel whose angle of contact contradicts its state most; whether any."""
     worst, which, before = 0.0, -1, cable["first"]
     for i in range(cable["first"] + 1, cable["last"] - 1):
@@ -136,17 +138,17 @@ def _lay(cable: Any, guides: Records, pose: Array) -> bool:
             continue
         if not guides[i]["lifted"]:
             before = i
-            wrong = -guides[i]["wrap"] - GRAZE
+            excess = -guides[i]["wrap"] - GRAZE
         else:
             after = i + 1
             while guides[after]["lifted"]:
                 after += 1
-            on, off = _stretch(guides[before], guides[i], pose), _stretch(
-                guides[i], guides[after], pose)
-            turn = math.atan2(on[1], -on[2]) - math.atan2(off[1], -off[2])
-            wrong = _wrapped(guides[i], turn, False)
-        if wrong > worst:
-            worst, which = wrong, i
+            on = _stretch(guides[before], guides[i], pose, turn)
+            off = _stretch(guides[i], guides[after], pose, turn)
+            bend = math.atan2(on[1], -on[2]) - math.atan2(off[1], -off[2])
+            excess = _wrapped(guides[i], bend, False)
+        if excess > worst:
+            worst, which = excess, i
     if which >= 0:
         guides[which]["lifted"] = 1 - guides[which]["lifted"]
     return which >= 0
@@ -437,7 +439,7 @@ def pull(table: int, drive: Array) -> None:
         cable = cables[i]
         if cable["stiffener"] >= 0:
             cable["k"] = drive[cable["stiffener"]]
-        cable["length"] = measure(cable, guides, body, False)
+        cable["length"] = measure(cable, guides, body, at.turn(table), False)
         if cable["whole"] >= 0:
             cable["wound"] = wound_up(cable, guides)
             cable["inside"] = max(cable["least"], cable["rest"] - cable["wound"])

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pymunk
@@ -28,19 +28,18 @@ from sandbox.scene.outlines.curves import spans_of
 
 POSE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE
 PUSH = batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
-STATE = POSE | PUSH
 MARGIN, MAX_MARGIN = 0.05, 1e-3
 """Of shapes in pymunk: a share of their smallest extent, maximum [m]."""
 _LISTED = ("dynamic", "scheduled", "fixed")
 
 
 class World:
-    """A pymunk space for one run: it moves bodies and finds those that are near one another.
+    """A pymunk space for one run, which finds the bodies that are near one another.
 
-    :mod:`sandbox.engine.solve` computes the forces. Bodies stand at their centres of mass and are
-    numbered as pymunk lists them: dynamic, scheduled, fixed. They start half a step before t = 0,
-    as the leapfrog has it. ``body`` [nb, 6] (x, y, angle, vx, vy, omega) and ``velocity`` [nb, 3]
-    are the memory that :meth:`read` fills and :meth:`write` sends.
+    Bodies stand at their centres of mass and are numbered as pymunk lists them: dynamic, scheduled,
+    fixed. They start half a step before t = 0, as the leapfrog has it. ``body`` [nb, 6] (x, y,
+    angle, vx, vy, omega), ``velocity`` [nb, 3] and ``placed`` [nb, 3] are memory of the run
+    (:mod:`sandbox.engine.state`).
     """
 
     def __init__(self, model: Model) -> None:
@@ -54,13 +53,11 @@ class World:
         """Pymunk's numbers of the bodies in the model's order, [nb]."""
         self.filters = make_filters(model)
         count = len(self.order)
-        # pymunk reallocates a buffer that is full: leave it room
-        memory = np.zeros(6 * count + 6)
-        self.body: Array = memory[: 6 * count].reshape(count, 6)
+        self.body: Array = np.zeros((count, 6))
+        self.placed: Array = np.zeros((count, 3))
         self.velocity: Array = np.zeros((count, 3))
-        self.reader = native.Channel(STATE, memory)
         self.writer = native.Channel(PUSH, self.velocity)
-        self.placer = native.Channel(POSE, np.zeros((count, 3)))
+        self.placer = native.Channel(POSE, self.placed)
         self.renew()
         self.shape_tables = ShapeTables(
             np.array(self._shape_rows, dtype=SHAPE),
@@ -80,51 +77,29 @@ class World:
         self._cores: list[Array] = []
         self._spans: list[Records] = []
         self.bodies = [self._add_body(i) for i in self.order.tolist()]  # in pymunk's order
-        joints = self.model.joints
-        for i, pair in enumerate(self.number[joints.bodies].tolist()):
-            a, b = (self.bodies[body] for body in pair)
-            keeps, centres = joints.kind[i].keeps, self.model.bodies.centre[joints.bodies[i]]
-            on_a, on_b = map(tuple, (joints.anchor[i] - centres).tolist())
-            reach = joints.reach[i].tolist()
-            joint: Any  # a constraint without force, which keeps its bodies from touching
-            if keeps == "point":
-                joint = pymunk.PivotJoint(a, b, on_a, on_b)
-            elif keeps == "groove" and joints.path[i] is None:
-                start, end = map(tuple, (joints.groove[i] - centres[0]).tolist())
-                joint = pymunk.GrooveJoint(a, b, start, end, on_b)
-            elif keeps == "distance":
-                joint = pymunk.PinJoint(a, b, on_a, on_b)
-                joint.distance = reach[0]
-            else:
-                joint = pymunk.SlideJoint(
-                    a, b, on_a, on_b, *(reach if keeps == "range" else (0.0, math.inf)))
-            joint.collide_bodies, joint.max_force = bool(joints.collide[i]), 0.0
-            self.space.add(joint)
+        for a, b in self.number[np.stack(joined(self.model), axis=1)].tolist():
+            # the constraint that costs least, without force: it keeps its bodies from touching
+            motor = pymunk.SimpleMotor(self.bodies[a], self.bodies[b], 0.0)
+            motor.collide_bodies, motor.max_force = False, 0.0
+            self.space.add(motor)
         self.room = Room(contacts=32 + 8 * len(self._shape_rows), rows=64 + 4 * len(self.bodies))
         self.finder = native.Finder(self.space, self.room.contacts)
-        self.native = native.make_native(
-            self.space, self.reader, self.writer, self.placer, self.finder)
+        self.native = native.make_native(self.space, self.writer, self.placer, self.finder)
         self.read()
-        self.velocity[:] = self.body[:, 3:]
 
     def read(self) -> None:
-        """Fill ``body`` with all poses and velocities."""
-        self.reader.buffer.clear()
-        batch.get_space_bodies(self.space, STATE, self.reader.buffer)
-
-    def write(self) -> None:
-        """Send ``velocity`` to all bodies."""
-        self.writer.buffer.set_float_buf(self.velocity)
-        batch.set_space_bodies(self.space, PUSH, self.writer.buffer)
+        """Take all poses and velocities from pymunk."""
+        for row, body in zip(self.body, self.bodies, strict=True):
+            row[:] = *body.position, body.angle, *body.velocity, body.angular_velocity
+        self.placed[:], self.velocity[:] = self.body[:, :3], self.body[:, 3:]
 
     def place(self, pose: Array, velocity: Array) -> None:
         """Put all bodies to poses [nb, 3] and give them velocities [nb, 3]."""
         for body, (x, y, angle) in zip(self.bodies, pose.tolist(), strict=True):
             body.position, body.angle = (x, y), angle
         self.space.reindex_static()
-        self.velocity[:] = velocity
-        self.write()
-        self.read()
+        self.body[:, :3], self.body[:, 3:] = pose, velocity
+        self.placed[:], self.velocity[:] = pose, velocity
 
     def enlarge(self, found: int, rows: int) -> None:
         """Make room for twice ``found`` contacts, and for ``rows`` bounded rows."""

@@ -238,3 +238,23 @@ def test_fixed_bodies_are_apart_for_joints() -> None:
                 disc("ball", 0.01, (0.0, 0.025))],
         joints=[{"type": "rope", "name": "rope", "a": "wall", "b": "ball", "longest": 1.0}])
     assert simulate(machine)["ball.y"][-1] == pytest.approx(0.02, abs=1e-9)
+
+
+def test_motion_does_not_depend_on_whether_bounds_are_checked() -> None:
+    """Fixed bodies far away, so many that pymunk looks for contacts in every step, change nothing.
+
+    Without them it is called where bounds meet only; bodies bounce and part in between.
+    """
+    shapes = [{"type": "box", "size": (0.06, 0.04)}, {"type": "circle", "radius": 0.03},
+              {"type": "capsule", "end": (0.05, 0.0), "radius": 0.01}]
+    thrown = [{"name": f"b{i}", "mass": 0.1, "at": (0.09 * (i % 8), 0.1 + 0.12 * (i // 8)),
+               "angle": 0.3 * i, "velocity": (0.1 * math.sin(i), 0.1 * (i % 7)),
+               "angular_velocity": 4 * math.cos(i), "shapes": [shapes[i % 3]],
+               "material": "rubber"} for i in range(16)]
+    floor = fixed("floor", shapes=[{"type": "box", "size": (8.0, 0.02)}])
+    far = [disc(f"far{i}", 0.1, (100.0 + i, 50.0), motion="fixed") for i in range(12)]
+    poses = [simulate(mechanism(
+        duration=0.4, gravity=(0.0, -G), bodies=[floor, *thrown, *more],
+        materials={"rubber": {"restitution": 0.4, "friction": 0.4}},
+    )).arrays["body_pose"][:, :17] for more in ([], far)]
+    np.testing.assert_array_equal(*poses)
