@@ -310,7 +310,7 @@ def _note_accuracy(table: int, n: int, slack: float, piles: float) -> None:
     else:
         for k in range(n):
             worst = max(worst, residual(rows, n, G, k))
-    accuracy[0] = worst
+    accuracy[0], accuracy[5] = worst, max(accuracy[5], worst)
     if worst > accuracy[1]:
         accuracy[1], accuracy[2] = worst, at.made(table)[0]
     if worst > COARSE:

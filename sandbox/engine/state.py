@@ -237,8 +237,9 @@ class State(NamedTuple):
     pile_place: Annotated[Integers, "nodes"]
     """Place in the order of elimination of bodies of piles and of their nodes of rows, -1 without
     an order."""
-    accuracy: Annotated[Array, "5"]
-    """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE."""
+    accuracy: Annotated[Array, "6"]
+    """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE;
+    maximum since the last sample."""
 
 
 class Result(NamedTuple):
@@ -306,6 +307,7 @@ class Snapshot(NamedTuple):
     copied: Mapping[str, Records]  # samples of the tables in `SAMPLED`
     copies: Annotated[Integers, "copies 5"]
     """Addresses of the first record and sample; records; words of a record, words to copy."""
+    residual: Annotated[Array, "samples"]  # maximum since the sample before [m/s, rad/s]
     drive: Annotated[Array, "samples drives"]  # values of the drives in the step of each sample
     contacts: Annotated[Records, CONTACT, "contacts"]  # of all samples, one after the other
     fill: Annotated[Integers, "samples"]  # how many contacts there are up to the end of each sample

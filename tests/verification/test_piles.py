@@ -131,6 +131,7 @@ def test_pile() -> Iterator[Check]:
         simulation = Simulation(load_scene(pile(40, shape=shape, duration=2.0)))
         simulation.run()
         run, found = simulation.recording(), simulation.recording().info.contact_solver
+        assert run["solver.residual"].max() == found["residual"] > 0.0
         yield Check(f"largest residual, {shape}", "m/s", 0.0, found["residual"], 1e-8,
                     "the solver's tolerance at 10 m/s and some to spare")
         yield Check(f"force on the floor, {shape}", "N", 40 * 0.05 * G,
