@@ -126,7 +126,8 @@ PILE_BODY = np.dtype([
     ("fastest", float),     # of the lowest: the largest free rate of the island's contacts [m/s]
 ])  # a free body that may be in a pile (islands)
 PILED = np.dtype([
-    ("touch", np.int64),    # TOUCH, or -1 - LIMIT
+    ("source", np.int64),   # NORMAL, LIMITED, DRIVEN or JOINT_FRICTION
+    ("index", np.int64),    # its TOUCH, LIMIT, MOTOR or DRY_FRICTION
     ("a", np.int64), ("b", np.int64),   # PILE_BODY or -1
     ("slot", np.int64),     # block of the two
     ("mode", np.int64),
@@ -142,7 +143,7 @@ PILED = np.dtype([
         "base_n", "base_t",     # response of the bodies to an impulse of 1
         "stiffness", "along",   # tangential [N/m]; what of want_t its spring gives
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
-])  # a contact of a pile while its step is solved (piles)
+])  # a contact or a bounded row of a joint in a pile while its step is solved (piles)
 IN_PILE = -1  # value of a contact's "listed" that keeps it from the rows of the direct solver
 AWAY, CLOSING, RESTING = 0, 1, 2  # phases of a contact: free; hit, gap closing; in contact
 
