@@ -3,8 +3,8 @@
 Two free bodies are in one island if they are near enough to touch, or if a joint, a spring or a
 tendon acts on both. An island is a pile if its contacts have neither restitution nor static
 friction above sliding friction, and if all such islands together have more than :data:`MANY` rows,
-or that many that carry a force if there are joints. Motors, loads, fluids, joint friction,
-friction of guides and connections that can be released keep their bodies out.
+or that many that carry a force if there are joints. Some elements keep their bodies out:
+:func:`sandbox.engine.pile_rows.pile_tables`.
 :mod:`sandbox.engine.piles` solves piles; their contacts are compliant, with a stiffness k and a
 damping c that follow from the masses and the step. At the end of a step
 

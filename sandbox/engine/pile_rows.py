@@ -1,4 +1,4 @@
-"""Bilateral rows in piles: bodies that joints, springs and tendons connect, among other bodies.
+"""Bilateral rows in piles: bodies that joints, springs, tendons, fluids or loads act on.
 
 The matrix of a pile (:mod:`sandbox.engine.piles`) then has a node for up to three rows that act on
 the same bodies, besides one for each body. With H the block of the bodies, B the rows, c their
@@ -92,7 +92,11 @@ def pile_tables(
 def _linked(
     elements: Elements, rows: dict[int, list[tuple[int, int]]], lowest: Integers, held: Flags,
 ) -> Flags:
-    """Which of the bodies that rows act on may be in a pile, [nb]."""
+    """Which of the bodies that rows act on may be in a pile, [nb].
+
+    None of a cluster with a bound that depends on other impulses, coupled lines, or bounded rows
+    that can be released.
+    """
     joints, motors, frictions = elements.joints, elements.motors, elements.dry_friction
     bounded = np.concatenate([elements.limits["joint"], motors["joint"], frictions["joint"]])
     direct = joints[np.concatenate([

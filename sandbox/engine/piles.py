@@ -14,7 +14,8 @@ The law is regularised by a share e of each row's own response G, R = 1 / (e G +
 and solved again with p0 = p until the residual of the law without e is below the tolerance. The
 derivative of F is M plus 3 x 3 blocks of bodies that touch; it is factored sparsely
 (:mod:`sandbox.engine.blocks`), with the rows of joints, springs and tendons as further unknowns
-(:mod:`sandbox.engine.pile_rows`). Limits of joints are contacts without friction. Where Newton's
+(:mod:`sandbox.engine.pile_rows`). Limits of joints are contacts without friction; motors and dry
+friction of joints are tangential rows with a constant bound. Where Newton's
 method does not converge, Gauss-Seidel sweeps find a better start and e grows. Momentum is exact in
 any case: v follows from the impulses.
 
