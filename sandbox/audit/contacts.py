@@ -291,7 +291,7 @@ def _residual(evidence: Evidence, worst: Worst) -> str:
     how = "sparse Newton method, compliant contacts" if "compliant_steps" in found else "active set"
     return (f"largest rate by which a step violates the laws of contacts and friction ({how}), "
             f"{found['relaxed_steps']:.0f} steps approximate, {found['steps_above_1e-8']:.0f} "
-            f"above 1e-8 m/s, worst: at {found['time_s']:.5g} s")
+            f"above 1e-8 m/s, largest at {found['time_s']:.5g} s (over time: solver.residual)")
 
 
 @check("skin.depth", asks="is no skin squeezed by more than its thickness?",

@@ -130,6 +130,9 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("held", "n nr", "1",
              "1 while engaged, 0 while released: of joints, springs and tendons that can be "
              "released, in this order; 0 also in the step in which it breaks", late=True),
+    Recorded("solver_residual", "n 1", "m/s, rad/s",
+             "largest residual of contacts, limits, friction and motors since the last sample",
+             late=True),
     Recorded("body_centre", "nb 2", "m", "centre of mass in the body's frame", when="once"),
     Recorded("body_mass", "nb", "kg",
              "infinite for fixed and scheduled bodies", when="once", also="inf"),

@@ -33,6 +33,12 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     "joint": joint.QUANTITIES, "spring": springs.QUANTITIES, "tendon": tendons.QUANTITIES,
     "line": fluids.LINE_QUANTITIES, "valve": fluids.VALVE_QUANTITIES, "load": loads.QUANTITIES,
     "drive": drive.QUANTITIES,
+    "solver": {
+        "residual": live("solver_residual", "m/s",
+                         "largest rate by which a step since the last sample violates the laws of "
+                         "contacts, limits, friction and motors; above 1e-8 m/s the step is "
+                         "approximate"),
+    },
     "group": {
         "contact.count": Quantity("1", "number of its bodies with a contact from outside",
                                   live=True, count=True),

@@ -77,6 +77,9 @@ def take(table: int, h: float, drive: Array) -> None:
         for k in range(count):
             copy_words(copies[i, 0] + 8 * k * copies[i, 3],
                        copies[i, 1] + 8 * (n * count + k) * words, words)
+    accuracy = at.accuracy(table)
+    at.kept_residual(table)[n] = max(accuracy[5], accuracy[0])  # at rest the last step repeats
+    accuracy[5] = 0.0
     kept_drive = at.kept_drive(table)
     for i in range(len(drive)):
         kept_drive[n, i] = drive[i]

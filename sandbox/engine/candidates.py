@@ -81,7 +81,7 @@ def tangent_row(h: float, body: Array, touches: Records, i: int, normal: int, ou
 
 @kernel
 def piled(table: int, joint: int) -> bool:
-    """Whether a joint's limits are solved with the contacts of a pile."""
+    """Whether a joint's limits, motors and friction are solved with the contacts of a pile."""
     loose, bodies, one = at.loose(table), at.pile_bodies(table), at.joints(table)[joint]
     i = max(loose[one["a"]], loose[one["b"]])
     return bool(i >= 0 and bodies[i]["piled"])
@@ -130,11 +130,12 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
     n = 0
     motors = at.motors(table)
     for i in range(len(motors)):
-        if holds(table, motors[i]["bond"]):
+        if holds(table, motors[i]["bond"]) and not piled(table, motors[i]["joint"]):
             motor_row(table, h, drive, i, n)
             n += 1
     for i in range(len(at.dry_friction(table))):
-        if joint_holds(table, at.dry_friction(table)[i]["joint"]):
+        joint = at.dry_friction(table)[i]["joint"]
+        if joint_holds(table, joint) and not piled(table, joint):
             n = friction_rows(table, h, i, n)
     for i in range(len(at.slips(table))):
         n = slip_rows(table, h, i, n)

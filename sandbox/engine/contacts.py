@@ -28,7 +28,7 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.numeric import Array, Records
+from sandbox.numeric import Array, Integers, Records
 
 AT_CORNER = 1e-4  # distance from a corner, as a share of the margin, that counts as none
 CONFORMING = 0.05  # minimum sum of two curvatures, as a share of their magnitudes
@@ -498,12 +498,9 @@ def _sort_found(table: int) -> int:
         raw[i]["by"] += two["margin"] * ny
         if one["body"] > two["body"]:  # the normal leads to the body with the higher number
             exchange(raw[i])
-        j = n
-        while j > 0 and _after(raw, order[j - 1], i):
-            order[j] = order[j - 1]
-            j -= 1
-        order[j] = i
+        order[n] = i
         n += 1
+    _sort(raw, order, n)
     return n
 
 
@@ -553,8 +550,24 @@ def _repeated(touches: Records, n: int) -> bool:
 
 
 @kernel
+def _sort(raw: Records, order: Integers, n: int) -> None:
+    """Sort the numbers of ``n`` contacts (Shell's method)."""
+    gap = 1
+    while gap < n // 3:
+        gap = 3 * gap + 1
+    while gap > 0:
+        for k in range(gap, n):
+            i, j = order[k], k
+            while j >= gap and _after(raw, order[j - gap], i):
+                order[j] = order[j - gap]
+                j -= gap
+            order[j] = i
+        gap //= 3
+
+
+@kernel
 def _after(raw: Records, i: int, j: int) -> bool:
-    """Whether contact i comes after contact j: by the lower shape, the higher one, the feature."""
+    """Whether contact i comes after contact j: by lower shape, higher one, feature, number."""
     one, other = raw[i], raw[j]
     low, low_other = min(one["shape_a"], one["shape_b"]), min(other["shape_a"], other["shape_b"])
     high = max(one["shape_a"], one["shape_b"])
@@ -563,7 +576,7 @@ def _after(raw: Records, i: int, j: int) -> bool:
         return bool(low > low_other)
     if high != high_other:
         return bool(high > high_other)
-    return bool(one["feature"] > other["feature"])
+    return bool(one["feature"] > other["feature"] or (one["feature"] == other["feature"] and i > j))
 
 
 @kernel

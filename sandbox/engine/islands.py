@@ -3,8 +3,8 @@
 Two free bodies are in one island if they are near enough to touch, or if a joint, a spring or a
 tendon acts on both. An island is a pile if its contacts have neither restitution nor static
 friction above sliding friction, and if all such islands together have more than :data:`MANY` rows,
-or that many that carry a force if there are joints. Motors, loads, fluids, joint friction,
-friction of guides and connections that can be released keep their bodies out.
+or that many that carry a force if there are joints. Some elements keep their bodies out:
+:func:`sandbox.engine.pile_rows.pile_tables`.
 :mod:`sandbox.engine.piles` solves piles; their contacts are compliant, with a stiffness k and a
 damping c that follow from the masses and the step. At the end of a step
 
@@ -37,14 +37,16 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.blocks import connect, find_slot, minimum_degree
-from sandbox.engine.bonds import joint_holds
+from sandbox.engine.bonds import holds, joint_holds
 from sandbox.engine.bounded import rate
 from sandbox.engine.candidates import RETURN, limit_row, normal_row, piled, tangent_row
 from sandbox.engine.entry_points import entry_point
+from sandbox.engine.friction import friction_rows, report_friction
 from sandbox.engine.kernel import kernel
+from sandbox.engine.motors import motor_row
 from sandbox.engine.pile_rows import set_blocks
 from sandbox.engine.report import add_limit
-from sandbox.engine.state import IN_PILE, TANGENT
+from sandbox.engine.state import DRIVEN, IN_PILE, JOINT_FRICTION, LIMITED, NORMAL, TANGENT
 
 MANY, FEW = 60, 30
 """Islands become piles with more rows than the first, and remain piles with more than the second.
@@ -167,12 +169,29 @@ def gather_piles(table: int, h: float) -> int:
     for k in range(n):
         root = bodies[_root(table, max(c[k]["a"], c[k]["b"]))]
         c[k]["tolerance"] = ABSOLUTE + RELATIVE * root["fastest"]
-    for i in range(len(limits) if at.pile_counts(table)[0] else 0):
-        joint = limits[i]["joint"]
-        if limits[i]["impulse"] > 0.0 and piled(table, joint) and joint_holds(table, joint):
-            _gather_limit(table, h, i, n)
-            n += 1
+    if at.pile_counts(table)[0]:
+        n = _gather_drives(table, h, n)
+        for i in range(len(limits)):
+            joint = limits[i]["joint"]
+            if limits[i]["impulse"] > 0.0 and piled(table, joint) and joint_holds(table, joint):
+                limit_row(table, h, i, at.rows(table)[len(at.rows(table)) - 1])
+                n = _gather_row(table, n)
     _find_order(table, n)
+    return n
+
+
+@kernel
+def _gather_drives(table: int, h: float, n: int) -> int:
+    """Add the motors and the dry friction of joints in piles to the ``n`` rows; how many then."""
+    motors, frictions, free = at.motors(table), at.dry_friction(table), len(at.rows(table)) - 1
+    for i in range(len(motors)):
+        if piled(table, motors[i]["joint"]) and holds(table, motors[i]["bond"]):
+            motor_row(table, h, at.last_drive(table), i, free)
+            n = _gather_row(table, n)
+    for i in range(len(frictions)):
+        if piled(table, frictions[i]["joint"]) and joint_holds(table, frictions[i]["joint"]):
+            friction_rows(table, h, i, free)
+            n = _gather_row(table, n)
     return n
 
 
@@ -201,12 +220,11 @@ def broken_limits(table: int, h: float, n: int) -> int:
         limit_row(table, h, i, row)
         new = rate(row, at.velocity(table)) + row["want"] < -ABSOLUTE
         for k in range(first - 1, -1, -1):
-            if not new or c[k]["touch"] >= 0:
+            if not new or c[k]["source"] != LIMITED:
                 break
-            new = c[k]["touch"] != -1 - i
+            new = c[k]["index"] != i
         if new:
-            _gather_limit(table, h, i, n)
-            n += 1
+            n = _gather_row(table, n)
     if n > first:
         _find_order(table, n)
     return n
@@ -235,28 +253,39 @@ def _find_order(table: int, n: int) -> None:
 
 
 @kernel
-def _gather_limit(table: int, h: float, i: int, k: int) -> None:
-    """Make limit ``i`` the ``k``-th row to solve: a contact without friction."""
-    one, J, row = at.piled(table)[k], at.pile_jacobian(table)[k], at.rows(table)[
-        len(at.rows(table)) - 1]
-    loose, velocity = at.loose(table), at.velocity(table)
-    limit_row(table, h, i, row)
-    one["factored"] = -1
-    one["touch"], one["a"], one["b"] = -1 - i, loose[row["a"]], loose[row["b"]]
-    J[0, 0], J[0, 1], J[0, 2] = row["ax"], row["ay"], row["at"]
-    J[1, 0], J[1, 1], J[1, 2] = row["bx"], row["by"], row["bt"]
+def _gather_row(table: int, k: int) -> int:
+    """Make the last of the bounded rows the ``k``-th to solve; the number of rows then.
+
+    A limit is a contact without friction. Motors and friction are the tangential part of a contact
+    whose normal impulse is 1 and acts on nothing, with their bound as coefficient of friction.
+    """
+    row = at.rows(table)[len(at.rows(table)) - 1]
+    one, J, velocity = at.piled(table)[k], at.pile_jacobian(table)[k], at.velocity(table)
+    a, b, limit = row["a"], row["b"], row["source"] == LIMITED
+    one["source"], one["index"], one["factored"] = row["source"], row["index"], -1
+    one["a"], one["b"] = at.loose(table)[a], at.loose(table)[b]
+    want = row["want"]
+    if one["a"] < 0:
+        want += row["ax"] * velocity[a, 0] + row["ay"] * velocity[a, 1] + row["at"] * velocity[a, 2]
+    if one["b"] < 0:
+        want += row["bx"] * velocity[b, 0] + row["by"] * velocity[b, 1] + row["bt"] * velocity[b, 2]
+    part = 0 if limit else 2
     for r in range(3):
-        J[2, r] = J[3, r] = 0.0
-    one["n_last"], one["t_last"], one["friction"] = at.limits(table)[i]["impulse"], 0.0, 0.0
-    one["base_n"], one["base_t"] = response(table, row), 1.0
-    one["soft_n"] = one["soft_t"] = one["want_t"] = one["along"] = one["bend"] = 0.0
-    one["want_n"] = row["want"]
-    for r in range(3):
-        if one["a"] < 0:
-            one["want_n"] += J[0, r] * velocity[row["a"], r]
-        if one["b"] < 0:
-            one["want_n"] += J[1, r] * velocity[row["b"], r]
+        J[0, r] = J[1, r] = J[2, r] = J[3, r] = 0.0
+    J[part, 0], J[part, 1], J[part, 2] = row["ax"], row["ay"], row["at"]
+    J[part + 1, 0], J[part + 1, 1], J[part + 1, 2] = row["bx"], row["by"], row["bt"]
+    one["soft_n"] = one["want_n"] = one["along"] = one["bend"] = 0.0
     one["tolerance"] = ABSOLUTE + RELATIVE * abs(rate(row, velocity))
+    base = response(table, row)
+    if limit:
+        one["n_last"], one["base_n"], one["want_n"] = row["last"], base, want
+        one["friction"] = one["t_last"] = one["soft_t"] = one["want_t"] = 0.0
+        one["base_t"] = 1.0
+    else:
+        one["n_last"] = one["base_n"] = 1.0
+        one["friction"], one["t_last"], one["base_t"] = row["high"], row["last"], base
+        one["soft_t"], one["want_t"] = row["soft"], want
+    return k + 1
 
 
 @kernel
@@ -268,7 +297,8 @@ def _gather(table: int, h: float, i: int, k: int) -> None:
     normal_row(h, at.touches(table), i, normal)
     tangent_row(h, at.body(table), at.touches(table), i, 0, tangent)
     one["factored"] = -1
-    one["touch"], one["a"], one["b"] = i, loose[t["a"]], loose[t["b"]]
+    one["source"], one["index"] = NORMAL, i
+    one["a"], one["b"] = loose[t["a"]], loose[t["b"]]
     one["friction"], one["n_last"], one["t_last"] = t["friction"], t["normal"], t["tangent"]
     J[0, 0], J[0, 1], J[0, 2] = normal["ax"], normal["ay"], normal["at"]
     J[1, 0], J[1, 1], J[1, 2] = normal["bx"], normal["by"], normal["bt"]
@@ -278,7 +308,7 @@ def _gather(table: int, h: float, i: int, k: int) -> None:
     _soften(table, h, t, one)
     one["bend"] = tangent["want"] - t["want_along"]
     if k > 0:  # points of one face slide at one rate
-        last = at.touches(table)[at.piled(table)[k - 1]["touch"]]
+        last = at.touches(table)[at.piled(table)[k - 1]["index"]]
         if last["shape_a"] == t["shape_a"] and last["shape_b"] == t["shape_b"]:
             one["bend"] = at.piled(table)[k - 1]["bend"]
     one["want_t"] = one["bend"] + one["along"]
@@ -352,22 +382,28 @@ def finish_piles(table: int, h: float, n: int) -> None:
             slow = abs(x) < SLOW and abs(y) < SLOW and abs(t) < SLOW_TURNING
             body["still"] = body["still"] + 1 if slow else 0
     for k in range(n):
-        one = c[k]
-        if one["touch"] < 0:
-            i = -1 - one["touch"]
+        one, i = c[k], c[k]["index"]
+        limit, p = one["friction"] * one["pn"], one["pt"]
+        slides = 0 if abs(p) < limit * (1.0 - 1e-12) else 1 if p > 0.0 else -1
+        if one["source"] == LIMITED:
             at.limits(table)[i]["impulse"] = max(one["pn"], 0.0)
             limit_row(table, h, i, rows[len(rows) - 1])
             rows[len(rows) - 1]["p"] = one["pn"]
             add_limit(table, h, len(rows) - 1)
             continue
-        touch = touches[one["touch"]]
-        touch["normal"], touch["tangent"] = one["pn"], one["pt"]
-        limit, p = one["friction"] * one["pn"], one["pt"]
-        touch["mode"] = 0
+        if one["source"] == DRIVEN:
+            motor = at.motors(table)[i]
+            motor["impulse"], motor["mode"], motor["target"] = p, slides, motor["aim"]
+            continue
+        if one["source"] == JOINT_FRICTION:
+            report_friction(table, h, i, p, slides, math.nan)
+            continue
+        touch = touches[i]
+        touch["normal"], touch["tangent"] = one["pn"], p
+        touch["mode"] = slides if one["pn"] > 0.0 else 0
         if one["pn"] <= 0.0:
             touch["stretch"] = 0.0
-        elif abs(p) >= limit * (1.0 - 1e-12):
-            touch["mode"] = 1 if p > 0.0 else -1
+        elif slides:
             touch["stretch"] = -p / (h * one["stiffness"])
         else:
             touch["stretch"] += h * (one["yt"] - one["along"])

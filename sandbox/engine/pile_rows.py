@@ -1,4 +1,4 @@
-"""Bilateral rows in piles: bodies that joints, springs and tendons connect, among other bodies.
+"""Bilateral rows in piles: bodies that joints, springs, tendons, fluids or loads act on.
 
 The matrix of a pile (:mod:`sandbox.engine.piles`) then has a node for up to three rows that act on
 the same bodies, besides one for each body. With H the block of the bodies, B the rows, c their
@@ -20,6 +20,7 @@ import numpy as np
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
 from sandbox.engine.plan import Pattern, backward, clear, forward
+from sandbox.engine.records import PLACED
 from sandbox.engine.rows import apply_impulses, right_side
 from sandbox.engine.state import Elements
 from sandbox.numeric import Array, Flags, Integers, Matrix, Records
@@ -61,7 +62,7 @@ def pile_tables(
         single[:] = False
     lowest = _clusters(count, [[body for body in group if body < count and free[body]]
                                for group in groups])
-    linked = _linked(elements, lowest, free & held)
+    linked = _linked(elements, rows, lowest, free & held)
     nodes: dict[tuple[int, ...], list[list[int]]] = {}
     for row, own in rows.items():
         bodies = sorted({body for body, _ in own if body < count and linked[body]})
@@ -88,15 +89,24 @@ def pile_tables(
         np.array(blocks, np.int64).reshape(-1, 2), np.array(entries, np.int64).reshape(-1, 3))
 
 
-def _linked(elements: Elements, lowest: Integers, held: Flags) -> Flags:
-    """Which of the bodies that rows act on may be in a pile, [nb]."""
-    if len(elements.slips) or len(elements.fluids) or len(elements.bonds):
-        return np.zeros_like(held)
-    out = np.zeros_like(held)
-    driven = elements.joints[elements.dry_friction["joint"]]
-    for bodies in (elements.motors["a"], elements.motors["b"], elements.loaded["body"],
-                   driven["a"], driven["b"]):
-        out[bodies] = held[bodies]
+def _linked(
+    elements: Elements, rows: dict[int, list[tuple[int, int]]], lowest: Integers, held: Flags,
+) -> Flags:
+    """Which of the bodies that rows act on may be in a pile, [nb].
+
+    None of a cluster with a bound that depends on other impulses, coupled lines, or bounded rows
+    that can be released.
+    """
+    joints, motors, frictions = elements.joints, elements.motors, elements.dry_friction
+    bounded = np.concatenate([elements.limits["joint"], motors["joint"], frictions["joint"]])
+    direct = joints[np.concatenate([
+        motors["joint"][motors["law"] == PLACED], bounded[joints["bond"][bounded] >= 0],
+        frictions["joint"][(frictions["share"] > 0.0) | (frictions["static"] > 1.0)]])]
+    between = elements.valves[elements.valves["slot"] >= 0]  # their lines share a coefficient
+    coupled = set(elements.fluids["row"][[*between["a"], *between["b"]]].tolist())
+    bodies = {body for row, own in rows.items()
+              if row in coupled or any(body >= len(held) for body, _ in own) for body, _ in own}
+    out = np.isin(np.arange(len(held)), [*direct["a"], *direct["b"], *bodies]) & held
     return np.asarray(held & ~np.isin(lowest, lowest[out]))
 
 

@@ -14,7 +14,8 @@ The law is regularised by a share e of each row's own response G, R = 1 / (e G +
 and solved again with p0 = p until the residual of the law without e is below the tolerance. The
 derivative of F is M plus 3 x 3 blocks of bodies that touch; it is factored sparsely
 (:mod:`sandbox.engine.blocks`), with the rows of joints, springs and tendons as further unknowns
-(:mod:`sandbox.engine.pile_rows`). Limits of joints are contacts without friction. Where Newton's
+(:mod:`sandbox.engine.pile_rows`). Limits of joints are contacts without friction; motors and dry
+friction of joints are tangential rows with a constant bound. Where Newton's
 method does not converge, Gauss-Seidel sweeps find a better start and e grows. Momentum is exact in
 any case: v follows from the impulses.
 
@@ -47,6 +48,8 @@ MAX_LINKED, ENOUGH = 0.1, 0.01
 impulses of the last step are kept. Rates fall below those at which a mechanism rests."""
 ROUNDS, STEPS, HALVINGS, SWEEPS = 100, 12, 4, 50
 """Proximal rounds, Newton steps in each, halvings of a step, sweeps after a failed round."""
+CYCLE = 16
+"""Number of rounds after which e changes by smaller factors: rounds may repeat in a cycle."""
 LAST = -1
 """As the number of a solve: the one at the end of a step."""
 LIMIT_ROUNDS = 10
@@ -121,7 +124,7 @@ def solve_contacts(table: int, n: int) -> float:
     for round in range(ROUNDS):
         if best <= (enough if round == 0 else 1.0):
             break
-        start = found
+        start, power = found, 1.0 / (1.0 + round // CYCLE)
         _regularise(c, n, share)
         converged = False
         for _ in range(STEPS):
@@ -144,7 +147,7 @@ def solve_contacts(table: int, n: int) -> float:
             break
         if converged:
             if found > 0.3 * before:  # what sticks cannot: let it slip sooner
-                share = max(0.1 * share, MIN_SHARE)
+                share = max(0.1 ** power * share, MIN_SHARE)
             before = found
             for k in range(n):
                 c[k]["n0"], c[k]["t0"] = c[k]["pn"], c[k]["pt"]
@@ -154,7 +157,7 @@ def solve_contacts(table: int, n: int) -> float:
                 best = found
                 _keep(c, n)
             at_best = found == best
-            share, before = min(max_share, max(1e-4, 10.0 * share)), math.inf
+            share, before = min(max_share, max(1e-4, 10.0 ** power * share)), math.inf
         _rates(c, J, n, v, True)
     for k in range(n):
         c[k]["pn"], c[k]["pt"] = c[k]["n_best"], c[k]["t_best"]

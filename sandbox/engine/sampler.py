@@ -127,6 +127,7 @@ class Sampler:
         arrays["line_ahead"][:] = lines["ahead"] * self.world.h
         arrays["load_force"][:, elements.loads["number"]] = np.stack(
             [loads["fx"], loads["fy"]], axis=-1)
+        arrays["solver_residual"][:, 0] = kept.residual[:n]
         self._write_drives(arrays, n)
         self.builder.put(done, arrays)
         sample = np.repeat(np.arange(done, done + n), np.diff(kept.fill[:n], prepend=0))
@@ -275,6 +276,8 @@ class Readings:
         source = self.catalogue.find(name)
         if not is_live(source.kind, source.quantity):
             raise KeyError(name)
+        if source.kind == "solver":
+            return _item(self.tables.state.accuracy, 0)
         if source.quantity in BOND_QUANTITIES:
             number = self.model.bonds.of(source.kind)[source.index]
             return _item(self.tables.elements.bonds["held"], int(number))

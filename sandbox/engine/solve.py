@@ -53,7 +53,7 @@ from sandbox.engine.impacts import (
     leave,
     take_impacts,
 )
-from sandbox.engine.islands import list_piles, stretch_skin
+from sandbox.engine.islands import SLOW, SLOW_TURNING, list_piles, stretch_skin
 from sandbox.engine.kernel import kernel
 from sandbox.engine.piles import LAST, solve_piles
 from sandbox.engine.plan import assemble, backward, factor, forward, put
@@ -311,7 +311,7 @@ def _note_accuracy(table: int, n: int, slack: float, piles: float) -> None:
     else:
         for k in range(n):
             worst = max(worst, residual(rows, n, G, k))
-    accuracy[0] = worst
+    accuracy[0], accuracy[5] = worst, max(accuracy[5], worst)
     if worst > accuracy[1]:
         accuracy[1], accuracy[2] = worst, at.made(table)[0]
     if worst > COARSE:
@@ -337,9 +337,11 @@ def _rest(table: int) -> None:
     """Let bodies stand that move by no more than rounding, all of them or none."""
     velocity, count = at.velocity(table), at.standing(table)
     before, count[1] = count[1], 0
+    linked = at.pile_counts(table)[0] == 1
+    slow, turning = (SLOW, SLOW_TURNING) if linked else (STILL, STILL_TURNING)
     for b in range(len(velocity)):
-        if not (abs(velocity[b, 0]) < STILL and abs(velocity[b, 1]) < STILL
-                and abs(velocity[b, 2]) < STILL_TURNING):
+        if not (abs(velocity[b, 0]) < slow and abs(velocity[b, 1]) < slow
+                and abs(velocity[b, 2]) < turning):
             return
     belts, changing = at.belts(table), is_changing(table)
     for b in range(len(velocity)):

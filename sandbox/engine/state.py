@@ -127,7 +127,8 @@ PILE_BODY = np.dtype([
     ("fastest", float),     # of the lowest: the largest free rate of the island's contacts [m/s]
 ])  # a free body that may be in a pile (islands)
 PILED = np.dtype([
-    ("touch", np.int64),    # TOUCH, or -1 - LIMIT
+    ("source", np.int64),   # NORMAL, LIMITED, DRIVEN or JOINT_FRICTION
+    ("index", np.int64),    # its TOUCH, LIMIT, MOTOR or DRY_FRICTION
     ("a", np.int64), ("b", np.int64),   # PILE_BODY or -1
     ("slot", np.int64),     # block of the two
     ("mode", np.int64),
@@ -143,7 +144,7 @@ PILED = np.dtype([
         "base_n", "base_t",     # response of the bodies to an impulse of 1
         "stiffness", "along",   # tangential [N/m]; what of want_t its spring gives
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
-])  # a contact of a pile while its step is solved (piles)
+])  # a contact or a bounded row of a joint in a pile while its step is solved (piles)
 IN_PILE = -1  # value of a contact's "listed" that keeps it from the rows of the direct solver
 AWAY, CLOSING, RESTING = 0, 1, 2  # phases of a contact: free; hit, gap closing; in contact
 
@@ -242,8 +243,9 @@ class State(NamedTuple):
     pile_place: Annotated[Integers, "nodes"]
     """Place in the order of elimination of bodies of piles and of their nodes of rows, -1 without
     an order."""
-    accuracy: Annotated[Array, "5"]
-    """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE."""
+    accuracy: Annotated[Array, "6"]
+    """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE;
+    maximum since the last sample."""
 
 
 class Result(NamedTuple):
@@ -313,6 +315,7 @@ class Snapshot(NamedTuple):
     copied: Mapping[str, Records]  # samples of the tables in `SAMPLED`
     copies: Annotated[Integers, "copies 5"]
     """Addresses of the first record and sample; records; words of a record, words to copy."""
+    residual: Annotated[Array, "samples"]  # maximum since the sample before [m/s, rad/s]
     drive: Annotated[Array, "samples drives"]  # values of the drives in the step of each sample
     contacts: Annotated[Records, CONTACT, "contacts"]  # of all samples, one after the other
     fill: Annotated[Integers, "samples"]  # how many contacts there are up to the end of each sample

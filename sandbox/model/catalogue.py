@@ -3,6 +3,7 @@
 A name is ``<element>.<quantity>``; the element is the longest element name
 that leaves a quantity which that element has. Pairs are ``<body>/<body>.normal``
 and are not listed, since there are too many; a pattern with ``/`` finds them.
+``solver.residual`` is not listed either: it is of the run, not of an element.
 Needs a mechanism only, no run.
 """
 
@@ -31,7 +32,7 @@ from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import MAX_COMPARED, is_pattern, listed, nearest, quoted
 
-PAIR = quantities_of("pair")
+PAIR, SOLVER = quantities_of("pair"), quantities_of("solver")
 MAX_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)  # in a message: all of an object
 
 
@@ -216,7 +217,9 @@ class Catalogue:
             quantity = name[len(head) + 1:]
             if quantity in element.quantities:
                 return Source(element.kind, element.index, quantity, element.quantities[quantity])
-        return None
+        head, _, quantity = name.partition(".")
+        return Source("solver", 0, quantity, SOLVER[quantity]) if (
+            head == "solver" and quantity in SOLVER) else None
 
     def _pair(self, name: str) -> Source | None:
         first, _, rest = name.partition("/")

@@ -131,6 +131,7 @@ def test_pile() -> Iterator[Check]:
         simulation = Simulation(load_scene(pile(40, shape=shape, duration=2.0)))
         simulation.run()
         run, found = simulation.recording(), simulation.recording().info.contact_solver
+        assert run["solver.residual"].max() == found["residual"] > 0.0
         yield Check(f"largest residual, {shape}", "m/s", 0.0, found["residual"], 1e-8,
                     "the solver's tolerance at 10 m/s and some to spare")
         yield Check(f"force on the floor, {shape}", "N", 40 * 0.05 * G,
@@ -162,9 +163,14 @@ def test_column() -> Iterator[Check]:
 
 
 def linked(copies: int) -> Json:
-    """Groups of four hinged discs with a tendon and of two loose ones, which fall far apart."""
-    bodies, joints, tendons = [fixed("floor", material="soft", shapes=[
-        {"type": "box", "size": (40.0, 0.05), "at": (0.0, -0.025)}])], [], []
+    """Groups of four hinged discs with a tendon and of two loose ones, which fall far apart.
+
+    A motor, a brake, dry friction, gas, drag and a release act on each.
+    """
+    bodies = [fixed("floor", material="soft", shapes=[
+        {"type": "box", "size": (40.0, 0.05), "at": (0.0, -0.025)}])]
+    more: dict[str, list[Json]] = {
+        key: [] for key in ("joints", "tendons", "drives", "lines", "loads", "events")}
     for c in range(copies):
         places = [(f"link{c}_{i}", 0.03, 0.008, (0.5 * c + 0.04 * i, 0.06)) for i in range(4)]
         places += [(f"low{c}", 0.05, 0.015, (0.5 * c + 0.05, 0.02)),
@@ -172,16 +178,29 @@ def linked(copies: int) -> Json:
         bodies += [{"name": name, "mass": kilograms, "material": "soft", "at": at,
                     "shapes": [{"type": "circle", "radius": r}]}
                    for name, kilograms, r, at in places]
-        joints += [pin(f"pin{c}_{i}", f"link{c}_{i}", f"link{c}_{i + 1}", on_a=(0.02, 0.0),
-                       on_b=(-0.02, 0.0)) for i in range(3)]
-        tendons.append(cable(f"tendon{c}", (f"link{c}_0",), (f"link{c}_3",), stiffness=1e6,
-                             damping=50.0))
+        more["joints"] += [pin(f"pin{c}_{i}", f"link{c}_{i}", f"link{c}_{i + 1}", on_a=(0.02, 0.0),
+                               on_b=(-0.02, 0.0)) for i in range(3)]
+        more["joints"][-1]["friction"] = 0.003
+        more["tendons"].append(cable(
+            f"tendon{c}", (f"link{c}_0",), (f"link{c}_3",), stiffness=50.0, damping=0.1,
+            breaks_at=1e3, rest_length=0.1))
+        more["drives"] += [
+            {"type": "motor", "name": f"motor{c}", "joint": f"pin{c}_1", "torque": 0.02,
+             "value": {"table": [[0.0, 0.0], [0.2, 6.0], [0.5, -6.0]]}},
+            {"type": "brake", "name": f"brake{c}", "joint": f"pin{c}_0", "value": 0.004}]
+        more["lines"].append({"name": f"gas{c}", "volume": 1e-6, "gas": 1.4, "chambers": [
+            {"type": "vane", "joint": f"pin{c}_{i}", "displacement": 1e-7} for i in (0, 2)]})
+        more["loads"].append({
+            "type": "drag", "name": f"drag{c}", "bodies": [f"link{c}_1", f"low{c}"],
+            "linear": 0.05, "area": 0.01, "coefficient": 1.0, "density": 1000.0})
+        more["events"].append({"name": f"let{c}", "at": 0.3, "release": [f"tendon{c}"]})
     return {"format": 1, "run": {"duration": 0.5, "step": 1e-3, "sample_rate": 100},
-            "gravity": [0.0, -G], "bodies": bodies, "joints": joints, "tendons": tendons,
+            "gravity": [0.0, -G], "bodies": bodies, **more,
             "materials": {"soft": {"friction": 0.4, "skin": {"stiffness": 2e4, "damping": 2.0}}}}
 
 
-@case("Joints and tendons among many contacts", "the same motion, force and law by another solver",
+@case("Joints, tendons, drives, loads and fluids among many contacts",
+      "the same motion, force and law by another solver",
       "four hinged discs and two loose ones with soft skin, alone and twenty times, h = 1 ms")
 def test_linked_bodies() -> Iterator[Check]:
     runs = {}
@@ -191,6 +210,7 @@ def test_linked_bodies() -> Iterator[Check]:
         runs[copies] = simulation.recording()
     one, many = runs[1], runs[20]
     assert "compliant_steps" not in one.info.contact_solver
+    assert one["gas0.pressure"].max() > 1e3
     assert many.info.contact_solver["compliant_steps"] > 300
     for name in ("link0_0", "link0_3", "low0", "high0"):
         for axis in "xy":
@@ -199,6 +219,8 @@ def test_linked_bodies() -> Iterator[Check]:
                         "residuals of 1e-10 m/s, which discs that roll off each other amplify")
     off = np.abs(one["pin0_1.reaction"][-20:] - many["pin0_1.reaction"][-20:]).max()
     yield Check("reaction of a hinge", "N", 0.0, float(off), 1e-3, "the same")
+    off = np.abs(one["motor0.torque"] - many["motor0.torque"]).max()
+    yield Check("torque of a motor", "N m", 0.0, float(off), 1e-5, "the same")
 
 
 @case("Discs in a bag of chain", "pins carry Σ m g; joints stay closed", "scene chain_bag")
