@@ -23,7 +23,7 @@ from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references, check_unread
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
-from sandbox.scene.library import shipped_scenes
+from sandbox.scene.library import find_scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_size, over
@@ -44,7 +44,6 @@ from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path
 from sandbox.values.spec import Spec
 from sandbox.wording import kind_of, quoted
 
-FORMAT = 1  # the version of the scene format that is read
 MAX_EXPLAINED = 5_000  # number of invalid values that are explained one by one
 LISTS = (*MECHANISM_LISTS, "parts")
 
@@ -141,13 +140,7 @@ def _from_file(source: str | os.PathLike[str], limits: Limits) -> SceneSource:
             "bad-argument", f"{quoted(source)} is no scene", "source",
             allowed="a path, the name of a shipped scene, or a mapping with the content of a "
             "file")])
-    path = Path(text)
-    if path.suffix != ".json" and len(path.parts) == 1:
-        try:
-            there = path.exists() and not path.is_dir()
-        except (OSError, ValueError):  # no file can have this name; reading it reports that
-            there = True
-        path = path if there else shipped_scenes().get(path.name, path)
+    path = find_scene(text)
     found = read_source(path, limits=limits)
     if isinstance(found.data, dict):
         # a file's name is bytes, which need not be text
@@ -220,11 +213,6 @@ class _Loading:
             data = {**data, "parameters": dict(values)}
         if tables := resolved_tables(data.get("tables"), values):
             values = NamedValues({**values, **tables})
-        given = data.get("format")
-        if isinstance(given, int) and not isinstance(given, bool) and given > FORMAT:
-            self.report([Problem("unsupported-format", f"this scene has format {given}; this "
-                                 f"version of sandbox reads format {FORMAT}", "$.format")])
-            self.ignored.add(("format",))
         return self._validated(data, {
             "parameters": values, "folder": self.source.path and self.source.path.parent})
 

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
 from sandbox.errors import Problem, SceneError
-from sandbox.scene.library import scenes_beside, shipped_scenes
+from sandbox.scene.library import scenes_beside, shipped_scenes, similar_scene
 from sandbox.scene.read.limits import Limits
 from sandbox.values.paths import JsonPath, shown_path
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
@@ -111,24 +111,19 @@ def first_problems(problems: Sequence[Problem], limit: int) -> list[Problem]:
 
 
 def _read(path: Path, limits: Limits) -> bytes:
-    def neighbour(path: Path) -> str:
-        beside = {each.name: str(each) for each in scenes_beside(path)}
-        found = near(path.name, beside)
-        return repr(beside[found.strip("'\"")]) if found else near(path.stem, shipped_scenes())
-
     try:
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
             raise WrongValueError("file-not-found", "this is a directory, not a scene's file",
-                                  hint=neighbour(path / "scene.json"))
+                                  hint=similar_scene(path / "scene.json"))
         if status.st_size <= limits.file_bytes:
             with path.open("rb") as file:
                 content = file.read(limits.file_bytes + 1)
             if len(content) <= limits.file_bytes:
                 return content
     except (FileNotFoundError, NotADirectoryError):
-        raise WrongValueError("file-not-found", "there is no such file",
-                              hint=neighbour(path)) from None
+        raise WrongValueError(
+            "file-not-found", "there is no such file", hint=similar_scene(path)) from None
     except WrongValueError:
         raise
     except (OSError, ValueError) as error:
