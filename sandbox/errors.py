@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import linecache
+import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from types import TracebackType
@@ -44,12 +45,9 @@ def checked(code: str) -> str:
 
 def _own_lines(trace: TracebackType | None) -> Iterator[str]:
     """Yield the lines of a traceback outside this package and IPython."""
-    while trace is not None:
-        frame = trace.tb_frame
+    for frame, line in traceback.walk_tb(trace):
         if frame.f_globals.get("__name__", "").partition(".")[0] not in ("sandbox", "IPython"):
-            code = linecache.getline(frame.f_code.co_filename, trace.tb_lineno).strip()
-            yield f"line {trace.tb_lineno}: {code}"
-        trace = trace.tb_next
+            yield f"line {line}: {linecache.getline(frame.f_code.co_filename, line).strip()}"
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from sandbox.scene.mechanism import ElementLists
 from sandbox.scene.parts.expansion import Elements, Known, PartError
 from sandbox.scene.parts.placement import Mover, Placement
 from sandbox.scene.settings import Group
-from sandbox.wording import NearMisses
+from sandbox.wording import NearMisses, quoted
 
 if TYPE_CHECKING:
     from sandbox.scene.document import Assembly, Scene
@@ -34,7 +34,12 @@ def expand_parts(
     pulled |= {leaf.name for part in scene.parts for leaf in part.leaves}
     problems: list[Problem] = []
     pullers: dict[tuple[str, tuple[float, float]], str] = {}
+    first: dict[str, int] = {}
     for i, part in enumerate(scene.parts):
+        if first.setdefault(part.name, i) != i:
+            problems.append(Problem("duplicate-name", f"the name {quoted(part.name)} is taken by "
+                                    f"parts[{first[part.name]}]", f"$.parts[{i}].name",
+                                    allowed="a unique name for every part"))
         for j, leaf in enumerate(part.leaves):
             key, path = (leaf.name.removesuffix(".tendon"), leaf.at), f"$.parts[{i}].pulls[{j}]"
             if key in pullers:  # a tendon has one end

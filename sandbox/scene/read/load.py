@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numbers
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -256,7 +256,6 @@ class _Loading:
 
     def _checked(self, scene: Scene, readable: _Readable) -> Mechanism:
         """The mechanism of a scene, after checks of parts, units, names and sizes."""
-        self.report(same_name := list(_parts_of_same_name(scene, readable)))
         count = sum(part.body_count for part in scene.parts)
         if too_large := list(over(self.limits, "bodies", count, "$.parts",
                                   "the parts have {count} bodies and more")):
@@ -280,9 +279,7 @@ class _Loading:
             self.report([replace(found, path=path_text(path))])
         for problem in [*check_references(mechanism, assumed=readable.assumed),
                         *check_ranges(mechanism)]:
-            found = relocate(problem)
-            if not (same_name and parse_path(found.path)[:1] == ("parts",)):
-                self.report([readable.located(found)])
+            self.report([readable.located(relocate(problem))])
         return mechanism
 
     def report(self, problems: Iterable[Problem]) -> None:
@@ -345,16 +342,6 @@ class _Readable:
         if len(path) > 1 and path[0] in self.kept and isinstance(path[1], int):
             path = (path[0], self.kept[str(path[0])][path[1]], *path[2:])
         return replace(problem, path=path_text(path))
-
-
-def _parts_of_same_name(scene: Scene, readable: _Readable) -> Iterator[Problem]:
-    first: dict[str, int] = {}
-    for i, part in enumerate(scene.parts):
-        if first.setdefault(part.name, i) != i:
-            other = path_text(("parts", readable.kept["parts"][first[part.name]]))
-            yield readable.located(Problem("duplicate-name", f"the name {quoted(part.name)} is "
-                                           f"taken by {other}", f"$.parts[{i}].name",
-                                           allowed="a unique name for every part"))
 
 
 def sound(scene: Scene | Mechanism) -> Mechanism:

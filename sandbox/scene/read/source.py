@@ -58,7 +58,7 @@ class SceneSource:
         while path and path not in self._scan.places:
             path, key = path[:-1], False
         place = self._scan.places[path]
-        return self._scan.lines.at(place.key if key and place.key >= 0 else place.value)
+        return self._scan.position(place.key if key and place.key >= 0 else place.value)
 
 
 def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSource:
@@ -75,8 +75,8 @@ def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSourc
         what = f"the file is not UTF-8 text (byte 0x{content[error.start]:02x})"
         if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
             what = "the file is UTF-16 text; save it as UTF-8"
-        raise SceneError([Problem("invalid-json", what, "$", *Lines(before).at(len(before)))],
-                         name) from None
+        raise SceneError([Problem("invalid-json", what, "$", before.count("\n") + 1,
+                                  len(before) - before.rfind("\n"))], name) from None
     return replace(parse_source(text, name=name, limits=limits), path=path)
 
 
@@ -112,26 +112,22 @@ def first_problems(problems: Sequence[Problem], limit: int) -> list[Problem]:
 
 def _read(path: Path, limits: Limits) -> bytes:
     try:
-        status = path.stat()
-        if stat.S_ISDIR(status.st_mode):
-            raise WrongValueError("file-not-found", "this is a directory, not a scene's file",
-                                  hint=similar_scene(path / "scene.json"))
-        if status.st_size <= limits.file_bytes:
-            with path.open("rb") as file:
-                content = file.read(limits.file_bytes + 1)
-            if len(content) <= limits.file_bytes:
-                return content
+        with path.open("rb") as file:
+            content = file.read(limits.file_bytes + 1)
+    except IsADirectoryError:
+        raise WrongValueError("file-not-found", "this is a directory, not a scene's file",
+                              hint=similar_scene(path / "scene.json")) from None
     except (FileNotFoundError, NotADirectoryError):
         raise WrongValueError(
             "file-not-found", "there is no such file", hint=similar_scene(path)) from None
-    except WrongValueError:
-        raise
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise WrongValueError("file-not-found", f"the file cannot be read: {reason}") from None
-    raise WrongValueError("limit-exceeded", "the file is larger than the limit 'file_bytes' of "
-                          f"{limits.file_bytes} bytes",
-                          allowed="a larger one when the limit is raised")
+    if len(content) > limits.file_bytes:
+        raise WrongValueError("limit-exceeded", "the file is larger than the limit 'file_bytes' of "
+                              f"{limits.file_bytes} bytes",
+                              allowed="a larger one when the limit is raised")
+    return content
 
 
 @dataclass
@@ -141,10 +137,10 @@ class Library:
     main: SceneSource
     limits: Limits
     read: dict[Path, SceneSource] = field(default_factory=dict)
-    size: int = 0  # of all files together [bytes]
+    size: int = 0  # of all files together [characters]
 
     def __post_init__(self) -> None:
-        self.size = len(self.main.text.encode("utf-8", "surrogatepass"))
+        self.size = len(self.main.text)
 
     def find(self, name: Any) -> Path:
         """The file that an ``include`` names."""
@@ -187,13 +183,6 @@ class Library:
         if path in self.read:
             return self.read[path]
         name = str(Path(self.main.name).parent / path.name) if self.main.name else path.name
-        with contextlib.suppress(OSError):  # reading it reports why
-            self.size += path.stat().st_size
-        if self.size > self.limits.file_bytes:
-            raise WrongValueError("limit-exceeded", f"with {quoted(path.name)} the files of this "
-                                  "scene are larger than the limit 'file_bytes' of "
-                                  f"{self.limits.file_bytes} bytes", allowed="larger ones when the "
-                                  "limit is raised")
         try:
             found = replace(read_source(path, limits=self.limits), name=name)
             if not isinstance(found.data, dict):
@@ -202,6 +191,12 @@ class Library:
         except SceneError as error:
             raise SceneError([replace(problem, file=name)
                               for problem in error.problems], name) from None
+        self.size += len(found.text)
+        if self.size > self.limits.file_bytes:
+            raise WrongValueError("limit-exceeded", f"with {quoted(path.name)} the files of this "
+                                  "scene are larger than the limit 'file_bytes' of "
+                                  f"{self.limits.file_bytes} bytes", allowed="larger ones when the "
+                                  "limit is raised")
         self.read[path] = found
         return found
 
@@ -210,22 +205,6 @@ def half_character(text: str) -> str:
     """The fault of a text with a lone surrogate, which no file can hold; empty without one."""
     found = _SURROGATE.search(text)
     return f"the text has half a character (\\u{ord(found.group()):04x}) in it" if found else ""
-
-
-class Lines:
-    """Lines of a text."""
-
-    def __init__(self, text: str) -> None:
-        self.text = text
-
-    @cached_property
-    def _starts(self) -> list[int]:
-        return [0, *(match.end() for match in re.finditer("\n", self.text))]
-
-    def at(self, offset: int) -> tuple[int, int]:
-        """Line and column, both from 1, of an offset."""
-        line = bisect_right(self._starts, offset)
-        return line, offset - self._starts[line - 1] + 1
 
 
 class Place(NamedTuple):
@@ -253,15 +232,22 @@ class Scan:
     """The place of every value of a JSON text, and all faults up to the first of its syntax."""
 
     def __init__(self, text: str, limits: Limits) -> None:
-        self.text, self.limits, self.lines = text, limits, Lines(text)
+        self.text, self.limits = text, limits
+        self.lines = [0, *(match.end() for match in re.finditer("\n", text))]
+        """Offsets of the first characters of all lines."""
         self.places: dict[JsonPath, Place] = {}
         self.faults: list[Problem] = []
         self.path: JsonPath = ()
         with contextlib.suppress(_SyntaxError):
             self._scan()
 
+    def position(self, offset: int) -> tuple[int, int]:
+        """Line and column, both from 1, of an offset."""
+        line = bisect_right(self.lines, offset)
+        return line, offset - self.lines[line - 1] + 1
+
     def _note(self, message: str, offset: int, code: str = "invalid-json") -> None:
-        self.faults.append(Problem(code, message, shown_path(self.path), *self.lines.at(offset)))
+        self.faults.append(Problem(code, message, shown_path(self.path), *self.position(offset)))
 
     def _fail(self, message: str, offset: int, code: str = "invalid-json") -> NoReturn:
         self._note(message, offset, code)
@@ -295,7 +281,7 @@ class Scan:
                     self._fail('expected a key in double quotes, such as "name"', at)
                 name, key, before = self._string(token, at), at, "key"
                 if holder.keys.setdefault(name, at) != at:
-                    line, column = self.lines.at(holder.keys[name])
+                    line, column = self.position(holder.keys[name])
                     self.path = (*holder.path, name)
                     self._note(f"the key {json.dumps(name[:60])} is repeated, first at line "
                                f"{line}, column {column}", at)
@@ -311,7 +297,7 @@ class Scan:
                         self.path, "}" if token == "{" else "]", at, count(), {})
                 self.path = holder.path
         if around:
-            line, column = self.lines.at(holder.start)
+            line, column = self.position(holder.start)
             kind = "object" if holder.closing == "}" else "list"
             self._fail(f"the file ends inside the {kind} that begins at line {line}, column "
                        f"{column}", len(self.text))
