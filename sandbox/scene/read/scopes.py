@@ -286,10 +286,16 @@ class Repeat(Spec):
     """Copies of an entry, with names that have a value in each of them."""
 
     index: IndexName = "i"
-    count: Annotated[int | None, BeforeValidator(_count)] = None
+    """Name of the index; i by default."""
+    count: Annotated[int | None, BeforeValidator(
+        _count, json_schema_input_type=Annotated[int, Field(ge=1)] | str)] = None
+    """Number of copies; the index counts them from 0."""
     entries: Annotated[tuple[Row, ...] | None, Field(alias="list", min_length=1)] = None
-    line: Pair[Coordinate] | None = None  # from one copy to the next [m]
-    circle: Pair[Coordinate] | None = None  # centre of a full turn [m]
+    """A value of the index for each copy, or an object of names and values."""
+    line: Pair[Coordinate] | None = None
+    """From one copy to the next [m]."""
+    circle: Pair[Coordinate] | None = None
+    """Centre of the circle that the copies go round [m]."""
 
     @field_validator("circle")
     @classmethod
