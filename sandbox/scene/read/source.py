@@ -10,7 +10,6 @@ import contextlib
 import json
 import math
 import re
-import stat
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -161,8 +160,7 @@ class Library:
         path = folder / f"{stem}.json"
         try:
             real = path.resolve(strict=True)
-            linked = real.parent != folder.resolve(strict=True)
-            regular = stat.S_ISREG(real.stat().st_mode)
+            own = real.parent == folder.resolve(strict=True) and real.is_file()
         except (OSError, RuntimeError):
             copied = (f"; 'sandbox new {stem}' copies the shipped one"
                       if stem in shipped_scenes() else "")
@@ -170,12 +168,10 @@ class Library:
                 "bad-include", f"there is no scene {quoted(stem)} beside this one{copied}",
                 hint=near(stem, others),
                 allowed=listed(others) or "none: no other scene is in the folder") from None
-        if linked:
+        if not own:
             raise WrongValueError("bad-include", f"{quoted(path.name)} is a link that leads out of "
-                                  "this scene's folder", allowed="a file of the folder itself")
-        if not regular:
-            raise WrongValueError("bad-include",
-                                  f"{quoted(path.name)} is no file that holds a scene")
+                                  "this scene's folder, or no file", allowed="a file of the folder "
+                                  "itself")
         return real
 
     def open(self, path: Path) -> SceneSource:
