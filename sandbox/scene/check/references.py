@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import fnmatch
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from itertools import accumulate
-from typing import Any
 
 from sandbox.elements.element import (
     NAMED,
@@ -17,9 +16,8 @@ from sandbox.elements.element import (
     references,
     tag_of,
 )
-from sandbox.elements.joint import JointSpec
 from sandbox.elements.quantities import GRASP, reserved
-from sandbox.elements.registry import KINDS, kind_of
+from sandbox.elements.registry import KINDS
 from sandbox.errors import Problem
 from sandbox.scene.check.control import check_control
 from sandbox.scene.layers import BY_ROLE, EVERY, meant
@@ -40,35 +38,6 @@ def check_references(
     names = _References(mechanism, assumed)
     return [*names.names(), *names.elements(), *names.others(),
             *check_control(mechanism, names.is_assumed)]
-
-
-def check_unread(
-    unread: Mapping[str, Mapping[int, Any]], mechanism: Mechanism, assumed: Collection[str],
-) -> Iterator[Problem]:
-    """Unknown and duplicate names in the data of unreadable elements, by kind and index."""
-    names = _References(mechanism, assumed)
-    taken = {name: kind for kind in reversed([*NAMED]) for name in names.known[kind]}
-    for kind, entries in unread.items():
-        for i, entry in entries.items():
-            if not isinstance(entry, dict):
-                continue
-            path, name = f"$.{kind}[{i}]", entry.get("name")
-            if isinstance(name, str) and kind in NAMED:
-                if name in taken:
-                    yield _taken(name, kind, taken[name], f"{path}.name")
-                taken.setdefault(name, kind)
-            model = kind_of(kind, entry) or (JointSpec if kind == "joints" else None)
-            for place, reference, named in references(model, entry, path) if model else ():
-                if reference.among != "tendons" or named not in names.pulled_groups:
-                    # the name of a group becomes its tendon when the element is read
-                    yield from names.target(model, reference, named, place)
-
-
-def _taken(name: str, kind: str, first: str, path: str) -> Problem:
-    """A name of an element of a kind that one of the ``first`` kind has, too."""
-    return Problem("duplicate-name", f"the name {quoted(name)} is already that of "
-                   f"{'another' if first == kind else 'a'} {NAMED[first].one}", path,
-                   allowed="a unique name for every element")
 
 
 class _References:
@@ -128,7 +97,11 @@ class _References:
             for i, element in enumerate(getattr(self.mechanism, kind)):
                 path = f"$.{kind}[{i}].name"
                 if element.name in first:
-                    yield _taken(element.name, kind, first[element.name][0], path)
+                    other = first[element.name][0]
+                    yield Problem("duplicate-name", f"the name {quoted(element.name)} is already "
+                                  f"that of {'another' if other == kind else 'a'} "
+                                  f"{NAMED[other].one}", path,
+                                  allowed="a unique name for every element")
                 first.setdefault(element.name, (kind, path))
         taken = {kind: reserved(kind) for kind in NAMED}
         objects = {body.name for body in self.mechanism.bodies if body.role == "object"}
@@ -148,7 +121,7 @@ class _References:
         for kind in KINDS:
             for i, element in enumerate(getattr(self.mechanism, kind)):
                 path = f"$.{kind}[{i}]"
-                named = list(references(type(element), element, path))
+                named = list(references(element, path))
                 for place, reference, name in named:
                     yield from self.target(type(element), reference, name, place)
                 if kind == "loads":
@@ -176,7 +149,7 @@ class _References:
                 yield from self._fitting(pattern, f"$.contacts[{i}].between[{j}]")
         groups = [(group, f"$.groups[{i}]") for i, group in enumerate(mechanism.groups)]
         for spec, path in (*groups, (mechanism.view, "$.view")):
-            for place, reference, name in references(type(spec), spec, path):
+            for place, reference, name in references(spec, path):
                 yield from self.target(None, reference, name, place)
         for i, event in enumerate(mechanism.events):
             for field in ("release", "take_up"):

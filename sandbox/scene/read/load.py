@@ -20,7 +20,7 @@ from sandbox.elements.element import LISTS as MECHANISM_LISTS
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.check.control import check_units
 from sandbox.scene.check.ranges import check_ranges
-from sandbox.scene.check.references import check_references, check_unread
+from sandbox.scene.check.references import check_references
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.library import find_scene
@@ -237,12 +237,6 @@ class _Loading:
             except ValidationError:
                 return None
         mechanism = self._checked(scene, readable)
-        if paths:
-            left_out = {key: {i: entry for i, entry in enumerate(data[key])
-                              if i not in kept and (key, i) not in self.ignored}
-                        for key, kept in readable.kept.items()}
-            found = check_unread(left_out, mechanism, readable.assumed)
-            self.report(each for each in found if parse_path(each.path) not in paths)
         return Loaded(scene, mechanism, self.composed)
 
     def _is_cause(self, problem: Problem, data: Any) -> bool:
@@ -265,8 +259,8 @@ class _Loading:
         try:
             mechanism = expand(scene)
         except SceneError as error:
-            if not readable.assumed:
-                self.report(readable.located(problem) for problem in error.problems)
+            self.report(readable.located(problem) for problem in error.problems
+                        if not readable.assumed or problem.code == "duplicate-name")
             readable.assumed |= {part.name for part in scene.parts}
         relocate = Relocation(mechanism, scene)
         too_large = check_limits(mechanism, self.limits)
