@@ -79,10 +79,9 @@ def test_complaints(text: str, line: int, column: int, path: str, words: str) ->
     assert words in problem.message
 
 
-@pytest.mark.parametrize("opening", ["[", '{"a":'])
-def test_nesting_is_limited_and_the_limit_can_be_raised(opening: str) -> None:
-    closing = {"[": "]", "{": "}"}[opening[0]]
-    text = opening * 40 + "1" + closing * 40
+def test_nesting_is_limited_and_the_limit_can_be_raised() -> None:
+    opening = '{"a":'
+    text = opening * 40 + "1" + "}" * 40
     with pytest.raises(SceneError, match="limit 'nesting' of 32"):
         parse_source(text)
     assert parse_source(text, limits=Limits(nesting=40)).data

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numbers
 import os
+import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -44,7 +45,7 @@ from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path
 from sandbox.values.spec import Spec
 from sandbox.wording import kind_of, quoted
 
-MAX_EXPLAINED = 5_000  # number of invalid values that are explained one by one
+MAX_EXPLAINED = 5_000  # number of invalid values that are explained
 LISTS = (*MECHANISM_LISTS, "parts")
 
 
@@ -122,9 +123,6 @@ def read_scene(
             raise SceneError(first_problems(problems, limits.problems))
     else:
         found = _from_file(source, limits)
-    if not isinstance(found.data, dict):
-        raise SceneError([Problem("wrong-type", f"a scene is an object {{…}}, not "
-                                  f"{kind_of(found.data)}", "$", *found.where(()))], found.name)
     loading = _Loading(found, limits)
     loaded = loading.scene(found.data, overrides or {})
     if loading.problems or loaded is None:
@@ -142,9 +140,8 @@ def _from_file(source: str | os.PathLike[str], limits: Limits) -> SceneSource:
             "file")])
     path = find_scene(text)
     found = read_source(path, limits=limits)
-    if isinstance(found.data, dict):
-        # a file's name is bytes, which need not be text
-        found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
+    # a file's name is bytes, which need not be text
+    found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
     return found
 
 
@@ -223,10 +220,6 @@ class _Loading:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
             problems = explain(error, data, Scene, MAX_EXPLAINED)
-            if (count := error.error_count()) > MAX_EXPLAINED:
-                self.report([Problem("limit-exceeded", f"{count} values are wrong; only "
-                                     f"{MAX_EXPLAINED} are shown"), *problems])
-                return None
             self.report(each for each in problems if self._is_cause(each, data))
             if not self.problems:  # a problem left out must have been reported
                 self.report(problems)
@@ -348,7 +341,8 @@ def sound(scene: Scene | Mechanism) -> Mechanism:
         raise SceneError([Problem(
             "bad-argument", f"{quoted(scene)} is no scene", "scene", allowed="a scene from "
             "sandbox.load_scene, a path, the name of a shipped scene, or a mapping")])
-    kind, data = type(scene), _as_read(scene.model_dump(by_alias=True, warnings=False))
+    kind, data = type(scene), _plain(
+        scene.model_dump(by_alias=True, warnings=False), (), sys.maxsize, [])
     try:
         kind.model_validate(data, context={
             "parameters": resolved_tables(data.get("tables"), {})})
@@ -359,10 +353,3 @@ def sound(scene: Scene | Mechanism) -> Mechanism:
                     *check_ranges(mechanism)]:
         raise SceneError(problems)
     return mechanism
-
-
-def _as_read(value: Any) -> Any:
-    """Data as a file would hold it, with lists in place of tuples."""
-    if isinstance(value, dict):
-        return {key: _as_read(entry) for key, entry in value.items()}
-    return [_as_read(entry) for entry in value] if isinstance(value, (list, tuple)) else value

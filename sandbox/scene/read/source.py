@@ -100,7 +100,11 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
         if faults := Scan(text, limits).faults:
             raise SceneError(first_problems(faults, limits.problems), name) from None
         data = json.loads(text)
-    return SceneSource(data, name, text, limits)
+    found = SceneSource(data, name, text, limits)
+    if not isinstance(data, dict):
+        raise SceneError([Problem("wrong-type", f"a scene is an object {{…}}, not {kind_of(data)}",
+                                  "$", *found.where(()))], name)
+    return found
 
 
 def first_problems(problems: Sequence[Problem], limit: int) -> list[Problem]:
@@ -181,9 +185,6 @@ class Library:
         name = str(Path(self.main.name).parent / path.name) if self.main.name else path.name
         try:
             found = replace(read_source(path, limits=self.limits), name=name)
-            if not isinstance(found.data, dict):
-                raise SceneError([Problem("wrong-type", "a scene is an object {…}, not "
-                                          f"{kind_of(found.data)}", "$", *found.where(()))])
         except SceneError as error:
             raise SceneError([replace(problem, file=name)
                               for problem in error.problems], name) from None
