@@ -13,17 +13,13 @@ from sandbox.errors import Problem, SceneError
 from sandbox.wording import listed, near, nearest, quoted
 
 
+@cache
 def shipped_scenes() -> dict[str, Path]:
     """Name and file of every shipped scene: first those of the folder itself, each by name."""
     directory = _directory()
-    return {} if directory is None else dict(_scenes_in(directory))
-
-
-@cache
-def _scenes_in(directory: Path) -> dict[str, Path]:
-    return {path.stem: path for path in [*sorted(directory.glob("*.json")),
-                                         *sorted(directory.glob("*/*.json"))]
-            if not path.name.endswith(".schema.json")}
+    files = [*sorted(directory.glob("*.json")), *sorted(directory.glob("*/*.json"))] if directory \
+        else []
+    return {path.stem: path for path in files if not path.name.endswith(".schema.json")}
 
 
 class Topic(NamedTuple):
