@@ -63,11 +63,6 @@ class Assembly(ElementLists, PlacedPart):
     """Its parts, assemblies among them."""
 
     @property
-    def body_count(self) -> int:
-        """Number of its bodies and those of its parts."""
-        return len(self.bodies) + sum(part.body_count for part in self.parts)
-
-    @property
     def tendon_names(self) -> dict[str, str]:
         """The tendons of its parts."""
         return {f"{self.name}.{name}": f"{self.name}.{tendon}"

@@ -65,11 +65,6 @@ class PartSpec(Spec):
     """Its name, with which those of its elements begin."""
 
     @property
-    def body_count(self) -> int:
-        """Number of bodies that it adds, at least; 0 where it adds none or few."""
-        return 0
-
-    @property
     def leaves(self) -> tuple[Leaf, ...]:
         """What it pulls; a part that pulls others is expanded after them."""
         return ()

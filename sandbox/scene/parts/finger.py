@@ -166,11 +166,6 @@ class Finger(PartSpec):
         return self
 
     @property
-    def body_count(self) -> int:
-        """Number of phalanges."""
-        return len(self.lengths)
-
-    @property
     def tendon_names(self) -> dict[str, str]:
         """Its tendon."""
         return {self.name: f"{self.name}.tendon"}

@@ -61,10 +61,6 @@ class _TreeSpec(PartSpec):
         return self
 
     @property
-    def body_count(self) -> int:
-        return len(self.pulls)
-
-    @property
     def leaves(self) -> tuple[Leaf, ...]:
         return tuple(self.pulls)
 

@@ -27,7 +27,7 @@ from sandbox.scene.expand import expand
 from sandbox.scene.library import find_scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.compose import compose
-from sandbox.scene.read.limits import Limits, check_limits, check_size, over
+from sandbox.scene.read.limits import Limits, check_limits, check_size
 from sandbox.scene.read.origins import Composed, Origin, Relocation
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.scopes import (
@@ -243,11 +243,6 @@ class _Loading:
 
     def _checked(self, scene: Scene, readable: _Readable) -> Mechanism:
         """The mechanism of a scene, after checks of parts, units, names and sizes."""
-        count = sum(part.body_count for part in scene.parts)
-        if too_large := list(over(self.limits, "bodies", count, "$.parts",
-                                  "the parts have {count} bodies and more")):
-            self.report(too_large)
-            return scene
         mechanism: Mechanism = scene
         try:
             mechanism = expand(scene)
