@@ -77,7 +77,8 @@ class Assembly(ElementLists, PlacedPart):
 
         pulled = frozenset(name.removeprefix(begin) for name in known.pulled
                            if name.startswith(begin))
-        inner, problems = expand_parts(self, pulled, outside, known.near)
+        inner, problems = expand_parts(
+            self, Known(pulled=pulled, outside=outside, near=known.near))
         if problems:
             raise PartError([dataclasses.replace(problem, path=problem.path.removeprefix("$"))
                              for problem in problems])
@@ -137,7 +138,7 @@ class Composite(PartSpec):
             raise self._wrong([f"{type(error).__name__}: {error}"]) from None
         if other := sorted(whole.model_fields_set.difference(("type", "name", *ASSEMBLED))):
             raise self._wrong([f"{quoted(other[0])} is no list of elements"])
-        inner, problems = expand_parts(whole, known.pulled, known.outside, known.near)
+        inner, problems = expand_parts(whole, known)
         if problems:
             raise self._wrong([str(each) for each in problems])
         names = (each.name for kind, elements in inner.items()

@@ -12,7 +12,7 @@ from sandbox.scene.mechanism import ElementLists
 from sandbox.scene.parts.expansion import Elements, Known, PartError
 from sandbox.scene.parts.placement import Mover, Placement
 from sandbox.scene.settings import Group
-from sandbox.wording import NearMisses, quoted
+from sandbox.wording import quoted
 
 if TYPE_CHECKING:
     from sandbox.scene.document import Assembly, Scene
@@ -23,15 +23,12 @@ OWN = tuple(kind for kind in KINDS if kind not in ("drives", "contacts", "groups
 """Lists whose elements come before those of parts; a scene's contact rules come after."""
 
 
-def expand_parts(
-    scene: Scene | Assembly, pulled: frozenset[str] = frozenset(),
-    outside: Callable[[str], Body | None] = lambda name: None, near: NearMisses | None = None,
-) -> tuple[Elements, list[Problem]]:
-    """The elements of a scene or assembly, not placed; outer trees pull ``pulled``."""
+def expand_parts(scene: Scene | Assembly, around: Known) -> tuple[Elements, list[Problem]]:
+    """The elements of a scene or assembly, not placed, with what is known around it."""
     elements = Elements(materials=tuple(scene.materials.items()),
                         **{kind: getattr(scene, kind) for kind in OWN})
     tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
-    pulled |= {leaf.name for part in scene.parts for leaf in part.leaves}
+    pulled = around.pulled | {leaf.name for part in scene.parts for leaf in part.leaves}
     problems: list[Problem] = []
     pullers: dict[tuple[str, tuple[float, float]], str] = {}
     first: dict[str, int] = {}
@@ -47,11 +44,10 @@ def expand_parts(
                                         f"{pullers[key]}", path=path))
             pullers.setdefault(key, path)
     failed: set[str] = set()
-    near = near or NearMisses()
     for i, part in sorted(enumerate(scene.parts), key=lambda item: bool(item[1].leaves)):
         try:
             elements = part.expand(Known(
-                elements, tendon_of, frozenset(failed), pulled, outside, near))
+                elements, tendon_of, frozenset(failed), pulled, around.outside, around.near))
         except PartError as error:
             failed.add(part.name)
             problems += [dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")

@@ -39,8 +39,9 @@ class PartError(Exception):
 class Known:
     """Elements and names that a part may refer to while it is expanded."""
 
-    elements: Elements  # all elements so far
-    tendon_of: Mapping[str, str]  # the tendon of each finger and tree, by the part's name
+    elements: Elements = field(default_factory=Elements)  # all elements so far
+    tendon_of: Mapping[str, str] = field(default_factory=dict)
+    """The tendon of each finger and tree, by the part's name."""
     failed: frozenset[str] = frozenset()
     """Parts that could not be built; parts that depend on them are not reported."""
     pulled: frozenset[str] = frozenset()  # parts and tendons that trees pull, by their names here

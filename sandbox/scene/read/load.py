@@ -12,6 +12,8 @@ import os
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -235,11 +237,9 @@ class _Loading:
     def _is_cause(self, problem: Problem, data: Any) -> bool:
         """Whether a problem is not the consequence of another one."""
         path = parse_path(problem.path)
-        if path[:2] in self.ignored or path == ("parameters",):
-            return path[:2] not in self.ignored
-        for step in path:
-            data = data[step]
-        return not self.parameters.reads_failed(data)
+        return path[:2] not in self.ignored and (
+            path == ("parameters",)
+            or not self.parameters.reads_failed(reduce(getitem, path, data)))
 
     def _checked(self, scene: Scene, readable: _Readable) -> Mechanism:
         """The mechanism of a scene, after checks of parts, units, names and sizes."""
