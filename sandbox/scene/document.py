@@ -21,10 +21,9 @@ from sandbox.elements.registry import members
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import ElementLists, Mechanism
-from sandbox.scene.parts.assembly import expand_parts, placed
-from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
+from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec, expand_parts
 from sandbox.scene.parts.finger import Finger
-from sandbox.scene.parts.placement import Mirror, Placement
+from sandbox.scene.parts.placement import Mirror, Placement, placed
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
 from sandbox.values.numbers import POSITIVE, Angle, Items, Name, Number, Point, Quantity

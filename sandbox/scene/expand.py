@@ -8,8 +8,7 @@ from typing import Any
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.parts.assembly import expand_parts
-from sandbox.scene.parts.expansion import Known
+from sandbox.scene.parts.expansion import Known, expand_parts
 from sandbox.wording import quoted
 
 LINE_WIDTH = 100  # of the printed mechanism

@@ -35,6 +35,7 @@ from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_body, to_world
 from sandbox.scene.outlines.curves import Node
 from sandbox.scene.parts.expansion import Elements, PartError
+from sandbox.scene.settings import Group
 from sandbox.values.expressions import RESERVED
 from sandbox.values.marks import mark_of
 from sandbox.values.numbers import Dimension, Point
@@ -50,6 +51,7 @@ HOLDERS = {"on_a": "a", "on_b": "b", "start": "a", "end": "a", "at": "body"}
 POWERS = {"length": 1, "speed": 1, "inertia": 2}  # of the scale, by dimension
 TINY = 1e-15  # a sine or cosine below this is 0: rounding of a quarter turn
 
+PLACED = ("bodies", "joints", "springs", "tendons", "lines", "loads", "drives")
 TEXTS = ("because", "unit", "title", "about")  # fields of plain text
 _DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*(?!\w|\s*\()")
 SpecType = TypeVar("SpecType", bound=Spec)
@@ -254,6 +256,30 @@ class Mover:
             "x": along(a, b, place.at[0]) if moves else None,
             "y": along(c, d, place.at[1]) if moves else None,
             "angle": scaled(path.angle, place.sign, place.angle) if path.angle else None})
+
+
+def placed(
+    name: str, inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
+) -> Elements:
+    """The elements ``inner`` of the assembly ``name``, placed and under their names outside."""
+    place = Mover(name, inner, placement, outside)
+    resized = Mover(name, inner, Placement(scale=placement.scale), outside)
+    problems: list[Problem] = []
+    found: dict[str, Any] = {"materials": tuple(
+        (f"{name}.{key}", each) for key, each in inner["materials"])}
+    for kind in (kind for kind in inner if kind != "materials"):
+        moved = []
+        for i, element in enumerate(inner[kind]):
+            try:
+                moved.append((place if kind in PLACED else resized).element(
+                    element, f".{kind}[{i}]"))
+            except PartError as error:
+                problems += error.problems
+        found[kind] = tuple(moved)
+    if problems:
+        raise PartError(problems)
+    found["groups"] += (Group(name=name, bodies=tuple(body.name for body in found["bodies"])),)
+    return Elements(**found)
 
 
 def scaled(signal: AnySignal, factor: float, offset: float = 0.0) -> AnySignal:
