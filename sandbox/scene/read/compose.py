@@ -246,12 +246,12 @@ class _Composer:
         repeat = scopes.read_repeat(item["repeat"], at.scope, self.limits, place)
         among = next((str(step) for step in reversed(at.trail) if isinstance(step, str)), "")
         limit = "bodies" if among in ("bodies", "parts") else "elements"
-        most, rows = getattr(self.limits, limit), repeat.rows
+        maximum, rows = getattr(self.limits, limit), repeat.rows
         count = len(out) + len(rows)
-        if count > most:
+        if count > maximum:
             raise TooLargeError(place.problem(
                 "limit-exceeded", f"with these copies there are {count} {among or 'entries'}",
-                allowed=f"at most {most} (the limit '{limit}', raised by --limit {limit}=N)"))
+                allowed=f"at most {maximum} (the limit '{limit}', raised by --limit {limit}=N)"))
         known = len(self.made.problems)
         for number, names in enumerate(rows):
             name, value = next(iter(names.items()))
@@ -334,7 +334,7 @@ class _Composer:
         try:
             return float(number_from(filled, None, {**outside, **scope.tables}))
         except ValueError:
-            return filled  # reads other parameters of the assembly, or is wrong
+            return filled  # reads other parameters of the assembly, or is invalid
 
     def included(self, item: dict[str, Any], at: Context) -> dict[str, Any]:
         place, name = self.made.at(item, "include", at.place), item["include"]

@@ -256,7 +256,7 @@ def _word(value: Any, info: ValidationInfo) -> float | str:
 
 
 def _count(value: Any, info: ValidationInfo) -> int:
-    count, shown, most = 0.0, kind_of(value), (info.context or {})["most"]
+    count, shown, maximum = 0.0, kind_of(value), (info.context or {})["maximum"]
     try:
         count = number_from(value, "ratio", parameters_of(info))
         shown = number_text(count)
@@ -266,12 +266,12 @@ def _count(value: Any, info: ValidationInfo) -> int:
     if not (count == int(count) and count >= 1):
         raise WrongValueError(
             "bad-repeat", f"{shown} is not a number of copies",
-            allowed=f"a whole number from 1 to {most}, an expression of parameters that gives one, "
-            "or an object with 'count' or 'list'")
-    if count > most:
+            allowed=f"a whole number from 1 to {maximum}, an expression of parameters that gives "
+            "one, or an object with 'count' or 'list'")
+    if count > maximum:
         raise WrongValueError(
             "limit-exceeded", f"{shown} copies are more than a scene may have elements",
-            allowed=f"at most {most} (the limit 'elements', raised by --limit elements=N)")
+            allowed=f"at most {maximum} (the limit 'elements', raised by --limit elements=N)")
     return int(count)
 
 
@@ -366,7 +366,7 @@ def read_repeat(value: Any, scope: Scope, limits: Limits, place: Origin) -> Repe
     given = value if isinstance(value, dict) else {"count": value}
     try:
         return Repeat.model_validate(given, context={
-            "parameters": scope.known, "own": scope.parameters, "most": limits.elements})
+            "parameters": scope.known, "own": scope.parameters, "maximum": limits.elements})
     except ValidationError as error:
         raise RefusedError(place, [
             (place.to(*parse_path(problem.path)) if given is value else place).located(problem)
