@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import linecache
+import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from sandbox.codes import CODES
 
@@ -44,12 +45,9 @@ def checked(code: str) -> str:
 
 def _own_lines(trace: TracebackType | None) -> Iterator[str]:
     """Yield the lines of a traceback outside this package and IPython."""
-    while trace is not None:
-        frame = trace.tb_frame
+    for frame, line in traceback.walk_tb(trace):
         if frame.f_globals.get("__name__", "").partition(".")[0] not in ("sandbox", "IPython"):
-            code = linecache.getline(frame.f_code.co_filename, trace.tb_lineno).strip()
-            yield f"line {trace.tb_lineno}: {code}"
-        trace = trace.tb_next
+            yield f"line {line}: {linecache.getline(frame.f_code.co_filename, line).strip()}"
 
 
 @dataclass(frozen=True)
@@ -144,8 +142,12 @@ class RunEnded(SandboxError):
     incomplete.
     """
 
+    text: ClassVar[str]  # the message, with fields in braces
     time: float
     recording: Recording | None = field(default=None, repr=False, kw_only=True)
+
+    def __str__(self) -> str:
+        return self.text.format(**vars(self))
 
 
 @dataclass(eq=False)
@@ -153,11 +155,9 @@ class SimulationDiverged(RunEnded):
     """Values of a simulation became infinite, undefined or very large."""
 
     code = "diverged"
+    text = "the simulation diverged at t = {time:.6g} s: {culprit}: {reason}"
     culprit: str
     reason: str
-
-    def __str__(self) -> str:
-        return f"the simulation diverged at t = {self.time:.6g} s: {self.culprit}: {self.reason}"
 
 
 @dataclass(eq=False)
@@ -165,9 +165,7 @@ class Jammed(SimulationDiverged):
     """A scheduled body pushes against something that cannot move."""
 
     code = "jammed"
-
-    def __str__(self) -> str:
-        return f"the mechanism jammed at t = {self.time:.6g} s: {self.reason}"
+    text = "the mechanism jammed at t = {time:.6g} s: {reason}"
 
 
 @dataclass(eq=False)
@@ -189,11 +187,9 @@ class ControllerFailed(RunEnded):
     """A Python controller raised an exception, its ``__cause__``, or returned invalid values."""
 
     code = "controller-failed"
+    text = "controller {controller!r}: act() at t = {time:.6g} s {reason}"
     controller: str
     reason: str
-
-    def __str__(self) -> str:
-        return f"controller {self.controller!r}: act() at t = {self.time:.6g} s {self.reason}"
 
 
 @dataclass(eq=False)
@@ -201,6 +197,4 @@ class Interrupted(RunEnded):
     """Ctrl-C during a simulation."""
 
     code = "interrupted"
-
-    def __str__(self) -> str:
-        return f"interrupted at t = {self.time:.6g} s"
+    text = "interrupted at t = {time:.6g} s"

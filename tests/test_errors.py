@@ -19,8 +19,8 @@ def shown(cell: str, **names: Any) -> list[str]:
 def test_a_notebook_shows_the_line_and_the_message_and_nothing_of_ours() -> None:
     lines = shown("name = 'single_fingr'\nsandbox.load_scene(name)")
     assert [line.partition(":")[0] for line in lines[1:]] == ["line 2", "SceneError"]
-    assert lines[-1] == ("SceneError: single_fingr:$: there is no such file. "
-                         "Did you mean 'single_finger'?")
+    assert lines[-1].startswith("SceneError: error: there is no file 'single_fingr' and no shipped "
+                                "scene of that name. Did you mean 'single_finger'?")
 
 
 def test_of_a_controller_the_line_that_failed_is_shown() -> None:

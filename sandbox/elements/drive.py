@@ -72,7 +72,7 @@ class DriveSpec(Element):
     @property
     def target(self) -> tuple[Reference, str]:
         """The element that it acts on: the mark of the field that names it, and the name."""
-        return next((reference, name) for _, reference, name in references(type(self), self, ""))
+        return next((reference, name) for _, reference, name in references(self, ""))
 
     @property
     def owned(self) -> tuple[object, ...]:

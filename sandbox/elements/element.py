@@ -163,22 +163,18 @@ class Element(Spec):
         raise NotImplementedError
 
 
-def references(
-    model: type[Spec], data: Any, path: str,
-) -> Iterator[tuple[str, Reference, str]]:
-    """All fields of an element, or of its JSON data, that name others: path, mark and name."""
-    for field, key, mark, models in _marked(model):
-        value = data.get(key) if isinstance(data, dict) else getattr(data, field)
+def references(element: Spec, path: str) -> Iterator[tuple[str, Reference, str]]:
+    """All fields of an element that name others: path, mark and name."""
+    for field, key, mark, models in _marked(type(element)):
+        value = getattr(element, field)
         entries = [(f"{path}.{key}", value)]
-        if isinstance(value, (list, tuple)):
+        if isinstance(value, tuple):
             entries = [(f"{path}.{key}[{i}]", each) for i, each in enumerate(value)]
         for place, entry in entries:
             if mark is not None and isinstance(entry, str):
                 yield place, mark, entry
-            for each in models:
-                if isinstance(entry, each) or (isinstance(entry, dict)
-                                               and tag_of(each) in ("", entry.get("type"))):
-                    yield from references(each, entry, place)
+            if isinstance(entry, models):
+                yield from references(entry, place)
 
 
 @cache

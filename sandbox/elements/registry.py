@@ -49,9 +49,3 @@ _LISTS: Mapping[str, tuple[type[Any], ...]] = {
 # by list, then by ``type``, which is empty in lists of one kind
 KINDS: Mapping[str, Mapping[str, type[Element]]] = {
     name: {tag_of(kind): kind for kind in kinds} for name, kinds in _LISTS.items()}
-
-
-def kind_of(name: str, data: Mapping[str, Any]) -> type[Element] | None:
-    """The class of an element of a list, for its JSON data; None where it has none."""
-    tag = data.get("type", "")
-    return KINDS[name].get(tag) if name in KINDS and isinstance(tag, str) else None

@@ -42,7 +42,6 @@ from sandbox.scene.geometry import outline, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, over
 from sandbox.values.signals import values
-from sandbox.wording import quoted
 
 
 class Inspection(NamedTuple):
@@ -112,11 +111,6 @@ def _of_run(mechanism: Mechanism) -> Iterator[Problem]:
     if run.duration < run.step:
         yield look("bad-rate", "$.run", "run", f"the duration {run.duration:g} s is shorter than a "
                    "step", "one step is made")
-    if given := run.ignored:
-        do, them = ("do", "them") if len(given) > 1 else ("does", "it")
-        yield look("no-effect", "$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing "
-                   "now: each step is solved to rounding, and no overlap is left alone",
-                   f"leave {them} out")
     if view.start >= run.duration:
         yield look("bad-view",
                    "$.view", "view", f"starts at {view.start:g} s, after the end of the run")

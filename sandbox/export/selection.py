@@ -38,7 +38,7 @@ def needs(mechanism: Mechanism) -> dict[str, set[str]]:
     found: dict[str, set[str]] = {body.name: set() for body in mechanism.bodies}
     for kind in ACTING[1:]:  # a load may lose all its bodies, which patterns name
         for element in getattr(mechanism, kind):
-            found[element.name] = {name for _, _, name in references(type(element), element, "")}
+            found[element.name] = {name for _, _, name in references(element, "")}
     return found
 
 

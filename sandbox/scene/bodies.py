@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Literal, Self
@@ -35,6 +36,8 @@ from sandbox.values import numbers as of
 from sandbox.values.appearance import FillColour, Planes
 from sandbox.values.signals import Path
 from sandbox.values.spec import TYPE, Spec
+from sandbox.values.tables import check_distinct
+from sandbox.values.units import size_fault
 from sandbox.wording import WrongValueError
 
 
@@ -82,6 +85,11 @@ def _check_nodes(nodes: Nodes, rings: Sequence[Ring]) -> None:
                                   "outline", allowed="two or more nodes, each at a corner")
 
 
+def _check_sides(points: Ring) -> None:
+    if fault := size_fault(min(math.dist(p, q) for p, q in pairwise(points)), "length"):
+        raise WrongValueError("out-of-range", f"the shortest side is {fault}")
+
+
 class Polygon(Spec):
     """An outline of straight sides, convex or not, with or without holes.
 
@@ -109,7 +117,8 @@ class Polygon(Spec):
     @classmethod
     def _check_outline(cls, ring: Ring) -> Ring:
         if fault := ring_fault(ring):
-            raise WrongValueError("bad-outline", f"{fault}", allowed=SOUND)
+            raise WrongValueError("bad-outline", fault, allowed=SOUND)
+        _check_sides((*ring, ring[0]))
         return ring
 
     @field_validator("holes")
@@ -122,6 +131,8 @@ class Polygon(Spec):
                      None) or hole_fault(outer, holes)
         if found is not None:
             raise WrongValueError("bad-outline", f"hole {found[0]}: {found[1]}", allowed=SOUND)
+        for ring in holes:
+            _check_sides((*ring, ring[0]))
         return holes
 
     @model_validator(mode="after")
@@ -164,9 +175,8 @@ class Polyline(Spec):
     @field_validator("points")
     @classmethod
     def _apart(cls, points: tuple[of.Point, ...]) -> tuple[of.Point, ...]:
-        for i, (one, two) in enumerate(pairwise(points)):
-            if one == two:
-                raise WrongValueError("bad-outline", f"points {i} and {i + 1} are the same point")
+        check_distinct(points, closed=False)
+        _check_sides(points)
         return points
 
     @model_validator(mode="after")

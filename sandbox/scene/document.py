@@ -21,10 +21,9 @@ from sandbox.elements.registry import members
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import ElementLists, Mechanism
-from sandbox.scene.parts.assembly import expand_parts, placed
-from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
+from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec, expand_parts
 from sandbox.scene.parts.finger import Finger
-from sandbox.scene.parts.placement import Mirror, Placement
+from sandbox.scene.parts.placement import Mirror, Placement, placed
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
 from sandbox.values.numbers import POSITIVE, Angle, Items, Name, Number, Point, Quantity
@@ -63,11 +62,6 @@ class Assembly(ElementLists, PlacedPart):
     """Its parts, assemblies among them."""
 
     @property
-    def body_count(self) -> int:
-        """Number of its bodies and those of its parts."""
-        return len(self.bodies) + sum(part.body_count for part in self.parts)
-
-    @property
     def tendon_names(self) -> dict[str, str]:
         """The tendons of its parts."""
         return {f"{self.name}.{name}": f"{self.name}.{tendon}"
@@ -82,7 +76,8 @@ class Assembly(ElementLists, PlacedPart):
 
         pulled = frozenset(name.removeprefix(begin) for name in known.pulled
                            if name.startswith(begin))
-        inner, problems = expand_parts(self, pulled, outside, known.near)
+        inner, problems = expand_parts(
+            self, Known(pulled=pulled, outside=outside, near=known.near))
         if problems:
             raise PartError([dataclasses.replace(problem, path=problem.path.removeprefix("$"))
                              for problem in problems])
@@ -142,7 +137,7 @@ class Composite(PartSpec):
             raise self._wrong([f"{type(error).__name__}: {error}"]) from None
         if other := sorted(whole.model_fields_set.difference(("type", "name", *ASSEMBLED))):
             raise self._wrong([f"{quoted(other[0])} is no list of elements"])
-        inner, problems = expand_parts(whole, known.pulled, known.outside, known.near)
+        inner, problems = expand_parts(whole, known)
         if problems:
             raise self._wrong([str(each) for each in problems])
         names = (each.name for kind, elements in inner.items()

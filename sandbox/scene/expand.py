@@ -8,7 +8,7 @@ from typing import Any
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.parts.assembly import expand_parts
+from sandbox.scene.parts.expansion import Known, expand_parts
 from sandbox.wording import quoted
 
 LINE_WIDTH = 100  # of the printed mechanism
@@ -28,7 +28,7 @@ def expand(scene: Scene) -> Mechanism:
     if not isinstance(scene, Scene):
         raise SceneError([Problem("bad-argument", f"{quoted(scene)} is no scene", "scene",
                                   allowed="a scene from sandbox.load_scene")])
-    elements, problems = expand_parts(scene)
+    elements, problems = expand_parts(scene, Known())
     if problems:
         raise SceneError(problems)
     fields = {name: getattr(scene, name) for name in Mechanism.model_fields}

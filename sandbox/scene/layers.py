@@ -148,13 +148,7 @@ SCHEMA = WithJsonSchema({"anyOf": [
 ]})
 
 
-def _read_layers(value: Any) -> dict[str, tuple[str, ...]]:
-    if isinstance(value, str):
-        raise WrongValueError("not-allowed", f"{kind_of(value)} names no layers", allowed=FORMS)
-    return parse_layers(value)
-
-
-ShownLayers = Annotated[Written[dict[str, tuple[str, ...]]], BeforeValidator(_read_layers), SCHEMA]
+ShownLayers = Annotated[Written[dict[str, tuple[str, ...]]], BeforeValidator(parse_layers), SCHEMA]
 """For each layer, patterns of the bodies that it shows; none hides it."""
 
 

@@ -10,20 +10,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sandbox.errors import Problem, SceneError
-from sandbox.wording import listed, near, quoted
-
-
-def shipped_scenes() -> dict[str, Path]:
-    """Name and file of every shipped scene: first those of the folder itself, each by name."""
-    directory = _directory()
-    return {} if directory is None else dict(_scenes_in(directory))
+from sandbox.wording import listed, near, nearest, quoted
 
 
 @cache
-def _scenes_in(directory: Path) -> dict[str, Path]:
-    return {path.stem: path for path in [*sorted(directory.glob("*.json")),
-                                         *sorted(directory.glob("*/*.json"))]
-            if not path.name.endswith(".schema.json")}
+def shipped_scenes() -> dict[str, Path]:
+    """Name and file of every shipped scene: first those of the folder itself, each by name."""
+    directory = _directory()
+    files = [*sorted(directory.glob("*.json")), *sorted(directory.glob("*/*.json"))] if directory \
+        else []
+    return {path.stem: path for path in files if not path.name.endswith(".schema.json")}
 
 
 class Topic(NamedTuple):
@@ -78,8 +74,14 @@ def find_scene(name_or_path: str | Path) -> Path:
         f"there is no file {quoted(text)} and no shipped scene of that name"
     raise SceneError([Problem(
         "file-not-found", fault, path="", allowed=f"a path, or one of {listed(scenes)}",
-        hint=near(path.name, [each.name for each in scenes_beside(path)])
-        or near(path.stem, scenes))])
+        hint=similar_scene(path))])
+
+
+def similar_scene(path: Path) -> str:
+    """A file of a similar name beside a path, or a shipped scene, quoted; or ``""``."""
+    beside = {each.name: str(each) for each in scenes_beside(path)}
+    found = nearest(path.name, beside)
+    return repr(beside[found]) if found else near(path.stem, shipped_scenes())
 
 
 def scenes_beside(path: Path) -> list[Path]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field
 
 from sandbox.elements.element import LISTS, NAMED, RELEASABLE, Vec
 from sandbox.elements.fluids import Line, Valve
@@ -16,12 +18,22 @@ from sandbox.scene.settings import ContactRule, Event, Expect, Group, Meter, Run
 from sandbox.values.numbers import Acceleration, Items, Name, Pair
 from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, TableName, Tables, tables_of
+from sandbox.wording import WrongValueError
+
+FORMAT = 1  # the version of the scene format that is read
+
+
+def _readable(version: object) -> object:
+    if isinstance(version, int) and version > FORMAT:
+        raise WrongValueError("unsupported-format", f"this scene has format {version}; this "
+                              f"version of sandbox reads format {FORMAT}")
+    return version
 
 
 class SceneHead(Spec):
     """The name, run and surroundings of a scene."""
 
-    format: int = Field(default=1, ge=1, le=1)
+    format: Annotated[int, BeforeValidator(_readable)] = Field(default=1, ge=1, le=FORMAT)
     """Version of the format of scenes, always 1."""
     name: str = ""
     """Name of the run's folder and files; by default the file's name without its extension."""

@@ -26,6 +26,7 @@ from sandbox.elements.tendons import NUMBERED
 from sandbox.scene import bodies, layers, settings
 from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.parts import expansion, finger, section, trees
+from sandbox.scene.read.scopes import IDENTIFIER, Repeat
 from sandbox.values import appearance, numbers, signals, tables
 from sandbox.values.marks import mark_of
 from sandbox.values.spec import Spec
@@ -234,7 +235,6 @@ def quantity_rows() -> Iterator[QuantityRow]:
 
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
-IDENTIFIER = "^[A-Za-z][A-Za-z0-9_]*$"
 Schema = dict[str, Any]
 
 
@@ -253,7 +253,7 @@ def scene_schema() -> Schema:
     for key in ("templates", "parameters"):
         properties[key].pop("patternProperties", None)
     properties["templates"]["additionalProperties"] = {"type": "object"}
-    properties["parameters"]["propertyNames"] = {"pattern": IDENTIFIER}
+    properties["parameters"]["propertyNames"] = {"pattern": f"^{IDENTIFIER.pattern}$"}
     properties["parameters"]["additionalProperties"] = {"anyOf": [
         {"type": "number"}, {"type": "string"}]}
     return {"$schema": DRAFT, **schema, "title": "A scene of sandbox"}
@@ -266,7 +266,7 @@ def described(top: type[Spec]) -> Schema:
     while waiting:
         model = waiting.pop()
         waiting += model.__subclasses__()
-        target = schema if model is top else schema["$defs"].get(model.__name__)
+        target = schema if model is top else schema.get("$defs", {}).get(model.__name__)
         keys = {name: field.alias or name for name, field in model.model_fields.items()}
         if target is None or {*keys.values()} != {*target["properties"]}:
             continue  # not part of the schema; another class may have the same name
@@ -321,20 +321,8 @@ COMPOSED: Schema = {
     "repeat": {
         "description": "Number of copies, counted by i from 0; a number, an expression, or an "
                        "object.",
-        "anyOf": [{"type": "integer", "minimum": 1}, {"type": "string", "pattern": "^ *="}, {
-            "type": "object", "additionalProperties": False,
-            "anyOf": [{"required": ["count"]}, {"required": ["list"]}],
-            "properties": {
-                "count": {"type": ["integer", "string"], "description": "Of the copies."},
-                "list": {"type": "array", "minItems": 1, "description": "A value of the index "
-                         "for each copy, or an object of names and values."},
-                "index": {"type": "string", "pattern": IDENTIFIER,
-                          "description": "Name of the index; i by default."},
-                "line": {"type": "array", "minItems": 2, "maxItems": 2,
-                         "description": "From one copy to the next [m]."},
-                "circle": {"type": "array", "minItems": 2, "maxItems": 2,
-                           "description": "Centre of the circle that the copies go round [m]."},
-            }}]},
+        "anyOf": [{"type": "integer", "minimum": 1}, {"type": "string", "pattern": "^ *="},
+                  described(Repeat)]},
     "include": {"type": "string", "description": "The name of a scene in the same folder, which "
                                                  "becomes an assembly."},
     "parameters": {"type": "object", "description": "Of an assembly: numbers for its "

@@ -8,8 +8,6 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import (
     BeforeValidator,
     Field,
-    ModelWrapValidatorHandler,
-    PrivateAttr,
     ValidationInfo,
     WithJsonSchema,
     field_serializer,
@@ -56,27 +54,17 @@ class Run(Spec):
     contacts, whose errors docs/pymunk.md shows."""
     pymunk: PymunkRun = PymunkRun()
     """Steps and iterations of the solver ``pymunk``."""
-    _ignored: tuple[str, ...] = PrivateAttr(())
 
     @property
     def solver_step(self) -> float:
         """Time step of the solver [s]."""
         return self.step / (self.pymunk.substeps if self.solver == "pymunk" else 1)
 
-    @property
-    def ignored(self) -> tuple[str, ...]:
-        """Members of :data:`RETIRED` in the scene."""
-        return self._ignored
-
-    @model_validator(mode="wrap")
+    @model_validator(mode="before")
     @classmethod
-    def _retire(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        given = tuple(key for key in RETIRED if key in data) if isinstance(data, dict) else ()
-        if not given:
-            return handler(data)
-        run = handler({key: value for key, value in data.items() if key not in RETIRED})
-        run._ignored = given
-        return run
+    def _without_retired(cls, data: Any) -> Any:
+        return {key: value for key, value in data.items() if key not in RETIRED} if isinstance(
+            data, dict) else data
 
 
 class ContactRule(Spec):

@@ -97,10 +97,10 @@ def test_values_of_templates_count_towards_limits() -> None:
     assert len(refused.value.problems) == 1
 
 
-def test_parts_are_counted_before_they_are_made() -> None:
+def test_bodies_of_parts_count_towards_limits() -> None:
     finger = json.loads(SCENES["fingers"](4))["parts"][0]
     finger |= {"lengths": [0.01] * 30, "radii": [0.001] * 30, "masses": [0.01] * 30,
                "guides": [[0, 0]] * 31}
     parts = [{**finger, "name": f"f{i}"} for i in range(70)]
-    with pytest.raises(SceneError, match=r"the parts have 2 100 bodies and more"):
+    with pytest.raises(SceneError, match=r"the mechanism has 2 170 bodies"):
         load_scene({"parts": parts})

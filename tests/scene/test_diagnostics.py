@@ -66,7 +66,7 @@ drives[1].shape = 1 | not-settable | shape 1 of 'disc' is a box
 drives[1].value = "=0.01 - t" | out-of-range | not greater than 0 at t
 parts[0].like = "digits" | bad-template | no template 'digits' ? 'digit'
 parts[3].pulls[1] = "fingr2" | name-not-found | named 'fingr2' ? 'finger2'
-parts[2].name = "finger1" | duplicate-name | is taken by $.parts[0]
+parts[2].name = "finger1" | duplicate-name | is taken by parts[0]
 templates.digit.rads = 1 | unknown-key | unknown key ? 'radii'
 parameters.pull = "=each" | circular-definition | each → pull → each @ parameters.each
 parameters["a.b"] = 1 | invalid-name | is not the name of a parameter

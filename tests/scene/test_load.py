@@ -9,11 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.engine.inspect import inspect
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.load import load_scene, read_scene
+from sandbox.scene.read.load import load_scene
 from sandbox.scene.settings import Run
 from sandbox.values.paths import path_text
 from tests.scene.hand import hand
@@ -149,14 +148,10 @@ def test_without_a_unit_before_or_now_any_is_taken(path, value):
     assert load_scene(TWO, overrides={path: value})
 
 
-def test_retired_settings_are_ignored_with_a_warning() -> None:
+def test_retired_settings_are_ignored() -> None:
     scene = {"run": {"step": "1 ms", "iterations": "many", "slop": None},
              "bodies": [{"name": "still", "motion": "fixed"}]}
-    run = load_scene(scene).run
-    assert run.model_dump() == Run(step=1e-3).model_dump()
-    assert run.ignored == ("iterations", "slop")
-    (found,) = inspect(read_scene(scene).mechanism)
-    assert str(found).startswith("warning: run: 'iterations' and 'slop' do nothing now")
+    assert load_scene(scene).run.model_dump() == Run(step=1e-3).model_dump()
     old = Mechanism().model_dump_json(by_alias=True).replace(
         '"sample_rate"', '"iterations":40,"slop":1e-06,"sample_rate"')
     assert Mechanism.model_validate_json(old).model_dump() == Mechanism().model_dump()

@@ -159,7 +159,7 @@ def test_the_unit_of_a_drawing_can_be_given(folder):
     "../plate.svg", "/etc/plate.svg", "a/../../plate.svg", "C:plate.svg", "a\\plate.svg",
     "\x00.svg"])
 def test_a_file_of_another_place_is_not_read(folder, name):
-    assert "no file of the scene's own folder" in drawing_refused(folder, file=name)
+    assert re.search("there is no file|leads out of", drawing_refused(folder, file=name))
 
 
 def test_a_link_out_of_the_folder_is_not_followed(folder, tmp_path_factory):
@@ -169,7 +169,7 @@ def test_a_link_out_of_the_folder_is_not_followed(folder, tmp_path_factory):
     (folder / "under").symlink_to(outside)
     (folder / "own.svg").symlink_to(folder / "plate.svg")
     for name in ("link.svg", "under/plate.svg"):
-        assert "by a link" in drawing_refused(folder, file=name)
+        assert "leads out" in drawing_refused(folder, file=name)
     assert drawn(folder, file="own.svg", layer="plate").holes
 
 

@@ -43,11 +43,11 @@ def _scene(count: int = 1, **run: Any) -> dict[str, Any]:
 ])
 def test_each_limit(name: str, most: int) -> None:
     mechanism = Mechanism.model_validate(_scene(3))
-    assert check_limits(mechanism, Limits().raised(**{name: most})) == []
-    (problem,) = check_limits(mechanism, Limits().raised(**{name: most - 1}))
+    assert check_limits(mechanism, Limits(**{name: most})) == []
+    (problem,) = check_limits(mechanism, Limits(**{name: most - 1}))
     assert f"the limit '{name}', raised by --limit {name}=N" in problem.allowed
     with pytest.raises(SceneError, match=f"'{name}'"):
-        load_scene(_scene(3), limits=Limits().raised(**{name: most - 1}))
+        load_scene(_scene(3), limits=Limits(**{name: most - 1}))
 
 
 def test_corners_count_as_they_are_written() -> None:

@@ -23,7 +23,7 @@ from sandbox.scene.settings import Event, first_step
 from sandbox.values.expressions import parse_expression
 from sandbox.values.numbers import NAME
 from sandbox.values.paths import path_text
-from sandbox.values.signals import AnySignal, Constant, Ramp, Table
+from sandbox.values.signals import Constant, Ramp, Table
 from sandbox.values.units import UNITS, Measured, factor_of, size_fault
 from sandbox.wording import NearMisses, WrongValueError, listed, quoted
 
@@ -152,7 +152,7 @@ def _measured(mechanism: Mechanism) -> Iterator[Place]:
     targets: dict[str, list[str | None]] = {}
     for i, drive in enumerate(mechanism.drives):
         if drive.value is not None:  # only those of stiffnesses are not checked by their models
-            yield from _signal(f"$.drives[{i}].value", drive.value, drive.dimension(mechanism))
+            yield from _values(f"$.drives[{i}].value", drive.value, drive.dimension(mechanism))
     for i, law in enumerate(mechanism.controllers):
         wanted = [drives.get(name) for name in law.written] if law.sets_target else [
             _of_reading(text, meters) for text in law.readings]
@@ -162,7 +162,7 @@ def _measured(mechanism: Mechanism) -> Iterator[Place]:
             given = getattr(law, key)
             for j, (name, entry) in enumerate(zip(
                     law.written, (given,) if alone else given or (), strict=False)):
-                yield from _numbers(f"{path}.{key}" if alone else f"{path}.{key}[{j}]", entry,
+                yield from _values(f"{path}.{key}" if alone else f"{path}.{key}[{j}]", entry,
                                     drives.get(name))
         for key in law.of_reading:
             yield f"{path}.{key}", getattr(law, key), wanted[0]
@@ -170,7 +170,7 @@ def _measured(mechanism: Mechanism) -> Iterator[Place]:
             yield f"{path}.{key}", getattr(law, key), "force"
         for j, (target, dimension) in enumerate(zip(law.signals, wanted, strict=False)):
             index = f"[{j}]" if law.target_key == "targets" else ""
-            yield from _signal(f"{path}.{law.target_key}{index}", target, dimension)
+            yield from _values(f"{path}.{law.target_key}{index}", target, dimension)
     for i, event in enumerate(mechanism.events):
         for name, value in event.set.items():
             controller, _, key = name.rpartition(".")
@@ -192,19 +192,19 @@ def _of_reading(text: str, meters: set[str]) -> str | None:
     return READINGS.get(last) if element else None
 
 
-def _numbers(path: str, value: Any, dimension: str | None) -> list[Place]:
-    if not isinstance(value, tuple):
-        return [(path, value, dimension)]
-    return [(f"{path}[{i}]", number, dimension) for i, number in enumerate(value)]
-
-
-def _signal(path: str, signal: AnySignal, dimension: str | None) -> Iterator[Place]:
-    match signal:
+def _values(path: str, value: Any, dimension: str | None) -> Iterator[Place]:
+    """The numbers of a field: of a signal, of a list, or the number itself."""
+    match value:
         case Constant():
-            yield f"{path}.constant", signal.constant, dimension
+            yield f"{path}.constant", value.constant, dimension
         case Ramp():
-            yield f"{path}.ramp.from", signal.start_value, dimension
-            yield f"{path}.ramp.to", signal.to, dimension
+            yield f"{path}.ramp.from", value.start_value, dimension
+            yield f"{path}.ramp.to", value.to, dimension
         case Table():
-            for i, (_, value) in enumerate(signal.table):
-                yield f"{path}.table[{i}][1]", value, dimension
+            for i, (_, number) in enumerate(value.table):
+                yield f"{path}.table[{i}][1]", number, dimension
+        case tuple():
+            for i, number in enumerate(value):
+                yield f"{path}[{i}]", number, dimension
+        case _:
+            yield path, value, dimension

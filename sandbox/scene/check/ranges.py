@@ -1,20 +1,18 @@
-"""Ranges of derived numbers: masses of shapes, distances of corners, values of signals over time.
+"""Ranges of derived numbers: masses of shapes, values of signals over time.
 
 The range of a field is checked where it is read (:mod:`sandbox.values.units`).
 """
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_left
 from collections.abc import Iterator
-from itertools import pairwise
 
 import numpy as np
 
 from sandbox.errors import Problem
 from sandbox.numeric import Array
-from sandbox.scene.bodies import SHAPES, Body, Polygon, Polyline
+from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.curves import path_through
@@ -33,9 +31,8 @@ def nothing_to_run(mechanism: Mechanism) -> Iterator[Problem]:
 
 
 def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
-    """Masses, corners, paths, directions and signals beyond their ranges."""
+    """Masses, paths, directions and signals beyond their ranges."""
     for i, body in enumerate(mechanism.bodies):
-        yield from _corners(body, f"$.bodies[{i}]")
         if body.motion == "dynamic":
             yield from _weight(body, f"$.bodies[{i}]")
         for axis, dimension in (("x", "length"), ("y", "length"), ("angle", "angle")):
@@ -67,23 +64,6 @@ def _out_of_range(value: float, dimension: str, path: str, at: str = "") -> Iter
         in_range(value, dimension)
     except WrongValueError as error:
         yield Problem.of(error, path, message=f"{error.message}{at}")
-
-
-def _corners(body: Body, path: str) -> Iterator[Problem]:
-    """Corners of polygons and polylines that are too close to each other."""
-    for place, shape in ((f"{path}.{field}[{j}]", shape) for field in SHAPES
-                         for j, shape in enumerate(getattr(body, field))):
-        chains = {}
-        if isinstance(shape, Polygon):
-            rings = {"points": shape.points} | {
-                f"holes[{k}]": hole for k, hole in enumerate(shape.holes)}
-            chains = {field: (*ring, ring[0]) for field, ring in rings.items()}
-        elif isinstance(shape, Polyline):
-            chains = {"points": shape.points}
-        for field, chain in chains.items():
-            if fault := size_fault(min(math.dist(p, q) for p, q in pairwise(chain)), "length"):
-                yield Problem("out-of-range", f"the shortest side of this {shape.type} is {fault}",
-                              f"{place}.{field}")
 
 
 def _weight(body: Body, path: str) -> Iterator[Problem]:

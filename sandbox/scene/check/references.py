@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import fnmatch
-import itertools
 import re
-from collections.abc import Collection, Iterator, Mapping
-from typing import Any
+from collections.abc import Collection, Iterator
+from itertools import accumulate
 
 from sandbox.elements.element import (
     NAMED,
@@ -17,14 +16,13 @@ from sandbox.elements.element import (
     references,
     tag_of,
 )
-from sandbox.elements.joint import JointSpec
 from sandbox.elements.quantities import GRASP, reserved
-from sandbox.elements.registry import KINDS, kind_of
+from sandbox.elements.registry import KINDS
 from sandbox.errors import Problem
 from sandbox.scene.check.control import check_control
 from sandbox.scene.layers import BY_ROLE, EVERY, meant
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.settings import Event, Group, View
+from sandbox.scene.settings import Event
 from sandbox.values.spec import Spec
 from sandbox.wording import NearMisses, is_pattern, listed, quoted
 
@@ -38,48 +36,13 @@ def check_references(
     that could not be read. ``"*"`` matches any name.
     """
     names = _References(mechanism, assumed)
-    return [*names.names(), *names.elements(), *names.others(), *names.view(),
-            *check_control(mechanism, names._assumed)]
-
-
-def check_unread(
-    unread: Mapping[str, Mapping[int, Any]], mechanism: Mechanism, assumed: Collection[str],
-) -> Iterator[Problem]:
-    """Unknown and duplicate names in the data of unreadable elements, by kind and index."""
-    names = _References(mechanism, assumed)
-    taken = {name: kind for kind in reversed([*NAMED]) for name in names.known[kind]}
-    for kind, entries in unread.items():
-        for i, entry in entries.items():
-            if not isinstance(entry, dict):
-                continue
-            path, name = f"$.{kind}[{i}]", entry.get("name")
-            if isinstance(name, str) and kind in NAMED:
-                if name in taken:
-                    yield _taken(name, kind, taken[name], f"{path}.name")
-                taken.setdefault(name, kind)
-            model = kind_of(kind, entry) or (JointSpec if kind == "joints" else None)
-            for place, reference, named in references(model, entry, path) if model else ():
-                if reference.among != "tendons" or named not in names.pulled_groups:
-                    # the name of a group becomes its tendon when the element is read
-                    yield from names._target(model, reference, named, place)
-
-
-def _taken(name: str, kind: str, first: str, path: str) -> Problem:
-    """A name of an element of a kind that one of the ``first`` kind has, too."""
-    return Problem("duplicate-name", f"the name {quoted(name)} is already that of "
-                   f"{'another' if first == kind else 'a'} {NAMED[first].one}", path,
-                   allowed="a unique name for every element")
+    return [*names.names(), *names.elements(), *names.others(),
+            *check_control(mechanism, names.is_assumed)]
 
 
 class _References:
     def __init__(self, mechanism: Mechanism, assumed: Collection[str]) -> None:
-        self.mechanism, self.assumed = mechanism, assumed
-        self.bodies = dict.fromkeys(body.name for body in mechanism.bodies)
-        self.free = dict.fromkeys(
-            body.name for body in mechanism.bodies if body.motion == "dynamic")
-        self.holding = dict.fromkeys(each.name for each in mechanism.holding)
-        self.wheels = {joint.name for joint in mechanism.joints if joint.facts.wheels}
-        self.near = NearMisses()
+        self.mechanism, self.assumed, self.near = mechanism, assumed, NearMisses()
         self.known = {kind: dict.fromkeys(each.name for each in getattr(mechanism, kind))
                       for kind in NAMED}
         self.hinges = dict.fromkeys(
@@ -89,19 +52,20 @@ class _References:
         self.pulled_groups = [group.name for group in mechanism.groups
                               if group.tree or group.kind == "finger"]
 
+    def is_assumed(self, name: str) -> bool:
+        """Whether a name is, or begins with, that of an element that could not be read."""
+        return bool(self.assumed) and ("*" in self.assumed or any(
+            begin in self.assumed for begin in accumulate(name.split("."), "{}.{}".format)))
+
     def _unknown(self, name: str, known: Collection[str], what: str, path: str, *,
                  also: Collection[str] = ()) -> Iterator[Problem]:
         """A name that is none of the known ones; ``also`` are further suggestions."""
-        if name not in known and not self._assumed(name):
+        if name not in known and not self.is_assumed(name):
+            none = "" if self.assumed else f"none: there is no {what}"
             yield Problem("name-not-found", f"there is no {what} named {quoted(name)}", path,
-                          allowed=listed(known) or self._none(f"there is no {what}"),
-                          hint=self.near(name, itertools.chain(known, also)))
+                          allowed=listed(known) or none, hint=self.near(name, [*known, *also]))
 
-    def _none(self, why: str) -> str:
-        """The allowed values when there are none, if everything could be read."""
-        return "" if self.assumed else f"none: {why}"
-
-    def _target(
+    def target(
         self, model: type[Spec] | None, reference: Reference, name: str, path: str,
     ) -> Iterator[Problem]:
         """An element that a field names; a pull may name the group of its tendon."""
@@ -109,11 +73,11 @@ class _References:
             known, what = {name: None for kind in RELEASABLE for name in self.known[kind]}, \
                 "joint, spring or tendon"
         elif reference.hinge or reference.line:
-            known, what, one, acts = \
-                (self.hinges, "pin joint", "an actuator", "a hinge") if reference.hinge else \
-                (self.actuators, "actuator", "a hinge", "an actuator")
-            tag = "" if model is None else tag_of(model)
-            if tag and name in (self.actuators if reference.hinge else self.hinges):
+            known, what, others, one, acts = \
+                (self.hinges, "pin joint", self.actuators, "an actuator", "a hinge") \
+                if reference.hinge else \
+                (self.actuators, "actuator", self.hinges, "a hinge", "an actuator")
+            if model is not None and (tag := tag_of(model)) and name in others:
                 twin = getattr(getattr(model, "facts", None), "twin", "")
                 yield Problem(
                     "name-not-found", f"{quoted(name)} is {one}, and '{tag}' acts on {acts}", path,
@@ -126,11 +90,6 @@ class _References:
             name, known, what, path,
             also=self.pulled_groups if reference.among == "tendons" else ())
 
-    def _assumed(self, name: str) -> bool:
-        return bool(self.assumed) and ("*" in self.assumed or any(
-            name[:end] in self.assumed
-            for end in (*(dot.start() for dot in re.finditer(r"\.", name)), len(name))))
-
     def names(self) -> Iterator[Problem]:
         """Duplicate names, and names that are also another element's quantity."""
         first: dict[str, tuple[str, str]] = {}
@@ -138,7 +97,11 @@ class _References:
             for i, element in enumerate(getattr(self.mechanism, kind)):
                 path = f"$.{kind}[{i}].name"
                 if element.name in first:
-                    yield _taken(element.name, kind, first[element.name][0], path)
+                    other = first[element.name][0]
+                    yield Problem("duplicate-name", f"the name {quoted(element.name)} is already "
+                                  f"that of {'another' if other == kind else 'a'} "
+                                  f"{NAMED[other].one}", path,
+                                  allowed="a unique name for every element")
                 first.setdefault(element.name, (kind, path))
         taken = {kind: reserved(kind) for kind in NAMED}
         objects = {body.name for body in self.mechanism.bodies if body.role == "object"}
@@ -158,9 +121,9 @@ class _References:
         for kind in KINDS:
             for i, element in enumerate(getattr(self.mechanism, kind)):
                 path = f"$.{kind}[{i}]"
-                named = list(references(type(element), element, path))
+                named = list(references(element, path))
                 for place, reference, name in named:
-                    yield from self._target(type(element), reference, name, place)
+                    yield from self.target(type(element), reference, name, place)
                 if kind == "loads":
                     for j, pattern in enumerate(element.bodies):
                         yield from self._fitting(pattern, f"{path}.bodies[{j}]", load=True)
@@ -175,47 +138,46 @@ class _References:
                     owners.setdefault(owned, quoted(element.name))
 
     def others(self) -> Iterator[Problem]:
-        """Unknown materials of bodies, bodies of contact rules and groups, elements of events."""
-        for i, body in enumerate(self.mechanism.bodies):
+        """Unknown names in bodies, contact rules, groups, events and the view."""
+        mechanism = self.mechanism
+        for i, body in enumerate(mechanism.bodies):
             if body.material is not None:
-                yield from self._unknown(body.material, self.mechanism.materials, "material",
+                yield from self._unknown(body.material, mechanism.materials, "material",
                                          f"$.bodies[{i}].material")
-        for i, rule in enumerate(self.mechanism.contacts):
+        for i, rule in enumerate(mechanism.contacts):
             for j, pattern in enumerate(rule.between):
                 yield from self._fitting(pattern, f"$.contacts[{i}].between[{j}]")
-        for i, group in enumerate(self.mechanism.groups):
-            for path, reference, name in references(Group, group, f"$.groups[{i}]"):
-                yield from self._target(None, reference, name, path)
-        for i, event in enumerate(self.mechanism.events):
+        groups = [(group, f"$.groups[{i}]") for i, group in enumerate(mechanism.groups)]
+        for spec, path in (*groups, (mechanism.view, "$.view")):
+            for place, reference, name in references(spec, path):
+                yield from self.target(None, reference, name, place)
+        for i, event in enumerate(mechanism.events):
             for field in ("release", "take_up"):
                 for j, name in enumerate(getattr(event, field)):
                     yield from self._released(name, event, field, f"$.events[{i}]", j)
+        for i, pattern in enumerate(mechanism.view.bodies):
+            if not any(fnmatch.fnmatchcase(group.name, pattern) for group in mechanism.groups):
+                yield from self._seen(pattern, f"$.view.bodies[{i}]")
+        for layer, patterns in mechanism.view.show.items():
+            for pattern in patterns if patterns != EVERY else ():
+                yield from self._seen(pattern, f"$.view.show.{layer}")
 
     def _released(
         self, name: str, event: Event, field: str, path: str, number: int,
     ) -> Iterator[Problem]:
-        known, place = self.holding, f"{path}.{field}[{number}]"
+        known = {each.name: each for each in self.mechanism.holding}
+        place = f"{path}.{field}[{number}]"
         kind = next((kind for kind in NAMED if kind not in RELEASABLE and name in self.known[kind]),
                     None)
         if kind is not None:
             yield Problem("not-releasable", f"{quoted(name)} is a {NAMED[kind].one}, which events "
                           "cannot release", place,
-                          allowed=listed(known) or self._none("nothing holds anything"))
+                          allowed=listed(known) or "none: nothing holds anything")
         elif name not in known:
             yield from self._unknown(name, known, "joint, spring or tendon", place)
-        elif (field == "take_up" or event.lasts is not None) and name in self.wheels:
+        elif (field == "take_up" or event.lasts is not None) and getattr(
+                getattr(known[name], "facts", None), "wheels", False):
             yield no_mesh(name, place if field == "take_up" else f"{path}.lasts")
-
-    def view(self) -> Iterator[Problem]:
-        view = self.mechanism.view
-        for path, reference, name in references(View, view, "$.view"):
-            yield from self._target(None, reference, name, path)
-        for i, pattern in enumerate(view.bodies):
-            if not any(fnmatch.fnmatchcase(group.name, pattern) for group in self.mechanism.groups):
-                yield from self._seen(pattern, f"$.view.bodies[{i}]")
-        for layer, patterns in view.show.items():
-            for pattern in patterns if patterns != EVERY else ():
-                yield from self._seen(pattern, f"$.view.show.{layer}")
 
     def _seen(self, pattern: str, path: str) -> Iterator[Problem]:
         if not pattern.startswith(BY_ROLE):
@@ -228,19 +190,17 @@ class _References:
 
     def _fitting(self, pattern: str, path: str, *, load: bool = False) -> Iterator[Problem]:
         """A pattern of bodies that fits none; of a load, none that moves freely."""
-        def fits(names: Collection[str]) -> bool:
-            return pattern in names or (is_pattern(pattern) and any(
-                map(re.compile(fnmatch.translate(pattern)).match, names)))
-
-        if self._assumed(pattern) or (self.assumed and "*" in pattern):
+        if self.is_assumed(pattern) or (self.assumed and "*" in pattern):
             return  # a body that could not be read may fit
-        known = self.free if load else self.bodies
-        if not fits(self.bodies):
+        fits = re.compile(fnmatch.translate(pattern) if is_pattern(pattern) else "(?!)").match
+        found = [body for body in self.mechanism.bodies if body.name == pattern or fits(body.name)]
+        free = [body.name for body in self.mechanism.bodies if body.motion == "dynamic"]
+        if not found:
             grouped = any(group.name == pattern for group in self.mechanism.groups)
             hint = "'*', every body that moves freely" if load and pattern == "all" else (
-                f"'{pattern}.*'" if grouped else self.near(pattern, self.bodies))
+                f"'{pattern}.*'" if grouped else self.near(pattern, self.known["bodies"]))
             yield Problem("name-not-found", f"no body's name matches {quoted(pattern)}", path,
-                          allowed=listed(known), hint=hint)
-        elif not fits(known):
+                          allowed=listed(free if load else self.known["bodies"]), hint=hint)
+        elif load and all(body.motion != "dynamic" for body in found):
             yield Problem("name-not-found", f"{quoted(pattern)} matches no body that moves freely",
-                          path, allowed=listed(known) or "none: no body moves freely")
+                          path, allowed=listed(free) or "none: no body moves freely")

@@ -1,17 +1,25 @@
-"""The expansion of a part: plain elements by kind, in order."""
+"""The expansion of parts: plain elements by kind, in order."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from sandbox.errors import Problem
+from sandbox.errors import Problem, SceneError
 from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import ElementLists
 from sandbox.values.numbers import Name, Point
 from sandbox.values.spec import Spec
-from sandbox.wording import NearMisses
+from sandbox.wording import NearMisses, quoted
+
+if TYPE_CHECKING:
+    from sandbox.scene.document import Assembly, Scene
+
+OWN = tuple(kind for kind in ElementLists.model_fields
+            if kind not in ("materials", "drives", "contacts", "groups"))
+"""Lists whose elements come before those of parts; a scene's contact rules come after."""
 
 
 class Elements(dict[str, tuple[Any, ...]]):
@@ -39,8 +47,9 @@ class PartError(Exception):
 class Known:
     """Elements and names that a part may refer to while it is expanded."""
 
-    elements: Elements  # all elements so far
-    tendon_of: Mapping[str, str]  # the tendon of each finger and tree, by the part's name
+    elements: Elements = field(default_factory=Elements)  # all elements so far
+    tendon_of: Mapping[str, str] = field(default_factory=dict)
+    """The tendon of each finger and tree, by the part's name."""
     failed: frozenset[str] = frozenset()
     """Parts that could not be built; parts that depend on them are not reported."""
     pulled: frozenset[str] = frozenset()  # parts and tendons that trees pull, by their names here
@@ -65,11 +74,6 @@ class PartSpec(Spec):
     """Its name, with which those of its elements begin."""
 
     @property
-    def body_count(self) -> int:
-        """Number of bodies that it adds, at least; 0 where it adds none or few."""
-        return 0
-
-    @property
     def leaves(self) -> tuple[Leaf, ...]:
         """What it pulls; a part that pulls others is expanded after them."""
         return ()
@@ -82,3 +86,46 @@ class PartSpec(Spec):
     def expand(self, known: Known) -> Elements:
         """All elements so far, and those of the part."""
         raise NotImplementedError
+
+
+def expand_parts(scene: Scene | Assembly, around: Known) -> tuple[Elements, list[Problem]]:
+    """The elements of a scene or assembly, not placed, with what is known around it."""
+    elements = Elements(materials=tuple(scene.materials.items()),
+                        **{kind: getattr(scene, kind) for kind in OWN})
+    tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
+    pulled = around.pulled | {leaf.name for part in scene.parts for leaf in part.leaves}
+    problems: list[Problem] = []
+    pullers: dict[tuple[str, tuple[float, float]], str] = {}
+    first: dict[str, int] = {}
+    for i, part in enumerate(scene.parts):
+        if first.setdefault(part.name, i) != i:
+            problems.append(Problem("duplicate-name", f"the name {quoted(part.name)} is taken by "
+                                    f"parts[{first[part.name]}]", f"$.parts[{i}].name",
+                                    allowed="a unique name for every part"))
+        for j, leaf in enumerate(part.leaves):
+            key, path = (leaf.name.removesuffix(".tendon"), leaf.at), f"$.parts[{i}].pulls[{j}]"
+            if key in pullers:  # a tendon has one end
+                problems.append(Problem("set-twice", f"{leaf.name!r} is pulled already, by "
+                                        f"{pullers[key]}", path=path))
+            pullers.setdefault(key, path)
+    failed: set[str] = set()
+    for i, part in sorted(enumerate(scene.parts), key=lambda item: bool(item[1].leaves)):
+        try:
+            elements = part.expand(Known(
+                elements, tendon_of, frozenset(failed), pulled, around.outside, around.near))
+        except PartError as error:
+            failed.add(part.name)
+            problems += [dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")
+                         for problem in error.problems]
+        except (SceneError, ArithmeticError) as error:
+            failed.add(part.name)
+            reasons = [each.message for each in error.problems] if isinstance(error, SceneError) \
+                else ["its numbers are too large or too small"]
+            problems += [Problem("bad-part", f"this part cannot be built: {why}", f"$.parts[{i}]")
+                         for why in reasons]
+    drives = [drive.model_copy(update={"tendon": tendon_of[drive.target[1]]})
+              if drive.target[0].among == "tendons" and drive.target[1] in tendon_of else drive
+              for drive in scene.drives]
+    return Elements(**elements | {
+        "drives": (*drives, *elements["drives"]), "contacts": elements["contacts"] + scene.contacts,
+        "groups": elements["groups"] + scene.groups}), problems

@@ -35,7 +35,6 @@ from sandbox.wording import WrongValueError
 ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]
 PALM_MARGIN = 0.003  # of the palm's block around the finger [m]
 
-Entries = TypeVar("Entries", bound=Sequence[object] | None)
 T = TypeVar("T")
 
 
@@ -143,38 +142,28 @@ class Finger(PartSpec):
     plane: Planes = (0,)
     """Plane of its bodies, as a body's ``plane``: fingers of different planes do not touch."""
 
-    @field_validator("radii", "masses", "guides", "damping", "limits", "start")
+    @field_validator("radii", "masses", "guides", "springs", "damping", "limits", "start")
     @classmethod
-    def _one_entry_each(cls, given: Entries, info: ValidationInfo) -> Entries:
-        n = len(info.data.get("lengths", ()))
-        if given is None or not n:  # invalid lengths are reported already
-            return given
+    def _one_entry_each(cls, given: T, info: ValidationInfo) -> T:
+        n = len(info.data.get("lengths", ()))  # 0 for invalid lengths, which are reported already
         exact = {"radii": n, "masses": n, "guides": n + 1}.get(info.field_name or "")
-        _check_count(given, (exact,) if exact else (1, n), f"a finger of {n} phalanges")
+        lists: dict[str, Any] = {f"a finger of {n} phalanges": given}
+        if isinstance(given, FingerSprings):
+            lists = {f"'{field.alias or name}' over {n} hinges": getattr(given, name)
+                     for name, field in FingerSprings.model_fields.items()}
+        for what, entries in lists.items():
+            counts = (exact,) if exact else tuple(dict.fromkeys((1, n)))
+            if n and entries is not None and len(entries) not in counts:
+                raise WrongValueError("wrong-type", f"{what}: expected "
+                                      f"{' or '.join(map(str, counts))} entries, got "
+                                      f"{len(entries)}")
         return given
-
-    @field_validator("springs")
-    @classmethod
-    def _one_spring_each(
-        cls, springs: FingerSprings | None, info: ValidationInfo
-    ) -> FingerSprings | None:
-        n = len(info.data.get("lengths", ()))
-        if springs is not None and n:
-            for name, field in FingerSprings.model_fields.items():
-                if (given := getattr(springs, name)) is not None:
-                    _check_count(given, (1, n), f"'{field.alias or name}' over {n} hinges")
-        return springs
 
     @model_validator(mode="after")
     def _weighed(self) -> Self:
         if (self.masses is None) == (self.density is None):
             raise WrongValueError("conflicting-keys", "a finger needs either 'masses' or 'density'")
         return self
-
-    @property
-    def body_count(self) -> int:
-        """Number of phalanges."""
-        return len(self.lengths)
 
     @property
     def tendon_names(self) -> dict[str, str]:
@@ -190,12 +179,6 @@ class Finger(PartSpec):
                 hint=known.near(self.on, (body.name for body in known.elements["bodies"])))])
         pulled = not known.pulled.isdisjoint({self.name, known.tendon_of[self.name]})
         return known.elements + _Builder(self, palm).build(pulled=pulled)
-
-
-def _check_count(given: Sequence[object], counts: tuple[int, ...], what: str) -> None:
-    if len(given) not in counts:
-        wanted = " or ".join(str(count) for count in dict.fromkeys(counts))
-        raise WrongValueError("wrong-type", f"{what}: expected {wanted} entries, got {len(given)}")
 
 
 class _Builder:

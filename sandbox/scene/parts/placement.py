@@ -19,8 +19,11 @@ inertias by k^2; masses, forces, stiffnesses and times do not. Marks of fields
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from itertools import accumulate
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
@@ -31,12 +34,14 @@ from sandbox.errors import Problem
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_body, to_world
 from sandbox.scene.outlines.curves import Node
-from sandbox.scene.parts.expansion import PartError
+from sandbox.scene.parts.expansion import Elements, PartError
+from sandbox.scene.settings import Group
+from sandbox.values.expressions import RESERVED
 from sandbox.values.marks import mark_of
 from sandbox.values.numbers import Dimension, Point
 from sandbox.values.signals import AnySignal, Constant, Formula, OverTime, Ramp, Table, values
 from sandbox.values.spec import Spec
-from sandbox.wording import WrongValueError, near
+from sandbox.wording import WrongValueError, is_pattern, near
 
 Mirror = Literal["left-right", "up-down"]
 OTHER = {"left": "right", "right": "left",
@@ -46,8 +51,10 @@ HOLDERS = {"on_a": "a", "on_b": "b", "start": "a", "end": "a", "at": "body"}
 POWERS = {"length": 1, "speed": 1, "inertia": 2}  # of the scale, by dimension
 TINY = 1e-15  # a sine or cosine below this is 0: rounding of a quarter turn
 
+PLACED = ("bodies", "joints", "springs", "tendons", "lines", "loads", "drives")
+TEXTS = ("because", "unit", "title", "about")  # fields of plain text
+_DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*(?!\w|\s*\()")
 SpecType = TypeVar("SpecType", bound=Spec)
-ElementType = TypeVar("ElementType", bound=Element)
 
 
 @dataclass(frozen=True)
@@ -98,24 +105,30 @@ class Placement:
 
 
 class Mover:
-    """Place the elements of an assembly."""
+    """Places and renames the elements of an assembly."""
 
     def __init__(
-        self, placement: Placement, own: Mapping[str, Body], outside: Callable[[str], Body | None],
+        self, prefix: str, inner: Elements, placement: Placement,
+        outside: Callable[[str], Body | None],
     ) -> None:
-        self.placement, self.own, self.outside = placement, own, outside
+        self.prefix, self.placement, self.outside = prefix, placement, outside
+        self.own = {body.name: body for body in inner["bodies"]}
+        self.names = frozenset(
+            [name for name, _ in inner["materials"]]
+            + [each.name for kind, elements in inner.items()
+               if kind not in ("materials", "contacts") for each in elements])
 
-    def body(self, body: Body, path: str) -> Body:
-        """A body of the assembly at a path of it."""
-        moved = self.spec(body)
-        try:
-            return moved.model_copy(update={"path": self._path(body)}) if body.path else moved
-        except WrongValueError as error:
-            raise PartError([Problem.of(error, f"{path}.path")]) from None
-
-    def element(self, element: ElementType, path: str) -> ElementType:
-        """Another element of the assembly at a path of it."""
-        return self.spec(element, path).model_copy(update=dict(element.placed(self)))
+    def element(self, element: Spec, path: str) -> Spec:
+        """An element of the assembly at a path of it."""
+        moved, changed = self.spec(element, path), {}
+        if isinstance(element, Element):
+            changed = dict(element.placed(self))
+        elif isinstance(element, Body) and element.path:
+            try:
+                changed = {"path": self._path(element)}
+            except WrongValueError as error:
+                raise PartError([Problem.of(error, f"{path}.path")]) from None
+        return moved.model_copy(update=changed) if changed else moved
 
     def spec(self, spec: SpecType, path: str = "") -> SpecType:
         """Any record, field by field."""
@@ -123,9 +136,13 @@ class Mover:
         for name, field in type(spec).model_fields.items():
             value, mark = getattr(spec, name), mark_of(field.metadata, Placed)
             holder = getattr(spec, HOLDERS.get(name, ""), None)
-            if value is None or (mark is not None and mark.how == "kept"):
+            if value is None or name in TEXTS or name in spec.LOCAL or (
+                    mark is not None and mark.how == "kept"):
                 continue
-            if mark is not None:
+            new: Any
+            if name == "name":
+                new = f"{self.prefix}.{value}"
+            elif mark is not None:
                 new = self._marked(mark.how, value)
             elif isinstance(holder, str) and holder not in self.own:
                 body = self.outer_body(holder, f"{path}.{HOLDERS[name]}")
@@ -136,6 +153,24 @@ class Mover:
             if new is not value:
                 changed[name] = new
         return spec.model_copy(update=changed) if changed else spec
+
+    def _name(self, name: str) -> str:
+        """A name in the scene: it, or its first part up to a dot, may be the assembly's."""
+        own = any(begin in self.names for begin in accumulate(name.split("."), "{}.{}".format))
+        return f"{self.prefix}.{name}" if own else name
+
+    def _text(self, text: str) -> str:
+        """A field's text: a name, a pattern of names, a pair, a quantity, an expression."""
+        if text.lstrip().startswith("="):
+            return _DOTTED.sub(lambda match: match.group() if match.group() in RESERVED else
+                               self._name(match.group()), text)
+        if "/" in text:
+            return "/".join(self._text(side) for side in text.split("/"))
+        if is_pattern(text):
+            fits = any(fnmatchcase(name, text) or fnmatchcase(f"{name}.x", text)
+                       for name in self.names)
+            return f"{self.prefix}.{text}" if fits else text
+        return self._name(text)
 
     def outer_body(self, name: str, path: str) -> Body:
         """A body outside of the assembly."""
@@ -177,13 +212,20 @@ class Mover:
             return self._value(value, inner, (*more, *metadata), path)
         if isinstance(value, Spec):
             return self.spec(value, path)
+        kinds = [each for each in get_args(annotation) if each is not NoneType]
         if get_origin(annotation) in (Union, UnionType):
-            kinds = [each for each in get_args(annotation) if each is not NoneType]
-            return self._value(value, kinds[0], metadata, path) if len(kinds) == 1 else value
+            if len(kinds) == 1:
+                return self._value(value, kinds[0], metadata, path)
+            if any(get_origin(kind) is Literal for kind in kinds):
+                return value
+            annotation, kinds = None, [None, ...]
         if annotation == Point:
             return self.placement.within(value)
-        if isinstance(value, tuple) and get_origin(annotation) is tuple:
-            kinds = list(get_args(annotation))
+        if isinstance(value, str):
+            return value if get_origin(annotation) is Literal else self._text(value)
+        if isinstance(value, dict):
+            return {self._text(key): each for key, each in value.items()}
+        if isinstance(value, tuple) and kinds:
             kinds = [kinds[0]] * len(value) if kinds[-1] is Ellipsis else kinds
             return tuple(self._value(entry, kind, (), f"{path}[{i}]")
                          for i, (entry, kind) in enumerate(zip(value, kinds, strict=True)))
@@ -214,6 +256,30 @@ class Mover:
             "x": along(a, b, place.at[0]) if moves else None,
             "y": along(c, d, place.at[1]) if moves else None,
             "angle": scaled(path.angle, place.sign, place.angle) if path.angle else None})
+
+
+def placed(
+    name: str, inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
+) -> Elements:
+    """The elements ``inner`` of the assembly ``name``, placed and under their names outside."""
+    place = Mover(name, inner, placement, outside)
+    resized = Mover(name, inner, Placement(scale=placement.scale), outside)
+    problems: list[Problem] = []
+    found: dict[str, Any] = {"materials": tuple(
+        (f"{name}.{key}", each) for key, each in inner["materials"])}
+    for kind in (kind for kind in inner if kind != "materials"):
+        moved = []
+        for i, element in enumerate(inner[kind]):
+            try:
+                moved.append((place if kind in PLACED else resized).element(
+                    element, f".{kind}[{i}]"))
+            except PartError as error:
+                problems += error.problems
+        found[kind] = tuple(moved)
+    if problems:
+        raise PartError(problems)
+    found["groups"] += (Group(name=name, bodies=tuple(body.name for body in found["bodies"])),)
+    return Elements(**found)
 
 
 def scaled(signal: AnySignal, factor: float, offset: float = 0.0) -> AnySignal:

@@ -69,41 +69,38 @@ class Section(PartSpec):
         return self
 
     def expand(self, known: Known) -> Elements:
-        """All elements so far, and those of the section."""
-        return known.elements + expand_section(self)
+        """All elements so far, the circle and, if there is one, the square on its rod.
 
-
-def expand_section(section: Section) -> Elements:
-    """The circle and, if there is one, the square on its rod.
-
-    The circle's frame has x towards the square. ``arm``, a body without shapes pinned to the
-    circle, has the rod's angle; the square slides along it without turning on it. A weak spring
-    holds the square along the rod, another across it, equally stiff: k_rot = k reach^2.
-    """
-    name, look = section.name, {"material": section.material, "plane": section.plane}
-    circle, arm, square = (f"{name}.{body}" for body in ("circle", "arm", "square"))
-    bodies = [Body(name=circle, at=section.at, angle=section.angle, motion="fixed", role="object",
-                   shapes=(Circle(radius=section.circle),), **look)]
-    if section.square is None or section.rod is None:
-        return Elements(bodies=tuple(bodies),
-                        groups=(Group(name=name, kind="section", bodies=(circle,)),))
-    side, (shortest, reach) = section.square, section.rod
-    mass = ARM_FRACTION * section.mass
-    bodies += [
-        Body(name=arm, at=section.at, angle=section.angle, mass=mass,
-             inertia=mass * reach**2 / 12, centre=(reach / 2, 0.0)),
-        Body(name=square, at=to_world(pose_of(bodies[0]), (reach, 0.0)), angle=section.angle,
-             mass=section.mass, role="object", shapes=(Box(size=(side, side)),), **look)]
-    rod: Joint = Rod(name=f"{name}.rod", a=circle, b=square, length=reach, collide=True) \
-        if shortest == reach else Rope(name=f"{name}.rod", a=circle, b=square, shortest=shortest,
-                                       longest=reach, collide=True)
-    return Elements(
-        bodies=tuple(bodies), groups=(Group(name=name, kind="section", bodies=(circle, square)),),
-        joints=(Pin(name=f"{name}.pivot", a=circle, b=arm, on_a=(0.0, 0.0), on_b=(0.0, 0.0),
-                    damping=section.damping * reach**2),
-                Slot(name=f"{name}.slide", a=arm, b=square, start=(0.0, 0.0), end=(reach, 0.0),
-                     turns=False), rod),
-        springs=(LinearSpring(name=f"{name}.push", a=circle, b=square, stiffness=section.hold,
-                              damping=section.damping, rest_length=reach),
-                 RotarySpring(name=f"{name}.hold", joint=f"{name}.pivot",
-                              stiffness=section.hold * reach**2)))
+        The circle's frame has x towards the square. ``arm``, a body without shapes pinned to the
+        circle, has the rod's angle; the square slides along it without turning on it. A weak spring
+        holds the square along the rod, another across it, equally stiff: k_rot = k reach^2.
+        """
+        name, look = self.name, {"material": self.material, "plane": self.plane}
+        circle, arm, square = (f"{name}.{body}" for body in ("circle", "arm", "square"))
+        bodies = [Body(name=circle, at=self.at, angle=self.angle, motion="fixed", role="object",
+                       shapes=(Circle(radius=self.circle),), **look)]
+        if self.square is None or self.rod is None:
+            return known.elements + Elements(
+                bodies=tuple(bodies),
+                groups=(Group(name=name, kind="section", bodies=(circle,)),))
+        side, (shortest, reach) = self.square, self.rod
+        mass = ARM_FRACTION * self.mass
+        bodies += [
+            Body(name=arm, at=self.at, angle=self.angle, mass=mass,
+                 inertia=mass * reach**2 / 12, centre=(reach / 2, 0.0)),
+            Body(name=square, at=to_world(pose_of(bodies[0]), (reach, 0.0)), angle=self.angle,
+                 mass=self.mass, role="object", shapes=(Box(size=(side, side)),), **look)]
+        ends: dict[str, Any] = {"name": f"{name}.rod", "a": circle, "b": square, "collide": True}
+        rod: Joint = Rod(**ends, length=reach) if shortest == reach else \
+            Rope(**ends, shortest=shortest, longest=reach)
+        return known.elements + Elements(
+            bodies=tuple(bodies),
+            groups=(Group(name=name, kind="section", bodies=(circle, square)),),
+            joints=(Pin(name=f"{name}.pivot", a=circle, b=arm, on_a=(0.0, 0.0), on_b=(0.0, 0.0),
+                        damping=self.damping * reach**2),
+                    Slot(name=f"{name}.slide", a=arm, b=square, start=(0.0, 0.0), end=(reach, 0.0),
+                         turns=False), rod),
+            springs=(LinearSpring(name=f"{name}.push", a=circle, b=square, stiffness=self.hold,
+                                  damping=self.damping, rest_length=reach),
+                     RotarySpring(name=f"{name}.hold", joint=f"{name}.pivot",
+                                  stiffness=self.hold * reach**2)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate, groupby, pairwise
 from typing import Annotated, Literal, Self
@@ -62,14 +61,8 @@ class _TreeSpec(PartSpec):
         return self
 
     @property
-    def body_count(self) -> int:
-        """A lower bound: a rocker or wheel for two leaves."""
-        return len(self.pulls)
-
-    @property
     def leaves(self) -> tuple[Leaf, ...]:
-        leaves: tuple[Leaf, ...] = self.pulls
-        return leaves
+        return tuple(self.pulls)
 
     @property
     def tendon_names(self) -> dict[str, str]:
@@ -96,36 +89,36 @@ class PulleyTree(_TreeSpec):
     type: Literal["pulley_tree"] = TYPE
 
 
-@dataclass(frozen=True)
-class _End:
-    """A leaf: its place in the world [m], and the tendon or the point of a body pulled there."""
+@dataclass
+class Node:
+    """A leaf, or a rocker or wheel with the two strings that it pulls."""
 
-    at: Vec
-    tendon: str = ""
-    body: str = ""
-    on_body: Vec = (0.0, 0.0)
+    number: int  # leaves from 0 as given, rockers from 1, lowest level first
+    share: float  # of the whole pull
+    across: float  # position of its string across the pull [m]
+    along: float = 0.0  # position along the pull [m]
+    height: int = 0
+    below: tuple[Node, ...] = ()
+    tendon: str = ""  # of a leaf: the tendon that the tree continues
+    end: Guide | None = None  # of a leaf: the point that is pulled
+    at: Vec = (0.0, 0.0)  # of a leaf: its place in the world [m]
+    beside: float = 0.0  # of a leaf: its position across the pull [m]
 
+    @property
+    def arm(self) -> float:
+        """The longer distance from its pivot to one of its strings [m]; 0 for a leaf."""
+        return max((abs(node.across - self.across) for node in self.below), default=0.0)
 
-def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
-    tendons = {tendon.name: tendon for tendon in reversed(known.elements["tendons"])}
-    bodies = {body.name: body for body in reversed(known.elements["bodies"])}
-    names, near = [*known.tendon_of, *tendons, *bodies], NearMisses()
-    found, problems = [], []
-    for i, leaf in enumerate(tree.pulls):
-        tendon = tendons.get(known.tendon_of.get(leaf.name) or leaf.name)
-        body = bodies.get(leaf.name if tendon is None else tendon.guides[-1].body)
-        if body is not None:
-            at = leaf.at if tendon is None else tendon.guides[-1].at
-            place = to_world(pose_of(body), at)
-            found.append(_End(place, body=body.name, on_body=at) if tendon is None else
-                         _End(place, tendon=tendon.name))
-        elif known.failed.isdisjoint(accumulate(leaf.name.split("."), "{}.{}".format)):
-            problems.append(Problem("name-not-found", "no finger, tendon or body is named "
-                                    f"{leaf.name!r}", path=f".pulls[{i}]",
-                                    hint=near(leaf.name, names)))
-    if len(found) < len(tree.pulls):
-        raise PartError(problems)
-    return found
+    @property
+    def rows(self) -> list[Node]:
+        """Every rocker or wheel below and itself, lowest level first, in the order of leaves."""
+        found = [node for child in self.below for node in child.rows] + [self] * bool(self.below)
+        return sorted(found, key=lambda node: node.height)
+
+    @property
+    def has_eyes(self) -> bool:
+        """Whether its string runs beside its leaf."""
+        return not self.below and abs(self.across - self.beside) >= MIN_DISTANCE
 
 
 class _Builder:
@@ -137,20 +130,76 @@ class _Builder:
         c, s = (round(f(tree.direction), 15) for f in (math.cos, math.sin))
         self.axes = ((c, s), (-s, c))
         """Unit vectors along the pull and to its left; exact for right angles."""
-        self.ends = _leaf_ends(tree, known)
-        self.places = [tuple(end.at[0] * x + end.at[1] * y for x, y in self.axes)
-                       for end in self.ends]
-        """Positions of the leaves along and across the pull."""
-        self.lines = self._spread()
-        """Positions of their strings across the pull."""
-        with_eyes = any(map(self._has_eyes, range(len(self.places))))
-        self.root = plan_tree(
-            [(along, line) for (along, _), line in zip(self.places, self.lines, strict=True)],
-            tree.shares or (1.0,) * len(self.places), gap=tree.gap * (1 + with_eyes),
-            level=tree.level, wheels=self.wheels)
+        self.leaves = self._found(known)
+        self._spread()
+        self.rearmost = max(leaf.along for leaf in self.leaves)
+        self.root = self._planned()
         self.frame = Body(
             name=f"{tree.name}.frame", at=self._world(self.root.along, self.root.across),
             angle=tree.direction, motion="fixed", role="ground")
+
+    def _found(self, known: Known) -> list[Node]:
+        """The leaves, with their strings straight behind them."""
+        tree = self.tree
+        tendons = {tendon.name: tendon for tendon in reversed(known.elements["tendons"])}
+        bodies = {body.name: body for body in reversed(known.elements["bodies"])}
+        shares = tree.shares or (1.0,) * len(tree.pulls)
+        found, problems, total, near = [], [], sum(shares), NearMisses()
+        for i, (leaf, share) in enumerate(zip(tree.pulls, shares, strict=True)):
+            tendon = tendons.get(known.tendon_of.get(leaf.name) or leaf.name)
+            end = tendon.guides[-1] if tendon else Guide(body=leaf.name, at=leaf.at)
+            body = bodies.get(end.body)
+            if body is not None:
+                at = to_world(pose_of(body), end.at)
+                along, across = (at[0] * x + at[1] * y for x, y in self.axes)
+                found.append(Node(i, share / total, across, along, at=at, beside=across, end=end,
+                                  tendon=tendon.name if tendon else ""))
+            elif known.failed.isdisjoint(accumulate(leaf.name.split("."), "{}.{}".format)):
+                problems.append(Problem(
+                    "name-not-found", f"no finger, tendon or body is named {leaf.name!r}",
+                    path=f".pulls[{i}]",
+                    hint=near(leaf.name, [*known.tendon_of, *tendons, *bodies])))
+        if len(found) < len(tree.pulls):
+            raise PartError(problems)
+        return found
+
+    def _spread(self) -> None:
+        """Set strings equally apart, with a ``pitch`` or if leaves lie in one line."""
+        order = sorted(self.leaves, key=lambda leaf: leaf.across)
+        if self.tree.pitch is None and all(
+                b.across - a.across >= MIN_DISTANCE for a, b in pairwise(order)):
+            return
+        pitch = self.tree.pitch or self.tree.travel
+        first = (order[0].across + order[-1].across - pitch * (len(order) - 1)) / 2
+        for rank, leaf in enumerate(order):
+            leaf.across = first + pitch * rank
+
+    def _planned(self) -> Node:
+        """The root over the leaves, with the rockers or wheels of all levels."""
+        def halved(nodes: list[Node]) -> Node:
+            if len(nodes) == 1:
+                return nodes[0]
+            middle = (len(nodes) + 1) // 2
+            below = (halved(nodes[:middle]), halved(nodes[middle:]))
+            share = sum(node.share for node in below)
+            return Node(0, share, sum(node.across * node.share for node in below) / share,
+                        height=1 + max(node.height for node in below), below=below)
+
+        leaves, gap = self.leaves, self.tree.gap
+        root = halved(sorted(leaves, key=lambda node: node.across,
+                             reverse=leaves[0].across > leaves[-1].across))
+        along, rim = self.rearmost, 0.0
+        for height, row in groupby(root.rows, key=lambda node: node.height):
+            nodes = list(row)
+            widest = max(node.arm for node in nodes) if self.wheels else 0.0
+            first = gap * (1 + any(leaf.has_eyes for leaf in leaves))
+            along = along + rim + (first if height == 1 else self.tree.level) + widest
+            rim = widest
+            for node in nodes:
+                node.along = along
+        for number, node in enumerate(root.rows):
+            node.number = number + 1
+        return root
 
     def build(self, elements: Elements) -> Elements:
         tree, nodes = self.tree, self.root.rows
@@ -158,9 +207,9 @@ class _Builder:
         strings: list[Tendon | Rope] = []
         for node in nodes:
             for child in node.below:
-                if not child.below and (tendon := self.ends[child.number].tendon):
-                    continued[tendon] = (*continued.get(tendon, ()), *self._eyes(child),
-                                         self._end(node, child))
+                if child.tendon:
+                    continued[child.tendon] = (*continued.get(child.tendon, ()),
+                                               *self._eyes(child), self._end(node, child))
                 else:
                     strings.append(self._string(node, child))
         behind = (self.root.arm if self.wheels else 0.0) + tree.travel + ACTUATOR_DISTANCE
@@ -179,29 +228,11 @@ class _Builder:
             groups=(Group(name=tree.name, kind=tree.type,
                           bodies=tuple(map(self._name, nodes))),))
 
-    def _spread(self) -> list[float]:
-        """Positions of the strings: those of the leaves, or equally spaced with ``pitch``."""
-        across = [place[1] for place in self.places]
-        order = sorted(range(len(across)), key=across.__getitem__)
-        apart = all(across[j] - across[i] >= MIN_DISTANCE for i, j in pairwise(order))
-        if self.tree.pitch is None and apart:
-            return across
-        pitch = self.tree.pitch or self.tree.travel
-        first = (across[order[0]] + across[order[-1]] - pitch * (len(order) - 1)) / 2
-        rank = {leaf: place for place, leaf in enumerate(order)}
-        return [first + pitch * rank[leaf] for leaf in range(len(order))]
-
-    def _has_eyes(self, leaf: int) -> bool:
-        return abs(self.lines[leaf] - self.places[leaf][1]) >= MIN_DISTANCE
-
     def _eyes(self, leaf: Node) -> tuple[Guide, ...]:
         """Guides of the frame from a leaf's line to that of its string, unless they are one."""
-        if not self._has_eyes(leaf.number):
-            return ()
-        along = max(place[0] for place in self.places) + self.tree.gap - self.root.along
-        return tuple(
-            Guide(body=self.frame.name, at=(along, across - self.root.across))
-            for across in (self.places[leaf.number][1], self.lines[leaf.number]))
+        along = self.rearmost + self.tree.gap - self.root.along
+        return tuple(Guide(body=self.frame.name, at=(along, across - self.root.across))
+                     for across in (leaf.beside, leaf.across) if leaf.has_eyes)
 
     def _world(self, along: float, across: float) -> Vec:
         (ax, ay), (bx, by) = self.axes
@@ -242,70 +273,13 @@ class _Builder:
 
     def _string(self, node: Node, child: Node) -> Tendon | Rope:
         """From a leaf's body, or from the pivot of the level before, to this level."""
-        if child.below:
+        name, start, at = f"{self.tree.name}.string{child.number + 1}", child.end, child.at
+        if start is None:
             name = f"{self.tree.name}.link{child.number}"
             start, at = Guide(body=self._name(child)), self._world(child.along, child.across)
-        else:
-            name, leaf = f"{self.tree.name}.string{child.number + 1}", self.ends[child.number]
-            start, at = Guide(body=leaf.body, at=leaf.on_body), leaf.at
-        end, eyes = self._end(node, child), () if child.below else self._eyes(child)
+        end, eyes = self._end(node, child), self._eyes(child)
         if isinstance(self.tree, RockerTree) and self.tree.links == "rope" and not eyes:
             return Rope(name=name, a=start.body, b=end.body, on_a=start.at, on_b=end.at,
                         longest=math.dist(at, self._world(node.along, child.across)))
         return Tendon(name=name, guides=(start, *eyes, end), stiffness=self.tree.stiffness,
                       damping=self.tree.damping)
-
-
-@dataclass
-class Node:
-    """A leaf, or a rocker (wheel) with the two strings that it pulls."""
-
-    across: float  # position across the pull [m]
-    along: float  # position along the pull [m]
-    share: float  # of the whole pull
-    number: int  # leaves from 0 as given, rockers from 1, lowest level first
-    height: int = 0
-    below: tuple[Node, ...] = ()
-
-    @property
-    def arm(self) -> float:
-        """The longer distance from its pivot to one of its strings [m]; 0 for a leaf."""
-        return max((abs(node.across - self.across) for node in self.below), default=0.0)
-
-    @property
-    def rows(self) -> list[Node]:
-        """Every rocker or wheel below and itself, lowest level first, in the order of leaves."""
-        found = [node for child in self.below for node in child.rows] + [self] * bool(self.below)
-        return sorted(found, key=lambda node: node.height)
-
-
-def plan_tree(
-    places: Sequence[tuple[float, float]], shares: Sequence[float], *,
-    gap: float, level: float, wheels: bool,
-) -> Node:
-    """The root over leaves at ``places`` (along, across) [m] with ``shares`` of the pull."""
-    def halved(nodes: list[Node]) -> Node:
-        if len(nodes) == 1:
-            return nodes[0]
-        middle = (len(nodes) + 1) // 2
-        below = (halved(nodes[:middle]), halved(nodes[middle:]))
-        share = sum(node.share for node in below)
-        return Node(sum(node.across * node.share for node in below) / share, 0.0, share, 0,
-                    1 + max(node.height for node in below), below)
-
-    total = sum(shares)
-    leaves = [Node(across, along, share / total, number)
-              for number, ((along, across), share) in enumerate(zip(places, shares, strict=True))]
-    root = halved(sorted(leaves, key=lambda node: node.across,
-                         reverse=places[0][1] > places[-1][1]))
-    along, rim = max(s for s, _ in places), 0.0
-    for height, row in groupby(root.rows, key=lambda node: node.height):
-        nodes = list(row)
-        widest = max(node.arm for node in nodes) if wheels else 0.0
-        along = along + rim + (gap if height == 1 else level) + widest
-        rim = widest
-        for node in nodes:
-            node.along = along
-    for number, node in enumerate(root.rows):
-        node.number = number + 1
-    return root

@@ -246,14 +246,17 @@ class _Composer:
         repeat = scopes.read_repeat(item["repeat"], at.scope, self.limits, place)
         among = next((str(step) for step in reversed(at.trail) if isinstance(step, str)), "")
         limit = "bodies" if among in ("bodies", "parts") else "elements"
-        most, count = getattr(self.limits, limit), len(out) + len(repeat.rows)
-        if count > most:
+        maximum, rows = getattr(self.limits, limit), repeat.rows
+        count = len(out) + len(rows)
+        if count > maximum:
             raise TooLargeError(place.problem(
                 "limit-exceeded", f"with these copies there are {count} {among or 'entries'}",
-                allowed=f"at most {most} (the limit '{limit}', raised by --limit {limit}=N)"))
+                allowed=f"at most {maximum} (the limit '{limit}', raised by --limit {limit}=N)"))
         known = len(self.made.problems)
-        for number, names in enumerate(repeat.rows):
-            label, scope = repeat.label(number), at.scope.naming(names, braces=True)
+        for number, names in enumerate(rows):
+            name, value = next(iter(names.items()))
+            label = f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
+            scope = at.scope.naming(names, braces=True)
             here = replace(
                 at, trail=(*at.trail[:-1], len(out)), scope=scope, place=replace(
                     at.place, copy=f"{at.place.copy}, {label}" if at.place.copy else label))
@@ -262,7 +265,7 @@ class _Composer:
                 raise RefusedError(at.place, [])
             if isinstance(entry, dict):
                 with place.refusing():
-                    moved = replace(repeat, scope=scope).moved(entry, number, among)
+                    moved = repeat.moved(entry, number, among, scope)
                 self.made.moved[id(moved)] = moved, self.made.of(entry)
                 entry = moved
             self.append(out, entry, here.place)
@@ -331,7 +334,7 @@ class _Composer:
         try:
             return float(number_from(filled, None, {**outside, **scope.tables}))
         except ValueError:
-            return filled  # reads other parameters of the assembly, or is wrong
+            return filled  # reads other parameters of the assembly, or is invalid
 
     def included(self, item: dict[str, Any], at: Context) -> dict[str, Any]:
         place, name = self.made.at(item, "include", at.place), item["include"]
@@ -353,7 +356,9 @@ class _Composer:
         for key in data:
             try:
                 with root.to(key).refusing(key=True):
-                    scopes.check_key(key, KEYS)
+                    if key not in KEYS:
+                        raise WrongValueError("unknown-key", f"unknown key {quoted(key)}",
+                                              allowed=", ".join(KEYS), hint=near(key, KEYS))
             except RefusedError as error:
                 self.refuse(error, at.trail)
         tables = data.get("tables")

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 from sandbox.elements.arrays import PER_SAMPLE, row_bytes
 from sandbox.elements.element import LISTS, NAMED
 from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import Problem
-from sandbox.scene.bodies import MAX_CORNERS, SHAPES
+from sandbox.scene.bodies import MAX_CORNERS
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import is_pattern
 
@@ -52,13 +53,6 @@ class Limits:
     runs: int = 1_000_000
     """Runs of a sweep."""
 
-    def raised(self, **changes: int) -> Limits:
-        """The same limits with some of them changed."""
-        known = {field.name: getattr(self, field.name) for field in fields(self)}
-        if unknown := sorted(set(changes) - set(known)):
-            raise ValueError(f"unknown limit {unknown[0]!r} (known: {', '.join(known)})")
-        return Limits(**{**known, **changes})
-
 
 def over(limits: Limits, name: str, amount: float, path: str, what: str) -> Iterator[Problem]:
     """The problem of an amount above a limit; ``what`` contains ``{count}``."""
@@ -72,57 +66,45 @@ def over(limits: Limits, name: str, amount: float, path: str, what: str) -> Iter
             f"at most {text(limit)} (the limit '{name}', raised by --limit {name}=N)"))
 
 
-def check_size(data: Any, limits: Limits) -> list[Problem]:
+def check_size(data: dict[str, Any], limits: Limits) -> list[Problem]:
     """Lists of a scene's data that are too long, and too many values, before models read them."""
     problems: list[Problem] = []
     for key in (*LISTS, "parts", "materials", "parameters", "tables"):
-        value = data.get(key) if isinstance(data, dict) else None
-        if isinstance(value, (list, dict)):
+        if isinstance(value := data.get(key), (list, dict)):
             problems += over(limits, "bodies" if key in BODIES else "elements", len(value),
                              f"$.{key}", f"the scene has {{count}} {key}")
+    values, corners = 0, 0
+    inner: Counter[str] = Counter()  # lengths of the lists of assemblies
+    waiting: list[Any] = [{**data, "templates": None}]  # only copies of templates count
+    while waiting and values <= limits.values:
+        entry = waiting.pop()
+        if isinstance(entry, dict):
+            kind = entry.get("type")
+            if kind in ("cam", "drawing"):
+                corners += MAX_CORNERS
+            elif kind in ("polygon", "polyline", "curve"):
+                corners += sum(len(ring) for ring in (
+                    entry.get("points"), *_list(entry, "holes")) if isinstance(ring, list))
+            elif kind == "assembly":
+                inner.update({key: len(_list(entry, key)) for key in (*LISTS, "parts")})
+        if isinstance(entry, (dict, list)):
+            values += len(entry)
+            waiting += entry.values() if isinstance(entry, dict) else entry
     if not problems:
-        holders = [*_holders(data)]
-        counts = {key: sum(len(_list(holder, key)) for holder in holders[1:])
-                  for key in (*LISTS, "parts")}
-        corners = sum(_corners(shape) for holder in holders for body in _list(holder, "bodies")
-                      for key in SHAPES for shape in _list(body, key) if isinstance(shape, dict))
         for name, count, where, what in (
-                ("bodies", sum(counts[key] for key in BODIES), "parts",
+                ("bodies", sum(inner[key] for key in BODIES), "parts",
                  "with those of its assemblies the scene has {count} bodies and parts"),
-                ("elements", sum(counts.values()), "parts",
+                ("elements", inner.total(), "parts",
                  "with those of its assemblies the scene has {count} elements"),
                 ("corners", corners, "bodies", "outlines have {count} corners")):
             problems += over(limits, name, count, f"$.{where}", what)
-    count, waiting = 0, [data]
-    while waiting and count <= limits.values:
-        entry = waiting.pop()
-        if isinstance(entry, (dict, list)):
-            count += len(entry)
-            waiting += entry.values() if isinstance(entry, dict) else entry
     return [*problems,
-            *over(limits, "values", count, "$", "the scene has {count} values and more")]
+            *over(limits, "values", values, "$", "the scene has {count} values and more")]
 
 
-def _holders(data: Any) -> Iterator[Any]:
-    """A scene's data, its assemblies, and those in them."""
-    waiting = [data]
-    while waiting:
-        holder = waiting.pop()
-        yield holder
-        waiting += [part for part in _list(holder, "parts")
-                    if isinstance(part, dict) and part.get("type") == "assembly"]
-
-
-def _list(holder: Any, key: str) -> list[Any]:
-    value = holder.get(key) if isinstance(holder, dict) else None
+def _list(holder: dict[str, Any], key: str) -> list[Any]:
+    value = holder.get(key)
     return value if isinstance(value, list) else []
-
-
-def _corners(shape: dict[Any, Any]) -> int:
-    if shape.get("type") in ("cam", "drawing"):
-        return MAX_CORNERS
-    rings = [_list(shape, "points"), *_list(shape, "holes")]
-    return sum(len(ring) for ring in rings if isinstance(ring, list))
 
 
 def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:

@@ -9,8 +9,11 @@ from __future__ import annotations
 
 import numbers
 import os
-from collections.abc import Iterable, Iterator, Mapping
+import sys
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +23,13 @@ from sandbox.elements.element import LISTS as MECHANISM_LISTS
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.check.control import check_units
 from sandbox.scene.check.ranges import check_ranges
-from sandbox.scene.check.references import check_references, check_unread
+from sandbox.scene.check.references import check_references
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
-from sandbox.scene.library import shipped_scenes
+from sandbox.scene.library import find_scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.compose import compose
-from sandbox.scene.read.limits import Limits, check_limits, check_size, over
+from sandbox.scene.read.limits import Limits, check_limits, check_size
 from sandbox.scene.read.origins import Composed, Origin, Relocation
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.scopes import (
@@ -44,8 +47,7 @@ from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path
 from sandbox.values.spec import Spec
 from sandbox.wording import kind_of, quoted
 
-FORMAT = 1  # the version of the scene format that is read
-MAX_EXPLAINED = 5_000  # number of invalid values that are explained one by one
+MAX_EXPLAINED = 5_000  # number of invalid values that are explained
 LISTS = (*MECHANISM_LISTS, "parts")
 
 
@@ -123,9 +125,6 @@ def read_scene(
             raise SceneError(first_problems(problems, limits.problems))
     else:
         found = _from_file(source, limits)
-    if not isinstance(found.data, dict):
-        raise SceneError([Problem("wrong-type", f"a scene is an object {{…}}, not "
-                                  f"{kind_of(found.data)}", "$", *found.where(()))], found.name)
     loading = _Loading(found, limits)
     loaded = loading.scene(found.data, overrides or {})
     if loading.problems or loaded is None:
@@ -141,17 +140,10 @@ def _from_file(source: str | os.PathLike[str], limits: Limits) -> SceneSource:
             "bad-argument", f"{quoted(source)} is no scene", "source",
             allowed="a path, the name of a shipped scene, or a mapping with the content of a "
             "file")])
-    path = Path(text)
-    if path.suffix != ".json" and len(path.parts) == 1:
-        try:
-            there = path.exists() and not path.is_dir()
-        except (OSError, ValueError):  # no file can have this name; reading it reports that
-            there = True
-        path = path if there else shipped_scenes().get(path.name, path)
+    path = find_scene(text)
     found = read_source(path, limits=limits)
-    if isinstance(found.data, dict):
-        # a file's name is bytes, which need not be text
-        found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
+    # a file's name is bytes, which need not be text
+    found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
     return found
 
 
@@ -220,11 +212,6 @@ class _Loading:
             data = {**data, "parameters": dict(values)}
         if tables := resolved_tables(data.get("tables"), values):
             values = NamedValues({**values, **tables})
-        given = data.get("format")
-        if isinstance(given, int) and not isinstance(given, bool) and given > FORMAT:
-            self.report([Problem("unsupported-format", f"this scene has format {given}; this "
-                                 f"version of sandbox reads format {FORMAT}", "$.format")])
-            self.ignored.add(("format",))
         return self._validated(data, {
             "parameters": values, "folder": self.source.path and self.source.path.parent})
 
@@ -235,10 +222,6 @@ class _Loading:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
             problems = explain(error, data, Scene, MAX_EXPLAINED)
-            if (count := error.error_count()) > MAX_EXPLAINED:
-                self.report([Problem("limit-exceeded", f"{count} values are wrong; only "
-                                     f"{MAX_EXPLAINED} are shown"), *problems])
-                return None
             self.report(each for each in problems if self._is_cause(each, data))
             if not self.problems:  # a problem left out must have been reported
                 self.report(problems)
@@ -249,37 +232,23 @@ class _Loading:
             except ValidationError:
                 return None
         mechanism = self._checked(scene, readable)
-        if paths:
-            left_out = {key: {i: entry for i, entry in enumerate(data[key])
-                              if i not in kept and (key, i) not in self.ignored}
-                        for key, kept in readable.kept.items()}
-            found = check_unread(left_out, mechanism, readable.assumed)
-            self.report(each for each in found if parse_path(each.path) not in paths)
         return Loaded(scene, mechanism, self.composed)
 
     def _is_cause(self, problem: Problem, data: Any) -> bool:
         """Whether a problem is not the consequence of another one."""
         path = parse_path(problem.path)
-        if path[:2] in self.ignored or path == ("parameters",):
-            return path[:2] not in self.ignored
-        for step in path:
-            data = data[step]
-        return not self.parameters.reads_failed(data)
+        return path[:2] not in self.ignored and (
+            path == ("parameters",)
+            or not self.parameters.reads_failed(reduce(getitem, path, data)))
 
     def _checked(self, scene: Scene, readable: _Readable) -> Mechanism:
         """The mechanism of a scene, after checks of parts, units, names and sizes."""
-        self.report(same_name := list(_parts_of_same_name(scene, readable)))
-        count = sum(part.body_count for part in scene.parts)
-        if too_large := list(over(self.limits, "bodies", count, "$.parts",
-                                  "the parts have {count} bodies and more")):
-            self.report(too_large)
-            return scene
         mechanism: Mechanism = scene
         try:
             mechanism = expand(scene)
         except SceneError as error:
-            if not readable.assumed:
-                self.report(readable.located(problem) for problem in error.problems)
+            self.report(readable.located(problem) for problem in error.problems
+                        if not readable.assumed or problem.code == "duplicate-name")
             readable.assumed |= {part.name for part in scene.parts}
         relocate = Relocation(mechanism, scene)
         too_large = check_limits(mechanism, self.limits)
@@ -292,9 +261,7 @@ class _Loading:
             self.report([replace(found, path=path_text(path))])
         for problem in [*check_references(mechanism, assumed=readable.assumed),
                         *check_ranges(mechanism)]:
-            found = relocate(problem)
-            if not (same_name and parse_path(found.path)[:1] == ("parts",)):
-                self.report([readable.located(found)])
+            self.report([readable.located(relocate(problem))])
         return mechanism
 
     def report(self, problems: Iterable[Problem]) -> None:
@@ -359,16 +326,6 @@ class _Readable:
         return replace(problem, path=path_text(path))
 
 
-def _parts_of_same_name(scene: Scene, readable: _Readable) -> Iterator[Problem]:
-    first: dict[str, int] = {}
-    for i, part in enumerate(scene.parts):
-        if first.setdefault(part.name, i) != i:
-            other = path_text(("parts", readable.kept["parts"][first[part.name]]))
-            yield readable.located(Problem("duplicate-name", f"the name {quoted(part.name)} is "
-                                           f"taken by {other}", f"$.parts[{i}].name",
-                                           allowed="a unique name for every part"))
-
-
 def sound(scene: Scene | Mechanism) -> Mechanism:
     """The mechanism of a scene in Python, if it is valid; its size is not limited.
 
@@ -379,7 +336,8 @@ def sound(scene: Scene | Mechanism) -> Mechanism:
         raise SceneError([Problem(
             "bad-argument", f"{quoted(scene)} is no scene", "scene", allowed="a scene from "
             "sandbox.load_scene, a path, the name of a shipped scene, or a mapping")])
-    kind, data = type(scene), _as_read(scene.model_dump(by_alias=True, warnings=False))
+    kind, data = type(scene), _plain(
+        scene.model_dump(by_alias=True, warnings=False), (), sys.maxsize, [])
     try:
         kind.model_validate(data, context={
             "parameters": resolved_tables(data.get("tables"), {})})
@@ -390,10 +348,3 @@ def sound(scene: Scene | Mechanism) -> Mechanism:
                     *check_ranges(mechanism)]:
         raise SceneError(problems)
     return mechanism
-
-
-def _as_read(value: Any) -> Any:
-    """Data as a file would hold it, with lists in place of tuples."""
-    if isinstance(value, dict):
-        return {key: _as_read(entry) for key, entry in value.items()}
-    return [_as_read(entry) for entry in value] if isinstance(value, (list, tuple)) else value

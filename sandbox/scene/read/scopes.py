@@ -2,26 +2,39 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 from collections import ChainMap
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from sandbox.errors import Problem
 from sandbox.scene.bodies import SHAPES
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.origins import Origin
+from sandbox.scene.read.origins import Origin, RefusedError
 from sandbox.values import expressions as ex
-from sandbox.values.numbers import number_from
-from sandbox.values.paths import path_text
+from sandbox.values.messages import explain
+from sandbox.values.numbers import Coordinate, Pair, number_from, parameters_of
+from sandbox.values.paths import parse_path, path_text
+from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, function_of
-from sandbox.wording import WrongValueError, kind_of, listed, near, number_text, quoted
+from sandbox.wording import WrongValueError, kind_of, listed, number_text, quoted
 
 _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -109,13 +122,6 @@ def check_name(name: Any, what: str, parameters: Mapping[str, float]) -> None:
     if name in parameters:
         raise WrongValueError("duplicate-name", f"the name {quoted(name)} is that of a parameter "
                               "already", allowed='another one for the index: "index": "j"')
-
-
-def check_key(key: str, known: tuple[str, ...]) -> None:
-    """Check that a key is one of those known."""
-    if key not in known:
-        raise WrongValueError("unknown-key", f"unknown key {quoted(key)}",
-                              allowed=", ".join(known), hint=near(key, known))
 
 
 @dataclass
@@ -228,28 +234,90 @@ def resolved_tables(raw: Any, parameters: Mapping[str, float]) -> dict[str, Any]
     return found
 
 
-REPEAT_KEYS = ("count", "list", "index", "line", "circle")
 WITH_POSITION = ("bodies", "parts", *SHAPES, "guides")
 """Lists whose entries have a position, so that a line or circle can move them."""
 Names = dict[str, float | str]
-Vec = tuple[float, float]
 
 
-@dataclass(frozen=True)
-class Copies:
-    """A ``repeat`` that was read."""
+def _index(name: str, info: ValidationInfo) -> str:
+    if name == info.data.get("index"):
+        raise WrongValueError("duplicate-name", f"the name {quoted(name)} is that of the index, "
+                              "which counts the entries",
+                              allowed='another name, or another "index"')
+    check_name(name, "an index", (info.context or {})["own"])
+    return name
 
-    rows: list[Names]  # the names and values of each copy
-    scope: Scope
-    line: Vec | None = None  # from one copy to the next [m]
-    circle: Vec | None = None  # centre of a full turn [m]
 
-    def label(self, number: int) -> str:
-        """The label of a copy in messages."""
-        name, value = next(iter(self.rows[number].items()))
-        return f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
+def _word(value: Any, info: ValidationInfo) -> float | str:
+    """A number, or a word for names."""
+    if isinstance(value, str) and value.isidentifier():
+        return value
+    return float(number_from(value, None, parameters_of(info)))
 
-    def moved(self, entry: dict[str, Any], number: int, among: str) -> dict[str, Any]:
+
+def _count(value: Any, info: ValidationInfo) -> int:
+    count, shown, maximum = 0.0, kind_of(value), (info.context or {})["maximum"]
+    try:
+        count = number_from(value, "ratio", parameters_of(info))
+        shown = number_text(count)
+    except WrongValueError:
+        if isinstance(value, str) and value.lstrip().startswith("="):
+            raise
+    if not (count == int(count) and count >= 1):
+        raise WrongValueError(
+            "bad-repeat", f"{shown} is not a number of copies",
+            allowed=f"a whole number from 1 to {maximum}, an expression of parameters that gives "
+            "one, or an object with 'count' or 'list'")
+    if count > maximum:
+        raise WrongValueError(
+            "limit-exceeded", f"{shown} copies are more than a scene may have elements",
+            allowed=f"at most {maximum} (the limit 'elements', raised by --limit elements=N)")
+    return int(count)
+
+
+IndexName = Annotated[str, AfterValidator(_index)]
+Word = Annotated[Any, BeforeValidator(_word)]
+Row = Annotated[
+    Annotated[dict[IndexName, Word], Tag("row")] | Annotated[Word, Tag("value")],
+    Discriminator(lambda value: "row" if isinstance(value, dict) else "value")]
+
+
+class Repeat(Spec):
+    """Copies of an entry, with names that have a value in each of them."""
+
+    index: IndexName = "i"
+    """Name of the index; i by default."""
+    count: Annotated[int | None, BeforeValidator(
+        _count, json_schema_input_type=Annotated[int, Field(ge=1)] | str)] = None
+    """Number of copies; the index counts them from 0."""
+    entries: Annotated[tuple[Row, ...] | None, Field(alias="list", min_length=1)] = None
+    """A value of the index for each copy, or an object of names and values."""
+    line: Pair[Coordinate] | None = None
+    """From one copy to the next [m]."""
+    circle: Pair[Coordinate] | None = None
+    """Centre of the circle that the copies go round [m]."""
+
+    @field_validator("circle")
+    @classmethod
+    def _alone(cls, circle: Any, info: ValidationInfo) -> Any:
+        if info.data.get("line") is not None:
+            raise WrongValueError("bad-repeat", "'line' and 'circle' exclude each other")
+        return circle
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.count is None) == (self.entries is None):
+            raise WrongValueError("bad-repeat", "a repeat needs either 'count' or 'list'")
+        return self
+
+    @property
+    def rows(self) -> list[Names]:
+        """The names and values of each copy."""
+        return [{self.index: float(i), **row} if isinstance(row, dict) else {self.index: row}
+                for i, row in enumerate(self.entries or map(float, range(self.count or 0)))]
+
+    def moved(self, entry: dict[str, Any], number: int, among: str, scope: Scope
+              ) -> dict[str, Any]:
         """A copy of an entry, moved along the line or round the circle."""
         if self.line is None and self.circle is None:
             return entry
@@ -261,26 +329,29 @@ class Copies:
         if "path" in entry:
             raise WrongValueError("bad-repeat", "a body with a path is not moved by a line or "
                                   "circle", allowed="the body in an assembly, and that repeated")
-        turn = math.tau * number / len(self.rows) if self.circle is not None else 0.0
+        copies = self.count or len(self.entries or ())
+        turn = math.tau * number / copies if self.circle is not None else 0.0
         keys: tuple[str, ...] = ("at",)
         if among in SHAPES and ("points" in entry or "end" in entry):
             keys = ("points",) if "points" in entry else ("start", "end")
-        result = entry | {key: self._each(entry.get(key, [0, 0]), number, turn) for key in keys}
+        known = scope.known
+        result = entry | {key: self._point(entry.get(key, [0, 0]), number, turn, known)
+                          for key in keys}
         if turn and (among in ("bodies", "parts") or entry.get("type") == "box"):
-            angle = entry.get("angle", 0.0)
-            numbers = self._read([angle], "angle")
-            result["angle"] = numbers[0] + turn if numbers else angle
+            with contextlib.suppress(ValueError):  # the models refuse it
+                result["angle"] = number_from(entry.get("angle", 0.0), "angle", known) + turn
         return result
 
-    def _each(self, value: Any, number: int, turn: float) -> Any:
+    def _point(self, value: Any, number: int, turn: float, known: Mapping[str, float]) -> Any:
         """A point or a list of points; anything else is left for the models to refuse."""
         if not isinstance(value, list) or not value:
             return value
         if isinstance(value[0], list):
-            return [self._each(point, number, turn) for point in value]
-        if len(numbers := self._read(value, "length")) != 2:
+            return [self._point(point, number, turn, known) for point in value]
+        try:
+            x, y = (number_from(each, "length", known) for each in value)
+        except ValueError:
             return value
-        x, y = numbers
         if self.circle is not None:
             cx, cy = self.circle
             c, s = math.cos(turn), math.sin(turn)
@@ -289,110 +360,14 @@ class Copies:
             x, y = x + number * self.line[0], y + number * self.line[1]
         return [x, y]
 
-    def _read(self, values: list[Any], dimension: str) -> list[float]:
-        """The numbers of some values; none if one is invalid."""
-        try:
-            return [number_from(each, dimension, self.scope.known) for each in values]
-        except ValueError:
-            return []
 
-
-def read_repeat(value: Any, scope: Scope, limits: Limits, place: Origin) -> Copies:
+def read_repeat(value: Any, scope: Scope, limits: Limits, place: Origin) -> Repeat:
     """Read the value of a ``repeat``; a number is that of the copies, counted by ``i``."""
     given = value if isinstance(value, dict) else {"count": value}
-    for key in given:
-        with place.to(key).refusing(key=True):
-            check_key(key, REPEAT_KEYS)
-    index = given.get("index", "i")
-    with (place.to("index") if "index" in given else place).refusing():
-        check_name(index, "an index", scope.parameters)
-    with place.refusing():
-        if ("count" in given) == ("list" in given):
-            raise WrongValueError("bad-repeat", "a repeat needs either 'count' or 'list'")
-    with place.to("circle").refusing():
-        if "line" in given and "circle" in given:
-            raise WrongValueError("bad-repeat", "'line' and 'circle' exclude each other")
-
-    def vector(key: str, what: str) -> Vec | None:
-        if key not in given:
-            return None
-        value, here = given[key], place.to(key)
-        with here.refusing():
-            if not (isinstance(value, list) and len(value) == 2):
-                raise WrongValueError("wrong-type", f"{what} is expected here, got "
-                                      f"{kind_of(value)}", allowed="two lengths [x, y]")
-        found = []
-        for i, each in enumerate(value):
-            with here.to(i).refusing():
-                found.append(number_from(each, "length", scope.known))
-        return found[0], found[1]
-
-    line, circle = vector("line", "the step from one copy to the next"), vector(
-        "circle", "the centre")
-    if "list" in given:
-        rows = list(_listed(given["list"], index, scope, limits, place.to("list")))
-    else:
-        with (place.to("count") if given is value else place).refusing():
-            rows = [{index: float(i)} for i in range(_count(given["count"], scope, limits))]
-    return Copies(rows, scope, line, circle)
-
-
-def _count(value: Any, scope: Scope, limits: Limits) -> int:
-    count, shown = 0.0, kind_of(value)
     try:
-        count = number_from(value, "ratio", scope.known)
-        shown = number_text(count)
-    except WrongValueError:
-        if isinstance(value, str) and value.lstrip().startswith("="):
-            raise
-    if not (count == int(count) and count >= 1):
-        raise WrongValueError(
-            "bad-repeat", f"{shown} is not a number of copies",
-            allowed=f"a whole number from 1 to {limits.elements}, an expression of parameters that "
-            "gives one, or an object with 'count' or 'list'")
-    _check_few(count, limits)
-    return int(count)
-
-
-def _check_few(count: float, limits: Limits) -> None:
-    if count > limits.elements:
-        raise WrongValueError(
-            "limit-exceeded",
-            f"{number_text(count)} copies are more than a scene may have elements",
-            allowed=f"at most {limits.elements} (the limit 'elements', raised by "
-            "--limit elements=N)")
-
-
-def _listed(
-    value: Any, index: str, scope: Scope, limits: Limits, place: Origin,
-) -> Iterator[Names]:
-    def read(given: Any, here: Origin) -> float | str:
-        with here.refusing():
-            try:
-                return float(number_from(given, None, scope.known))
-            except WrongValueError:
-                if isinstance(given, str) and given.isidentifier():
-                    return given
-                raise
-
-    with place.refusing():
-        if not isinstance(value, list) or not value:
-            raise WrongValueError(
-                "wrong-type", f"expected a list with an entry for each copy, got {kind_of(value)}"
-                + (" without entries" if value == [] else ""))
-        _check_few(len(value), limits)
-    for number, entry in enumerate(value):
-        here = place.to(number)
-        if not isinstance(entry, dict):
-            yield {index: read(entry, here)}
-            continue
-        row: Names = {index: float(number)}
-        for name, given in entry.items():
-            with here.to(name).refusing(key=True):
-                if name == index:
-                    raise WrongValueError(
-                        "duplicate-name", f"the name {quoted(name)} is that of the index, which "
-                        "counts the entries", allowed="another name, or another \"index\"")
-                check_name(name, "an index", scope.parameters)
-            row[name] = read(given, here.to(name))
-        yield row
+        return Repeat.model_validate(given, context={
+            "parameters": scope.known, "own": scope.parameters, "maximum": limits.elements})
+    except ValidationError as error:
+        raise RefusedError(place, [
+            (place.to(*parse_path(problem.path)) if given is value else place).located(problem)
+            for problem in explain(error, given, Repeat)]) from None
