@@ -17,8 +17,7 @@ from sandbox.model.supports import components
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.elements.bodies import joined_points
 from sandbox.picture.geometry import shape_points
-from sandbox.picture.listing import Listing
-from sandbox.picture.run_data import RunData, nearest
+from sandbox.picture.listing import Listing, RunData, nearest
 from sandbox.picture.wheels import wheel_pictures
 from sandbox.scene.bodies import Circle
 from sandbox.scene.layers import meant

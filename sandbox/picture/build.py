@@ -10,9 +10,8 @@ import numpy as np
 from sandbox.picture import scales
 from sandbox.picture.bounds import drift
 from sandbox.picture.elements import bodies, drives, forces, joints, notes, tendons
-from sandbox.picture.listing import Listing
-from sandbox.picture.palette import DRIVE, PUSH, SLACK, SPRING, TENSION, css, glyph, mixed
-from sandbox.picture.run_data import RunData
+from sandbox.picture.listing import Listing, RunData
+from sandbox.picture.palette import PUSH, TENSION, TOKENS, css, glyph, mixed
 from sandbox.picture.subject import Subject, VisibleLayers
 from sandbox.scene.settings import View
 
@@ -49,8 +48,8 @@ ROWS: Mapping[str, Row] = {
 """By name, most important first. What a picture shows by itself has no row."""
 STEPS = 8  # colours of springs on either side of their own stiffness
 RAMPS = {"load": [[css(c) for c in PUSH], [css(c) for c in TENSION]],
-         "stiffness": [[css(mixed(SPRING, other, k / (STEPS - 1))) for k in range(STEPS)]
-                       for other in (SLACK, DRIVE)]}
+         "stiffness": [[css(mixed(TOKENS["spring"][0], TOKENS[end][0], k / (STEPS - 1)))
+                        for k in range(STEPS)] for end in ("slack", "drive")]}
 """The ramps of loads (push and pull) and of driven stiffness."""
 ELEMENTS: tuple[Callable[[Subject], None], ...] = (
     notes.add_liquids, bodies.add_bodies, bodies.add_stalks, bodies.add_wheels, joints.add_joints,

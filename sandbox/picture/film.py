@@ -18,8 +18,8 @@ from sandbox.atomic_files import atomic_file, output_path, remove_stale
 from sandbox.errors import OutputError
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
+from sandbox.picture.listing import RunData
 from sandbox.picture.options import check_run, check_view, paper_of, view_of
-from sandbox.picture.run_data import RunData
 from sandbox.picture.stills import ENDINGS as STILLS
 from sandbox.picture.stills import WHAT, Instants, save_stills
 from sandbox.recording.new_run import FRAME

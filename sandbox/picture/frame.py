@@ -22,10 +22,9 @@ from sandbox.picture.elements.notes import grid
 from sandbox.picture.geometry import arrow, within
 from sandbox.picture.instant import Instant
 from sandbox.picture.labels import SMALL, offset, place_labels
-from sandbox.picture.listing import SIDES, Item
+from sandbox.picture.listing import SIDES, Item, nearest
 from sandbox.picture.meters import MeterPanel
 from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK, Painter
-from sandbox.picture.run_data import nearest
 from sandbox.picture.scales import round_length
 from sandbox.picture.typesetter import HEAD, Headline, Typesetter
 from sandbox.samples.samples import Samples

@@ -43,7 +43,11 @@ class Pixels:
 
     def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
              union: bool = False, hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """Paint rings, each as its line and that line moved by half the width outwards, inwards.
+
+        With ``union`` they are one area with one outline, otherwise the later ones are holes.
+        ``hatch`` is the pitch of slanted lines.
+        """
         polygon, large = pygame.draw.polygon, self.large
         if fill is not None and (union or len(rings) == 1):
             for _, outer, _ in rings if width else ():
@@ -87,14 +91,14 @@ class Pixels:
         return lines, area
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """Paint connected lines."""
         if width > 2.5 and (len(path) == 2 or (2 < len(path) < LONG and not _turns_back(path))):
             pygame.draw.polygon(self.large, ink, ribbon(path, width))
         else:
             pygame.draw.lines(self.large, ink, False, path, max(1, round(width)))
 
     def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """Paint a small polygon with an outline about its line."""
         if fill is not None:
             pygame.draw.polygon(self.large, fill, corners)
         if edge is not None and width:
@@ -102,7 +106,7 @@ class Pixels:
 
     def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
              hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """Paint a circle with an outline about its line."""
         if edge is not None and width:
             pygame.draw.circle(self.large, edge, centre, radius + width / 2,
                                0 if fill is not None else max(1, round(width)))
@@ -115,7 +119,7 @@ class Pixels:
             self._hatch((np.array(centre) + (radius - width / 2) * ring).tolist(), edge, hatch)
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
-        """Keep a text for the finished picture."""
+        """Write a label with a rim, and a thin line to its point."""
         if leader:
             self._leaders.append((lighter(ink, 0.35), leader[0], leader[1]))
         face = self.type.render(words, size=size, colour=ink, halo=True)
@@ -123,7 +127,7 @@ class Pixels:
                                   round(middle[1] - face.get_height() / 2))))
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """Write words right of and below a corner [finished pixels]."""
         self.texts.append((self.type.render(words, size=size, colour=ink), corner))
 
     def write_texts(self) -> list[pygame.Rect]:

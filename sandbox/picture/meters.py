@@ -13,6 +13,7 @@ import pygame
 from sandbox.figure.style import COLOURS, shown_as
 from sandbox.model.meters import curves, is_expression
 from sandbox.numeric import Array
+from sandbox.picture.listing import read_curve
 from sandbox.picture.palette import (
     BACKGROUND,
     FAINT_INK,
@@ -23,7 +24,6 @@ from sandbox.picture.palette import (
     from_css,
     lighter,
 )
-from sandbox.picture.run_data import read_curve
 from sandbox.picture.scales import pressure_unit, round_up
 from sandbox.picture.typesetter import Typesetter, ellipsis
 from sandbox.samples.samples import Samples

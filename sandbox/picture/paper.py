@@ -82,7 +82,7 @@ class Paper:
 
     def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
              union: bool = False, hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         lines = [ring for ring, _, _ in rings]
         if union:
             for ring in lines:
@@ -103,23 +103,23 @@ class Paper:
         self._draw(path, None, lighter(edge, 0.45), 0.13 * pitch, _closed(_holes(rings)))
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         self._draw(Outline(np.asarray(path)), None, ink, width)
 
     def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         self._draw(_closed([corners]), fill, edge, width)
 
     def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
              hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         circle = Outline.circle(centre, radius)
         self._draw(circle, fill, edge if width else None, width)
         if hatch and edge is not None:
             self._hatch([np.asarray(circle.to_polygons()[0]).tolist()], edge, hatch)
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         if leader:
             self.line(leader, lighter(ink, 0.35), 1.0)
         x = round(middle[0] - self.type.width(words, size) / 2)
@@ -129,7 +129,7 @@ class Paper:
         self.write((x, y), words, size, ink)
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         words = letters(words)
         if not words.strip():
             return

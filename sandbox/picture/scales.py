@@ -14,8 +14,8 @@ import numpy as np
 
 from sandbox.model.joints import link_tensions
 from sandbox.numeric import Array, Integers
+from sandbox.picture.listing import RunData
 from sandbox.picture.palette import PUSH, TENSION, Colour
-from sandbox.picture.run_data import RunData
 from sandbox.samples.cables import piece_tensions
 from sandbox.scene.settings import View
 

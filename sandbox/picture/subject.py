@@ -11,9 +11,8 @@ import numpy as np
 
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags
-from sandbox.picture.listing import Item, Listing, Number, Point, short
+from sandbox.picture.listing import Item, Listing, Number, Point, RunData, nearest, short
 from sandbox.picture.palette import TOKENS, Colour, css, glyph
-from sandbox.picture.run_data import RunData, nearest
 from sandbox.picture.scales import ForceScale, Tensions, prefixed
 from sandbox.scene.layers import LAYERS, PASSES, Show, meant, shown
 from sandbox.scene.settings import View

@@ -17,8 +17,7 @@ from sandbox.picture.bounds import Stage, body_box, place_camera, whole_box, wid
 from sandbox.picture.build import ELEMENTS, RAMPS, add_legend, subject_of
 from sandbox.picture.instant import Instant
 from sandbox.picture.labels import place_labels
-from sandbox.picture.listing import Item, Listing, short
-from sandbox.picture.run_data import RunData
+from sandbox.picture.listing import Item, Listing, RunData, short
 from sandbox.picture.scales import Tensions, bars_of, tensions_of
 from sandbox.picture.subject import Subject, VisibleLayers
 from sandbox.scene.layers import EVERY, LAYERS, shown

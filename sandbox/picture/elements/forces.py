@@ -11,7 +11,7 @@ from sandbox.model.joints import placed, rotated
 from sandbox.numeric import Array, Integers
 from sandbox.picture.elements.notes import Place, marked
 from sandbox.picture.geometry import shape_points
-from sandbox.picture.run_data import RunData
+from sandbox.picture.listing import RunData
 from sandbox.picture.scales import (
     NO_SCALE,
     ForceScale,

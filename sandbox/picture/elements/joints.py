@@ -15,7 +15,7 @@ from sandbox.model.model import NONE
 from sandbox.numeric import Array
 from sandbox.picture.elements.bodies import beside, joined_points, stalks
 from sandbox.picture.geometry import XY
-from sandbox.picture.listing import Point, flat, short
+from sandbox.picture.listing import Between, Point, flat, short
 from sandbox.picture.palette import ZIGZAG
 from sandbox.picture.scales import UNLOADED, bars_of
 from sandbox.picture.subject import Subject
@@ -179,7 +179,7 @@ class _Link:
         self.holds: Any = True if shown is None else s.out.columns[shown[0]] != 0
         self.add = partial(s.add, "links", name=self.name, shown=shown,
                            plane=s.plane(*joints.bodies[k].tolist()))
-        self.way = s.out.between(*self.ends)
+        self.way = Between(s.out, *map(s.out.place, self.ends))
         self.length = self.way.length
 
     def line(self, points: list[Point], token: str, width: float) -> None:

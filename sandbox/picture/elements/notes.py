@@ -10,9 +10,8 @@ import numpy as np
 from sandbox.picture.bounds import Camera, Stage
 from sandbox.picture.elements.bodies import colour_of
 from sandbox.picture.geometry import XY, shape_points
-from sandbox.picture.listing import Item, Listing, flat
+from sandbox.picture.listing import Item, Listing, RunData, flat
 from sandbox.picture.palette import INK, TRACES, Colour, lighter, mixed
-from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import round_length
 from sandbox.picture.subject import BEHIND, Subject
 from sandbox.scene.layers import EVERY, meant

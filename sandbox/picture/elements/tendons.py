@@ -14,8 +14,7 @@ from sandbox.model.bonds import held_one
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.elements.joints import made_stiffer
-from sandbox.picture.listing import Between, Number, Point, flat, short
-from sandbox.picture.run_data import RunData
+from sandbox.picture.listing import Between, Number, Point, RunData, flat, short
 from sandbox.picture.scales import SLACK_FRACTION, round_up
 from sandbox.picture.subject import Subject
 from sandbox.samples.cables import off_wheels
@@ -219,9 +218,8 @@ class _Fluids:
             return
         name, pulls, ends = lines.name[line], bool(lines.gain[n] < 0), [
             s.on(*end) for end in zip(bodies, lines.anchor[n], strict=True)]
-        way = s.out.between(*ends)
-        gap = np.hypot(*(s.out.place(ends[1]) - s.out.place(ends[0])).T)
-        least, most = float(gap.min()), float(gap.max())
+        way = Between(s.out, *map(s.out.place, ends))
+        least, most = float(way.length.min()), float(way.length.max())
         spare = SPARE * most
         tube = min(max(most - least + 2 * spare, MIN_TUBE * least), MAX_TUBE * least)
         stroke = min(most - least, max(tube - 2 * spare, 0.0))
