@@ -98,8 +98,7 @@ def add_legend(s: Subject, carried: scales.Tensions) -> None:
         out.glyphs[name := f"trace {token}"] = [
             [out.style("", token, 1.8), {"l": [0, 0, 30, 0]}],
             [out.style(token), {"c": [15, 0, 15, 0, 3.0]}]]
-        every = notes.round_interval(float(s.run.time[-1] - s.run.time[0]))
-        add("glyph", "traces", g=name, width=30, words=f"every {every:g} s")
+        add("glyph", "traces", g=name, width=30, words=f"every {notes.mark_interval(s.run):g} s")
 
 
 def _seen(s: Subject) -> set[str]:

@@ -18,8 +18,8 @@ from sandbox.atomic_files import atomic_file, output_path, remove_stale
 from sandbox.errors import OutputError
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
-from sandbox.picture.listing import RunData
 from sandbox.picture.options import check_run, check_view, paper_of, view_of
+from sandbox.picture.palette import PUSH, TENSION
 from sandbox.picture.stills import ENDINGS as STILLS
 from sandbox.picture.stills import WHAT, Instants, save_stills
 from sandbox.recording.new_run import FRAME
@@ -211,7 +211,7 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
     return stills
 
 
-def frame_times(run: RunData, *, fps: int, speed: float, start: float = 0.0,
+def frame_times(run: Samples, *, fps: int, speed: float, start: float = 0.0,
                 most: int = MAX_FRAMES) -> list[float]:
     """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end.
 
@@ -265,7 +265,8 @@ def _animate(
         some: list[Any] = [draw(times[k]) for k in np.unique(
             np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))]
         palette = shared_palette([packed(each[each[..., 3] >= COVERED]) for each in some]
-                                 if transparent else some, picture.subject.carried.colours)
+                                 if transparent else some, TENSION + PUSH * bool(
+                                     picture.subject.carried.pushing))
         lasts = [100 // view.fps] * (len(times) - 1) + [round(100 * HOLD)]
         with aside.open("wb") as file:
             writer = GifWriter(file, picture.size, palette)

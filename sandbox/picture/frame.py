@@ -242,8 +242,8 @@ class Picture:
     def needs(self) -> float:
         """The height at which the mechanism fills the picture's width [pixels]."""
         view = self.view
-        share = view.size[1] / view.size[0] if view.centre and view.width else (
-            self.box.height / max(self.box.width, 1e-9))
+        wide, high = view.size if view.centre and view.width else self.box.size
+        share = high / max(wide, 1e-9)
         around = self.head + self.panel.below + (
             len(self.legend) * self.row + self.pad if self.legend else 0)
         return around + self.size[0] * float(np.clip(share, *SHAPES))
@@ -298,8 +298,11 @@ class Picture:
                            (line - self.type.height(self.type.size)) // 2 + 1), words,
                           self.type.size, FAINT_INK)
 
-    def write_grid(self, painter: Painter, instant: Instant) -> None:
-        """Write numbers of the grid, at the left and the bottom edge of the stage."""
+    def write_labels(self, painter: Painter, instant: Instant) -> None:
+        """Write the numbers of the grid, and the labels that have a place.
+
+        A label that stands off has a line to its point.
+        """
         left, top, _, high = self.stage
         for item, at in instant.texts:
             if "edge" in item:
@@ -308,18 +311,15 @@ class Picture:
                 middle = (x, top + high - half[1] - 1) if item["edge"] == 0 else (
                     left + half[0] + 3, y)
                 painter.text(middle, item["words"], self.label_size, FAINT_INK, ())
-
-    def write_labels(self, painter: Painter, instant: Instant) -> None:
-        """Write the labels that have a place, with a line to the point of one that stands off."""
         point = self.unit
         for label in instant.labels():
             if label.side < 0 or not within([label.point], instant.edges):
                 continue
-            (x, y), clear = (v * instant.factor for v in label.point), label.clear * point
-            dx, dy = offset(label.side, self.half(label.words), clear, point)
+            x, y = (v * instant.factor for v in label.point)
+            dx, dy = offset(label.side, self.half(label.words), label.clear, point)
             ux, uy, far = SIDES[label.side]
-            leader = [(x + ux * away, y - uy * away)
-                      for away in (2 * point, (far + 2) * point + clear)] if far else []
+            leader = [(x + ux * away * point, y - uy * away * point)
+                      for away in (2, far + 2 + label.clear)] if far else []
             painter.text((x + dx, y + dy), label.words, self.label_size, label.ink, leader)
 
     def paint_stage(self, paper: Paper, t: float) -> Instant:
@@ -336,7 +336,6 @@ class Picture:
         """Paint all of it at a time [s]."""
         instant = self.paint_stage(paper, t)
         self.surround(paper, instant)
-        self.write_grid(paper, instant)
         self.write_labels(paper, instant)
         self.panel.draw(paper, [t])
         self.write_stamp(paper, t)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.numeric import Array
 from sandbox.picture.frame import Picture
 from sandbox.picture.geometry import XY, ribbon
 from sandbox.picture.palette import BACKGROUND, Colour, Ink, Rings, hatch_lines, lighter
@@ -37,6 +37,7 @@ class Pixels:
         self.size, self.enlarge, self.type = size, enlarge, typesetter
         self.large = new_surface(size[0] * enlarge, size[1] * enlarge)
         self.small = new_surface(*size)
+        self.drawn: list[pygame.Rect] = []  # boxes of all that was painted on the enlarged picture
         self.texts: list[tuple[pygame.Surface, XY]] = []  # with their corners, to be written
         self._leaders: list[tuple[Colour, XY, XY]] = []
         self._hatched: dict[bytes, tuple[pygame.Surface, pygame.Rect]] = {}
@@ -48,25 +49,27 @@ class Pixels:
         With ``union`` they are one area with one outline, otherwise the later ones are holes.
         ``hatch`` is the pitch of slanted lines.
         """
-        polygon, large = pygame.draw.polygon, self.large
         if fill is not None and (union or len(rings) == 1):
             for _, outer, _ in rings if width else ():
-                polygon(large, edge or fill, outer)
+                self._polygon(edge or fill, outer)
             for _, _, inner in rings:
-                polygon(large, fill, inner)
+                self._polygon(fill, inner)
         else:  # one ring with holes, or an outline
             if fill is not None:
-                polygon(large, fill, _bridged([ring for ring, _, _ in rings]))
+                self._polygon(fill, _bridged([ring for ring, _, _ in rings]))
             for ring, outer, inner in rings:
                 if edge is None or not width or not len(outer) == len(ring) == len(inner):
                     self.simple(ring, None, edge, width)
                     continue
                 for k in range(len(ring)):
-                    polygon(large, edge, (outer[k - 1], outer[k], inner[k], inner[k - 1]))
+                    self._polygon(edge, (outer[k - 1], outer[k], inner[k], inner[k - 1]))
         if hatch and edge is not None:
             inside = [inner for _, _, inner in rings]
             for part in inside if union else [_bridged(inside)]:
                 self._hatch(part, edge, hatch)
+
+    def _polygon(self, ink: Colour, corners: Sequence[XY]) -> None:
+        self.drawn.append(pygame.draw.polygon(self.large, ink, corners))
 
     def _hatch(self, corners: Sequence[XY], edge: Colour, pitch: float) -> None:
         key = np.asarray(corners, dtype=np.float32).round(1).tobytes() + bytes(edge)
@@ -74,7 +77,7 @@ class Pixels:
             if len(self._hatched) >= HATCHED:
                 self._hatched.clear()
             self._hatched[key] = self._hatching(corners, edge, pitch)
-        self.large.blit(*self._hatched[key])
+        self.drawn.append(self.large.blit(*self._hatched[key]))
 
     def _hatching(self, corners: Sequence[XY], edge: Colour,
                   pitch: float) -> tuple[pygame.Surface, pygame.Rect]:
@@ -93,26 +96,29 @@ class Pixels:
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
         """Paint connected lines."""
         if width > 2.5 and (len(path) == 2 or (2 < len(path) < LONG and not _turns_back(path))):
-            pygame.draw.polygon(self.large, ink, ribbon(path, width))
+            self._polygon(ink, ribbon(path, width))
         else:
-            pygame.draw.lines(self.large, ink, False, path, max(1, round(width)))
+            self.drawn.append(pygame.draw.lines(
+                self.large, ink, False, path, max(1, round(width))))
 
     def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
         """Paint a small polygon with an outline about its line."""
         if fill is not None:
-            pygame.draw.polygon(self.large, fill, corners)
+            self._polygon(fill, corners)
         if edge is not None and width:
-            pygame.draw.lines(self.large, edge, True, corners, max(1, round(width)))
+            self.drawn.append(pygame.draw.lines(
+                self.large, edge, True, corners, max(1, round(width))))
 
     def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
              hatch: float = 0.0) -> None:
         """Paint a circle with an outline about its line."""
         if edge is not None and width:
-            pygame.draw.circle(self.large, edge, centre, radius + width / 2,
-                               0 if fill is not None else max(1, round(width)))
+            self.drawn.append(pygame.draw.circle(
+                self.large, edge, centre, radius + width / 2,
+                0 if fill is not None else max(1, round(width))))
         if fill is not None:
             inside = radius - width / 2 if edge is not None else radius
-            pygame.draw.circle(self.large, fill, centre, max(1.0, inside))
+            self.drawn.append(pygame.draw.circle(self.large, fill, centre, max(1.0, inside)))
         if hatch and edge is not None:
             angle = np.arange(64) * math.tau / 64
             ring = np.column_stack((np.cos(angle), np.sin(angle)))
@@ -158,12 +164,15 @@ def _turns_back(path: Sequence[XY]) -> bool:
     return bool(np.abs(np.arctan2(turn, along)).sum() > 4.5)
 
 
-def touched(boxes: Array, stage: pygame.Rect) -> list[pygame.Rect]:
-    """Rectangles of whole cells, without overlap, that cover boxes [k, 4] pixels on the stage."""
+def cells(boxes: Sequence[pygame.Rect], enlarge: int, stage: pygame.Rect) -> list[pygame.Rect]:
+    """Rectangles of whole cells, without overlap, that cover boxes of the enlarged picture."""
+    box = np.fromiter(chain.from_iterable(boxes), float).reshape(-1, 4)
+    box[:, 2:] += box[:, :2]
     grid = np.zeros((-(-stage.height // CELL), -(-stage.width // CELL)), dtype=np.int8)
-    cells = np.floor((boxes - np.tile(stage.topleft, 2)) / CELL) + np.array([0.0, 0.0, 1.0, 1.0])
+    places = np.floor((box / enlarge - np.tile(stage.topleft, 2)) / CELL)
+    places[:, 2:] += 1
     limit = (*grid.shape[::-1], *grid.shape[::-1])
-    for x0, y0, x1, y1 in np.clip(np.nan_to_num(cells), 0, limit).astype(int).tolist():
+    for x0, y0, x1, y1 in set(map(tuple, np.clip(places, 0, limit).astype(int).tolist())):
         grid[y0:y1, x0:x1] = 1
     edges = np.diff(grid, axis=1, prepend=0, append=0)
     rows, starts = (each.tolist() for each in np.nonzero(edges == 1))
@@ -194,7 +203,6 @@ class Frames:
                      (stage.right, stage.top, width, stage.height)):
             painter.large.fill(BACKGROUND, [v * enlarge for v in zone])
         picture.surround(painter, self.instant)
-        picture.write_grid(painter, self.instant)
         self._panel_texts = [text for text in painter.texts if panel.collidepoint(text[1])]
         painter.scale_down([pygame.Rect(0, 0, width, height)])
         painter.write_texts()
@@ -214,11 +222,10 @@ class Frames:
             painter.small.blits([(self._small_still, rect, rect)
                                  for rect in self._areas + self._written], doreturn=False)
             painter.large.set_clip([v * painter.enlarge for v in stage])
+            painter.drawn.clear()
             instant.paint(painter)
             painter.large.set_clip(None)
-            boxes = np.array([(stage.left, stage.top, stage.right, stage.bottom)], dtype=float) \
-                if picture.view.follow else instant.boxes() / painter.enlarge
-            self._areas = touched(boxes, stage)
+            self._areas = cells(painter.drawn, painter.enlarge, stage)
             painter.scale_down(self._areas)
             picture.write_labels(painter, instant)
             self._written = painter.write_texts()

@@ -28,7 +28,6 @@ from sandbox.picture.listing import Item, Listing
 from sandbox.picture.palette import Colour, Ink, Painter, from_css
 
 Plan = Callable[[Painter], None]
-REACH = {"mark": 20.0, "span": 13.0, "taut": 6.0}  # beside points, else 7 [points]
 ROUND = 0.15  # largest angle between corners of arcs [rad]
 STEPS = 1e3  # steps of a number, from 0 to its maximum, that look different
 PITCH = 7.0  # of hatching [points]
@@ -79,7 +78,6 @@ class Instant:
         self.px: Any = np.zeros((0, 2))  # all points [pixels]
         self.points: list[XY] = []  # the same, made when they are painted
         self.wild = False  # whether a point is far outside of the picture, or not finite
-        self.touched: list[Sequence[float]] = []  # boxes of items without frames [pixels]
         self.outlines: list[slice] = []  # points along each item, where labels hide something
         self.fills: list[slice] = []  # corners of filled areas, a ring each
         self.marks: list[tuple[int, Array]] = []
@@ -87,8 +85,6 @@ class Instant:
         self.texts: list[tuple[Item, int]] = []
         self._still: list[Plan] = []
         self._plans: list[Plan] = []
-        self._extents: list[tuple[int, float]] = []
-        """First point of each moving item, and how far it reaches beside its points [points]."""
         self._pooled: list[tuple[int, Array, XY]] = []  # frame, points and offset
         self._count = 0
         for item in out.items:
@@ -111,20 +107,16 @@ class Instant:
         return int(self._pool(point[0], [point[1:3]], offset).start)
 
     def _plan(self, item: Item) -> None:
-        first, kind = self._count, item["k"]
-        made: Any = getattr(self, f"_{kind}")(item)
-        if made is None:
+        first = self._count
+        plan: Plan | None = getattr(self, f"_{item['k']}")(item)
+        if plan is None:
             return
-        plan: Plan = self._stroke(item, made) if kind in STROKES else made
         if self._count > first:
             self.outlines.append(slice(first, self._count))
         if not self._plans and self._stays(item):
             self._still.append(plan)
             return
         self._plans.append(self._where(item["if"], plan) if "if" in item else plan)
-        if self._count > first:
-            self._extents.append((first, max(item["r"]) + 14 if kind == "spiral"
-                                  else REACH.get(kind, 7.0)))
 
     def _where(self, shown: Any, plan: Plan) -> Plan:
         def paint(painter: Painter) -> None:
@@ -186,23 +178,6 @@ class Instant:
             parts.append(str(self.sample).encode())
         return b"".join(parts)
 
-    def boxes(self) -> Array:
-        """Left, top, right and bottom of all that moves, [k, 4] pixels."""
-        boxes = np.array(self.touched).reshape(-1, 4)
-        reach = np.full(len(boxes), 10.0)
-        if self._extents:
-            starts, beside = zip(*self._extents, strict=True)
-            px = np.nan_to_num(self.px, nan=-1e6, posinf=1e6, neginf=-1e6)
-            low, high = (each.reduceat(px, starts, axis=0) for each in (np.minimum, np.maximum))
-            boxes = np.concatenate([np.hstack((low, high)), boxes])
-            reach = np.concatenate([beside, reach])
-        return np.asarray(boxes + self.point * reach[:, None] * (-1.0, -1.0, 1.0, 1.0))
-
-    def _touch(self, *points: Any) -> None:
-        """Note the box of points [pixels] that belong to no frame."""
-        x, y = np.asarray(points, dtype=float).reshape(-1, 2).T
-        self.touched.append((x.min(), y.min(), x.max(), y.max()))
-
     def value(self, number: Any) -> float:
         """A number, or a column's value."""
         return float(self.values[number[0]]) if isinstance(number, list) else float(number)
@@ -232,8 +207,6 @@ class Instant:
     def paint(self, painter: Painter, *, still: bool = False) -> None:
         """Paint moving items, or the ``still`` ones, which lie behind all others."""
         self.points = self.points or self.px.tolist()
-        if not still:
-            self.touched.clear()
         for plan in self._still if still else self._plans:
             plan(painter)
 
@@ -276,8 +249,6 @@ class Instant:
         def paint(painter: Painter) -> None:
             fill, edge, width, _, hatch = self.look(item)
             size, (x, y) = self.value(radius) * self.scale, self.points[at]
-            if isinstance(radius, list):
-                self._touch(*_square(x, y, size))
             left, top, right, bottom = self.edges
             if size < 4 * math.hypot(right - left, bottom - top):
                 if math.isfinite(x + y) and (left - size <= x <= right + size
@@ -321,21 +292,20 @@ class Instant:
                 self._draw_line(painter, path, edge, width, dash)
         return paint
 
-    def _line(self, item: Item) -> Callable[[], Any]:
+    def _line(self, item: Item) -> Plan:
         at = [self._place(point) for point in item["p"]]
-        return lambda: [[self.points[i] for i in at]]
+        return self._stroke(item, lambda: [[self.points[i] for i in at]])
 
-    def _sag(self, item: Item) -> Callable[[], Any]:
+    def _sag(self, item: Item) -> Plan:
         a, b, share = self._place(item["a"]), self._place(item["b"]), np.linspace(0, 1, 13)
 
         def paths() -> Iterator[Any]:
             path = self.px[a] + share[:, None] * (self.px[b] - self.px[a])
             path[:, 1] += 4 * self.value(item["depth"]) * self.scale * share * (1 - share)
-            self._touch(*path)
             yield path.tolist()
-        return paths
+        return self._stroke(item, paths)
 
-    def _taut(self, item: Item) -> Callable[[], Any]:
+    def _taut(self, item: Item) -> Plan:
         at = [self._place(point) for point in item["p"]]
         for frame, x, y, r, *_ in item["p"]:
             if r:
@@ -356,9 +326,9 @@ class Instant:
                         angle = meets + (leaves - meets) * k / max(count, 1)
                         path.append((x + size * math.cos(angle), y - size * math.sin(angle)))
             yield [*path, path[0]] if item.get("c") else path
-        return paths
+        return self._stroke(item, paths)
 
-    def _span(self, item: Item) -> Callable[[], Any]:
+    def _span(self, item: Item) -> Plan:
         a, b = self._place(item["a"]), self._place(item["b"])
         pattern = np.array(item["t"], dtype=float).reshape(-1, 2)
 
@@ -380,7 +350,7 @@ class Instant:
             share, low, high = item["w"]
             half = min(max(share * length, low * self.point), high * self.point)
             yield (start + pattern[:, :1] * way + half * pattern[:, 1:] * side).tolist()
-        return paths
+        return self._stroke(item, paths)
 
     def _spiral(self, item: Item) -> Plan:
         at, share = self._place(item["at"]), np.linspace(0, 1, 30)
@@ -469,7 +439,6 @@ class Instant:
             fill, rim, width, _, _ = self.look(item)
             _, tails, tips, sizes = self.arrows(item)
             u = self.point * (0.8 if self.small else 1.0)
-            self.touched += np.hstack((np.minimum(tails, tips), np.maximum(tails, tips))).tolist()
             for a, b, size in zip(tails.tolist(), tips.tolist(), sizes.tolist(), strict=True):
                 for ink, more in ((rim, width), (fill, 0.0)):
                     corners = self._cut(arrow(a, b, shaft * u + more, head * u + more / 2))
@@ -491,7 +460,6 @@ class Instant:
             fill, edge, width, _, _ = self.look(item)
             for corners in self.camera.to_pixels(self.rows(item)[:, 2:10].reshape(-1, 4, 2)):
                 if within(corners.tolist(), self.edges):
-                    self._touch(*corners)
                     painter.simple(corners.tolist(), fill, edge, width)
         return paint
 
@@ -511,8 +479,6 @@ class Instant:
             passed = kept[:int(np.searchsorted(kept, self.sample, side="right"))][-MAX_PIECES:]
             path: list[XY] = [*self.camera.to_pixels(way[passed]).tolist(), self.points[at]]
             self._draw_line(painter, path, edge, width)
-            for k in range(0, len(path) - 1, 8):
-                self._touch(*path[k:k + 9])
             marks = self.camera.to_pixels(spots[times <= self.time * (1 + 1e-9)]).tolist()
             for centre, radius in (*((mark, item["mark"] * self.point) for mark in marks),
                                    (self.points[at], 1.5 * width)):
@@ -561,9 +527,6 @@ class Instant:
         ink = (edge if item["k"] == "text" else fill) or (0, 0, 0)
         side = int(place[0]) if place is not None and self.value(place[1]) > 0.5 else -1
         return Label(item, key, words, point, away, ink, side, item.get("clear", 0.0))
-
-
-STROKES = frozenset(("line", "sag", "span", "taut"))  # kinds of items that are lines
 
 
 def _maxima(rows: Array) -> Array:

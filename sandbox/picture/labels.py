@@ -180,8 +180,11 @@ def steady(there: Flags, time: Array, least: float) -> Flags:
 
 
 def offset(side: int, half: tuple[float, float], clear: float, point: float) -> XY:
-    """From a label's point to its middle [pixels], for half its size, y down."""
+    """From a label's point to its middle [pixels], for half its size, y down.
+
+    ``clear`` is the free distance around the point [points].
+    """
     dx, dy, far = SIDES[side]
-    reach = (3 + far) * point + clear
+    reach = (3 + far + clear) * point
     return dx * (half[0] + reach), -dy * (half[1] + reach)
 

@@ -270,7 +270,6 @@ class Strip:
             x, y = i % self.across * wide, self.head + i // self.across * self.cell
             paper.move(x, y)
             instant = self.pane.paint_stage(paper, time)
-            self.pane.write_grid(paper, instant)
             self.pane.write_labels(paper, instant)
             paper.move(0, 0)
             paper.write((round(x + (wide - self.type.width(text, size)) / 2),

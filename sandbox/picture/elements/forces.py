@@ -13,7 +13,6 @@ from sandbox.picture.elements.notes import Place, marked
 from sandbox.picture.geometry import shape_points
 from sandbox.picture.listing import RunData
 from sandbox.picture.scales import (
-    NO_SCALE,
     ForceScale,
     largest_of,
     prefixed,
@@ -80,7 +79,7 @@ def add_loads(s: Subject) -> None:
         size = np.nan_to_num(np.hypot(*np.moveaxis(run.arrays["load_force"], -1, 0)))
         usual = typical(size.max(axis=1, initial=0.0), run.time)
         alike = s.force.metres > 0 and usual / APART <= s.force.reference <= usual * APART
-        scales.append(NO_SCALE if usual <= rounding(run) else s.force if alike
+        scales.append(ForceScale() if usual <= rounding(run) else s.force if alike
                       else scale_of(usual, length))
     scale = shared(scales)
     if scale.metres == 0 or not size[:, some].max(initial=0.0) > 0:

@@ -139,7 +139,8 @@ def add_links(s: Subject) -> None:
     """Rods, ropes and actuators, coloured by their load, with numbers if they are few."""
     model, carried = s.run.model, s.carried
     driven = {int(model.drives.target[i]) for i in model.drives.giving("push")}
-    loaded = carried.loaded.tolist()
+    sizes = np.abs(carried.links).max(axis=0, initial=0.0)
+    loaded = np.flatnonzero(sizes > UNLOADED * carried.largest).tolist()
     for k, kind in enumerate(model.joints.kind):
         if not kind.along_line:
             continue

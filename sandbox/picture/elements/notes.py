@@ -12,7 +12,7 @@ from sandbox.picture.elements.bodies import colour_of
 from sandbox.picture.geometry import XY, shape_points
 from sandbox.picture.listing import Item, Listing, RunData, flat
 from sandbox.picture.palette import INK, TRACES, Colour, lighter, mixed
-from sandbox.picture.scales import round_length
+from sandbox.picture.scales import round_length, round_up
 from sandbox.picture.subject import BEHIND, Subject
 from sandbox.scene.layers import EVERY, meant
 from sandbox.scene.settings import View
@@ -35,7 +35,7 @@ def add_traces(s: Subject) -> None:
         return
     bodies = [body for body, _ in places]
     named = 1 < len(set(bodies)) == len(bodies) <= MAX_NAMED
-    every = round_interval(float(s.run.time[-1] - s.run.time[0]))
+    every = mark_interval(s.run)
     own = [colour_of(s.run.model, s.run.mechanism.bodies[body]) for body in bodies]
     colours: list[Colour] = [mixed(rgb(each), INK, DARKER) for each in own if each]
     if len(own) == 1 or len(set(colours)) < len(own):  # bodies without different colours
@@ -144,15 +144,6 @@ def marked(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
             if not run.model.bodies.fixed[place[0]]]
 
 
-def round_interval(duration: float) -> float:
-    """The time between marks [s]: 1, 2 or 5 times a power of ten, at most :data:`PIECES` marks.
-
-    >>> round_interval(0.5), round_interval(3.0)
-    (0.05, 0.5)
-    """
-    least = duration / PIECES
-    if not least > 1e-300:
-        return 1.0
-    power = 10.0 ** math.floor(math.log10(least))
-    return float(next((step * power for step in (1.0, 2.0, 5.0)
-                       if step * power >= least * (1 - 1e-9)), 10.0 * power))
+def mark_interval(run: RunData) -> float:
+    """The time between marks [s]: 1, 2 or 5 times a power of ten, at most :data:`PIECES` marks."""
+    return round_up(float(run.time[-1] - run.time[0]) / PIECES, (1, 2, 5))
