@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -16,7 +17,6 @@ from sandbox.errors import OutputError
 from sandbox.picture.frame import (
     MIN_TYPE,
     TYPE,
-    Entry,
     Picture,
     arrange,
     draw_legend,
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 ENDINGS = (".png", ".svg", ".pdf")
 WHAT = "a picture"
 ENDS = ("start", "end")  # words for times
-ROOM = 3  # height / width of a layout in which a still on paper finds its height
 PICTURES, MAX_PICTURES = 5, 24  # of a strip: default and maximum
 ACROSS = 6  # pictures in a row of a strip without a size
 SHAPES = (0.35, 1.6)  # limits of height / width of a picture of a strip without a size
@@ -50,44 +49,43 @@ NARROWEST, SMALLEST = 40.0, 40
 Instants = float | str | Sequence[float | str]
 
 
-class Instant(NamedTuple):
+class Moment(NamedTuple):
     """A requested moment."""
 
     time: float  # [s]
     word: str  # in the name of its file: ``0.8s``, ``end``
 
 
-def instants(run: Samples, at: Instants) -> list[Instant]:
+def instants(run: Samples, at: Instants) -> list[Moment]:
     """The moments that ``at`` names: seconds, times with units, ``start``, ``end``; or a list.
 
     Raises:
         OutputError: values that are no times, or that the run does not reach; one a line.
     """
-    given = list(at) if isinstance(at, (list, tuple, np.ndarray)) else [at]
     found, problems = [], []
-    for each in given:
+    for each in at if isinstance(at, (list, tuple, np.ndarray)) else [at]:
         try:
-            found.append(_instant(run, each))
+            found.append(_moment(run, each))
         except WrongValueError as error:
             problems.append(f"at={quoted(each)}: {error}")
-    if problems or not given:
+    if problems or not found:
         raise OutputError("\n".join(problems) or
                           'at is an empty list: pass times, "start" or "end"', code="bad-time")
     return found
 
 
-def _instant(run: Samples, given: Any) -> Instant:
+def _moment(run: Samples, given: Any) -> Moment:
     first, last = float(run.time[0]), float(run.time[-1])
     # a sample is taken within a step, so that none lies at the very start and end
     apart = (last - first) / max(len(run.time) - 1, 1) * (1 + 1e-9)
     start, end = (0.0 if first <= apart else first), run.mechanism.run.duration
     if isinstance(given, str) and (word := given.strip()) in ENDS:
-        return Instant(start if word == ENDS[0] else last, word)
+        return Moment(start if word == ENDS[0] else last, word)
+    number = given
+    if isinstance(given, str):
+        with suppress(ValueError):
+            number = float(given)
     try:
-        try:
-            number = float(given) if isinstance(given, str) else given
-        except ValueError:
-            number = given
         time = number_from(number, "time", {})
     except ValueError as error:
         hint = near(given, ENDS) if isinstance(given, str) else ""
@@ -96,7 +94,7 @@ def _instant(run: Samples, given: Any) -> Instant:
                               allowed='a time such as 0.8 or "0.8 s", "start", "end"') from None
     if not start <= time <= (max(last, end) if end - last <= 2 * apart else last):
         raise WrongValueError("bad-time", f"the run lasts from {start:g} s to {last:g} s")
-    return Instant(time, f"{time:.6g}s")
+    return Moment(time, f"{time:.6g}s")
 
 
 def save_stills(
@@ -116,15 +114,15 @@ def save_stills(
     if strip is not False:
         made = Strip(run, times, view, bare=bare, scales=scales, paper=paper,
                      size=view.size if sized else None)
-        moments = [Instant(times[0], "strip")]
+        moments = [Moment(times[0], "strip")]
     else:
-        picture = partial(Picture, run, view=view, bare=bare, scales=scales, moments=times)
+        picture, size = partial(Picture, run, view=view, bare=bare, scales=scales,
+                                moments=times), view.size
         if paper:
-            picture = partial(picture, unit=PRINT_UNIT, least=PRINT_TYPE)
-            wide, high = paper.pixels
-            high = high or round(picture(size=(wide, ROOM * wide)).needs)
-            picture = partial(picture, size=(wide, high))
-        made = picture()
+            picture, size = partial(picture, unit=PRINT_UNIT, least=PRINT_TYPE), paper.pixels
+            if not size[1]:  # a layout in a tall picture finds the height
+                size = size[0], round(picture(size=(size[0], 3 * size[0])).needs)
+        made = picture(size=size)
     files = []
     for moment in moments:
         file = path
@@ -138,7 +136,7 @@ def save_stills(
     return files
 
 
-def _moments(run: Samples, view: View, at: Instants | None, strip: bool | int) -> list[Instant]:
+def _moments(run: Samples, view: View, at: Instants | None, strip: bool | int) -> list[Moment]:
     if isinstance(strip, bool) and at is not None:
         return instants(run, at)
     if at is not None:
@@ -146,12 +144,12 @@ def _moments(run: Samples, view: View, at: Instants | None, strip: bool | int) -
                           "pass strip=True with at, or a number without", code="bad-picture")
     end = float(run.time[-1])
     if strip is False:
-        return [Instant(end, ENDS[1])]
+        return [Moment(end, ENDS[1])]
     count = PICTURES if strip is True else strip
     if not 2 <= count <= MAX_PICTURES:
         raise OutputError(f"strip={quoted(strip)}: a strip has 2 to {MAX_PICTURES} pictures",
                           code="bad-picture")
-    return [Instant(t, f"{t:.6g}s") for t in np.linspace(min(view.start, end), end, count).tolist()]
+    return [Moment(t, f"{t:.6g}s") for t in np.linspace(min(view.start, end), end, count).tolist()]
 
 
 def save_picture(
@@ -176,10 +174,6 @@ class Strip:
         OutputError: the size has no room for so many pictures.
     """
 
-    pad: int
-    line: int
-    legend: list[list[Entry]]
-
     def __init__(self, run: Samples, times: Sequence[float], view: View, *, bare: bool = False,
                  scales: bool = False, size: tuple[int, int] | None = None,
                  paper: PrintSize | None = None) -> None:
@@ -188,12 +182,12 @@ class Strip:
         self.least = PRINT_TYPE if paper else 0
         if paper and paper.height:
             size = paper.pixels
-        box = self._picture(view.size, picture_unit(view.size)).box
+        width, height = self._picture(view.size, picture_unit(view.size)).box.size  # [m]
         unit = PRINT_UNIT if paper else picture_unit(size or view.size)
         if size:
             for rows in (1, 2, 3, 4):
                 self._surround(unit, size)
-                across, pane = self._fitted(box.width, box.height, size, rows)
+                across, pane = self._fitted(width, height, size, rows)
                 self._lay_out(across, pane, unit if paper else INSIDE * unit, size)
                 if len(self.legend) <= rows:
                     break
@@ -203,7 +197,7 @@ class Strip:
         share = max(MIN_WIDTH, 1 / across)
         wide = paper.pixels[0] // across if paper else round(view.size[0] * share)
         shape = view.size[1] / view.size[0] if view.width and view.centre else float(
-            np.clip(box.height / (view.width or max(box.width, 1e-9)), *SHAPES))
+            np.clip(height / (view.width or max(width, 1e-9)), *SHAPES))
         own, pane = unit, (wide, round(wide * shape))
         for _ in range(1 if paper else 4):  # size of type and height depend on each other
             self._surround(unit, (across * wide, 10 * across * wide))
