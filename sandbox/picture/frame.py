@@ -1,13 +1,15 @@
-"""The layout of a picture: title, mechanism, meters and legend, and the camera."""
+"""The layout of a picture, and of several in one: title, mechanism, meters, legend, camera."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pygame
 
+from sandbox.errors import OutputError
 from sandbox.picture.bounds import (
     MARGIN,
     Camera,
@@ -24,9 +26,10 @@ from sandbox.picture.instant import Instant
 from sandbox.picture.labels import SMALL, offset, place_labels
 from sandbox.picture.listing import SIDES, Item, nearest
 from sandbox.picture.meters import MeterPanel
+from sandbox.picture.options import PRINT_TYPE, PrintSize
 from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK, Painter
 from sandbox.picture.scales import round_length
-from sandbox.picture.typesetter import HEAD, Headline, Typesetter
+from sandbox.picture.typesetter import HEAD, Headline, Typesetter, ellipsis
 from sandbox.samples.samples import Samples
 from sandbox.scene.settings import View
 
@@ -40,6 +43,13 @@ BAR, ARROW, RAMP = 80.0, 52.0, 64.0
 GAP, APART = 17.0, 5.0  # between rows of the legend, and between symbol and words [points]
 VALUE = 1.1  # size of type of labels, relative to the legend
 SHAPES = (0.2, 1.5)  # limits of height / width of the motion where the height is free
+STRIP_SHAPES = (0.35, 1.6)  # the same of a picture of a strip
+ACROSS = 6  # pictures in a row of a strip without a size
+MIN_WIDTH = 0.42  # minimum width of a picture of a strip relative to the view's
+INSIDE = 0.65  # size of words inside the pictures of a strip relative to its own
+PRINT_UNIT = 0.75 * PRINT_TYPE / TYPE  # pixels per point on paper: lines are finer than letters
+NARROWEST, SMALLEST = 40.0, 40
+"""Pictures of a strip: minimum width on paper [mm], minimum width and height [pixels]."""
 STAGE = 0.75  # minimum share of a small picture's height that shows the mechanism
 
 
@@ -339,3 +349,133 @@ class Picture:
         self.write_labels(paper, instant)
         self.panel.draw(paper, [t])
         self.write_stamp(paper, t)
+
+
+class Strip:
+    """Pictures at ``times`` [s] in rows, each above its time; title, meters and legend.
+
+    Meters stand below all pictures, with a cursor for each. The size is ``size`` [pixels], or that
+    of ``paper``, else each picture has about :data:`MIN_WIDTH` of the view's width. ``bare`` leaves
+    title and legend out, ``scales`` keeps the scales of the legend.
+
+    Raises:
+        OutputError: the size has no room for so many pictures.
+    """
+
+    def __init__(self, run: Samples, times: Sequence[float], view: View, *, bare: bool = False,
+                 scales: bool = False, size: tuple[int, int] | None = None,
+                 paper: PrintSize | None = None) -> None:
+        self.run, self.times, self.view = run, times, view
+        self.titled, self.keyed, self.scales = not (bare or scales), scales or not bare, scales
+        self.least = PRINT_TYPE if paper else 0
+        if paper and paper.height:
+            size = paper.pixels
+        width, height = self._picture(view.size, picture_unit(view.size)).box.size  # [m]
+        unit = PRINT_UNIT if paper else picture_unit(size or view.size)
+        if size:
+            for rows in (1, 2, 3, 4):
+                self._surround(unit, size)
+                across, pane = self._fitted(width, height, size, rows)
+                self._lay_out(across, pane, unit if paper else INSIDE * unit, size)
+                if len(self.legend) <= rows:
+                    break
+            return
+        most = max(1, int(paper.width / NARROWEST)) if paper else ACROSS
+        across = math.ceil(len(times) / math.ceil(len(times) / most))
+        share = max(MIN_WIDTH, 1 / across)
+        wide = paper.pixels[0] // across if paper else round(view.size[0] * share)
+        shape = view.size[1] / view.size[0] if view.width and view.centre else float(
+            np.clip(height / (view.width or max(width, 1e-9)), *STRIP_SHAPES))
+        own, pane = unit, (wide, round(wide * shape))
+        for _ in range(1 if paper else 4):  # size of type and height depend on each other
+            self._surround(unit, (across * wide, 10 * across * wide))
+            high = self._high(1) + math.ceil(len(times) / across) * (
+                pane[1] + self.line + self.pad)
+            self.unit, unit = unit, max(own, picture_unit((across * wide, high)))
+        self._lay_out(across, pane, own if paper else max(own, INSIDE * self.unit), None)
+
+    def _picture(self, size: tuple[int, int], unit: float) -> Picture:
+        view = self.view.model_copy(update={"meters": ()})
+        return Picture(self.run, size=size, view=view, unit=unit, bare=True, moments=self.times,
+                       least=self.least)
+
+    def _surround(self, unit: float, size: tuple[int, int]) -> None:
+        """Set title and meters."""
+        self.unit, self.type = unit, Typesetter(type_size(unit), self.least)
+        self.pad, self.line = round(0.8 * self.type.size), round(1.6 * self.type.size)
+        title = self.run.mechanism.title or self.run.mechanism.name
+        self.title = Headline.of(title, self.type, size[0] - 2 * self.pad, self.type.scaled(1.2),
+                                 size[1]) if self.titled else None
+        self.head = self.title.high if self.title else 0
+        self.panel = MeterPanel(self.run, self.view, self.type, unit, size, len(self.times))
+
+    def _high(self, rows: int) -> int:
+        """Height [pixels] without pictures and times, with these rows of the legend."""
+        return self.head + self.panel.below + (rows * self.line + self.pad if self.keyed else 0)
+
+    def _fitted(self, width: float, height: float, size: tuple[int, int],
+                rows: int) -> tuple[int, tuple[int, int]]:
+        """Pictures in a row, and the size of one, for which a width and height [m] are largest."""
+        best, found, count = 0.0, None, len(self.times)
+        for down in range(1, count + 1):
+            across = math.ceil(count / down)
+            wide = size[0] // across
+            high = (size[1] - self._high(rows)) // down - self.line - self.pad
+            scale = min(wide / max(width, 1e-9), high / max(height, 1e-9))
+            if min(wide, high) >= SMALLEST and scale > best:
+                best, found = scale, (across, (wide, high))
+        if found is None:
+            raise OutputError(f"size={size[0]}x{size[1]}: a strip of {count} pictures has no room "
+                              f"there; allowed: pictures of {SMALLEST} by {SMALLEST} pixels or "
+                              "more besides title, times, meters and legend", code="bad-picture")
+        return found
+
+    def _lay_out(self, across: int, pane: tuple[int, int], inside: float,
+                 size: tuple[int, int] | None) -> None:
+        width = size[0] if size else across * pane[0]
+        self.across, self.pane = across, self._picture(pane, inside)
+        self.legend = [] if not self.keyed else arrange(
+            self.pane.out.legend, self.pane.camera.scale, self.type, self.unit,
+            width - 2 * self.pad, 8, scales=self.scales)
+        self.cell = pane[1] + self.line + self.pad
+        bottom = self.head + math.ceil(len(self.times) / across) * self.cell
+        self.foot = bottom + self.panel.below
+        self.panel.settle(pygame.Rect(0, bottom, width, self.panel.below), aside=False)
+        self.size = size or (width, self.foot + len(self.legend) * self.line + (
+            self.pad if self.keyed else 0))
+
+    def paint(self, paper: Paper, t: float = 0.0) -> None:
+        """Paint all of it, whatever the time."""
+        (wide, high), unit = self.pane.size, self.unit
+        texts, size = self._time_texts(wide - self.pad)
+        for i, (time, text) in enumerate(zip(self.times, texts, strict=True)):
+            x, y = i % self.across * wide, self.head + i // self.across * self.cell
+            paper.move(x, y)
+            instant = self.pane.paint_stage(paper, time)
+            self.pane.write_labels(paper, instant)
+            paper.move(0, 0)
+            paper.write((round(x + (wide - self.type.width(text, size)) / 2),
+                         round(y + high + (self.line - self.type.height(size)) / 2)),
+                        text, size, INK)
+        bottom = self.panel.rect.top - self.pad
+        for column in range(1, self.across):
+            paper.line([(column * wide, self.head), (column * wide, bottom)], HAIRLINE, unit)
+        self.panel.draw_still(paper)
+        self.panel.draw(paper, self.times)
+        if self.title:
+            self.title.write(paper, self.type, self.pad)
+            edge = self.foot - self.pad / 2
+            paper.line([(self.pad, edge), (self.size[0] - self.pad, edge)], HAIRLINE, unit)
+        draw_legend(paper, instant, self.legend, self.type, unit, self.pad, self.foot, self.line)
+
+    def _time_texts(self, room: int) -> tuple[list[str], int]:
+        """Times below the pictures in a form and a size of type [pixels] that fit in ``room``."""
+        forms = ["t = {:.3f} s", "{:.3f} s", "{:.2f} s", "{:.1f} s", "{:.0f} s"]
+        every = [[form.format(t) for t in self.times] for form in forms]
+        every = [texts for texts in every if len(set(texts)) == len(set(self.times))] or every[:2]
+        least = max(MIN_TYPE, self.type.least)
+        for size in range(self.type.size, least - 1, -1):
+            for texts in every:
+                if max(self.type.width(text, size) for text in texts) <= room:
+                    return texts, size
+        return [ellipsis(self.type, text, room, least) for text in every[-1]], least

@@ -23,8 +23,7 @@ from sandbox.picture.palette import BACKGROUND, EM, Colour, Ink, Rings, hatch_li
 from sandbox.picture.typesetter import Typesetter, letters
 
 if TYPE_CHECKING:
-    from sandbox.picture.frame import Picture
-    from sandbox.picture.stills import Strip
+    from sandbox.picture.frame import Picture, Strip
 
 SCREEN_PER_INCH, POINTS = 96, 72  # pixels per inch on the screen, as in CSS; points per inch
 FAMILIES = ("FreeSans", "Helvetica", "Arial", "Liberation Sans", "sans-serif")

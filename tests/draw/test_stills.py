@@ -8,12 +8,11 @@ import pytest
 from PIL import Image
 
 from sandbox.errors import OutputError
-from sandbox.picture.film import render
-from sandbox.picture.frame import Picture
+from sandbox.picture.film import instants, render
+from sandbox.picture.frame import Picture, Strip
 from sandbox.picture.meters import HUES, dials
 from sandbox.picture.options import LETTERS, PrintSize, paper_of, view_of
 from sandbox.picture.paper import pixels
-from sandbox.picture.stills import Strip, instants
 
 SMALL = (320, 240)
 SVG = "{http://www.w3.org/2000/svg}"
