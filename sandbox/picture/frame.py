@@ -265,20 +265,19 @@ class Picture:
 
     def instant(self, enlarge: int) -> Instant:
         """The list for a picture that is painted so many times larger, with its labels placed."""
-        (width, height), (x, y) = self.size, self.camera.pixel
+        x, y = self.camera.pixel
 
         def made() -> Instant:
             camera = Camera(self.camera.scale * enlarge, self.camera.centre,
                             (x * enlarge, y * enlarge))
-            edges = (-width * enlarge, -height * enlarge, 2 * width * enlarge, 2 * height * enlarge)
-            return Instant(self.out, camera, self.unit * enlarge, edges, factor=1 / enlarge,
+            return Instant(self.out, camera, self.unit * enlarge, self.size, enlarge=enlarge,
                            small=self.small)
 
         if not self._instants:  # labels add columns to the list
             left, top, wide, high = self.stage
             few = None if self.moments is None else nearest(self.run.time, self.moments)
-            place_labels(made(), self.half, (left, top, left + wide, top + high), 1 / enlarge,
-                         speed=self.view.speed, samples=few, width=width)
+            place_labels(made(), self.half, (left, top, left + wide, top + high),
+                         speed=self.view.speed, samples=few)
         if enlarge not in self._instants:
             self._instants[enlarge] = made()
         return self._instants[enlarge]
@@ -326,10 +325,11 @@ class Picture:
             if label.side < 0 or not within([label.point], instant.edges):
                 continue
             x, y = (v * instant.factor for v in label.point)
-            dx, dy = offset(label.side, self.half(label.words), label.clear, point)
+            clear = label.item.get("clear", 0.0)
+            dx, dy = offset(label.side, self.half(label.words), clear, point)
             ux, uy, far = SIDES[label.side]
             leader = [(x + ux * away * point, y - uy * away * point)
-                      for away in (2, far + 2 + label.clear)] if far else []
+                      for away in (2, far + 2 + clear)] if far else []
             painter.text((x + dx, y + dy), label.words, self.label_size, label.ink, leader)
 
     def paint_stage(self, paper: Paper, t: float) -> Instant:

@@ -45,7 +45,6 @@ class Label(NamedTuple):
     away: XY
     ink: Colour
     side: int  # -1 without a place
-    clear: float
 
 
 class Instant:
@@ -55,15 +54,18 @@ class Instant:
         out: the list.
         camera: world to pixels of the painted picture, at the first sample if it follows a body.
         point: pixels per point.
-        edges: limits of coordinates for painters: left, top, right, bottom [pixels].
-        factor: finished pixels per pixel.
+        size: of the finished picture [pixels].
+        enlarge: pixels per finished pixel.
         small: leave details out, as in small pictures.
     """
 
-    def __init__(self, out: Listing, camera: Camera, point: float, edges: Edges, *,
-                 factor: float = 1.0, small: bool = False) -> None:
+    def __init__(self, out: Listing, camera: Camera, point: float, size: tuple[int, int], *,
+                 enlarge: int = 1, small: bool = False) -> None:
         self.out, self.still_camera, self.camera, self.point = out, camera, camera, point
-        self.scale, self.edges, self.small, self.factor = camera.scale, edges, small, factor
+        (self.width, height), self.factor = size, 1 / enlarge
+        wide, high = self.width * enlarge, height * enlarge
+        self.edges: Edges = (-wide, -high, 2 * wide, 2 * high)  # limits of coordinates [pixels]
+        self.scale, self.small = camera.scale, small
         self.thin, self.hatch = (0.75, 0.0) if small else (1.0, PITCH * point)
         self._columns = np.array(out.columns).reshape(-1, len(out.time)).T
         self._steady = np.isin(np.arange(len(out.columns)), out.steady)
@@ -526,7 +528,7 @@ class Instant:
         fill, edge, *_ = self.look(item)
         ink = (edge if item["k"] == "text" else fill) or (0, 0, 0)
         side = int(place[0]) if place is not None and self.value(place[1]) > 0.5 else -1
-        return Label(item, key, words, point, away, ink, side, item.get("clear", 0.0))
+        return Label(item, key, words, point, away, ink, side)
 
 
 def _maxima(rows: Array) -> Array:

@@ -50,25 +50,18 @@ class Dial(NamedTuple):
     high: float
     plotted: bool
 
-    def texts(self, *samples: int) -> list[str]:
-        """Values with units, to as many digits as the largest of the run has."""
-        return [self._text(name, values) for name, values in zip(
-            self.names, self.values[:, list(samples)].tolist(), strict=True)]
-
-    def longest(self, count: int) -> list[str]:
-        """The longest text of each curve for a number of samples."""
-        sizes = np.nan_to_num(np.abs(self.values), posinf=0.0).max(axis=1)
-        return [self._text(name, count * [-size]) for name, size in zip(
-            self.names, sizes.tolist(), strict=True)]
-
-    def _text(self, name: str, values: Sequence[float]) -> str:
+    def texts(self, shown: Array) -> list[str]:
+        """Some values of each curve [curves, k] with units and as many digits as the largest."""
         largest = float(np.nanmax(np.abs(self.values), initial=0.0))
         digits = min(max(0, 2 - math.floor(math.log10(largest))), 6) if largest else 0
         form = f".{digits}f" if not largest or 1e-4 <= largest < 1e6 else ".2e"
-        words = ", ".join(f"{value:z{form}}" if math.isfinite(value) else "none"
-                          for value in values)
-        words += self.sign if any(map(math.isfinite, values)) else ""
-        return f"{name} {words}" if name else words
+        found = []
+        for name, values in zip(self.names, shown.tolist(), strict=True):
+            words = ", ".join(f"{value:z{form}}" if math.isfinite(value) else "none"
+                              for value in values)
+            words += self.sign if any(map(math.isfinite, values)) else ""
+            found.append(f"{name} {words}".strip())
+        return found
 
 
 def dials(run: Samples, view: View) -> list[Dial]:
@@ -143,7 +136,8 @@ class _Meter:
         self.dial = dial
         self.valued = not dial.plotted or 1 in (moments, len(dial.names))  # else names only
         self.size = type_.scaled(VALUE if len(dial.names) == 1 else SMALL)
-        words = dial.longest(moments) if self.valued else dial.names
+        sizes = np.nan_to_num(np.abs(dial.values), posinf=0.0).max(axis=1)
+        words = dial.texts(np.tile(-sizes[:, None], moments)) if self.valued else dial.names
         self.wide = max(type_.width(text, self.size) for text in words) + gap
         count = max(1, int((WIDE * panel.unit + gap) / self.wide))
         self.across = min(count, len(dial.names))  # values side by side
@@ -293,7 +287,8 @@ class MeterPanel:
         cell, dial = meter.cell, meter.dial
         size = meter.size if len(samples) == 1 else min(meter.size, self.type.scaled(SMALL))
         top = cell.top + self.type.scaled(TITLE, 1.2)
-        for k, text in enumerate(dial.texts(*samples) if meter.valued else dial.names):
+        for k, text in enumerate(dial.texts(dial.values[:, samples]) if meter.valued
+                             else dial.names):
             row, column = divmod(k, meter.across)
             painter.write((cell.left + column * meter.wide, top + row * round(0.95 * size)),
                           ellipsis(self.type, text, cell.width, size), size, HUES[k])

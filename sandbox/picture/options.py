@@ -124,7 +124,7 @@ def check_run(run: Samples) -> None:
     Raises:
         OutputError: there is none.
     """
-    if not (hasattr(run, "mechanism") and hasattr(run, "arrays")):
+    if not isinstance(run, Samples):
         raise OutputError(f"{quoted(run)} is no recording; pass what sandbox.simulate or "
                           "sandbox.Recording.load gives", code="bad-picture")
     if not len(run.time):

@@ -75,12 +75,12 @@ def listed(
     box = whole_box(s.out, run, bodies, view)
     camera = place_camera(box, stage, centre=view.centre, width=view.width)
     if not live:  # a live view chooses sides in the browser: it must begin quickly
-        instant = Instant(s.out, camera, POINT, (-size[0], -size[1], 2 * size[0], 2 * size[1]))
+        instant = Instant(s.out, camera, POINT, size)
         from sandbox.picture.typesetter import Typesetter  # loads pygame
 
         type_ = Typesetter(TYPE, 0)
         place_labels(instant, lambda words: (type_.width(words) / 2 + 1, 0.6 * TYPE),
-                     (0, 0, stage.width, stage.height), 1.0, speed=view.speed, width=WIDTH)
+                     (0, 0, stage.width, stage.height), speed=view.speed)
         for item in s.out.items:
             item["placed"] = 1
     s.out.items = items
