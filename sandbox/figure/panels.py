@@ -27,11 +27,8 @@ KINDS: dict[str, dict[str, Any]] = {
 MARKERS = "os^Dv"
 MANY_POINTS, APART = 30, 0.045
 """With more points than this, those closer than this share of the panel are skipped."""
-POWERS = (-3, 5)  # powers of ten between which the numbers of a linear axis are written out
 MIN_PLANE, MAX_PLANE, PLANE_MARGIN = 38.0, 110.0, 1.14
 """Height of panels with equal scales [mm]; the range shown as a multiple of the values' range."""
-ROUNDING = 1e-12  # values below this are zero
-TALL = 250.0  # height of a row before its panels have theirs: any legend fits [mm]
 ROW = 1.25 * style.SMALL * style.MM_PER_POINT  # height of a name beside a panel [mm]
 
 
@@ -124,7 +121,7 @@ def draw(
     from matplotlib.transforms import ScaledTranslation
 
     rows = [[row] if isinstance(row, Panel) else list(row) for row in panels]
-    figure = style.new_figure(TALL * len(rows), width)
+    figure = style.new_figure(250.0 * len(rows), width)
     grid = figure.subplots(len(rows), len(rows[0]), squeeze=False, width_ratios=widths,
                            sharex="col" if shared else "none",
                            sharey="row" if len(rows[0]) > 1 else "none")
@@ -253,7 +250,7 @@ def _scale(axes: Any, panel: Panel) -> None:
         if one.log:
             getattr(axes, f"set_{along}scale")("log")
         elif along == "y" and not one.words:
-            axes.ticklabel_format(axis="y", scilimits=POWERS, useMathText=True, useOffset=False)
+            axes.ticklabel_format(axis="y", scilimits=(-3, 5), useMathText=True, useOffset=False)
             if len(values) and one.limits is None and not panel.plane:
                 axes.set_ylim(*_roomy(values))
         elif along == "x" and len(values) and (np.mod(values, 1) == 0).all() and not one.words:
@@ -271,7 +268,7 @@ def _roomy(values: Array) -> tuple[float, float]:
     """Limits of a linear axis with a margin around finite values, shape [n], n > 0."""
     low, high = float(values.min()), float(values.max())
     peak, middle = max(abs(low), abs(high)), 0.5 * (low + high)
-    span = max(high - low, 1e-3 * peak, 1e-9) if peak > ROUNDING else 1.0
+    span = max(high - low, 1e-3 * peak, 1e-9) if peak > 1e-12 else 1.0  # values below this are zero
     low, high = min(low, middle - 0.5 * span), max(high, middle + 0.5 * span)
     return low - 0.06 * span, high + 0.08 * span
 

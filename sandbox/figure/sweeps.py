@@ -29,9 +29,6 @@ ROW, FRONT, BRANCHES = 7.5, 56.0, 60.0
 THICK = 0.36  # height of a bar, as a share of the distance of two paths
 MAX_LETTERS = 34  # letters of a path at an axis
 MANY = 60  # with more points than this, points are small
-MAX_TICKS = 8  # of an axis of a map
-MAX_LINES = 3  # values of one of two paths that are drawn as curves; with more there is a map
-ROUNDING = 1e-9  # values whose relative spread is smaller are equal
 UNSTABLE: Any = (0, (3.5, 1.8))
 FOLD: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 5.5,
                         "markerfacecolor": "white", "markeredgewidth": 1.3}
@@ -103,7 +100,7 @@ def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
         widths = None if drawing.grid else (3.0, 1.0)
     elif len(drawing.varied) == 2 and drawing.grid:
         counts = [len(np.unique(column.values)) for column in drawing.varied]
-        few = min((k for k in (0, 1) if counts[k] <= MAX_LINES), default=None,
+        few = min((k for k in (0, 1) if counts[k] <= 3), default=None,
                   key=lambda k: (not drawing.varied[k].texts, counts[k]))
         panels = [[_map(drawing, column) if few is None else _lines(drawing, column, few)]
                   for column in drawing.shown]
@@ -199,7 +196,7 @@ def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
 def _equal(values: Array) -> bool:
     """Whether finite values are equal but for rounding; False if there are none."""
     finite = values[np.isfinite(values)]
-    return bool(len(finite) and np.ptp(finite) <= ROUNDING * np.abs(finite).max())
+    return bool(len(finite) and np.ptp(finite) <= 1e-9 * np.abs(finite).max())
 
 
 def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
@@ -229,7 +226,7 @@ def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
 
 def _at_centres(axis: Axis, centres: Array) -> Axis:
     """An axis of a map with ticks at the centres of its cells, or of every so many."""
-    some = centres[::-(-len(centres) // MAX_TICKS)].tolist()
+    some = centres[::-(-len(centres) // 8)].tolist()  # of an axis of a map
     return axis if axis.words else replace(axis, ticks=some, words=[*map(style.number, some)])
 
 

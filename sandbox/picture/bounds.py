@@ -48,7 +48,7 @@ class Rectangle(NamedTuple):
 
     @property
     def corners(self) -> Array:
-        """Its lower left and its upper right corner [2, 2] m."""
+        """Its lower left and upper right corner [2, 2] m."""
         return np.array(self).reshape(2, 2)
 
     @property

@@ -50,9 +50,6 @@ ENDS = ("start", "end")  # words for times
 PICTURES, MAX_PICTURES = 5, 24  # of a strip: default and maximum
 Instants = float | str | Sequence[float | str]
 MAX_FRAMES = Limits.frames  # default limit of a film
-HOLD = 1.5  # time that a GIF shows its last frame [s]
-PALETTE_FRAMES = 5
-WAITING = 8  # frames that may wait to be encoded; more would only cost memory
 
 
 def shared_palette(
@@ -390,11 +387,11 @@ def _animate(
             _write_mp4(drawn(), view.fps, aside)
             return
         some: list[Any] = [draw(times[k]) for k in np.unique(
-            np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))]
+            np.linspace(0, len(times) - 1, 5).astype(int))]
         palette = shared_palette([packed(each[each[..., 3] >= COVERED]) for each in some]
                                  if transparent else some, TENSION + PUSH * bool(
                                      picture.subject.carried.pushing))
-        lasts = [100 // view.fps] * (len(times) - 1) + [round(100 * HOLD)]
+        lasts = [100 // view.fps] * (len(times) - 1) + [round(100 * 1.5)]
         with aside.open("wb") as file:
             writer = GifWriter(file, picture.size, palette)
             side_by_side(zip(drawn(), lasts, strict=True), lambda frame: writer.add(*frame))
@@ -437,7 +434,7 @@ def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:
         try:
             for item in produce:
                 waiting.append(encoder.submit(consume, item))
-                if len(waiting) > WAITING:
+                if len(waiting) > 8:  # frames that may wait to be encoded
                     waiting.popleft().result()
             for each in waiting:
                 each.result()

@@ -37,20 +37,16 @@ if TYPE_CHECKING:
     from sandbox.picture.paper import Paper  # loads matplotlib
 
 TYPE, MIN_TYPE = 20, 11  # size of type [points], and its minimum [pixels]
-MAX_ROWS = 2  # of the legend; one in a small picture
 BAR, ARROW, RAMP = 80.0, 52.0, 64.0
 """Widths in the legend: lengths, arrows (maximum), ramps [points]."""
 GAP, APART = 17.0, 5.0  # between rows of the legend, and between symbol and words [points]
-VALUE = 1.1  # size of type of labels, relative to the legend
 SHAPES = (0.2, 1.5)  # limits of height / width of the motion where the height is free
 STRIP_SHAPES = (0.35, 1.6)  # the same of a picture of a strip
-ACROSS = 6  # pictures in a row of a strip without a size
 MIN_WIDTH = 0.42  # minimum width of a picture of a strip relative to the view's
 INSIDE = 0.65  # size of words inside the pictures of a strip relative to its own
 PRINT_UNIT = 0.75 * PRINT_TYPE / TYPE  # pixels per point on paper: lines are finer than letters
 NARROWEST, SMALLEST = 40.0, 40
 """Pictures of a strip: minimum width on paper [mm], minimum width and height [pixels]."""
-STAGE = 0.75  # minimum share of a small picture's height that shows the mechanism
 
 
 def picture_unit(size: tuple[int, int]) -> float:
@@ -181,7 +177,7 @@ class Picture:
         self.bare = bare or scales
         self.small = self.size[0] < SMALL and not least
         self.type = Typesetter(type_size(self.unit), least)
-        self.label_size = max(MIN_TYPE, self.type.scaled(VALUE))
+        self.label_size = max(MIN_TYPE, self.type.scaled(1.1))
         self.row, self.pad = round(1.5 * self.type.size), round(0.8 * self.type.size)
         self._instants: dict[int, Instant] = {}
         view, mechanism, (width, height) = self.view, run.mechanism, self.size
@@ -198,7 +194,7 @@ class Picture:
                                   width=width_shown(bodies, width / height, view.width))
         self.out = self.subject.out
         self.box = whole_box(self.out, run, bodies, view, moments)
-        most = 0 if bare and not scales else 1 if self.small else 4 if least else MAX_ROWS
+        most = 0 if bare and not scales else 1 if self.small else 4 if least else 2  # of the legend
         rows = min(1, most)
         for _ in range(3):
             self._place_camera(rows * self.row + (self.pad if rows else 0))
@@ -226,7 +222,7 @@ class Picture:
         high = height - self.head - foot
         panel.grow(0.0)
         if self.small:
-            panel.limit(high - round(STAGE * height))
+            panel.limit(high - round(0.75 * height))
 
         def camera_on(wide: float, tall: float) -> Camera:
             seen = given if given is None else given * max(
@@ -380,7 +376,7 @@ class Strip:
                 if len(self.legend) <= rows:
                     break
             return
-        most = max(1, int(paper.width / NARROWEST)) if paper else ACROSS
+        most = max(1, int(paper.width / NARROWEST)) if paper else 6
         across = math.ceil(len(times) / math.ceil(len(times) / most))
         share = max(MIN_WIDTH, 1 / across)
         wide = paper.pixels[0] // across if paper else round(view.size[0] * share)

@@ -15,17 +15,12 @@ from sandbox.picture.geometry import XY, ribbon
 from sandbox.picture.palette import BACKGROUND, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter
 
-MASKS = (0xFF, 0xFF00, 0xFF0000, 0)  # red, green, blue in memory, the fourth byte unused
-COLOUR = np.uint32(0xFFFFFF)  # the fourth byte of a word is anything
-LONG = 60  # lines with more corners have no mitres, which would take long
-HATCHED = 400  # cached hatchings
 CELL = 24  # side of a cell [pixels of the finished picture]
-MAX_PIXELS = 60_000_000  # of the enlarged picture; very large pictures are enlarged less
 
 
 def new_surface(width: int, height: int) -> pygame.Surface:
     """A blank picture in memory; no display is needed."""
-    surface = pygame.Surface((width, height), 0, 32, MASKS)
+    surface = pygame.Surface((width, height), 0, 32, (0xFF, 0xFF00, 0xFF0000, 0))
     surface.fill(BACKGROUND)
     return surface
 
@@ -74,7 +69,7 @@ class Pixels:
     def _hatch(self, corners: Sequence[XY], edge: Colour, pitch: float) -> None:
         key = np.asarray(corners, dtype=np.float32).round(1).tobytes() + bytes(edge)
         if key not in self._hatched:
-            if len(self._hatched) >= HATCHED:
+            if len(self._hatched) >= 400:  # cached hatchings
                 self._hatched.clear()
             self._hatched[key] = self._hatching(corners, edge, pitch)
         self.drawn.append(self.large.blit(*self._hatched[key]))
@@ -95,7 +90,7 @@ class Pixels:
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
         """Paint connected lines."""
-        if width > 2.5 and (len(path) == 2 or (2 < len(path) < LONG and not _turns_back(path))):
+        if width > 2.5 and (len(path) == 2 or (2 < len(path) < 60 and not _turns_back(path))):
             self._polygon(ink, ribbon(path, width))
         else:
             self.drawn.append(pygame.draw.lines(
@@ -187,7 +182,7 @@ class Frames:
     def __init__(self, picture: Picture, enlarge: int = 2) -> None:
         self.picture, self.size = picture, picture.size
         width, height = self.size
-        while enlarge > 1 and width * height * enlarge**2 > MAX_PIXELS:
+        while enlarge > 1 and width * height * enlarge**2 > 60_000_000:  # of the enlarged picture
             enlarge //= 2
         self.painter = painter = Pixels(self.size, enlarge, picture.type)
         self.instant = picture.instant(enlarge)
@@ -240,7 +235,7 @@ class Frames:
             painter.small.blit(self._small_still, rect, rect)
         picture.write_stamp(painter, t)
         self._stamped = painter.write_texts()
-        words: NDArray[np.uint32] = pygame.surfarray.pixels2d(painter.small).T & COLOUR
+        words: NDArray[np.uint32] = pygame.surfarray.pixels2d(painter.small).T & np.uint32(0xFFFFFF)
         return words
 
     def _restore(self, areas: Sequence[pygame.Rect]) -> None:

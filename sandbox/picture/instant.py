@@ -28,10 +28,7 @@ from sandbox.picture.listing import Item, Listing
 from sandbox.picture.palette import Colour, Ink, Painter, from_css
 
 Plan = Callable[[Painter], None]
-ROUND = 0.15  # largest angle between corners of arcs [rad]
 STEPS = 1e3  # steps of a number, from 0 to its maximum, that look different
-PITCH = 7.0  # of hatching [points]
-DETAILS = frozenset(("dot", "eye"))  # glyphs that small pictures leave out, as hatching
 FINEST, MARKS_APART, MAX_PIECES = 3.0, 9.0, 5000  # trails: pieces, marks [points]; number
 
 
@@ -66,7 +63,7 @@ class Instant:
         wide, high = self.width * enlarge, height * enlarge
         self.edges: Edges = (-wide, -high, 2 * wide, 2 * high)  # limits of coordinates [pixels]
         self.scale, self.small = camera.scale, small
-        self.thin, self.hatch = (0.75, 0.0) if small else (1.0, PITCH * point)
+        self.thin, self.hatch = (0.75, 0.0) if small else (1.0, 7.0 * point)  # of hatching [points]
         self._columns = np.array(out.columns).reshape(-1, len(out.time)).T
         self._steady = np.isin(np.arange(len(out.columns)), out.steady)
         self._first = {name: np.searchsorted(rows[:, 0], np.arange(len(out.time) + 1))
@@ -323,7 +320,7 @@ class Instant:
                 meets, leaves = self.value(turn[0]), self.value(turn[1])
                 if math.isfinite(meets + leaves):
                     size = r * self.scale
-                    count = max(1, math.ceil(abs(leaves - meets) / ROUND)) if size else 0
+                    count = max(1, math.ceil(abs(leaves - meets) / 0.15)) if size else 0
                     for k in range(count + 1):
                         angle = meets + (leaves - meets) * k / max(count, 1)
                         path.append((x + size * math.cos(angle), y - size * math.sin(angle)))
@@ -377,7 +374,7 @@ class Instant:
 
     def _mark(self, item: Item) -> Plan | None:
         names = item["g"] if isinstance(item["g"], list) else [item["g"]]
-        if self.small and DETAILS & set(names):
+        if self.small and {"dot", "eye"} & set(names):
             return None
         at, made = self._place(item["at"]), [self.glyph(name) for name in names]
         ends = np.concatenate([points + sign * radius for _, points, radius, _ in made[-1]

@@ -16,14 +16,11 @@ from sandbox.picture.geometry import XY
 from sandbox.picture.instant import Instant
 from sandbox.picture.listing import SIDES, Item
 
-LOOKED = 48  # samples that are looked at
 HOLD = 0.35  # minimum time that a label is visible or hidden [s of the film]
 CELL = 5  # side of the cells that have ink or not [pixels of the finished picture]
 TURNED, OFF, COVERED, FILLED, CROSSED, OUTSIDE = 0.02, 0.5, 0.12, 0.02, 2.0, 4.0
 """Costs per sample: angle to the arrow, standing off, cell of ink, filled cell, label, outside."""
 SMALL = 500  # pictures that are narrower have fewer numbers [pixels]
-PATIENCE = 0.25  # share of its samples in which a label has to find room, or it is left out
-FAR = 20  # areas that reach farther than so many pictures are not counted
 
 
 @dataclass
@@ -50,7 +47,7 @@ def place_labels(instant: Instant, half: Callable[[str], tuple[float, float]],
         samples: those that are painted, if they are few.
     """
     time = instant.out.time
-    some = np.unique(np.linspace(0, len(time) - 1, LOOKED).astype(int)) if samples is None \
+    some = np.unique(np.linspace(0, len(time) - 1, 48).astype(int)) if samples is None \
         else samples
     seen, covered = _look(instant, some, stage)
     point, placed = instant.point * instant.factor, np.full((0, len(some), 4), np.nan)
@@ -67,7 +64,7 @@ def place_labels(instant: Instant, half: Callable[[str], tuple[float, float]],
         present = np.isfinite(one.rows[:, 0])
         there = present & ~_meet(boxes[side][None], placed).any(axis=0)
         there &= ~_outside(boxes[side], stage)
-        if there.sum() < PATIENCE * present.sum():
+        if there.sum() < 0.25 * present.sum():  # it has too little room
             continue
         if samples is None:
             there = steady(there, time[some], HOLD * speed)
@@ -118,7 +115,7 @@ def _filled(instant: Instant, scale: float, size: tuple[int, int]) -> Array:
     surface = pygame.Surface(size, 0, 8)
     for part in instant.fills:
         ring = instant.px[part] * scale
-        if np.isfinite(ring).all() and np.abs(ring).max() < FAR * max(size):
+        if np.isfinite(ring).all() and np.abs(ring).max() < 20 * max(size):
             pygame.draw.polygon(surface, 1, ring.tolist())
     cost = FILLED * np.asarray(pygame.surfarray.array2d(surface).T, dtype=float)
     for at, box in instant.marks:

@@ -31,12 +31,8 @@ from sandbox.scene.settings import View
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Width of a meter, height of its curve (min., max.) [points]."""
-GROWN = 0.6  # share of a blank height above meters that their curves take
-SHARE = 0.62  # most of a picture's height that meters below the motion take
 TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85  # sizes of type, in those of the legend
-FINEST = 1.5  # so many finished pixels along time share the least and the largest of a curve
 HUES: tuple[Colour, ...] = tuple(map(from_css, COLOURS))
-PALE = 0.62  # how much lighter the curve is where the motion has not come to yet
 
 
 class Dial(NamedTuple):
@@ -163,7 +159,7 @@ class MeterPanel:
         most = max(1, int((size[0] - self.gap) / (WIDE * unit + self.gap)))
         each = -(-len(found) // max(1, -(-len(found) // most)))  # rows as even as can be
         self._rows = [found[k:k + each] for k in range(0, len(found), max(1, each))]
-        self.limit(SHARE * size[1])
+        self.limit(0.62 * size[1])  # most of a picture's height that meters below the motion take
         self.rect = pygame.Rect(0, 0, 0, 0)
 
     def __bool__(self) -> bool:
@@ -197,7 +193,7 @@ class MeterPanel:
     def grow(self, blank: float) -> None:
         """Take a share of a blank height above it [finished pixels] from the minimum height."""
         rows = sum(any(meter.dial.plotted for meter in row) for row in self._rows)
-        free = GROWN * max(0.0, blank) / self.unit / max(rows, 1)
+        free = 0.6 * max(0.0, blank) / self.unit / max(rows, 1)
         self._plot_points = min(TALLEST, PLOT + free)
 
     def settle(self, rect: pygame.Rect, *, aside: bool) -> None:
@@ -229,7 +225,7 @@ class MeterPanel:
             if dial.plotted:
                 self._frame(painter, meter)
                 for k in range(len(dial.values)):
-                    self._curve(painter, meter, k, lighter(HUES[k], PALE), 1.2)
+                    self._curve(painter, meter, k, lighter(HUES[k], 0.62), 1.2)
 
     def draw(self, painter: Painter, times: Sequence[float]) -> None:
         """Paint values, and curves up to a time [s] with its cursor, or with several cursors."""
@@ -299,7 +295,7 @@ def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
     there = np.isfinite(y)
     edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).tolist()
     for start, end in zip(edges[::2], edges[1::2], strict=True):
-        column = np.floor(x[start:end] / FINEST)
+        column = np.floor(x[start:end] / 1.5)
         first = np.flatnonzero(np.r_[True, column[1:] != column[:-1]]).tolist()
         if end - start <= 4 * len(first):
             yield x[start:end], y[start:end]

@@ -22,10 +22,6 @@ OFTEN = 0.95  # share of the active time in which no arrow exceeds the reference
 ENDING = 0.1  # last share of the run whose median counts, too: the end is looked at longest
 REFERENCE, LONGEST = 0.085, 1.5
 """Reference arrow [picture widths]; longer arrows are cut at this multiple."""
-ROUNDING = 1e-6  # forces of this acceleration of all bodies are rounding errors [m/s^2]
-MAX_DECIMALS = 9
-NOTHING = 1e-6  # rounding errors are below this fraction of the largest size of a run
-SAME = 1e-9  # pins of a body that are no farther apart are one [m]
 UNLOADED = 1e-3  # links below this are unloaded [tops of the scale]
 USUAL, SPIKE = 0.75, 2.0
 """Quantile of loaded samples, and maximum ratio of the top of the scale to it."""
@@ -70,13 +66,13 @@ def typical(largest: Array, time: Array) -> float:
         return float(size[some][order[min(place, len(order) - 1)]])
 
     end = time >= time[-1] - ENDING * (time[-1] - time[0])
-    return max(quantile(size > NOTHING * top, OFTEN), quantile(end, 0.5))
+    return max(quantile(size > 1e-6 * top, OFTEN), quantile(end, 0.5))
 
 
 def rounding(run: RunData) -> float:
     """The force [N] that rounding may leave where nothing acts."""
     mass = run.model.bodies.mass
-    return float(ROUNDING * mass[np.isfinite(mass)].sum())
+    return float(1e-6 * mass[np.isfinite(mass)].sum())
 
 
 def largest_of(samples: Integers, sizes: Array, count: int) -> Array:
@@ -131,7 +127,7 @@ def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
         size *= factor
     decimals = 2 if size < 10 else 1 if size < 100 else 0
     if 0 < size < 0.1:
-        decimals = min(1 - math.floor(math.log10(size)), MAX_DECIMALS)
+        decimals = min(1 - math.floor(math.log10(size)), 9)
     return factor, prefix + unit, decimals
 
 
@@ -170,7 +166,7 @@ def bars_of(run: RunData, bodies: Sequence[int]) -> list[PinnedBar]:
                                 strict=True) if kind.keeps == "point" else ():
             bar = found.setdefault(body, PinnedBar(body, [], []))
             near = next((own for at, own in zip(bar.ends, bar.joints, strict=True)
-                         if abs(at[0] - x) + abs(at[1] - y) <= SAME), None)
+                         if abs(at[0] - x) + abs(at[1] - y) <= 1e-9), None)
             if near is None:
                 bar.ends.append((x, y))
                 bar.joints.append([k])

@@ -27,14 +27,9 @@ from sandbox.samples.contacts import contacts_on, on_the_other, said_of
 FINE, SLIM = [2.4, 10], [3.4, 11]  # shaft and head of arrows of forces, and of loads [points]
 SHORTEST, SHORT = 2.5, 5.0  # contact arrows, and others, that are shorter are left out [points]
 LABELLED = 0.12  # values of arrows and patches above this share of the reference are written
-TELLING = 6  # numbers of loads are written of at most so many
 APART = 4.0  # maximum ratio of loads and contact forces on one scale
 LOAD_LENGTH, VECTOR_LENGTH, LENGTH = 0.11, 0.1, 0.07
 """Of loads, vectors, line loads [picture widths]."""
-FAINT = 0.02  # loads below this share of the reference are left out
-STANDING = 1e-6  # points that move less are at rest [picture widths]
-LEVEL = 2e-3  # corners of a body this near to a contact's line, in sizes of the body, lie on it
-MAX_SAMPLES = 200  # samples looked at for the scale of line loads
 
 
 def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, words: str,
@@ -90,10 +85,10 @@ def add_loads(s: Subject) -> None:
         if loads.law[i] is None:  # buoyancy acts at the middle of the submerged part
             lift = np.where(force[:, 1] == 0, np.inf, force[:, 1])
             at = at + np.column_stack([arrays["load_torque"][:, i] / lift, np.zeros(len(at))])
-        there = np.flatnonzero(size[:, i] > FAINT * scale.reference)
+        there = np.flatnonzero(size[:, i] > 0.02 * scale.reference)  # others are too short
         rows.append(np.column_stack([there, np.full(len(there), i), at[there], force[there]]))
     s.out.tables["loads"] = sort_rows(rows)
-    few = len(some) <= TELLING
+    few = len(some) <= 6  # numbers of loads are written of at most so many
     _add_arrows(s, "loads", scale, "drive", "N", "load", SLIM, told=0.0 if few else np.inf,
                 names={i: s.run.mechanism.loads[loads.load[i]].name for i in some}
                 if few else None)
@@ -146,7 +141,7 @@ def add_vectors(s: Subject) -> None:
         else:
             places = marked(s.run, s.view, s.layers.patterns(layer))
             values, words = point_motion(s.run, places)[order], layer
-            least, token = STANDING * s.width / duration**(order + 1), layer
+            least, token = 1e-6 * s.width / duration**(order + 1), layer
         values = np.nan_to_num(values)
         size = np.hypot(values[..., 0], values[..., 1]).max(axis=1, initial=0.0)
         if (reference := typical(size, s.run.time)) <= least:
@@ -229,7 +224,7 @@ def _edges(run: RunData, rows: Integers, bodies: Integers) -> Array:
         pose = arrays["body_pose"][arrays["contact_sample"][which], body]
         way = placed(pose[:, None], corners) - arrays["contact_point"][which][:, None]
         nx, ny = arrays["contact_normal"][which].T[..., None]
-        on_it = np.abs(way[..., 0] * nx + way[..., 1] * ny) <= LEVEL * float(
+        on_it = np.abs(way[..., 0] * nx + way[..., 1] * ny) <= 2e-3 * float(
             np.ptp(corners, axis=0).max())
         along = way[..., 1] * nx - way[..., 0] * ny
         ends = np.stack([np.where(on_it, along, np.inf).min(axis=1),
@@ -243,7 +238,7 @@ def add_pressure(s: Subject) -> None:
     if "pressure" not in s.layers:
         return
     found, time = line_loads(s.run, s.layers.of("pressure")), s.run.time
-    some = np.unique(np.linspace(0, len(time) - 1, MAX_SAMPLES).astype(np.int64))
+    some = np.unique(np.linspace(0, len(time) - 1, 200).astype(np.int64))
     seen, most = np.isin(found.sample, some), found.load.max(axis=1, initial=0.0)
     largest = largest_of(np.searchsorted(some, found.sample[seen]), most[seen], len(some))
     scale = scale_of(typical(largest, time[some]), LENGTH * s.width)

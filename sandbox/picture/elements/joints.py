@@ -20,13 +20,11 @@ from sandbox.picture.palette import ZIGZAG
 from sandbox.picture.scales import UNLOADED, bars_of
 from sandbox.picture.subject import Subject
 
-GAUGE = 13.0  # distance of the two lines of a groove in the ground [points]
 FAR_FOOT, PILED = 16.0, 11.0  # distances of ground symbols from shapes, each other [points]
 TELLING, SHORT, BESIDE = 12, 36.0, 6.0  # numbers at links: count, minimum length, distance [points]
 TUBE, LONGEST_TUBE, STROKE = 0.85, 0.96, 0.88
 """Usual and longest cylinder, longest stroke of one rod [minimum lengths of the actuator]."""
 TUBE_WIDTH = 13.0  # of an actuator's cylinder [points]
-TAUT = 0.998  # a rope shorter than this fraction of its length is slack
 COIL, COIL_WIDTH = 1.1, [0.09, 3.2, 8.0]  # springs: width of the line [points]; ``w`` of a span
 THICK = (0.5, 6.0)  # limits of the shown stiffness of a driven spring [its own stiffness]
 BAND = 5.4  # width of a loaded bar's band [points]
@@ -67,7 +65,7 @@ def _groove(s: Subject, k: int, where: dict[str, Any]) -> None:
     place = [s.out.place(end)[0].tolist() for end in ends]
     if place[1] < place[0]:
         ends, place = ends[::-1], place[::-1]
-    half, between = GAUGE / 2, {"a": ends[0], "b": ends[1], **where}
+    half, between = 6.5, {"a": ends[0], "b": ends[1], **where}
     s.add("rails", "span", name, s=("", "ink", 1.0), w=[0, half, half], **between,
           t=[0, 1, 1, 1, 1, -1, 0, -1, 0, 1])
     s.add("rails", "span", every=8, s=("", "faint_ink", 0.9), **between,
@@ -204,7 +202,7 @@ class _Link:
             self.tube(a, middle, level)
             self.line([middle, b], "pin_ring", 1.6)
             return
-        taut = self.length > TAUT * longest
+        taut = self.length > 0.998 * longest  # else slack
         if (taut & self.holds).any():
             shown = s.steady(taut & self.holds)
             self.loaded(self.ends, "rope", 4.6, level, shown=shown)

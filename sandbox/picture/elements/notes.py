@@ -20,11 +20,7 @@ from sandbox.values.appearance import rgb
 
 Place = tuple[int, XY]
 TRACE, MARK = 1.8, 3.0  # width of a trace, radius of its marks of time [points]
-PITCH = 70.0  # least distance of lines of the grid [points]
 MAX_LINES, FAR = 200, 1e9  # lines of the grid along an axis, and steps from the origin
-WIDE = 1e4  # half the width of a liquid, in widths of the picture
-DARKER = 0.3  # how much darker a trace is than its body
-MAX_NAMED = 6  # of no more than so many traces the bodies' names stand at their ends
 PIECES = 12  # between marks of time, at most
 
 
@@ -34,10 +30,10 @@ def add_traces(s: Subject) -> None:
     if not places or "traces" not in s.layers:
         return
     bodies = [body for body, _ in places]
-    named = 1 < len(set(bodies)) == len(bodies) <= MAX_NAMED
+    named = 1 < len(set(bodies)) == len(bodies) <= 6
     every = mark_interval(s.run)
     own = [colour_of(s.run.model, s.run.mechanism.bodies[body]) for body in bodies]
-    colours: list[Colour] = [mixed(rgb(each), INK, DARKER) for each in own if each]
+    colours: list[Colour] = [mixed(rgb(each), INK, 0.3) for each in own if each]
     if len(own) == 1 or len(set(colours)) < len(own):  # bodies without different colours
         colours = [TRACES[k % len(TRACES)] for k in range(len(own))]
     for (body, at), colour in zip(places, colours, strict=True):
@@ -72,7 +68,7 @@ def add_axes(s: Subject) -> None:
 
 def add_liquids(s: Subject) -> None:
     """The area below the level of each liquid."""
-    levels, far = s.run.model.loads.level, WIDE * s.width
+    levels, far = s.run.model.loads.level, 1e4 * s.width
     for level in sorted(set(levels[np.isfinite(levels)].tolist()), reverse=True):
         s.add("loads", "path", plane=BEHIND, f=s.out.world, s=("liquid", "liquid_edge", 1.4),
               d=[flat((-far, level), (far, level), (far, level - far), (-far, level - far))])
@@ -80,7 +76,7 @@ def add_liquids(s: Subject) -> None:
 
 def grid(out: Listing, camera: Camera, stage: Stage, point: float) -> list[Item]:
     """Lines of equal x and y with numbers at the edges, as items; ``point`` is pixels per point."""
-    step = round_length(min(2.5 * PITCH * point / camera.scale, 1e300))
+    step = round_length(min(175.0 * point / camera.scale, 1e300))
     unit, factor = ("m", 1.0) if step >= 0.1 else ("mm", 1e3)
     corners = np.array([[stage.left, stage.top + stage.height],
                         [stage.left + stage.width, stage.top]])

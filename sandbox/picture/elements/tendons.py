@@ -19,15 +19,12 @@ from sandbox.picture.scales import SLACK_FRACTION, round_up
 from sandbox.picture.subject import Subject
 from sandbox.samples.cables import off_wheels
 
-CABLE = 2.4  # width of a tendon [points]
 WOUND = 1.5  # length of a tendon that is shown on the wheel on which it ends [rad]
 CREEP, MIN_SLIP = 1e-3, 1e-6  # minimum slip: per sample [largest one], of that [m]
-NEAR_TURN = 0.02  # arcs that are so close to a whole turn are arcs of the other sign [rad]
 TUBE, TUBE_SHARE = (4.5, 9.0), 0.13  # half width of a cylinder: limits [points], [lengths]
 HOSE, VANE = 1.6, 10.0  # width of a hose and radius of a chamber on a hinge [points]
 PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
 """Offsets of pump, tank, line [points]."""
-SPARE = 0.04  # room before and behind a piston [largest lengths of the cylinder]
 MIN_TUBE, MAX_TUBE = 0.55, 0.95  # limits of a tube [smallest lengths of the cylinder]
 
 
@@ -64,7 +61,7 @@ def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int],
         there = np.isfinite(meets[:, g])
         start = np.unwrap(meets[there, g])
         sweep = (sense * (meets[there, g] - leaves[there, g])) % math.tau
-        sweep = np.where(sweep > math.tau - NEAR_TURN, sweep - math.tau, sweep)
+        sweep = np.where(sweep > math.tau - 0.02, sweep - math.tau, sweep)
         meets[there, g], leaves[there, g] = start, start - sense * sweep
     return meets, leaves
 
@@ -136,7 +133,7 @@ class _Cable:
         if there is not None and not there.all():
             shown = s.steady(there & self.hold)
         self.add("taut", self.name, rank=float(np.mean(share)) - 1, p=guides, c=closed,
-                 s=[("", "@load", CABLE), ("", "slack", 1.8, 5)], state=s.steady(slack),
+                 s=[("", "@load", 2.4), ("", "slack", 1.8, 5)], state=s.steady(slack),
                  by=s.steady(np.where(slack, 0.0, share)), wide=self.wide, shown=shown)
 
     def pieces(self, stretches: Integers) -> None:
@@ -220,7 +217,7 @@ class _Fluids:
             s.on(*end) for end in zip(bodies, lines.anchor[n], strict=True)]
         way = Between(s.out, *map(s.out.place, ends))
         least, most = float(way.length.min()), float(way.length.max())
-        spare = SPARE * most
+        spare = 0.04 * most  # room before and behind a piston [largest lengths of the cylinder]
         tube = min(max(most - least + 2 * spare, MIN_TUBE * least), MAX_TUBE * least)
         stroke = min(most - least, max(tube - 2 * spare, 0.0))
         slope = stroke / (most - least) if most > least else 1.0
