@@ -167,7 +167,6 @@ def draw(
 
 
 def _dress(axes: Any, panel: Panel, width: float, *, bottom: bool) -> None:
-    """Set the title, the labels, the grid and the frame of a panel of a width [mm]."""
     text = {"fontsize": style.SMALL, "color": style.INK}
     if panel.title:
         axes.set_title(style.plain(panel.title), loc="left", pad=5,
@@ -244,7 +243,6 @@ def _name_uprights(axes: Any, named: Sequence[tuple[float, str]], width: float) 
 
 
 def _scale(axes: Any, panel: Panel) -> None:
-    """Set scales, limits and ticks."""
     for along, axis, one, values in (("x", axes.xaxis, panel.x, panel.values("x")),
                                      ("y", axes.yaxis, panel.y, panel.values("y"))):
         if one.log:

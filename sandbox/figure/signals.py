@@ -126,7 +126,6 @@ def _check(runs: Sequence[Plotted], window: Window, wide: float) -> None:
 
 
 def _groups(runs: Sequence[Plotted], quantities: Sequence[str], x: str) -> list[list[str]]:
-    """The quantities of each panel."""
     by_unit: dict[str, list[str]] = {}
     for name in quantities:
         unit = _unit(runs, name)
@@ -144,7 +143,6 @@ def _groups(runs: Sequence[Plotted], quantities: Sequence[str], x: str) -> list[
 
 
 def _unit(runs: Sequence[Plotted], name: str) -> str:
-    """The unit of a quantity; raises UnknownQuantityError."""
     return next((one.run for one in runs if name in one.run), runs[0].run).unit(name)
 
 

@@ -167,7 +167,6 @@ def _points(
     drawing: SweepDrawing, x: Array, y: Array, *, joined: bool, some: Flags | None = None,
     colour: str = style.BLUE, label: str = "",
 ) -> list[Mark]:
-    """Runs, or some of them, as points."""
     here = np.ones(len(x), dtype=bool) if some is None else some
     size, missed = 3.5 if len(x) <= MANY else 1.8, drawing.missed
     line = {"linestyle": "-", "linewidth": style.LINE} if joined else {"alpha": 0.75}
@@ -194,7 +193,6 @@ def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
 
 
 def _equal(values: Array) -> bool:
-    """Whether finite values are equal but for rounding; False if there are none."""
     finite = values[np.isfinite(values)]
     return bool(len(finite) and np.ptp(finite) <= 1e-9 * np.abs(finite).max())
 
@@ -300,12 +298,12 @@ def draw_front(
     front, other = ({"color": style.BLUE, "markersize": 4.5},
                     {"color": style.GREY, "markersize": 3.0})
     for pair in pairs[:MAX_PAIRS]:
-        (x, x_axis), (y, y_axis) = (column.axis() for column in pair)
+        (x, x_axis), (y, y_axis) = (
+            (values, replace(axis, label=f"{axis.label}, {senses[column.name]}"))
+            for column in pair for values, axis in [column.axis()])
         order = np.flatnonzero(best)[np.argsort(x[best], kind="stable")]
         joined = {"linestyle": "-", "linewidth": 0.8} if len(goals) == 2 else {}
-        panels.append(Panel("", *(
-            Axis(f"{axis.label}, {senses[column.name]}", axis.log)
-            for axis, column in zip((x_axis, y_axis), pair, strict=True)), [
+        panels.append(Panel("", x_axis, y_axis, [
             Curve("", x[~best], y[~best], "dots", other),
             Curve("", x[order], y[order], "dots", {**front, **joined})], "", FRONT))
     more, dot = len(pairs) - MAX_PAIRS, {"linestyle": "", "marker": "o"}

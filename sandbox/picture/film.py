@@ -399,7 +399,6 @@ def _animate(
 
 
 def _write_frames(frames: Iterator[NDArray[Any]], directory: Path, count: int) -> None:
-    """Write frames as PNG files; those of an earlier film are removed."""
     def save(item: tuple[int, NDArray[Any]]) -> None:
         with atomic_file(directory / f"frame_{item[0]:05d}.png", durable=False) as aside:
             pixels = item[1] if item[1].dtype == np.uint8 else colours(item[1])

@@ -358,6 +358,10 @@ class Strip:
         OutputError: the size has no room for so many pictures.
     """
 
+    pad: int
+    line: int
+    legend: list[list[Entry]]
+
     def __init__(self, run: Samples, times: Sequence[float], view: View, *, bare: bool = False,
                  scales: bool = False, size: tuple[int, int] | None = None,
                  paper: PrintSize | None = None) -> None:
@@ -396,7 +400,6 @@ class Strip:
                        least=self.least)
 
     def _surround(self, unit: float, size: tuple[int, int]) -> None:
-        """Set title and meters."""
         self.unit, self.type = unit, Typesetter(type_size(unit), self.least)
         self.pad, self.line = round(0.8 * self.type.size), round(1.6 * self.type.size)
         title = self.run.mechanism.title or self.run.mechanism.name

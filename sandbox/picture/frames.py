@@ -147,7 +147,6 @@ class Pixels:
 
 
 def _bridged(rings: Sequence[Sequence[XY]]) -> Sequence[XY]:
-    """A ring and its holes as one even-odd polygon."""
     return rings[0] if len(rings) == 1 else [at for ring in rings for at in (*ring, ring[0])]
 
 
@@ -239,7 +238,6 @@ class Frames:
         return words
 
     def _restore(self, areas: Sequence[pygame.Rect]) -> None:
-        """Restore areas that the last frame covered."""
         large = [tuple(v * self.painter.enlarge for v in rect) for rect in areas]
         self.painter.large.blits([(self._large_still, area, area) for area in large],
                                  doreturn=False)

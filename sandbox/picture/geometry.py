@@ -145,7 +145,6 @@ def _depths(ring: Array, points: Array) -> Array:
 
 
 def _holds(ring: Array, other: Array) -> bool:
-    """Whether one convex outline lies in another."""
     return bool((_depths(ring, other) >= -TOUCHING).all())
 
 

@@ -124,7 +124,6 @@ class Instant:
         return paint
 
     def _stays(self, item: Item) -> bool:
-        """Whether an item looks the same in all samples."""
         if self.out.drift is not None or item["k"] not in ("path", "line", "mark", "span"):
             return False
         points = item.get("p", [item[key] for key in ("at", "a", "b") if key in item])
@@ -284,7 +283,6 @@ class Instant:
                 painter.line(part, ink, width)
 
     def _stroke(self, item: Item, paths: Callable[[], Iterable[Sequence[XY]]]) -> Plan:
-        """Paint lines in the style of an item."""
         def paint(painter: Painter) -> None:
             _, edge, width, dash, _ = self.look(item)
             for path in paths():
@@ -529,7 +527,6 @@ class Instant:
 
 
 def _maxima(rows: Array) -> Array:
-    """The largest size in each column, above 0."""
     return np.asarray(np.maximum(np.abs(np.nan_to_num(rows)).max(axis=0, initial=0.0), 1e-300))
 
 
@@ -545,5 +542,4 @@ def _apart(points: Array, least: float) -> Any:
 
 
 def _square(x: float, y: float, half: float) -> list[XY]:
-    """The corners of a square, whose box holds a circle however it is turned."""
     return [(x + half * a, y + half * b) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]

@@ -156,7 +156,6 @@ def _costs(one: _Seen, boxes: Array, placed: Array, covered: Array,
 
 
 def _outside(boxes: Array, stage: Sequence[float]) -> Flags:
-    """Whether boxes reach beyond the stage."""
     return np.asarray((boxes[..., :2] < stage[:2]).any(axis=-1)
                       | (boxes[..., 2:] > stage[2:]).any(axis=-1))
 

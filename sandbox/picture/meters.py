@@ -117,7 +117,6 @@ def _apart(names: Sequence[str]) -> tuple[list[str], str]:
 
 
 def _begin(names: Sequence[str]) -> str:
-    """The letters that all names begin with."""
     same = takewhile(lambda each: len(set(each)) == 1, zip(*names, strict=False))
     return "".join(each[0] for each in same)
 
@@ -141,7 +140,6 @@ class _Meter:
                      + -(-len(dial.names) // self.across) * round(0.95 * self.size))
 
     def down(self, values: Array) -> Array:
-        """Heights of values."""
         share = (values - self.dial.low) / (self.dial.high - self.dial.low)
         return np.asarray(self.plot.bottom - self.plot.height * np.clip(share, -0.02, 1.02))
 

@@ -83,7 +83,6 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
 
 
 def _plain(value: Any) -> Any:
-    """NumPy's numbers and arrays as Python's."""
     if isinstance(value, (list, tuple)):
         return [_plain(each) for each in value]
     return value.tolist() if hasattr(value, "tolist") else value

@@ -135,7 +135,6 @@ def _square(half: float) -> list[float]:
 
 
 def _arc(radius: float, first: float, sweep: float, steps: int = 24) -> list[float]:
-    """Points on an arc from an angle through ``sweep`` [rad]."""
     angles = [first + sweep * k / steps for k in range(steps + 1)]
     return flat(*((radius * math.cos(a), radius * math.sin(a)) for a in angles))
 

@@ -171,7 +171,6 @@ def _ink(ink: Colour) -> tuple[float, float, float, float]:
 
 
 def _closed(rings: Rings) -> Any:
-    """Closed outlines as one path."""
     each = [np.concatenate([ring, ring[:1]]) for ring in map(np.asarray, rings)]
     codes = [code for ring in each for code in (
         Outline.MOVETO, *([Outline.LINETO] * (len(ring) - 2)), Outline.CLOSEPOLY)]

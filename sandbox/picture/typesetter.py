@@ -130,7 +130,6 @@ class Headline(NamedTuple):
 
 
 def _wrapped(title: str, type_: Typesetter, room: int, most: int) -> Iterator[str]:
-    """Lines of whole words."""
     words = title.split()
     for count in range(1, most + 1):
         line = ""

@@ -124,7 +124,6 @@ def _straight(s: Subject, k: int, size: float, there: Array, *, named: bool) -> 
 
 
 def _bent(s: Subject, k: int, size: float, there: Array, others: int) -> None:
-    """A bent arrow about a hinge, longer for a larger torque."""
     model, value, at = s.run.model, s.run.arrays["drive_value"][:, k], _hinge(s.run.model, k)
     radius, name = TURN + WIDER * others, model.drives.name[k]
     share = np.minimum(np.abs(value) / (size or 1.0), LONGEST)

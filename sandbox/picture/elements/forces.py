@@ -139,7 +139,7 @@ def add_vectors(s: Subject) -> None:
             places, values, words = reactions(s.run, s.layers.of(layer))
             least, token = 0.0, "reaction"
         else:
-            places = marked(s.run, s.view, s.layers.patterns(layer))
+            places = marked(s.run, s.view, s.layers.patterns.get(layer, ()))
             values, words = point_motion(s.run, places)[order], layer
             least, token = 1e-6 * s.width / duration**(order + 1), layer
         values = np.nan_to_num(values)

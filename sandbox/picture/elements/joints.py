@@ -162,7 +162,6 @@ def add_links(s: Subject) -> None:
 
 
 def _level(tension: Array, largest: float) -> Array:
-    """Tension relative to the top of the scale, 0 if it is negligible."""
     level = tension / (largest or 1.0)
     return np.where(np.abs(level) <= UNLOADED, 0.0, level)
 

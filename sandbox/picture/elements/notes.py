@@ -26,7 +26,7 @@ PIECES = 12  # between marks of time, at most
 
 def add_traces(s: Subject) -> None:
     """The paths of points up to now, with marks of time; of several with names."""
-    places = traced(s.run, s.view, s.layers.patterns("traces"))
+    places = traced(s.run, s.view, s.layers.patterns.get("traces", ()))
     if not places or "traces" not in s.layers:
         return
     bodies = [body for body, _ in places]

@@ -126,7 +126,6 @@ class _Cable:
 
     def line(self, guides: list[Any], stretch: int, closed: int | None = None,
              there: Flags | None = None) -> None:
-        """One line in the colour of the tension of a stretch."""
         s = self.s
         share = s.carried.pieces[:, stretch] / (s.carried.largest or 1.0)
         slack, shown = share <= SLACK_FRACTION, self.shown
@@ -154,7 +153,6 @@ class _Cable:
             self.line([start, end], stretches[g], there=self.on[:, g])
 
     def collar(self, guide: int, slips: Flags) -> None:
-        """A ring at a guide with friction: full while that holds."""
         s, at, there = self.s, self.points[guide], self.on[:, guide] & self.hold
         if radius := self.radii[guide]:
             angle = self.middle[:, guide]
