@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import chain
 
 import numpy as np
@@ -35,7 +36,6 @@ class Pixels:
         self.drawn: list[pygame.Rect] = []  # boxes of all that was painted on the enlarged picture
         self.texts: list[tuple[pygame.Surface, XY]] = []  # with their corners, to be written
         self._leaders: list[tuple[Colour, XY, XY]] = []
-        self._hatched: dict[bytes, tuple[pygame.Surface, pygame.Rect]] = {}
 
     def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
              union: bool = False, hatch: float = 0.0) -> None:
@@ -67,26 +67,8 @@ class Pixels:
         self.drawn.append(pygame.draw.polygon(self.large, ink, corners))
 
     def _hatch(self, corners: Sequence[XY], edge: Colour, pitch: float) -> None:
-        key = np.asarray(corners, dtype=np.float32).round(1).tobytes() + bytes(edge)
-        if key not in self._hatched:
-            if len(self._hatched) >= 400:  # cached hatchings
-                self._hatched.clear()
-            self._hatched[key] = self._hatching(corners, edge, pitch)
-        self.drawn.append(self.large.blit(*self._hatched[key]))
-
-    def _hatching(self, corners: Sequence[XY], edge: Colour,
-                  pitch: float) -> tuple[pygame.Surface, pygame.Rect]:
-        xs, ys = zip(*corners, strict=True)
-        (x0, y0), (x1, y1) = (min(xs), min(ys)), (max(xs), max(ys))
-        area = pygame.Rect(math.floor(x0), math.floor(y0), math.ceil(x1 - x0) + 2,
-                           math.ceil(y1 - y0) + 2).clip(self.large.get_rect())
-        lines, mask = (pygame.Surface(area.size, pygame.SRCALPHA, 32) for _ in range(2))
-        for (ax, ay), (bx, by) in hatch_lines(corners, round(pitch)):
-            pygame.draw.line(lines, lighter(edge, 0.45), (ax - area.x, ay - area.y),
-                             (bx - area.x, by - area.y), max(1, round(0.13 * pitch)))
-        pygame.draw.polygon(mask, (255,) * 4, [(x - area.x, y - area.y) for x, y in corners])
-        lines.blit(mask, (0, 0), special_flags=pygame.BLEND_RGBA_MULT)
-        return lines, area
+        self.drawn.append(self.large.blit(*_hatching(
+            tuple((x, y) for x, y in corners), edge, pitch, self.large.get_rect().size)))
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
         """Paint connected lines."""
@@ -144,6 +126,23 @@ class Pixels:
         for rect in areas:
             source = self.large.subsurface([v * self.enlarge for v in rect])
             pygame.transform.smoothscale(source, rect.size, self.small.subsurface(rect))
+
+
+@lru_cache(100)
+def _hatching(corners: tuple[XY, ...], edge: Colour, pitch: float,
+              size: tuple[int, int]) -> tuple[pygame.Surface, pygame.Rect]:
+    """Hatched corners on a picture of a size, and their place there."""
+    xs, ys = zip(*corners, strict=True)
+    (x0, y0), (x1, y1) = (min(xs), min(ys)), (max(xs), max(ys))
+    area = pygame.Rect(math.floor(x0), math.floor(y0), math.ceil(x1 - x0) + 2,
+                       math.ceil(y1 - y0) + 2).clip((0, 0, *size))
+    lines, mask = (pygame.Surface(area.size, pygame.SRCALPHA, 32) for _ in range(2))
+    for (ax, ay), (bx, by) in hatch_lines(corners, round(pitch)):
+        pygame.draw.line(lines, lighter(edge, 0.45), (ax - area.x, ay - area.y),
+                         (bx - area.x, by - area.y), max(1, round(0.13 * pitch)))
+    pygame.draw.polygon(mask, (255,) * 4, [(x - area.x, y - area.y) for x, y in corners])
+    lines.blit(mask, (0, 0), special_flags=pygame.BLEND_RGBA_MULT)
+    return lines, area
 
 
 def _bridged(rings: Sequence[Sequence[XY]]) -> Sequence[XY]:
