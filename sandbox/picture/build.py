@@ -117,16 +117,10 @@ def _seen(s: Subject) -> set[str]:
 def subject_of(run: RunData, view: View, *, width: float, point: float,
                beside: Sequence[RunData] = (), moments: Sequence[float] | None = None,
                fixed_columns: bool = False) -> Subject:
-    """The display list of a run.
+    """The display list of a run, which shares its scales with the runs ``beside``.
 
-    Args:
-        run: the recording.
-        view: layers and scales.
-        width: width of the picture [m], the measure of arrows.
-        point: metres per point.
-        beside: runs that share its scales.
-        moments: times that are painted [s], if they are few.
-        fixed_columns: see :class:`Listing`.
+    ``width`` of the picture [m] is the measure of arrows, ``point`` is metres per point. Only some
+    ``moments`` [s] may be painted. For ``fixed_columns`` see :class:`Listing`.
     """
     runs = (run, *beside)
     layers = [VisibleLayers(each, view) for each in runs]

@@ -154,16 +154,10 @@ def _symbol(painter: Painter, instant: Instant, entry: Entry, x: float, y: float
 class Picture:
     """A picture of a run at any time, laid out; painters paint it.
 
-    Args:
-        run: the recording.
-        size: width and height [pixels]; by default the view's.
-        view: by default the scene's.
-        note: a few words beside the time.
-        unit: pixels per point; by default from the size.
-        bare: without title, time and legend.
-        scales: without them, but with the scales of the legend.
-        least: the smallest type [pixels, as a typesetter counts it].
-        moments: the only times [s] that are painted.
+    ``size`` [pixels] and ``view`` are by default the scene's; ``note`` is beside the time; ``unit``
+    is pixels per point. ``bare`` leaves out title, time and legend; ``scales`` keeps the scales of
+    the legend. ``least`` is the smallest type [pixels, as a typesetter counts it]. Only some
+    ``moments`` [s] may be painted.
     """
 
     def __init__(self, run: Samples, *, size: tuple[int, int] | None = None,

@@ -47,13 +47,9 @@ class Label(NamedTuple):
 class Instant:
     """A display list for one camera: for each item a function that paints it.
 
-    Args:
-        out: the list.
-        camera: world to pixels of the painted picture, at the first sample if it follows a body.
-        point: pixels per point.
-        size: of the finished picture [pixels].
-        enlarge: pixels per finished pixel.
-        small: leave details out, as in small pictures.
+    ``camera`` is that of the painted picture, at the first sample if it follows a body; ``point``
+    is its pixels per point. It is ``enlarge`` times as large as the finished picture of ``size``.
+    ``small`` leaves out details.
     """
 
     def __init__(self, out: Listing, camera: Camera, point: float, size: tuple[int, int], *,

@@ -39,12 +39,9 @@ def place_labels(instant: Instant, half: Callable[[str], tuple[float, float]],
                  samples: Integers | None = None) -> None:
     """Write into the list's items where labels stand and when they are shown.
 
-    Args:
-        instant: the list for a camera.
-        half: half the width and height of a text [finished pixels].
-        stage: left, top, right, bottom of where labels may be [finished pixels].
-        speed: seconds of the run per second of the film.
-        samples: those that are painted, if they are few.
+    ``half`` gives half the width and height of a text, ``stage`` is left, top, right and bottom of
+    where labels may be [finished pixels]; ``speed`` is seconds of the run per second of the film.
+    ``samples`` are those that are painted, if they are few.
     """
     time = instant.out.time
     some = np.unique(np.linspace(0, len(time) - 1, 48).astype(int)) if samples is None \

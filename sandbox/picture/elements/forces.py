@@ -154,21 +154,13 @@ def add_vectors(s: Subject) -> None:
 
 
 def spread(first: Any, second: Any, length: Any) -> tuple[Any, Any, Any, Any]:
-    """Forces at the two ends of a contact as a linear force per length.
+    """Normal forces (0 or more) at the two ends of a contact as a linear force per length.
 
     It has the same sum and moment. With q from q0 to q1 over a length L these are (q0 + q1) L / 2
     and, about the first end, (q0 + 2 q1) L^2 / 6; so q0 = (4 F0 - 2 F1) / L, and q1 likewise. Where
     one of them would pull, a triangle is left, three times as long as the resultant is away from
-    the other end.
-
-    Args:
-        first: normal forces at the first end, 0 or more [N].
-        second: those at the second end.
-        length: between them [m].
-
-    Returns:
-        Begin and end of the pressure as shares of the length, and the force per length there [N/m];
-        a begin equal to the end where all of it is in one point.
+    the other end. Returns begin and end as shares of the length, equal where all of it is in one
+    point, and the force per length there.
     """
     total = first + second
     share = second / np.where(total > 0, total, np.inf)

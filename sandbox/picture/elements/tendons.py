@@ -32,12 +32,9 @@ def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int],
          closed: bool) -> tuple[Array, Array]:
     """The angles at which a tendon meets and leaves each guide [n, g] rad; NaN off the guide.
 
-    Args:
-        places: centres of the guides, each [n, 2] m.
-        radii: of the wheels [m]; 0 for an eye.
-        senses: 1 where the centre lies right of the tendon, else -1.
-        on: whether the tendon lies on each guide, [n, g].
-        closed: whether the last guide is the first again.
+    ``places`` are the centres of the guides, each [n, 2] m; ``radii`` are 0 for eyes; ``senses``
+    are 1 where the centre lies right of the tendon, else -1; ``on`` [n, g] is whether it lies on a
+    guide. If ``closed``, the last guide is the first again.
     """
     meets, leaves = (np.full(on.shape, np.nan) for _ in range(2))
     for pattern in on[:1] if on.all() else np.unique(on, axis=0):
