@@ -17,17 +17,9 @@ from PIL import GifImagePlugin, Image
 
 from sandbox.atomic_files import atomic_file, output_path, remove_stale
 from sandbox.errors import OutputError
+from sandbox.picture import options
 from sandbox.picture.frame import PRINT_UNIT, Picture, Strip
 from sandbox.picture.frames import Frames
-from sandbox.picture.options import (
-    PRINT_TYPE,
-    UNITS,
-    PrintSize,
-    check_run,
-    check_view,
-    paper_of,
-    view_of,
-)
 from sandbox.picture.palette import PUSH, TENSION
 from sandbox.recording.new_run import FRAME
 from sandbox.samples.samples import Samples
@@ -180,13 +172,13 @@ def render(
         OutputError: no path, an unknown ending, options that no view can have, no samples,
             a time that the run does not reach, too many frames, or a file that cannot be written.
     """
-    check_run(run)
+    options.check_run(run)
     path = output_path(path, WHAT)
-    paper = paper_of(size)
-    view = view_of(run.mechanism.view, {
+    paper = options.paper_of(size)
+    view = options.view_of(run.mechanism.view, {
         "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
         "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
-    check_view(run, view)
+    options.check_view(run, view)
     worn = {"transparent": transparent, "bare": bare, "scales": scales}
     if is_still(path, at=at is not None, strip=strip is not False, transparent=transparent,
                 size=size):
@@ -213,7 +205,7 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
         what, more = ("single moments", ()) if at or strip else ("a see-through ground", (".gif",))
         problem = (f"{word} asks for {what}, which no {ending} has; allowed: "
                    f"{', '.join((*more, *STILLS))}, or none for a directory")
-    elif not stills and paper_of(size):
+    elif not stills and options.paper_of(size):
         problem = (f"size={size!r} asks for paper: a film has pixels, as in 800x600; a size on "
                    f"paper is one of a still ({', '.join(STILLS)})")
     if problem:
@@ -291,7 +283,7 @@ def _moment(run: Samples, given: Any) -> Moment:
 def save_stills(
     run: Samples, path: Path, *, view: View, at: Instants | None = None,
     strip: bool | int = False, transparent: bool = False, bare: bool = False,
-    scales: bool = False, sized: bool = False, paper: PrintSize | None = None,
+    scales: bool = False, sized: bool = False, paper: options.PrintSize | None = None,
 ) -> list[Path]:
     """Draw moments to ``path``; see :func:`render`.
 
@@ -307,10 +299,11 @@ def save_stills(
                      size=view.size if sized else None)
         moments = [Moment(times[0], "strip")]
     else:
-        picture, size = partial(Picture, run, view=view, bare=bare, scales=scales,
-                                moments=times), view.size
+        size, picture = view.size, partial(Picture, run, view=view, bare=bare, scales=scales,
+                                           moments=times)
         if paper:
-            picture, size = partial(picture, unit=PRINT_UNIT, least=PRINT_TYPE), paper.pixels
+            size, picture = paper.pixels, partial(picture, unit=PRINT_UNIT,
+                                                  least=options.PRINT_TYPE)
             if not size[1]:  # a layout in a tall picture finds the height
                 size = size[0], round(picture(size=(size[0], 3 * size[0])).needs)
         made = picture(size=size)
@@ -322,7 +315,7 @@ def save_stills(
         elif len(moments) > 1:
             file = path.with_name(f"{path.stem}_{moment.word}{path.suffix}")
         save(output_path(file, WHAT), made, moment.time, transparent=transparent,
-             per_inch=made.size[0] * UNITS["in"] / paper.width if paper else None)
+             per_inch=made.size[0] * options.UNITS["in"] / paper.width if paper else None)
         files.append(file)
     return files
 
@@ -348,9 +341,9 @@ def save_picture(
     size: tuple[int, int] | str | None = None,
 ) -> None:
     """Draw one moment of a run, by default its end."""
-    check_run(run)
-    paper = paper_of(size)
-    view = view_of(run.mechanism.view, {"size": None if paper else size})
+    options.check_run(run)
+    paper = options.paper_of(size)
+    view = options.view_of(run.mechanism.view, {"size": None if paper else size})
     save_stills(run, output_path(path, WHAT), view=view, at=t, paper=paper)
 
 

@@ -10,15 +10,8 @@ import numpy as np
 import pygame
 
 from sandbox.errors import OutputError
-from sandbox.picture.bounds import (
-    MARGIN,
-    Camera,
-    Stage,
-    body_box,
-    place_camera,
-    whole_box,
-    width_shown,
-)
+from sandbox.picture import bounds
+from sandbox.picture.bounds import Camera, Stage
 from sandbox.picture.build import subject_of
 from sandbox.picture.elements.notes import grid
 from sandbox.picture.geometry import arrow, within
@@ -181,13 +174,14 @@ class Picture:
             self.type.scaled(1.0 if self.small else 1.25), height)
         self.head = self.title.high if self.title else 0
         self.panel = panel = MeterPanel(run, view, self.type, self.unit, self.size)
-        bodies = body_box(run, view, moments)
-        guess = place_camera(bodies, Stage(0, 0, width, max(8, height - self.head - self.row)),
-                             centre=view.centre, width=view.width)
+        bodies = bounds.body_box(run, view, moments)
+        guess = bounds.place_camera(
+            bodies, Stage(0, 0, width, max(8, height - self.head - self.row)),
+            centre=view.centre, width=view.width)
         self.subject = subject_of(run, view, point=self.unit / guess.scale, moments=moments,
-                                  width=width_shown(bodies, width / height, view.width))
+                                  width=bounds.width_shown(bodies, width / height, view.width))
         self.out = self.subject.out
-        self.box = whole_box(self.out, run, bodies, view, moments)
+        self.box = bounds.whole_box(self.out, run, bodies, view, moments)
         most = 0 if bare and not scales else 1 if self.small else 4 if least else 2  # of the legend
         rows = min(1, most)
         for _ in range(3):
@@ -221,7 +215,7 @@ class Picture:
         def camera_on(wide: float, tall: float) -> Camera:
             seen = given if given is None else given * max(
                 1.0, max(8, high) * wide / (width * tall))
-            return place_camera(self.box, Stage(0, self.head, wide, tall),
+            return bounds.place_camera(self.box, Stage(0, self.head, wide, tall),
                                 centre=self.view.centre, width=seen)
 
         below = max(8, high - panel.below)
@@ -235,7 +229,7 @@ class Picture:
         if not self.aside and given is None:
             middle = self.camera.centre[1]
             half = max(self.box.y1 - middle, middle - self.box.y0)
-            panel.grow(below - 2 * half * self.camera.scale / (1 - 2 * MARGIN))
+            panel.grow(below - 2 * half * self.camera.scale / (1 - 2 * bounds.MARGIN))
             self.camera = camera_on(width, max(8, high - panel.below))
 
     @property

@@ -214,6 +214,8 @@ def within(points: Sequence[XY], edges: Edges) -> bool:
 
 def cut_polygon(corners: Sequence[XY], edges: Edges) -> list[XY]:
     """A polygon's corners within the edges (Sutherland and Hodgman); none if one is NaN."""
+    if within(corners, edges):
+        return [*corners]
     found = [(min(max(x, -FAR), FAR), min(max(y, -FAR), FAR)) for x, y in corners
              if not math.isnan(x + y)]
     if len(found) < len(corners):

@@ -10,20 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.numeric import Array
+from sandbox.picture import geometry
 from sandbox.picture.bounds import Camera
-from sandbox.picture.geometry import (
-    XY,
-    Edges,
-    arc_steps,
-    arrow,
-    capsule_outline,
-    cut_line,
-    cut_polygon,
-    dashes,
-    large_circle,
-    polygon_grown,
-    within,
-)
+from sandbox.picture.geometry import XY, Edges
 from sandbox.picture.listing import Item, Listing
 from sandbox.picture.palette import Colour, Ink, Painter, from_css
 
@@ -215,25 +204,23 @@ class Instant:
         for ring in self._rings(item["d"]):
             line = outer = inner = self._pool(item["f"], ring)
             if width:
-                outer = self._pool(item["f"], polygon_grown(ring, half * (2 if union else 1)))
-                inner = line if union else self._pool(item["f"], polygon_grown(ring, -half))
+                grown = geometry.polygon_grown(ring, half * (2 if union else 1))
+                outer = self._pool(item["f"], grown)
+                if not union:
+                    inner = self._pool(item["f"], geometry.polygon_grown(ring, -half))
             rings.append((line, outer, inner))
         if self.out.styles[item["s"]][0] not in ("", "paper", "liquid"):
             self.fills += [line for line, _, _ in rings[:None if union else 1]]
 
         def paint(painter: Painter) -> None:
             fill, edge, now, _, hatch = self.look(item)
-            found: list[list[Sequence[XY]]] = [[self.points[part] for part in ring]
-                                               for ring in rings]
+            found: list[Any] = [[self.points[part] for part in ring] for ring in rings]
             if self.wild:
-                found = [ring for ring in ([self._cut(part) for part in ring] for ring in found)
-                         if all(len(part) > 2 for part in ring)]
+                cut = ([geometry.cut_polygon(part, self.edges) for part in ring] for ring in found)
+                found = [ring for ring in cut if all(len(part) > 2 for part in ring)]
             if found:
                 painter.area(found, fill, edge, now, union=union, hatch=hatch)
         return paint
-
-    def _cut(self, corners: Sequence[XY]) -> Sequence[XY]:
-        return corners if within(corners, self.edges) else cut_polygon(corners, self.edges)
 
     def _circle(self, item: Item, centre: XY, radius: Any) -> Plan:
         at = self._place([item["f"], *centre])
@@ -248,7 +235,7 @@ class Instant:
                 if math.isfinite(x + y) and (left - size <= x <= right + size
                                              and top - size <= y <= bottom + size):
                     painter.disc((x, y), size, fill, edge, width, hatch=hatch)
-            elif len(ring := large_circle((x, y), size, self.edges)) > 2:
+            elif len(ring := geometry.large_circle((x, y), size, self.edges)) > 2:
                 painter.area([[ring, ring, ring]], fill, edge, width, hatch=hatch)
         return paint
 
@@ -258,8 +245,8 @@ class Instant:
         for one in subpaths:
             if isinstance(one, dict):
                 x0, y0, x1, y1, r = one["c"]
-                steps = min(400, arc_steps(max(r, 2 * error), error, 6))
-                ring = capsule_outline((x0, y0), (x1, y1), r, steps)
+                steps = min(400, geometry.arc_steps(max(r, 2 * error), error, 6))
+                ring = geometry.capsule_outline((x0, y0), (x1, y1), r, steps)
             else:
                 ring = np.array(one).reshape(-1, 2)
             apart = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T) > 0
@@ -272,10 +259,11 @@ class Instant:
         if ink is None or len(path) < 2:
             return
         pieces: list[Sequence[XY]] = [path]
-        if self.wild and not within(path, self.edges):
-            pieces = [piece for a, b in pairwise(path) if (piece := cut_line(a, b, self.edges))]
+        if self.wild and not geometry.within(path, self.edges):
+            cut = (geometry.cut_line(a, b, self.edges) for a, b in pairwise(path))
+            pieces = [piece for piece in cut if piece]
         for one in pieces:
-            for part in dashes(one, dash, 0.8 * dash) if dash else (one,):
+            for part in geometry.dashes(one, dash, 0.8 * dash) if dash else (one,):
                 painter.line(part, ink, width)
 
     def _stroke(self, item: Item, paths: Callable[[], Iterable[Sequence[XY]]]) -> Plan:
@@ -327,8 +315,8 @@ class Instant:
 
         def paths() -> Iterator[Any]:
             piece: tuple[XY, XY] | None = (self.points[a], self.points[b])
-            if self.wild and not within((self.points[a], self.points[b]), self.edges):
-                piece = cut_line(self.points[a], self.points[b], self.edges)
+            if self.wild and not geometry.within((self.points[a], self.points[b]), self.edges):
+                piece = geometry.cut_line(self.points[a], self.points[b], self.edges)
             if piece is None:
                 return
             start, way = np.array(piece[0]), np.array(piece[1]) - np.array(piece[0])
@@ -351,7 +339,7 @@ class Instant:
 
         def paint(painter: Painter) -> None:
             _, edge, width, _, _ = self.look(item)
-            if edge is None or not within([self.points[at]], self.edges):
+            if edge is None or not geometry.within([self.points[at]], self.edges):
                 return
             sweep = self.value(item["sweep"])
             angle = self.value(item["start"]) + sweep * share
@@ -363,7 +351,7 @@ class Instant:
                 keep = max(2, round(len(path) * (1 - back / max(abs(sweep), 1e-9))))
             self._draw_line(painter, path[:keep], edge, width)
             if head:
-                painter.simple(arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
+                painter.simple(geometry.arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
         return paint
 
     def _mark(self, item: Item) -> Plan | None:
@@ -377,7 +365,7 @@ class Instant:
 
         def paint(painter: Painter) -> None:
             state = round(self.value(item.get("state", 0.0)))
-            if not self.wild or within([self.points[at]], self.edges):
+            if not self.wild or geometry.within([self.points[at]], self.edges):
                 self.stamp(painter, made[min(len(made) - 1, max(0, state))], self.points[at],
                            self.value(item.get("turn", 0.0)))
         return paint
@@ -434,7 +422,8 @@ class Instant:
             u = self.point * (0.8 if self.small else 1.0)
             for a, b, size in zip(tails.tolist(), tips.tolist(), sizes.tolist(), strict=True):
                 for ink, more in ((rim, width), (fill, 0.0)):
-                    corners = self._cut(arrow(a, b, shaft * u + more, head * u + more / 2))
+                    corners = geometry.cut_polygon(geometry.arrow(
+                        a, b, shaft * u + more, head * u + more / 2), self.edges)
                     if ink is not None and len(corners) > 2:
                         painter.simple(corners, ink, None, 0)
                 if size <= item["most"] or rim is None:
@@ -443,7 +432,7 @@ class Instant:
                 bar = (shaft + 6.5) / 2 * u * along[::-1] * (1, -1) - 2 * self.point * along
                 for share in (0.40, 0.50):
                     middle = a + share * np.subtract(b, a)
-                    if within([middle], self.edges):
+                    if geometry.within([middle], self.edges):
                         painter.line([(middle + bar).tolist(), (middle - bar).tolist()], rim,
                                      1.8 * self.point)
         return paint
@@ -452,7 +441,7 @@ class Instant:
         def paint(painter: Painter) -> None:
             fill, edge, width, _, _ = self.look(item)
             for corners in self.camera.to_pixels(self.rows(item)[:, 2:10].reshape(-1, 4, 2)):
-                if within(corners.tolist(), self.edges):
+                if geometry.within(corners.tolist(), self.edges):
                     painter.simple(corners.tolist(), fill, edge, width)
         return paint
 
@@ -475,7 +464,7 @@ class Instant:
             marks = self.camera.to_pixels(spots[times <= self.time * (1 + 1e-9)]).tolist()
             for centre, radius in (*((mark, item["mark"] * self.point) for mark in marks),
                                    (self.points[at], 1.5 * width)):
-                if within([centre], self.edges):
+                if geometry.within([centre], self.edges):
                     painter.disc(centre, radius, fill, None, 0)
         return paint
 

@@ -13,17 +13,9 @@ import pygame
 from sandbox.figure.style import COLOURS, shown_as
 from sandbox.model.meters import curves, is_expression
 from sandbox.numeric import Array
+from sandbox.picture import palette
 from sandbox.picture.listing import read_curve
-from sandbox.picture.palette import (
-    BACKGROUND,
-    FAINT_INK,
-    HAIRLINE,
-    INK,
-    Colour,
-    Painter,
-    from_css,
-    lighter,
-)
+from sandbox.picture.palette import Colour, Painter
 from sandbox.picture.scales import pressure_unit, round_up
 from sandbox.picture.typesetter import Typesetter, ellipsis
 from sandbox.samples.samples import Samples
@@ -32,7 +24,7 @@ from sandbox.scene.settings import View
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Width of a meter, height of its curve (min., max.) [points]."""
 TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85  # sizes of type, in those of the legend
-HUES: tuple[Colour, ...] = tuple(map(from_css, COLOURS))
+HUES: tuple[Colour, ...] = tuple(map(palette.from_css, COLOURS))
 
 
 class Dial(NamedTuple):
@@ -219,11 +211,11 @@ class MeterPanel:
         for meter in self.meters:
             cell, dial = meter.cell, meter.dial
             painter.write((cell.left, cell.top),
-                          ellipsis(self.type, dial.title, cell.width, size), size, INK)
+                          ellipsis(self.type, dial.title, cell.width, size), size, palette.INK)
             if dial.plotted:
                 self._frame(painter, meter)
                 for k in range(len(dial.values)):
-                    self._curve(painter, meter, k, lighter(HUES[k], 0.62), 1.2)
+                    self._curve(painter, meter, k, palette.lighter(HUES[k], 0.62), 1.2)
 
     def draw(self, painter: Painter, times: Sequence[float]) -> None:
         """Paint values, and curves up to a time [s] with its cursor, or with several cursors."""
@@ -236,14 +228,14 @@ class MeterPanel:
             k, line = painter.enlarge, self.unit * painter.enlarge
             across = (self._across(plot, np.asarray(times)) * k).tolist()
             for x in across:
-                painter.line([(x, plot.top * k), (x, plot.bottom * k)], FAINT_INK, line)
+                painter.line([(x, plot.top * k), (x, plot.bottom * k)], palette.FAINT_INK, line)
             for curve, hue in zip(range(len(dial.values)), HUES, strict=False):
                 self._curve(painter, meter, curve, hue, 1.9,
                             until=samples[0] + 1 if len(samples) == 1 else None)
                 heights = meter.down(dial.values[curve, samples]).tolist()
                 for x, y in zip(across, heights, strict=True):
                     if math.isfinite(y):
-                        painter.disc((x, y * k), 3.6 * line, hue, BACKGROUND, 1.2 * line)
+                        painter.disc((x, y * k), 3.6 * line, hue, palette.BACKGROUND, 1.2 * line)
 
     def _across(self, plot: pygame.Rect, time: Array) -> Array:
         share = (time - self._start) / max(self._end - self._start, 1e-12)
@@ -256,16 +248,17 @@ class MeterPanel:
         for value in (dial.low, dial.high, 0.0) if dial.low < 0 < dial.high else (
                 dial.low, dial.high):
             y, text = float(meter.down(np.array(value))), f"{value:.6g}"
-            painter.line([(plot.left * k, y * k), (plot.right * k, y * k)], HAIRLINE, line)
+            painter.line([(plot.left * k, y * k), (plot.right * k, y * k)], palette.HAIRLINE, line)
             if value in (dial.low, dial.high):
                 painter.write((plot.left - self.margin - self.type.width(text, size),
-                               round(y - self.type.height(size) / 2)), text, size, FAINT_INK)
-        painter.line([(plot.left * k, plot.top * k), (plot.left * k, plot.bottom * k)], FAINT_INK,
-                     line)
+                               round(y - self.type.height(size) / 2)), text, size,
+                              palette.FAINT_INK)
+        painter.line([(plot.left * k, plot.top * k), (plot.left * k, plot.bottom * k)],
+                     palette.FAINT_INK, line)
         for share, t in ((0.0, self._start), (1.0, self._end)):
             text = f"{t:.3g} s"
             painter.write((round(plot.left + share * (plot.width - self.type.width(text, size))),
-                           plot.bottom + round(2 * self.unit)), text, size, FAINT_INK)
+                           plot.bottom + round(2 * self.unit)), text, size, palette.FAINT_INK)
 
     def _curve(self, painter: Painter, meter: _Meter, curve: int, colour: Colour, points: float,
                until: int | None = None) -> None:

@@ -9,18 +9,11 @@ import numpy as np
 
 from sandbox.model.joints import placed, rotated
 from sandbox.numeric import Array, Integers
+from sandbox.picture import scales
 from sandbox.picture.elements.notes import Place, marked
 from sandbox.picture.geometry import shape_points
 from sandbox.picture.listing import RunData
-from sandbox.picture.scales import (
-    ForceScale,
-    largest_of,
-    prefixed,
-    rounding,
-    scale_of,
-    shared,
-    typical,
-)
+from sandbox.picture.scales import ForceScale
 from sandbox.picture.subject import Subject
 from sandbox.samples.contacts import contacts_on, on_the_other, said_of
 
@@ -35,7 +28,7 @@ LOAD_LENGTH, VECTOR_LENGTH, LENGTH = 0.11, 0.1, 0.07
 def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, words: str,
                 size: Sequence[float] = FINE, **fields: Any) -> None:
     """Add an item for the table of a layer, and its row of the legend."""
-    factor, written, decimals = prefixed(scale.reference, unit)
+    factor, written, decimals = scales.prefixed(scale.reference, unit)
     s.add(layer, "arrows", layer, **{
         "t": layer, "metres": scale.metres, "most": scale.longest, "size": size, "least": SHORT,
         "s": (token, "paper", 2.0), "factor": factor, "unit": written, "decimals": decimals,
@@ -69,14 +62,14 @@ def add_loads(s: Subject) -> None:
     """The force of each load on each body, from where it acts; of a few with names and values."""
     loads, arrays = s.run.model.loads, s.run.arrays
     some = np.flatnonzero(np.isin(loads.body, s.layers.of("loads"))).tolist()
-    scales, length = [], LOAD_LENGTH * s.width
+    found, length = [], LOAD_LENGTH * s.width
     for run in (*s.beside, s.run):  # ``size`` is that of ``s.run`` from here on
         size = np.nan_to_num(np.hypot(*np.moveaxis(run.arrays["load_force"], -1, 0)))
-        usual = typical(size.max(axis=1, initial=0.0), run.time)
+        usual = scales.typical(size.max(axis=1, initial=0.0), run.time)
         alike = s.force.metres > 0 and usual / APART <= s.force.reference <= usual * APART
-        scales.append(ForceScale() if usual <= rounding(run) else s.force if alike
-                      else scale_of(usual, length))
-    scale = shared(scales)
+        found.append(ForceScale() if usual <= scales.rounding(run) else s.force if alike
+                      else scales.scale_of(usual, length))
+    scale = scales.shared(found)
     if scale.metres == 0 or not size[:, some].max(initial=0.0) > 0:
         return
     rows = []
@@ -122,7 +115,7 @@ def reactions(run: RunData, bodies: Sequence[int]) -> tuple[list[Place], Array, 
     places = [(int(joints.bodies[k, 1]), (float(x), float(y)))
               for k, (x, y) in zip(found, joints.anchor[found, 1], strict=True)]
     values = run.arrays["joint_force"][:, found] * np.where(swapped, -1.0, 1.0)[None, :, None]
-    if np.abs(np.nan_to_num(values)).max(initial=0.0) <= rounding(run):
+    if np.abs(np.nan_to_num(values)).max(initial=0.0) <= scales.rounding(run):
         values = np.zeros_like(values)
     words = said_of(run.model, np.where(swapped, a, b), np.where(swapped, b, a))
     return places, values, f"joint force {words}"
@@ -144,13 +137,14 @@ def add_vectors(s: Subject) -> None:
             least, token = 1e-6 * s.width / duration**(order + 1), layer
         values = np.nan_to_num(values)
         size = np.hypot(values[..., 0], values[..., 1]).max(axis=1, initial=0.0)
-        if (reference := typical(size, s.run.time)) <= least:
+        if (reference := scales.typical(size, s.run.time)) <= least:
             continue
         samples = np.arange(len(values))
         s.out.tables[layer] = sort_rows([np.column_stack([
             samples, np.full(len(samples), k), s.out.place([body, *at]), values[:, k]])
             for k, (body, at) in enumerate(places)])
-        _add_arrows(s, layer, scale_of(reference, VECTOR_LENGTH * s.width), token, unit, words)
+        scale = scales.scale_of(reference, VECTOR_LENGTH * s.width)
+        _add_arrows(s, layer, scale, token, unit, words)
 
 
 def spread(first: Any, second: Any, length: Any) -> tuple[Any, Any, Any, Any]:
@@ -232,8 +226,8 @@ def add_pressure(s: Subject) -> None:
     found, time = line_loads(s.run, s.layers.of("pressure")), s.run.time
     some = np.unique(np.linspace(0, len(time) - 1, 200).astype(np.int64))
     seen, most = np.isin(found.sample, some), found.load.max(axis=1, initial=0.0)
-    largest = largest_of(np.searchsorted(some, found.sample[seen]), most[seen], len(some))
-    scale = scale_of(typical(largest, time[some]), LENGTH * s.width)
+    largest = scales.largest_of(np.searchsorted(some, found.sample[seen]), most[seen], len(some))
+    scale = scales.scale_of(scales.typical(largest, time[some]), LENGTH * s.width)
     if scale.metres == 0:
         return
     high = np.minimum(found.load, scale.longest) * scale.metres
@@ -242,7 +236,7 @@ def add_pressure(s: Subject) -> None:
     s.out.tables["pressure"] = np.column_stack([
         found.sample, np.arange(len(first)) - first, found.ends.reshape(-1, 4),
         tops[:, ::-1].reshape(-1, 4), most])
-    factor, unit, decimals = prefixed(scale.reference, "N/m")
+    factor, unit, decimals = scales.prefixed(scale.reference, "N/m")
     s.add("pressure", "strips", "pressure", t="pressure", s=("patch", "force", 1.2),
           factor=factor, unit=unit, decimals=decimals, least=LABELLED * scale.reference)
     s.signs.add("patch")
