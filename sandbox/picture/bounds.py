@@ -109,12 +109,12 @@ class _Motion:
 
     def __init__(self, run: RunData, view: View, samples: Integers | slice) -> None:
         self.run, self.view, self.samples = run, view, samples
-        self.pose, self.gone = run.arrays["body_pose"][samples], drift(run, view)[samples]
+        self.pose, self.shift = run.arrays["body_pose"][samples], drift(run, view)[samples]
 
     def ways(self, few: Sequence[int] | None = None) -> Array:
         """Traced points of the view, of all bodies or of a few, [n, k, 2] m."""
         places = [(self.run.model.names.body[trace.body], trace.at) for trace in self.view.traces]
-        return np.array([placed(self.pose[:, body], np.array(at)) - self.gone
+        return np.array([placed(self.pose[:, body], np.array(at)) - self.shift
                          for body, at in places if few is None or body in few]).reshape(
                              -1, len(self.pose), 2).swapaxes(0, 1)
 
@@ -147,7 +147,7 @@ class _Motion:
                 found.setdefault(i, []).append(each)
         boxes = np.full((len(self.pose), len(run.mechanism.bodies), 4), np.nan)
         for i, sets in found.items():
-            world = placed(self.pose[:, i, None], np.concatenate(sets)) - self.gone[:, None]
+            world = placed(self.pose[:, i, None], np.concatenate(sets)) - self.shift[:, None]
             boxes[:, i, :2], boxes[:, i, 2:] = world.min(axis=1), world.max(axis=1)
         return boxes
 
@@ -155,7 +155,7 @@ class _Motion:
         """The box [m] of bodies that stay with the mechanism, and of large scenery near them."""
         whole, own, stays = self.boxes(), self.boxes(scenery=False), groups_of(self.run)[1]
         home = own if np.isfinite(own[:, stays]).any() else whole
-        near = with_it(home + np.tile(self.gone[:, None], 2), stays)
+        near = with_it(home + np.tile(self.shift[:, None], 2), stays)
         traced = [self.run.model.names.body[trace.body] for trace in self.view.traces]
         ways = self.ways()[near[:, traced]]
         core = Rectangle.around(own[near], ways)
@@ -202,7 +202,7 @@ def body_box(run: RunData, view: View | None = None,
     if not anchored[connected].any():
         return group
     still = view.model_copy(update={"follow": None})
-    if np.ptp(motion.gone, axis=0).max() <= BESIDE * max(
+    if np.ptp(motion.shift, axis=0).max() <= BESIDE * max(
             _Motion(run, still, motion.samples).machine().size):
         return motion.machine()
     # it moves far in its machine
@@ -232,7 +232,7 @@ def whole_box(out: Listing, run: RunData, bodies: Rectangle, view: View,
     """``bodies`` with arrows that begin there, and paths of traced points unless very large [m]."""
     points, few = [bodies.corners], chosen(run, view)
     samples = _samples(run, None if few is None else moments)
-    went = drift(run, view)
+    shift = drift(run, view)
     low, high = bodies.corners + 1e-6 * max(bodies.size) * np.array([[-1], [1]])
     for item in out.items:
         if item["k"] == "arrows" and item["l"] in (
@@ -242,7 +242,7 @@ def whole_box(out: Listing, run: RunData, bodies: Rectangle, view: View,
             if few is not None:
                 pairs = divmod(rows[:, 1], len(run.mechanism.bodies))
                 rows = rows[np.isin(pairs[0], few) | np.isin(pairs[1], few)]
-            tails = rows[:, 2:4] - went[rows[:, 0].astype(int)]
+            tails = rows[:, 2:4] - shift[rows[:, 0].astype(int)]
             size = np.hypot(rows[:, 4], rows[:, 5])
             cut = np.minimum(1.0, item["most"] / np.maximum(size, 1e-30)) * item["metres"]
             inside = ((tails >= low) & (tails <= high)).all(axis=1)

@@ -179,12 +179,12 @@ def render(
         "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
         "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
     options.check_view(run, view)
-    worn = {"transparent": transparent, "bare": bare, "scales": scales}
+    how = {"transparent": transparent, "bare": bare, "scales": scales}
     if is_still(path, at=at is not None, strip=strip is not False, transparent=transparent,
                 size=size):
-        return save_stills(run, path, view=view, at=at, strip=strip, paper=paper, **worn,
+        return save_stills(run, path, view=view, at=at, strip=strip, paper=paper, **how,
                            sized=size is not None and not isinstance(size, str))
-    _animate(run, path, view, progress=progress, most_frames=most_frames, **worn)
+    _animate(run, path, view, progress=progress, most_frames=most_frames, **how)
     return [path]
 
 
