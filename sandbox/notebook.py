@@ -25,8 +25,7 @@ from sandbox.errors import OutputError, SandboxError
 from sandbox.figure import signals
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.joints import apart, place_in_slot
-from sandbox.picture.film import render
-from sandbox.picture.stills import instants, save_picture
+from sandbox.picture.film import instants, render, save_picture
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.cables import lengths_at_start

@@ -155,7 +155,7 @@ def _find(
     """The equilibria of a scene."""
     from sandbox.engine.inspect_control import Checked
     from sandbox.equilibria.rest import known_body, rest
-    from sandbox.picture.stills import save_picture
+    from sandbox.picture.film import save_picture
 
     if body is None:
         objects = [each.name for each in mechanism.bodies

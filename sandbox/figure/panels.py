@@ -1,8 +1,6 @@
 """Panels of a figure: a declarative description and its drawing.
 
-The layout of matplotlib places everything; the figure gets the height that its panels need. A curve
-named ``joint 1, engine`` shows the result of ``engine`` for ``joint 1``: if curves share the part
-before the comma, that part has a colour and the rest a dash or a marker.
+The layout of matplotlib places everything; the figure gets the height that its panels need.
 """
 
 from __future__ import annotations
@@ -27,15 +25,10 @@ KINDS: dict[str, dict[str, Any]] = {
     "joined": {"linewidth": 1.3, "marker": "o", "markersize": 4.5},
 }  # line properties by kind of curve
 MARKERS = "os^Dv"
-LARGER = 1.8
-"""Points of one kind are larger than those of the next by this [pt], since they may coincide."""
 MANY_POINTS, APART = 30, 0.045
 """With more points than this, those closer than this share of the panel are skipped."""
-POWERS = (-3, 5)  # powers of ten between which the numbers of a linear axis are written out
 MIN_PLANE, MAX_PLANE, PLANE_MARGIN = 38.0, 110.0, 1.14
 """Height of panels with equal scales [mm]; the range shown as a multiple of the values' range."""
-ROUNDING = 1e-12  # values below this are zero
-TALL = 250.0  # height of a row before its panels have theirs: any legend fits [mm]
 ROW = 1.25 * style.SMALL * style.MM_PER_POINT  # height of a name beside a panel [mm]
 
 
@@ -45,7 +38,8 @@ class Axis:
 
     label: str = ""  # with its unit
     log: bool = False
-    words: Sequence[str] = ()  # texts of ticks at 0, 1, …
+    words: Sequence[str] = ()  # texts of ticks
+    ticks: Sequence[float] = ()  # places of the texts; 0, 1, … by default
     limits: tuple[float, float] | None = None
 
 
@@ -127,7 +121,7 @@ def draw(
     from matplotlib.transforms import ScaledTranslation
 
     rows = [[row] if isinstance(row, Panel) else list(row) for row in panels]
-    figure = style.new_figure(TALL * len(rows), width)
+    figure = style.new_figure(250.0 * len(rows), width)
     grid = figure.subplots(len(rows), len(rows[0]), squeeze=False, width_ratios=widths,
                            sharex="col" if shared else "none",
                            sharey="row" if len(rows[0]) > 1 else "none")
@@ -173,7 +167,6 @@ def draw(
 
 
 def _dress(axes: Any, panel: Panel, width: float, *, bottom: bool) -> None:
-    """Set the title, the labels, the grid and the frame of a panel of a width [mm]."""
     text = {"fontsize": style.SMALL, "color": style.INK}
     if panel.title:
         axes.set_title(style.plain(panel.title), loc="left", pad=5,
@@ -198,30 +191,38 @@ def _fill(axes: Any, panel: Panel, width: float) -> tuple[list[tuple[str, Any]],
     Returns the names of its curves with samples for a legend, and the height of the names of
     vertical lines above it [pt].
     """
-    curves, uprights = panel.curves, [mark for mark in panel.marks if isinstance(mark, Upright)]
-    looks, names = _looks(curves)
-    lines = []
-    for curve, look in zip(curves, looks, strict=True):
-        rug, few = curve.kind == "rug", dict[str, Any]()
-        if rug:
-            few = {"transform": axes.get_xaxis_transform()}
+    lines, names = [], dict[str, Any]()
+    labels = list(dict.fromkeys(curve.label for curve in panel.curves))
+    for curve in panel.curves:
+        how, y, place = dict(KINDS[curve.kind]), curve.y, labels.index(curve.label)
+        if "color" not in curve.look:
+            how["color"] = style.hue(place)
+            if curve.kind == "line":
+                how["linestyle"] = style.dash(place)
+            elif curve.kind == "joined":
+                how["marker"] = MARKERS[place % len(MARKERS)]
+        if curve.kind == "rug":
+            how["transform"], y = axes.get_xaxis_transform(), np.full(len(curve.x), 0.02)
         elif curve.kind == "points" and len(curve.x) > MANY_POINTS and \
                 np.isfinite(curve.x + curve.y).all():
-            few = {"markevery": APART}
-        y = np.full(len(curve.x), 0.02) if rug else curve.y
-        lines += axes.plot(curve.x, y, **look, **few)
+            how["markevery"] = APART
+        line, = axes.plot(curve.x, y, **{**how, **curve.look})
+        if curve.kind == "line":
+            lines.append(line)
+        if curve.label:
+            names.setdefault(curve.label, line)
+    named = []
     for mark in panel.marks:
         if isinstance(mark, Custom):
             mark.draw(axes)
-    for mark in uprights:
-        axes.axvline(mark.x, **mark.look)
+        elif isinstance(mark, Upright):
+            axes.axvline(mark.x, **mark.look)
+            if mark.name:
+                named.append((mark.x, style.plain(mark.name)))
     _scale(axes, panel)
-    room = 0.0
-    if named := sorted((mark.x, style.plain(mark.name)) for mark in uprights if mark.name):
-        room = _name_uprights(axes, named, width)
-    style.show_coincident(axes, [line for line, curve in zip(lines, curves, strict=True)
-                                 if curve.kind == "line"])
-    return names, room
+    room = _name_uprights(axes, sorted(named), width) if named else 0.0
+    style.show_coincident(axes, lines)
+    return list(names.items()), room
 
 
 def _name_uprights(axes: Any, named: Sequence[tuple[float, str]], width: float) -> float:
@@ -241,57 +242,20 @@ def _name_uprights(axes: Any, named: Sequence[tuple[float, str]], width: float) 
     return float(0.75 * sizes.max()) if slanted else 1.5 * style.TINY
 
 
-def _looks(curves: Sequence[Curve]) -> tuple[list[dict[str, Any]], list[tuple[str, Any]]]:
-    """Line properties of curves, and names with samples: heads in colours, tails without."""
-    from matplotlib.lines import Line2D
-
-    split = [(head, tail.strip()) for head, _, tail in (c.label.partition(",") for c in curves)]
-    heads = [head for head, _ in split]
-    shared = any(head and heads.count(head) > 1 for head in heads)
-    if not shared:
-        split = [(curve.label, "") for curve in curves]
-    order = list(dict.fromkeys(head for head, _ in split))
-    looks: list[dict[str, Any]] = []
-    named: dict[str, Any] = {}
-    tails: dict[str, Any] = {}
-    for curve, pair in zip(curves, split, strict=True):
-        head, tail = pair
-        how = {**KINDS[curve.kind], **curve.look}
-        if "color" not in how:
-            place = order.index(head)
-            kinds = list(dict.fromkeys(other[shared] for each, other in zip(
-                curves, split, strict=True) if each.kind == curve.kind))
-            rank = kinds.index(pair[shared])
-            how["color"] = style.hue(place)
-            if curve.kind == "line":
-                how["linestyle"] = (style.DASHES[rank % len(style.DASHES)] if shared
-                                    else style.dash(place))
-            elif curve.kind in ("points", "joined"):
-                how["marker"] = MARKERS[rank % len(MARKERS)]
-                how["markersize"] += LARGER * (len(kinds) - 1 - rank) * (curve.kind == "points")
-        looks.append(how)
-        if tail and heads.count(head) > 1:
-            named.setdefault(head, Line2D([], [], color=how["color"], linewidth=3.0))
-            tails.setdefault(tail, Line2D([], [], **{**how, "color": style.INK}))
-        else:
-            named.setdefault(curve.label, Line2D([], [], **how))
-    return looks, [(name, sample) for name, sample in {**named, **tails}.items() if name]
-
-
 def _scale(axes: Any, panel: Panel) -> None:
-    """Set scales, limits and ticks."""
     for along, axis, one, values in (("x", axes.xaxis, panel.x, panel.values("x")),
                                      ("y", axes.yaxis, panel.y, panel.values("y"))):
         if one.log:
             getattr(axes, f"set_{along}scale")("log")
         elif along == "y" and not one.words:
-            axes.ticklabel_format(axis="y", scilimits=POWERS, useMathText=True, useOffset=False)
+            axes.ticklabel_format(axis="y", scilimits=(-3, 5), useMathText=True, useOffset=False)
             if len(values) and one.limits is None and not panel.plane:
                 axes.set_ylim(*_roomy(values))
         elif along == "x" and len(values) and (np.mod(values, 1) == 0).all() and not one.words:
             axis.get_major_locator().set_params(integer=True)
         if one.words:
-            axis.set_ticks(range(len(one.words)), [style.plain(word) for word in one.words])
+            axis.set_ticks(one.ticks or range(len(one.words)), list(map(style.plain, one.words)))
+            axis.set_ticks([], minor=True)
         if one.limits is not None:
             getattr(axes, f"set_{along}lim")(*one.limits)
     if not panel.plane:
@@ -302,7 +266,7 @@ def _roomy(values: Array) -> tuple[float, float]:
     """Limits of a linear axis with a margin around finite values, shape [n], n > 0."""
     low, high = float(values.min()), float(values.max())
     peak, middle = max(abs(low), abs(high)), 0.5 * (low + high)
-    span = max(high - low, 1e-3 * peak, 1e-9) if peak > ROUNDING else 1.0
+    span = max(high - low, 1e-3 * peak, 1e-9) if peak > 1e-12 else 1.0  # values below this are zero
     low, high = min(low, middle - 0.5 * span), max(high, middle + 0.5 * span)
     return low - 0.06 * span, high + 0.08 * span
 

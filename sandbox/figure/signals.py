@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from sandbox.errors import OutputError
 from sandbox.figure import style
 from sandbox.figure.panels import Axis, Curve, Mark, Panel, Upright
 from sandbox.figure.panels import draw as draw_panels
-from sandbox.figure.style import Shown
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.targets import track
@@ -75,30 +74,36 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
     several, mechanism = len(runs) > 1, runs[0].run.mechanism
     listed = [name for names in groups if len(names) > 1 for name in names]
     place: Any = "side" if style.legend_width(listed) <= wide / 4 else "above"
-    paths: dict[str, Array] = {}
-    """Values of the panels that show paths in the plane, by their first quantity."""
-    along = style.shown_as("s")
-    if x:
-        unit, across = _unit(runs, x), _values(runs, [x], x, window)
-        if unit == "m":
-            paths = {names[0]: row for names in groups if _unit(runs, names[0]) == "m"
-                     and _is_path(across, row := _values(runs, names, x, window))}
-        along = style.shown_as(unit, across, *paths.values())
+    units, of_x = [_unit(runs, names[0]) for names in groups], _unit(runs, x) if x else "s"
+    found = [_series(runs, names, x, window) for names in groups]
+    paths = [bool(x) and of_x == unit == "m" and _is_path(each)
+             for unit, each in zip(units, found, strict=True)]
+    along = style.shown_as(of_x, *(row for each, path in zip(found, paths, strict=True)
+                                   for one in each for row in (one.x, one.y)[:1 + path]))
     events, notes = ([], ["Rings: where the curves begin."]) if x else _events(runs, window)
     if not x and any(set(one.targets) & set(quantities) for one in runs):
         notes.insert(0, "Dashed: targets.")
     panels = []
-    for names in groups:
-        unit, path = _unit(runs, names[0]), names[0] in paths
-        marks, shown = _marks(runs, names, x, window, along, along if path else None)
+    for names, unit, each, path in zip(groups, units, found, paths, strict=True):
+        shown = along if path else style.shown_as(unit, *(
+            row for one in each for row in (one.y, one.target) if row is not None))
+        marks: list[Mark] = []
+        for one in each:
+            hue, across, up = {"color": style.hue(one.place)}, along.factor * one.x, one.y
+            marks.append(Curve("" if several else one.name, across, shown.factor * up,
+                               look={**hue, "linestyle": style.dash(one.place)}))
+            if one.target is not None:
+                marks.append(Curve("", across, shown.factor * one.target, "dashed", hue))
+            if x:
+                marks.append(Curve("", across[:1], shown.factor * up[:1], "points",
+                                   {**hue, **BEGIN}))
         alone = several or len(names) == 1
         title = names[0] if several or (alone and not x) else ""
         word = "" if several else names[0] if alone and x else WORDS.get(unit, "")
-        lines = events if names is groups[0] else [each._replace(name="") for each in events]
+        marks += events if names is groups[0] else [each._replace(name="") for each in events]
         panels.append(Panel(
-            title,
-            Axis(along.label(x or "time"), limits=None if x else _limits(runs, window)),
-            Axis(shown.label(word)), [*marks, *lines], "" if alone else place, plane=path))
+            title, Axis(along.label(x or "time"), limits=None if x else _limits(runs, window)),
+            Axis(shown.label(word)), marks, "" if alone else place, plane=path))
     return draw_panels(
         panels, title="" if several or not titled else mechanism.title or mechanism.name,
         key=[(one.label, {"color": style.hue(i), "linewidth": style.LINE})
@@ -121,7 +126,6 @@ def _check(runs: Sequence[Plotted], window: Window, wide: float) -> None:
 
 
 def _groups(runs: Sequence[Plotted], quantities: Sequence[str], x: str) -> list[list[str]]:
-    """The quantities of each panel."""
     by_unit: dict[str, list[str]] = {}
     for name in quantities:
         unit = _unit(runs, name)
@@ -139,47 +143,40 @@ def _groups(runs: Sequence[Plotted], quantities: Sequence[str], x: str) -> list[
 
 
 def _unit(runs: Sequence[Plotted], name: str) -> str:
-    """The unit of a quantity; raises UnknownQuantityError."""
     return next((one.run for one in runs if name in one.run), runs[0].run).unit(name)
 
 
-def _values(runs: Sequence[Plotted], names: Sequence[str], x: str, window: Window) -> Array:
-    """Values of quantities in all runs that have them and x, SI, concatenated."""
-    return np.concatenate([one.run[name][window.of(one.run.time)] for one in runs
-                           for name in names if name in one.run and x in one.run])
+class _Series(NamedTuple):
+    """A curve of a run, SI."""
+
+    place: int  # of its colour
+    name: str
+    x: Array
+    y: Array
+    target: Array | None
 
 
-def _is_path(x: Array, y: Array) -> bool:
+def _series(runs: Sequence[Plotted], names: Sequence[str], x: str, window: Window) -> list[_Series]:
+    """The curves of a panel, of the runs that have them and x."""
+    found = []
+    for i, one in enumerate(runs):
+        for j, name in enumerate(names):
+            if name in one.run and (not x or x in one.run):
+                time, value, target = (one.run.time, one.run[name], None) if x else track(
+                    one.run, name, one.targets.get(name))
+                here = window.of(time)
+                found.append(_Series(
+                    i if len(runs) > 1 else j, name, (one.run[x] if x else time)[here],
+                    value[here], None if target is None else target[here]))
+    return found
+
+
+def _is_path(curves: Sequence[_Series]) -> bool:
     """Whether one scale shows both coordinates of a path well."""
-    finite = np.isfinite(x).any() and np.isfinite(y).any()
-    spans = sorted(float(np.nanmax(row) - np.nanmin(row)) for row in (x, y)) if finite else [0, 0]
-    return spans[0] > 0 and spans[1] <= FLAT * spans[0]
-
-
-def _marks(
-    runs: Sequence[Plotted], names: Sequence[str], x: str, window: Window, along: Shown,
-    shown: Shown | None,
-) -> tuple[list[Mark], Shown]:
-    """The curves of a panel; ``shown`` is the unit of its y axis, by default by the values."""
-    found = [(i if len(runs) > 1 else j, name, one,
-              (one.run.time, one.run[name], None) if x
-              else track(one.run, name, one.targets.get(name)))
-             for i, one in enumerate(runs) for j, name in enumerate(names)
-             if name in one.run and (not x or x in one.run)]
-    shown = shown or style.shown_as(_unit(runs, names[0]), *(
-        row[window.of(time)] for _, _, _, (time, value, target) in found
-        for row in (value, target) if row is not None))
-    marks: list[Mark] = []
-    for place, name, one, (time, value, target) in found:
-        hue, here = {"color": style.hue(place)}, window.of(time)
-        across, up = along.factor * (one.run[x] if x else time), shown.factor * value
-        marks.append(Curve("" if len(runs) > 1 else name, across[here], up[here],
-                           look={**hue, "linestyle": style.dash(place)}))
-        if target is not None:
-            marks.append(Curve("", across[here], shown.factor * target[here], "dashed", hue))
-        if x:
-            marks.append(Curve("", across[here][:1], up[here][:1], "points", {**hue, **BEGIN}))
-    return marks, shown
+    spans = []
+    for row in (np.concatenate(each) for each in zip(*((c.x, c.y) for c in curves), strict=True)):
+        spans.append(float(np.nanmax(row) - np.nanmin(row)) if np.isfinite(row).any() else 0.0)
+    return min(spans) > 0 and max(spans) <= FLAT * min(spans)
 
 
 def _limits(runs: Sequence[Plotted], window: Window) -> tuple[float, float]:

@@ -29,7 +29,6 @@ DPI = 200
 TINY, SMALL, PLAIN, HEAD = 7, 8, 8.5, 9.5  # font sizes [pt]
 LETTER, BOLD = 0.52, 0.62
 """Mean width of a letter, and of a bold letter, as a multiple of the font size."""
-SAMPLE = 14.0  # width of a legend's line sample with the space around it [mm]
 MAX_NAME = 60  # letters of a name in a legend
 BLUE, ORANGE, GREEN, VIOLET = "#2f6690", "#d1742f", "#4f8a6b", "#8a5a9e"
 OCHRE, SLATE, RED = "#9a7b3f", "#5b6673", "#b5485d"
@@ -132,7 +131,7 @@ def in_lines(text: str, width: float, size: float, letter: float = LETTER) -> st
 
 def legend_width(names: Sequence[str]) -> float:
     """Width of a column of a legend with these names [mm]."""
-    return LETTER * SMALL * MM_PER_POINT * max(map(len, names), default=0) + SAMPLE
+    return LETTER * SMALL * MM_PER_POINT * max(map(len, names), default=0) + 14.0
 
 
 def legend(where: Any, key: Sequence[tuple[str, Any]], width: float = 0.0, **how: Any) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,8 +29,6 @@ ROW, FRONT, BRANCHES = 7.5, 56.0, 60.0
 THICK = 0.36  # height of a bar, as a share of the distance of two paths
 MAX_LETTERS = 34  # letters of a path at an axis
 MANY = 60  # with more points than this, points are small
-MAX_LINES = 3  # values of one of two paths that are drawn as curves; with more there is a map
-ROUNDING = 1e-9  # values whose relative spread is smaller are equal
 UNSTABLE: Any = (0, (3.5, 1.8))
 FOLD: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 5.5,
                         "markerfacecolor": "white", "markeredgewidth": 1.3}
@@ -47,18 +45,11 @@ class SweepColumn:
     texts: tuple[str, ...] = ()  # texts by index; empty for numbers
     log: bool = False  # whether values are spaced logarithmically
 
-    def shown(self) -> tuple[Array, str]:
-        """Values as plotted, and their unit."""
-        if self.texts:
-            return self.values, ""
+    def axis(self, name: str | None = None) -> tuple[Array, Axis]:
+        """Values as plotted, and their axis, by default with the column's name."""
         how = style.shown_as(self.unit, self.values)
-        return self.values * how.factor, how.unit
-
-    def axis(self, suffix: str = "") -> tuple[Array, Axis]:
-        """Values as plotted, and their axis."""
-        values, unit = self.shown()
-        label = (f"{self.name} [{unit}]" if unit else self.name) + suffix
-        return values, Axis(label, self.log, words=self.texts)
+        return how.factor * self.values, Axis(
+            how.label(self.name if name is None else name), self.log, words=self.texts)
 
 
 class FoundLine(NamedTuple):
@@ -103,22 +94,24 @@ class SweepDrawing:
 
 def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
     """Draw a sweep into a file; raises as :func:`~sandbox.figure.style.save_figure`."""
-    if not drawing.varied or not drawing.kept:
-        raise ValueError("a figure needs varied paths and kept quantities")
-    widths = None
+    widths, panels = None, list[list[Panel]]()
     if len(drawing.varied) == 1:
         panels = [_over_one(drawing, column) for column in drawing.shown]
         widths = None if drawing.grid else (3.0, 1.0)
     elif len(drawing.varied) == 2 and drawing.grid:
         counts = [len(np.unique(column.values)) for column in drawing.varied]
-        few = min((k for k in (0, 1) if counts[k] <= MAX_LINES), default=None,
+        few = min((k for k in (0, 1) if counts[k] <= 3), default=None,
                   key=lambda k: (not drawing.varied[k].texts, counts[k]))
         panels = [[_map(drawing, column) if few is None else _lines(drawing, column, few)]
                   for column in drawing.shown]
     else:
-        panels = [[_matrix_cell(drawing, column, one, first=not i)
-                   for i, one in enumerate(drawing.varied[:MAX_COLUMNS])]
-                  for column in drawing.shown]
+        for column in drawing.shown:  # a row over each path
+            (y, y_axis), row = column.axis(), list[Panel]()
+            for one in drawing.varied[:MAX_COLUMNS]:
+                x, x_axis = one.axis()
+                row.append(Panel("", x_axis, Axis() if row else y_axis, [
+                    *_found(drawing, one), *_points(drawing, x, y, joined=False)], "", CELL))
+            panels.append(row)
     save_panels(path, panels, title=drawing.title, notes=_notes(drawing), shared=True,
                 widths=widths)
 
@@ -144,8 +137,8 @@ def _notes(drawing: SweepDrawing) -> list[str]:
 def _over_one(drawing: SweepDrawing, column: SweepColumn) -> list[Panel]:
     """A quantity over the only path, with a histogram beside it for random samples."""
     varied = drawing.varied[0]
-    (x, x_axis), (y, unit) = varied.axis(), column.shown()
-    panel = Panel(column.name, x_axis, Axis(f"[{unit}]" if unit else ""), [
+    (x, x_axis), (y, y_axis) = varied.axis(), column.axis("")
+    panel = Panel(column.name, x_axis, y_axis, [
         *_found(drawing, varied),
         *_points(drawing, x, y, joined=drawing.grid and not varied.texts)], "", PANEL)
     if drawing.grid:
@@ -160,13 +153,13 @@ def _over_one(drawing: SweepDrawing, column: SweepColumn) -> list[Panel]:
 def _lines(drawing: SweepDrawing, column: SweepColumn, few: int) -> Panel:
     """A curve over one path for each of the few values of the other."""
     varied, other = drawing.varied[1 - few], drawing.varied[few]
-    (x, x_axis), (values, unit), (y, y_unit) = varied.axis(), other.shown(), column.shown()
-    marks: list[Mark] = []
+    (x, x_axis), (values, _), (y, y_axis) = varied.axis(), other.axis(), column.axis("")
+    marks, unit = list[Mark](), style.shown_as(other.unit, other.values).unit
     for k, value in enumerate(np.unique(values)):
         name = other.texts[int(value)] if other.texts else f"{style.number(value)} {unit}".strip()
         marks += _points(drawing, x, y, joined=not varied.texts, some=values == value,
                          colour=style.hue(k), label=f"{other.name} = {name}")
-    return Panel(column.name, x_axis, Axis(f"[{y_unit}]" if y_unit else ""), marks,
+    return Panel(column.name, x_axis, y_axis, marks,
                  "inside" if column is drawing.kept[0] else "", PANEL)
 
 
@@ -174,7 +167,6 @@ def _points(
     drawing: SweepDrawing, x: Array, y: Array, *, joined: bool, some: Flags | None = None,
     colour: str = style.BLUE, label: str = "",
 ) -> list[Mark]:
-    """Runs, or some of them, as points."""
     here = np.ones(len(x), dtype=bool) if some is None else some
     size, missed = 3.5 if len(x) <= MANY else 1.8, drawing.missed
     line = {"linestyle": "-", "linewidth": style.LINE} if joined else {"alpha": 0.75}
@@ -201,9 +193,8 @@ def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
 
 
 def _equal(values: Array) -> bool:
-    """Whether finite values are equal but for rounding; False if there are none."""
     finite = values[np.isfinite(values)]
-    return bool(len(finite) and np.ptp(finite) <= ROUNDING * np.abs(finite).max())
+    return bool(len(finite) and np.ptp(finite) <= 1e-9 * np.abs(finite).max())
 
 
 def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
@@ -224,11 +215,17 @@ def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
 
     lost, look = drawing.failed, drawing.doubtful
     dots = {"markersize": 4, "markerfacecolor": "none", "markeredgewidth": 1.0}
-    return Panel(z_axis.label, x_axis, y_axis, [
+    return Panel(z_axis.label, _at_centres(x_axis, xs), _at_centres(y_axis, ys), [
         Custom(draw),
         Curve("", x[lost], y[lost], "points", {**dots, "marker": "x", "color": style.RED}),
         Curve("", x[look], y[look], "points", {**dots, "color": style.ORANGE})],
         "", MAP, grid="")
+
+
+def _at_centres(axis: Axis, centres: Array) -> Axis:
+    """An axis of a map with ticks at the centres of its cells, or of every so many."""
+    some = centres[::-(-len(centres) // 8)].tolist()  # of an axis of a map
+    return axis if axis.words else replace(axis, ticks=some, words=[*map(style.number, some)])
 
 
 def _edges(centres: Array, *, log: bool) -> Array:
@@ -239,15 +236,6 @@ def _edges(centres: Array, *, log: bool) -> Array:
     inside = 0.5 * (at[1:] + at[:-1])
     edges = np.concatenate([[2 * at[0] - inside[0]], inside, [2 * at[-1] - inside[-1]]])
     return np.exp(edges) if log else edges
-
-
-def _matrix_cell(
-    drawing: SweepDrawing, column: SweepColumn, one: SweepColumn, *, first: bool,
-) -> Panel:
-    """A quantity over one of many paths."""
-    (x, x_axis), (y, y_axis) = one.axis(), column.axis()
-    return Panel("", x_axis, Axis(y_axis.label if first else ""), [
-        *_found(drawing, one), *_points(drawing, x, y, joined=False)], "", CELL)
 
 
 class InfluenceBars(NamedTuple):
@@ -310,7 +298,9 @@ def draw_front(
     front, other = ({"color": style.BLUE, "markersize": 4.5},
                     {"color": style.GREY, "markersize": 3.0})
     for pair in pairs[:MAX_PAIRS]:
-        (x, x_axis), (y, y_axis) = (column.axis(f", {senses[column.name]}") for column in pair)
+        (x, x_axis), (y, y_axis) = (
+            (values, replace(axis, label=f"{axis.label}, {senses[column.name]}"))
+            for column in pair for values, axis in [column.axis()])
         order = np.flatnonzero(best)[np.argsort(x[best], kind="stable")]
         joined = {"linestyle": "-", "linewidth": 0.8} if len(goals) == 2 else {}
         panels.append(Panel("", x_axis, y_axis, [
@@ -341,7 +331,8 @@ def save_branches(
     for i, branch in enumerate(branches):
         y, hue = shown.factor * branch.y, {"color": style.hue(i)}
         solid = branch.stable | branch.fold
-        for line, which in (("solid", solid), (UNSTABLE, _widened(~solid))):
+        beside = np.convolve(~solid, np.ones(3), "same") > 0  # to join the solid parts
+        for line, which in (("solid", solid), (UNSTABLE, beside)):
             marks.append(Curve("", branch.x, np.where(which, y, np.nan), "line",
                                {**hue, "linestyle": line}))
         marks.append(Curve("", branch.x[branch.fold], y[branch.fold], "points", {**hue, **FOLD}))
@@ -353,9 +344,3 @@ def save_branches(
         key.append(("fold", {"color": style.INK, **FOLD}))
     save_panels(path, [Panel("", Axis(along), Axis(shown.label(quantity)), marks, "", BRANCHES)],
                 title=title, key=key)
-
-
-def _widened(flags: Flags) -> Flags:
-    """Flags that are also set beside those that are, [n]."""
-    padded = np.pad(flags, 1)
-    return padded[:-2] | padded[1:-1] | padded[2:]

@@ -17,19 +17,14 @@ from sandbox.model.supports import components
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.elements.bodies import joined_points
 from sandbox.picture.geometry import shape_points
-from sandbox.picture.listing import Listing
-from sandbox.picture.run_data import RunData, nearest
+from sandbox.picture.listing import Listing, RunData, nearest
 from sandbox.picture.wheels import wheel_pictures
 from sandbox.scene.bodies import Circle
 from sandbox.scene.layers import meant
 from sandbox.scene.settings import View
 
 MARGIN = 0.04  # fraction of the stage left free on every side of a fitted picture
-SMALLEST = 1e-9  # extents below this [m] count as a point
-MAX_SAMPLES = 200  # samples looked at; a motion is smooth enough between them for a margin of 4 %
-SCENERY = ("link", "ground")  # roles of fixed bodies that are cut
 BESIDE = 0.5  # visible part of larger fixed bodies beside the rest [sizes of the rest]
-GROWN = 2.5  # maximum growth of a picture for traced paths
 ROOM = 0.25  # distance from anchored bodies at which a body has left [their size]
 FLIGHT = 12.0  # the same if nothing is anchored, in sizes of all at the start
 
@@ -53,18 +48,13 @@ class Rectangle(NamedTuple):
 
     @property
     def corners(self) -> Array:
-        """Its lower left and its upper right corner [2, 2] m."""
+        """Its lower left and upper right corner [2, 2] m."""
         return np.array(self).reshape(2, 2)
 
     @property
-    def width(self) -> float:
-        """In metres."""
-        return self.x1 - self.x0
-
-    @property
-    def height(self) -> float:
-        """In metres."""
-        return self.y1 - self.y0
+    def size(self) -> tuple[float, float]:
+        """Width and height [m]."""
+        return self.x1 - self.x0, self.y1 - self.y0
 
 
 class Stage(NamedTuple):
@@ -94,8 +84,8 @@ class Camera(NamedTuple):
 
 def width_shown(box: Rectangle, aspect: float, width: float | None = None) -> float:
     """Width of ``box`` in a picture of an ``aspect`` [m], at most the view's ``width``."""
-    whole = max(box.width, box.height * aspect, 1e-3)
-    return min(whole, width) if width else whole
+    wide, high = box.size
+    return min(max(wide, high * aspect, 1e-3), width or np.inf)
 
 
 def place_camera(
@@ -103,17 +93,15 @@ def place_camera(
     width: float | None = None,
 ) -> Camera:
     """The camera that shows ``box`` on ``stage``, or the view's ``centre`` and ``width`` [m]."""
-    middle = centre or ((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)
+    x, y = centre or ((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)
     pixel = (stage.left + stage.width / 2, stage.top + stage.height / 2)
     if width is not None:
-        return Camera(stage.width / width, middle, pixel)
-    half_x = max(box.x1 - middle[0], middle[0] - box.x0)
-    half_y = max(box.y1 - middle[1], middle[1] - box.y0)
-    if max(half_x, half_y) < SMALLEST:
+        return Camera(stage.width / width, (x, y), pixel)
+    half_x, half_y = max(box.x1 - x, x - box.x0), max(box.y1 - y, y - box.y0)
+    if max(half_x, half_y) < 1e-9:  # a point
         half_x = half_y = 0.05
-    free = 1 - 2 * MARGIN
-    return Camera(free * min(stage.width / (2 * max(half_x, SMALLEST)),
-                             stage.height / (2 * max(half_y, SMALLEST))), middle, pixel)
+    return Camera((1 - 2 * MARGIN) * min(stage.width / (2 * max(half_x, 1e-9)),
+                                         stage.height / (2 * max(half_y, 1e-9))), (x, y), pixel)
 
 
 class _Motion:
@@ -121,12 +109,12 @@ class _Motion:
 
     def __init__(self, run: RunData, view: View, samples: Integers | slice) -> None:
         self.run, self.view, self.samples = run, view, samples
-        self.pose, self.gone = run.arrays["body_pose"][samples], drift(run, view)[samples]
+        self.pose, self.shift = run.arrays["body_pose"][samples], drift(run, view)[samples]
 
     def ways(self, few: Sequence[int] | None = None) -> Array:
         """Traced points of the view, of all bodies or of a few, [n, k, 2] m."""
         places = [(self.run.model.names.body[trace.body], trace.at) for trace in self.view.traces]
-        return np.array([placed(self.pose[:, body], np.array(at)) - self.gone
+        return np.array([placed(self.pose[:, body], np.array(at)) - self.shift
                          for body, at in places if few is None or body in few]).reshape(
                              -1, len(self.pose), 2).swapaxes(0, 1)
 
@@ -142,25 +130,24 @@ class _Motion:
                  float(run.arrays["drive_value"][:, k].max())
                  for k in drives.giving("radius").tolist()}
         for i, body in enumerate(run.mechanism.bodies):
-            left = body.motion == "fixed" and body.role in SCENERY and not scenery
-            for k, shape in enumerate(() if left else body.shapes):
-                grow = max(0.0, radii.get((i, k), 0.0) - shape.radius) if isinstance(
-                    shape, Circle) else 0.0
-                found.setdefault(i, []).append(shape_points(shape, grow=grow))
+            if scenery or body.motion != "fixed" or body.role not in ("link", "ground"):
+                for k, shape in enumerate(body.shapes):
+                    grow = max(0.0, radii.get((i, k), 0.0) - shape.radius) if isinstance(
+                        shape, Circle) else 0.0
+                    found.setdefault(i, []).append(shape_points(shape, grow=grow))
         for i, wheels in wheel_pictures(run.model).items():
             found.setdefault(i, []).extend(wheel.rings[0] for wheel in wheels)
+        points = [(i, np.array(each)) for i, each in joined_points(run.model).items()]
+        points += [(i, at + r * np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])) for i, at, r in zip(
+            tendons.guide_body.tolist(), tendons.guide_at, np.abs(tendons.guide_radius),
+            strict=True)]
         outlined = set(found) if outlines else set[int]()
-        for i, points in joined_points(run.model).items():
+        for i, each in points:
             if i not in outlined:
-                found.setdefault(i, []).append(np.array(points))
-        for i, at, r in zip(tendons.guide_body.tolist(), tendons.guide_at,
-                            np.abs(tendons.guide_radius), strict=True):
-            if i not in outlined:
-                found.setdefault(i, []).append(at + r * np.array([
-                    (-1, 0), (1, 0), (0, -1), (0, 1)]))
+                found.setdefault(i, []).append(each)
         boxes = np.full((len(self.pose), len(run.mechanism.bodies), 4), np.nan)
         for i, sets in found.items():
-            world = placed(self.pose[:, i, None], np.concatenate(sets)) - self.gone[:, None]
+            world = placed(self.pose[:, i, None], np.concatenate(sets)) - self.shift[:, None]
             boxes[:, i, :2], boxes[:, i, 2:] = world.min(axis=1), world.max(axis=1)
         return boxes
 
@@ -168,25 +155,26 @@ class _Motion:
         """The box [m] of bodies that stay with the mechanism, and of large scenery near them."""
         whole, own, stays = self.boxes(), self.boxes(scenery=False), groups_of(self.run)[1]
         home = own if np.isfinite(own[:, stays]).any() else whole
-        near = with_it(home + np.tile(self.gone[:, None], 2), stays)
+        near = with_it(home + np.tile(self.shift[:, None], 2), stays)
         traced = [self.run.model.names.body[trace.body] for trace in self.view.traces]
         ways = self.ways()[near[:, traced]]
         core = Rectangle.around(own[near], ways)
-        reach = BESIDE * max(core.width, core.height)
-        if not reach > 0:
+        size = max(core.size)
+        if not size > 0:
             return Rectangle.around(whole[near], ways)
         low, high = core.corners
         fixed = whole[:, self.run.model.bodies.fixed].reshape(-1, 2, 2)
-        wide = np.ptp(fixed, axis=1) > (1 + 2 * BESIDE) * max(core.width, core.height)
-        cut = np.clip(fixed, low - reach, high + reach)
+        wide = np.ptp(fixed, axis=1) > (1 + 2 * BESIDE) * size
+        cut = np.clip(fixed, low - BESIDE * size, high + BESIDE * size)
         return Rectangle.around(core.corners, np.where(wide[:, None], cut, fixed))
 
 
 def _samples(run: RunData, moments: Sequence[float] | None) -> Integers:
     """Samples of all of the run, or the nearest to a few moments [s]."""
-    n = len(run.time)
-    return nearest(run.time, moments) if moments is not None else np.unique(
-        np.linspace(0, n - 1, min(n, MAX_SAMPLES)).astype(np.int64))
+    if moments is not None:
+        return nearest(run.time, moments)
+    n = len(run.time)  # a motion is smooth enough between 200 samples for the margin
+    return np.unique(np.linspace(0, n - 1, min(n, 200)).astype(np.int64))
 
 
 def body_box(run: RunData, view: View | None = None,
@@ -214,11 +202,11 @@ def body_box(run: RunData, view: View | None = None,
     if not anchored[connected].any():
         return group
     still = view.model_copy(update={"follow": None})
-    machine = _Motion(run, still, motion.samples).machine()
-    if np.ptp(motion.gone, axis=0).max() <= BESIDE * max(machine.width, machine.height):
+    if np.ptp(motion.shift, axis=0).max() <= BESIDE * max(
+            _Motion(run, still, motion.samples).machine().size):
         return motion.machine()
     # it moves far in its machine
-    boxes, reach = boxes.reshape(-1, 2, 2), BESIDE * max(group.width, group.height)
+    boxes, reach = boxes.reshape(-1, 2, 2), BESIDE * max(group.size)
     low, high = group.corners + np.array([[-reach], [reach]])
     meets = ((boxes[:, 0] <= high) & (boxes[:, 1] >= low)).all(axis=1)
     return Rectangle.around(np.clip(boxes[meets], low, high), group.corners)
@@ -244,9 +232,8 @@ def whole_box(out: Listing, run: RunData, bodies: Rectangle, view: View,
     """``bodies`` with arrows that begin there, and paths of traced points unless very large [m]."""
     points, few = [bodies.corners], chosen(run, view)
     samples = _samples(run, None if few is None else moments)
-    went = drift(run, view)
-    slack = 1e-6 * max(bodies.width, bodies.height)
-    low, high = bodies.corners + np.array([[-slack], [slack]])
+    shift = drift(run, view)
+    low, high = bodies.corners + 1e-6 * max(bodies.size) * np.array([[-1], [1]])
     for item in out.items:
         if item["k"] == "arrows" and item["l"] in (
                 ("contacts", "drives", "loads") if few is None else ("contacts",)):
@@ -255,7 +242,7 @@ def whole_box(out: Listing, run: RunData, bodies: Rectangle, view: View,
             if few is not None:
                 pairs = divmod(rows[:, 1], len(run.mechanism.bodies))
                 rows = rows[np.isin(pairs[0], few) | np.isin(pairs[1], few)]
-            tails = rows[:, 2:4] - went[rows[:, 0].astype(int)]
+            tails = rows[:, 2:4] - shift[rows[:, 0].astype(int)]
             size = np.hypot(rows[:, 4], rows[:, 5])
             cut = np.minimum(1.0, item["most"] / np.maximum(size, 1e-30)) * item["metres"]
             inside = ((tails >= low) & (tails <= high)).all(axis=1)
@@ -263,7 +250,7 @@ def whole_box(out: Listing, run: RunData, bodies: Rectangle, view: View,
     box = Rectangle.around(*points)
     if few is None and not view.follow:
         more = Rectangle.around(*points, _Motion(run, view, slice(None)).ways())
-        if max(more.width, more.height) <= GROWN * max(box.width, box.height):
+        if max(more.size) <= 2.5 * max(box.size):
             return more
     return box
 
@@ -276,16 +263,13 @@ def groups_of(run: RunData) -> tuple[list[int], Flags]:
     dynamic. A scheduled body without connections, such as a shelf that moves away, is not.
     """
     model, held = run.model, run.arrays["held"]
-    tendons, lines, found = model.tendons, model.lines, list[set[int]]()
+    bonds, tendons, lines = model.bonds, model.tendons, model.lines
     still = np.array([body.motion != "dynamic" for body in run.mechanism.bodies], dtype=bool)
-    connected: list[tuple[Integers, list[list[int]]]] = [
-        (model.bonds.joint, model.joints.bodies.tolist()),
-        (model.bonds.spring, model.springs.bodies.tolist()),
-        (model.bonds.tendon, [tendons.guide_body[tendons.guides(k)].tolist()
-                             for k in range(len(tendons.name))])]
-    for bonds, sets in connected:
-        found += [set(bodies) for bond, bodies in zip(bonds.tolist(), sets, strict=True)
-                  if bond == NONE or not len(held) or held[-1, bond]]
+    connected = [*model.joints.bodies.tolist(), *model.springs.bodies.tolist(), *(
+        tendons.guide_body[tendons.guides(k)].tolist() for k in range(len(tendons.name)))]
+    found = [set(bodies) for bond, bodies in zip(
+        np.concatenate([bonds.joint, bonds.spring, bonds.tendon]).tolist(), connected, strict=True)
+        if bond == NONE or not len(held) or held[-1, bond]]
     found += map(set, lines.bodies[lines.joint == NONE].tolist())
     groups = components(len(still), [pair for bodies in found for pair in pairwise(
         body for body in bodies if not still[body])])

@@ -10,9 +10,8 @@ import numpy as np
 from sandbox.picture import scales
 from sandbox.picture.bounds import drift
 from sandbox.picture.elements import bodies, drives, forces, joints, notes, tendons
-from sandbox.picture.listing import Listing
-from sandbox.picture.palette import DRIVE, PUSH, SLACK, SPRING, TENSION, css, glyph, mixed
-from sandbox.picture.run_data import RunData
+from sandbox.picture.listing import Listing, RunData
+from sandbox.picture.palette import PUSH, TENSION, TOKENS, css, glyph, mixed
 from sandbox.picture.subject import Subject, VisibleLayers
 from sandbox.scene.settings import View
 
@@ -49,8 +48,8 @@ ROWS: Mapping[str, Row] = {
 """By name, most important first. What a picture shows by itself has no row."""
 STEPS = 8  # colours of springs on either side of their own stiffness
 RAMPS = {"load": [[css(c) for c in PUSH], [css(c) for c in TENSION]],
-         "stiffness": [[css(mixed(SPRING, other, k / (STEPS - 1))) for k in range(STEPS)]
-                       for other in (SLACK, DRIVE)]}
+         "stiffness": [[css(mixed(TOKENS["spring"][0], TOKENS[end][0], k / (STEPS - 1)))
+                        for k in range(STEPS)] for end in ("slack", "drive")]}
 """The ramps of loads (push and pull) and of driven stiffness."""
 ELEMENTS: tuple[Callable[[Subject], None], ...] = (
     notes.add_liquids, bodies.add_bodies, bodies.add_stalks, bodies.add_wheels, joints.add_joints,
@@ -99,8 +98,7 @@ def add_legend(s: Subject, carried: scales.Tensions) -> None:
         out.glyphs[name := f"trace {token}"] = [
             [out.style("", token, 1.8), {"l": [0, 0, 30, 0]}],
             [out.style(token), {"c": [15, 0, 15, 0, 3.0]}]]
-        every = notes.round_interval(float(s.run.time[-1] - s.run.time[0]))
-        add("glyph", "traces", g=name, width=30, words=f"every {every:g} s")
+        add("glyph", "traces", g=name, width=30, words=f"every {notes.mark_interval(s.run):g} s")
 
 
 def _seen(s: Subject) -> set[str]:
@@ -119,16 +117,10 @@ def _seen(s: Subject) -> set[str]:
 def subject_of(run: RunData, view: View, *, width: float, point: float,
                beside: Sequence[RunData] = (), moments: Sequence[float] | None = None,
                fixed_columns: bool = False) -> Subject:
-    """The display list of a run.
+    """The display list of a run, which shares its scales with the runs ``beside``.
 
-    Args:
-        run: the recording.
-        view: layers and scales.
-        width: width of the picture [m], the measure of arrows.
-        point: metres per point.
-        beside: runs that share its scales.
-        moments: times that are painted [s], if they are few.
-        fixed_columns: see :class:`Listing`.
+    ``width`` of the picture [m] is the measure of arrows, ``point`` is metres per point. Only some
+    ``moments`` [s] may be painted. For ``fixed_columns`` see :class:`Listing`.
     """
     runs = (run, *beside)
     layers = [VisibleLayers(each, view) for each in runs]

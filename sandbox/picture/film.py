@@ -6,9 +6,10 @@ import struct
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import IO, Any, TypeVar
+from typing import IO, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +17,16 @@ from PIL import GifImagePlugin, Image
 
 from sandbox.atomic_files import atomic_file, output_path, remove_stale
 from sandbox.errors import OutputError
-from sandbox.picture.frame import Picture
+from sandbox.picture import options
+from sandbox.picture.frame import PRINT_UNIT, Picture, Strip
 from sandbox.picture.frames import Frames
-from sandbox.picture.options import check_run, check_view, paper_of, view_of
-from sandbox.picture.run_data import RunData
-from sandbox.picture.stills import ENDINGS as STILLS
-from sandbox.picture.stills import WHAT, Instants, save_stills
+from sandbox.picture.palette import PUSH, TENSION
 from sandbox.recording.new_run import FRAME
 from sandbox.samples.samples import Samples
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.settings import View
+from sandbox.values.numbers import number_from
+from sandbox.wording import WrongValueError, near, quoted
 
 T = TypeVar("T")
 Words = NDArray[np.uint32]
@@ -35,11 +36,12 @@ Show = str | Sequence[str] | Mapping[str, object]
 CLEAR = UNKNOWN = 255  # place in the palette: as before; and of a colour that is not in it yet
 COVERED = 128  # minimum opacity, 0 to 255, of a pixel that counts as covered
 KEEP, CLEAN = 1, 2  # disposal of a frame in a GIF: it stays, or its box is emptied
-FILMS = (".gif", ".mp4")
+FILMS, STILLS = (".gif", ".mp4"), (".png", ".svg", ".pdf")
+WHAT = "a picture"
+ENDS = ("start", "end")  # words for times
+PICTURES, MAX_PICTURES = 5, 24  # of a strip: default and maximum
+Instants = float | str | Sequence[float | str]
 MAX_FRAMES = Limits.frames  # default limit of a film
-HOLD = 1.5  # time that a GIF shows its last frame [s]
-PALETTE_FRAMES = 5
-WAITING = 8  # frames that may wait to be encoded; more would only cost memory
 
 
 def shared_palette(
@@ -170,19 +172,19 @@ def render(
         OutputError: no path, an unknown ending, options that no view can have, no samples,
             a time that the run does not reach, too many frames, or a file that cannot be written.
     """
-    check_run(run)
+    options.check_run(run)
     path = output_path(path, WHAT)
-    paper = paper_of(size)
-    view = view_of(run.mechanism.view, {
+    paper = options.paper_of(size)
+    view = options.view_of(run.mechanism.view, {
         "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
         "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
-    check_view(run, view)
-    worn = {"transparent": transparent, "bare": bare, "scales": scales}
+    options.check_view(run, view)
+    how = {"transparent": transparent, "bare": bare, "scales": scales}
     if is_still(path, at=at is not None, strip=strip is not False, transparent=transparent,
                 size=size):
-        return save_stills(run, path, view=view, at=at, strip=strip, paper=paper, **worn,
+        return save_stills(run, path, view=view, at=at, strip=strip, paper=paper, **how,
                            sized=size is not None and not isinstance(size, str))
-    _animate(run, path, view, progress=progress, most_frames=most_frames, **worn)
+    _animate(run, path, view, progress=progress, most_frames=most_frames, **how)
     return [path]
 
 
@@ -203,7 +205,7 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
         what, more = ("single moments", ()) if at or strip else ("a see-through ground", (".gif",))
         problem = (f"{word} asks for {what}, which no {ending} has; allowed: "
                    f"{', '.join((*more, *STILLS))}, or none for a directory")
-    elif not stills and paper_of(size):
+    elif not stills and options.paper_of(size):
         problem = (f"size={size!r} asks for paper: a film has pixels, as in 800x600; a size on "
                    f"paper is one of a still ({', '.join(STILLS)})")
     if problem:
@@ -211,7 +213,7 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
     return stills
 
 
-def frame_times(run: RunData, *, fps: int, speed: float, start: float = 0.0,
+def frame_times(run: Samples, *, fps: int, speed: float, start: float = 0.0,
                 most: int = MAX_FRAMES) -> list[float]:
     """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end.
 
@@ -228,6 +230,121 @@ def frame_times(run: RunData, *, fps: int, speed: float, start: float = 0.0,
     start, step = min(start, end), speed / fps
     count = max(0, int(np.ceil((end - start) / step - 1e-6)))
     return [start + k * step for k in range(count)] + [end]
+
+
+class Moment(NamedTuple):
+    """A requested moment."""
+
+    time: float  # [s]
+    word: str  # in the name of its file: ``0.8s``, ``end``
+
+
+def instants(run: Samples, at: Instants) -> list[Moment]:
+    """The moments that ``at`` names: seconds, times with units, ``start``, ``end``; or a list.
+
+    Raises:
+        OutputError: values that are no times, or that the run does not reach; one a line.
+    """
+    found, problems = [], []
+    for each in at if isinstance(at, (list, tuple, np.ndarray)) else [at]:
+        try:
+            found.append(_moment(run, each))
+        except WrongValueError as error:
+            problems.append(f"at={quoted(each)}: {error}")
+    if problems or not found:
+        raise OutputError("\n".join(problems) or
+                          'at is an empty list: pass times, "start" or "end"', code="bad-time")
+    return found
+
+
+def _moment(run: Samples, given: Any) -> Moment:
+    first, last = float(run.time[0]), float(run.time[-1])
+    # a sample is taken within a step, so that none lies at the very start and end
+    apart = (last - first) / max(len(run.time) - 1, 1) * (1 + 1e-9)
+    start, end = (0.0 if first <= apart else first), run.mechanism.run.duration
+    if isinstance(given, str) and (word := given.strip()) in ENDS:
+        return Moment(start if word == ENDS[0] else last, word)
+    number = given
+    if isinstance(given, str):
+        with suppress(ValueError):
+            number = float(given)
+    try:
+        time = number_from(number, "time", {})
+    except ValueError as error:
+        hint = near(given, ENDS) if isinstance(given, str) else ""
+        words = error.message if isinstance(error, WrongValueError) else str(error)
+        raise WrongValueError("bad-time", words, hint=hint,
+                              allowed='a time such as 0.8 or "0.8 s", "start", "end"') from None
+    if not start <= time <= (max(last, end) if end - last <= 2 * apart else last):
+        raise WrongValueError("bad-time", f"the run lasts from {start:g} s to {last:g} s")
+    return Moment(time, f"{time:.6g}s")
+
+
+def save_stills(
+    run: Samples, path: Path, *, view: View, at: Instants | None = None,
+    strip: bool | int = False, transparent: bool = False, bare: bool = False,
+    scales: bool = False, sized: bool = False, paper: options.PrintSize | None = None,
+) -> list[Path]:
+    """Draw moments to ``path``; see :func:`render`.
+
+    If ``sized``, the view's size is that of a strip as a whole; ``paper`` overrides it.
+    """
+    from sandbox.picture.paper import save
+
+    moments = _moments(run, view, at, strip)
+    times = [moment.time for moment in moments]
+    made: Picture | Strip
+    if strip is not False:
+        made = Strip(run, times, view, bare=bare, scales=scales, paper=paper,
+                     size=view.size if sized else None)
+        moments = [Moment(times[0], "strip")]
+    else:
+        size, picture = view.size, partial(Picture, run, view=view, bare=bare, scales=scales,
+                                           moments=times)
+        if paper:
+            size, picture = paper.pixels, partial(picture, unit=PRINT_UNIT,
+                                                  least=options.PRINT_TYPE)
+            if not size[1]:  # a layout in a tall picture finds the height
+                size = size[0], round(picture(size=(size[0], 3 * size[0])).needs)
+        made = picture(size=size)
+    files = []
+    for moment in moments:
+        file = path
+        if not path.suffix or path.is_dir():
+            file = path / f"still_{moment.word}.png"
+        elif len(moments) > 1:
+            file = path.with_name(f"{path.stem}_{moment.word}{path.suffix}")
+        save(output_path(file, WHAT), made, moment.time, transparent=transparent,
+             per_inch=made.size[0] * options.UNITS["in"] / paper.width if paper else None)
+        files.append(file)
+    return files
+
+
+def _moments(run: Samples, view: View, at: Instants | None, strip: bool | int) -> list[Moment]:
+    if isinstance(strip, bool) and at is not None:
+        return instants(run, at)
+    if at is not None:
+        raise OutputError(f"strip={strip} and at say both which pictures a strip has: "
+                          "pass strip=True with at, or a number without", code="bad-picture")
+    end = float(run.time[-1])
+    if strip is False:
+        return [Moment(end, ENDS[1])]
+    count = PICTURES if strip is True else strip
+    if not 2 <= count <= MAX_PICTURES:
+        raise OutputError(f"strip={quoted(strip)}: a strip has 2 to {MAX_PICTURES} pictures",
+                          code="bad-picture")
+    return [Moment(t, f"{t:.6g}s") for t in np.linspace(min(view.start, end), end, count).tolist()]
+
+
+def save_picture(
+    run: Samples, path: str | Path, *, t: float | None = None,
+    size: tuple[int, int] | str | None = None,
+) -> None:
+    """Draw one moment of a run, by default its end."""
+    options.check_run(run)
+    paper = options.paper_of(size)
+    view = options.view_of(run.mechanism.view, {"size": None if paper else size})
+    save_stills(run, output_path(path, WHAT), view=view, at=t, paper=paper)
 
 
 def _animate(
@@ -263,10 +380,11 @@ def _animate(
             _write_mp4(drawn(), view.fps, aside)
             return
         some: list[Any] = [draw(times[k]) for k in np.unique(
-            np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))]
+            np.linspace(0, len(times) - 1, 5).astype(int))]
         palette = shared_palette([packed(each[each[..., 3] >= COVERED]) for each in some]
-                                 if transparent else some, picture.subject.carried.colours)
-        lasts = [100 // view.fps] * (len(times) - 1) + [round(100 * HOLD)]
+                                 if transparent else some, TENSION + PUSH * bool(
+                                     picture.subject.carried.pushing))
+        lasts = [100 // view.fps] * (len(times) - 1) + [round(100 * 1.5)]
         with aside.open("wb") as file:
             writer = GifWriter(file, picture.size, palette)
             side_by_side(zip(drawn(), lasts, strict=True), lambda frame: writer.add(*frame))
@@ -274,7 +392,6 @@ def _animate(
 
 
 def _write_frames(frames: Iterator[NDArray[Any]], directory: Path, count: int) -> None:
-    """Write frames as PNG files; those of an earlier film are removed."""
     def save(item: tuple[int, NDArray[Any]]) -> None:
         with atomic_file(directory / f"frame_{item[0]:05d}.png", durable=False) as aside:
             pixels = item[1] if item[1].dtype == np.uint8 else colours(item[1])
@@ -309,7 +426,7 @@ def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:
         try:
             for item in produce:
                 waiting.append(encoder.submit(consume, item))
-                if len(waiting) > WAITING:
+                if len(waiting) > 8:  # frames that may wait to be encoded
                     waiting.popleft().result()
             for each in waiting:
                 each.result()

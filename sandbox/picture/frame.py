@@ -1,33 +1,28 @@
-"""The layout of a picture: title, mechanism, meters and legend, and the camera."""
+"""The layout of a picture, and of several in one: title, mechanism, meters, legend, camera."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pygame
 
-from sandbox.picture.bounds import (
-    MARGIN,
-    Camera,
-    Stage,
-    body_box,
-    place_camera,
-    whole_box,
-    width_shown,
-)
+from sandbox.errors import OutputError
+from sandbox.picture import bounds
+from sandbox.picture.bounds import Camera, Stage
 from sandbox.picture.build import subject_of
 from sandbox.picture.elements.notes import grid
 from sandbox.picture.geometry import arrow, within
 from sandbox.picture.instant import Instant
 from sandbox.picture.labels import SMALL, offset, place_labels
-from sandbox.picture.listing import SIDES, Item
+from sandbox.picture.listing import SIDES, Item, nearest
 from sandbox.picture.meters import MeterPanel
+from sandbox.picture.options import PRINT_TYPE, PrintSize
 from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK, Painter
-from sandbox.picture.run_data import nearest
 from sandbox.picture.scales import round_length
-from sandbox.picture.typesetter import HEAD, Headline, Typesetter
+from sandbox.picture.typesetter import HEAD, Headline, Typesetter, ellipsis
 from sandbox.samples.samples import Samples
 from sandbox.scene.settings import View
 
@@ -35,13 +30,16 @@ if TYPE_CHECKING:
     from sandbox.picture.paper import Paper  # loads matplotlib
 
 TYPE, MIN_TYPE = 20, 11  # size of type [points], and its minimum [pixels]
-MAX_ROWS = 2  # of the legend; one in a small picture
 BAR, ARROW, RAMP = 80.0, 52.0, 64.0
 """Widths in the legend: lengths, arrows (maximum), ramps [points]."""
 GAP, APART = 17.0, 5.0  # between rows of the legend, and between symbol and words [points]
-VALUE = 1.1  # size of type of labels, relative to the legend
 SHAPES = (0.2, 1.5)  # limits of height / width of the motion where the height is free
-STAGE = 0.75  # minimum share of a small picture's height that shows the mechanism
+STRIP_SHAPES = (0.35, 1.6)  # the same of a picture of a strip
+MIN_WIDTH = 0.42  # minimum width of a picture of a strip relative to the view's
+INSIDE = 0.65  # size of words inside the pictures of a strip relative to its own
+PRINT_UNIT = 0.75 * PRINT_TYPE / TYPE  # pixels per point on paper: lines are finer than letters
+NARROWEST, SMALLEST = 40.0, 40
+"""Pictures of a strip: minimum width on paper [mm], minimum width and height [pixels]."""
 
 
 def picture_unit(size: tuple[int, int]) -> float:
@@ -149,16 +147,10 @@ def _symbol(painter: Painter, instant: Instant, entry: Entry, x: float, y: float
 class Picture:
     """A picture of a run at any time, laid out; painters paint it.
 
-    Args:
-        run: the recording.
-        size: width and height [pixels]; by default the view's.
-        view: by default the scene's.
-        note: a few words beside the time.
-        unit: pixels per point; by default from the size.
-        bare: without title, time and legend.
-        scales: without them, but with the scales of the legend.
-        least: the smallest type [pixels, as a typesetter counts it].
-        moments: the only times [s] that are painted.
+    ``size`` [pixels] and ``view`` are by default the scene's; ``note`` is beside the time; ``unit``
+    is pixels per point. ``bare`` leaves out title, time and legend; ``scales`` keeps the scales of
+    the legend. ``least`` is the smallest type [pixels, as a typesetter counts it]. Only some
+    ``moments`` [s] may be painted.
     """
 
     def __init__(self, run: Samples, *, size: tuple[int, int] | None = None,
@@ -172,7 +164,7 @@ class Picture:
         self.bare = bare or scales
         self.small = self.size[0] < SMALL and not least
         self.type = Typesetter(type_size(self.unit), least)
-        self.label_size = max(MIN_TYPE, self.type.scaled(VALUE))
+        self.label_size = max(MIN_TYPE, self.type.scaled(1.1))
         self.row, self.pad = round(1.5 * self.type.size), round(0.8 * self.type.size)
         self._instants: dict[int, Instant] = {}
         view, mechanism, (width, height) = self.view, run.mechanism, self.size
@@ -182,14 +174,15 @@ class Picture:
             self.type.scaled(1.0 if self.small else 1.25), height)
         self.head = self.title.high if self.title else 0
         self.panel = panel = MeterPanel(run, view, self.type, self.unit, self.size)
-        bodies = body_box(run, view, moments)
-        guess = place_camera(bodies, Stage(0, 0, width, max(8, height - self.head - self.row)),
-                             centre=view.centre, width=view.width)
+        bodies = bounds.body_box(run, view, moments)
+        guess = bounds.place_camera(
+            bodies, Stage(0, 0, width, max(8, height - self.head - self.row)),
+            centre=view.centre, width=view.width)
         self.subject = subject_of(run, view, point=self.unit / guess.scale, moments=moments,
-                                  width=width_shown(bodies, width / height, view.width))
+                                  width=bounds.width_shown(bodies, width / height, view.width))
         self.out = self.subject.out
-        self.box = whole_box(self.out, run, bodies, view, moments)
-        most = 0 if bare and not scales else 1 if self.small else 4 if least else MAX_ROWS
+        self.box = bounds.whole_box(self.out, run, bodies, view, moments)
+        most = 0 if bare and not scales else 1 if self.small else 4 if least else 2  # of the legend
         rows = min(1, most)
         for _ in range(3):
             self._place_camera(rows * self.row + (self.pad if rows else 0))
@@ -217,12 +210,12 @@ class Picture:
         high = height - self.head - foot
         panel.grow(0.0)
         if self.small:
-            panel.limit(high - round(STAGE * height))
+            panel.limit(high - round(0.75 * height))
 
         def camera_on(wide: float, tall: float) -> Camera:
             seen = given if given is None else given * max(
                 1.0, max(8, high) * wide / (width * tall))
-            return place_camera(self.box, Stage(0, self.head, wide, tall),
+            return bounds.place_camera(self.box, Stage(0, self.head, wide, tall),
                                 centre=self.view.centre, width=seen)
 
         below = max(8, high - panel.below)
@@ -236,15 +229,15 @@ class Picture:
         if not self.aside and given is None:
             middle = self.camera.centre[1]
             half = max(self.box.y1 - middle, middle - self.box.y0)
-            panel.grow(below - 2 * half * self.camera.scale / (1 - 2 * MARGIN))
+            panel.grow(below - 2 * half * self.camera.scale / (1 - 2 * bounds.MARGIN))
             self.camera = camera_on(width, max(8, high - panel.below))
 
     @property
     def needs(self) -> float:
         """The height at which the mechanism fills the picture's width [pixels]."""
         view = self.view
-        share = view.size[1] / view.size[0] if view.centre and view.width else (
-            self.box.height / max(self.box.width, 1e-9))
+        wide, high = view.size if view.centre and view.width else self.box.size
+        share = high / max(wide, 1e-9)
         around = self.head + self.panel.below + (
             len(self.legend) * self.row + self.pad if self.legend else 0)
         return around + self.size[0] * float(np.clip(share, *SHAPES))
@@ -256,20 +249,19 @@ class Picture:
 
     def instant(self, enlarge: int) -> Instant:
         """The list for a picture that is painted so many times larger, with its labels placed."""
-        (width, height), (x, y) = self.size, self.camera.pixel
+        x, y = self.camera.pixel
 
         def made() -> Instant:
             camera = Camera(self.camera.scale * enlarge, self.camera.centre,
                             (x * enlarge, y * enlarge))
-            edges = (-width * enlarge, -height * enlarge, 2 * width * enlarge, 2 * height * enlarge)
-            return Instant(self.out, camera, self.unit * enlarge, edges, factor=1 / enlarge,
+            return Instant(self.out, camera, self.unit * enlarge, self.size, enlarge=enlarge,
                            small=self.small)
 
         if not self._instants:  # labels add columns to the list
             left, top, wide, high = self.stage
             few = None if self.moments is None else nearest(self.run.time, self.moments)
-            place_labels(made(), self.half, (left, top, left + wide, top + high), 1 / enlarge,
-                         speed=self.view.speed, samples=few, width=width)
+            place_labels(made(), self.half, (left, top, left + wide, top + high),
+                         speed=self.view.speed, samples=few)
         if enlarge not in self._instants:
             self._instants[enlarge] = made()
         return self._instants[enlarge]
@@ -299,8 +291,11 @@ class Picture:
                            (line - self.type.height(self.type.size)) // 2 + 1), words,
                           self.type.size, FAINT_INK)
 
-    def write_grid(self, painter: Painter, instant: Instant) -> None:
-        """Write numbers of the grid, at the left and the bottom edge of the stage."""
+    def write_labels(self, painter: Painter, instant: Instant) -> None:
+        """Write the numbers of the grid, and the labels that have a place.
+
+        A label that stands off has a line to its point.
+        """
         left, top, _, high = self.stage
         for item, at in instant.texts:
             if "edge" in item:
@@ -309,18 +304,16 @@ class Picture:
                 middle = (x, top + high - half[1] - 1) if item["edge"] == 0 else (
                     left + half[0] + 3, y)
                 painter.text(middle, item["words"], self.label_size, FAINT_INK, ())
-
-    def write_labels(self, painter: Painter, instant: Instant) -> None:
-        """Write the labels that have a place, with a line to the point of one that stands off."""
         point = self.unit
         for label in instant.labels():
             if label.side < 0 or not within([label.point], instant.edges):
                 continue
-            (x, y), clear = (v * instant.factor for v in label.point), label.clear * point
+            x, y = (v * instant.factor for v in label.point)
+            clear = label.item.get("clear", 0.0)
             dx, dy = offset(label.side, self.half(label.words), clear, point)
             ux, uy, far = SIDES[label.side]
-            leader = [(x + ux * away, y - uy * away)
-                      for away in (2 * point, (far + 2) * point + clear)] if far else []
+            leader = [(x + ux * away * point, y - uy * away * point)
+                      for away in (2, far + 2 + clear)] if far else []
             painter.text((x + dx, y + dy), label.words, self.label_size, label.ink, leader)
 
     def paint_stage(self, paper: Paper, t: float) -> Instant:
@@ -337,7 +330,139 @@ class Picture:
         """Paint all of it at a time [s]."""
         instant = self.paint_stage(paper, t)
         self.surround(paper, instant)
-        self.write_grid(paper, instant)
         self.write_labels(paper, instant)
         self.panel.draw(paper, [t])
         self.write_stamp(paper, t)
+
+
+class Strip:
+    """Pictures at ``times`` [s] in rows, each above its time; title, meters and legend.
+
+    Meters stand below all pictures, with a cursor for each. The size is ``size`` [pixels], or that
+    of ``paper``, else each picture has about :data:`MIN_WIDTH` of the view's width. ``bare`` leaves
+    title and legend out, ``scales`` keeps the scales of the legend.
+
+    Raises:
+        OutputError: the size has no room for so many pictures.
+    """
+
+    pad: int
+    line: int
+    legend: list[list[Entry]]
+
+    def __init__(self, run: Samples, times: Sequence[float], view: View, *, bare: bool = False,
+                 scales: bool = False, size: tuple[int, int] | None = None,
+                 paper: PrintSize | None = None) -> None:
+        self.run, self.times, self.view = run, times, view
+        self.titled, self.keyed, self.scales = not (bare or scales), scales or not bare, scales
+        self.least = PRINT_TYPE if paper else 0
+        if paper and paper.height:
+            size = paper.pixels
+        width, height = self._picture(view.size, picture_unit(view.size)).box.size  # [m]
+        unit = PRINT_UNIT if paper else picture_unit(size or view.size)
+        if size:
+            for rows in (1, 2, 3, 4):
+                self._surround(unit, size)
+                across, pane = self._fitted(width, height, size, rows)
+                self._lay_out(across, pane, unit if paper else INSIDE * unit, size)
+                if len(self.legend) <= rows:
+                    break
+            return
+        most = max(1, int(paper.width / NARROWEST)) if paper else 6
+        across = math.ceil(len(times) / math.ceil(len(times) / most))
+        share = max(MIN_WIDTH, 1 / across)
+        wide = paper.pixels[0] // across if paper else round(view.size[0] * share)
+        shape = view.size[1] / view.size[0] if view.width and view.centre else float(
+            np.clip(height / (view.width or max(width, 1e-9)), *STRIP_SHAPES))
+        own, pane = unit, (wide, round(wide * shape))
+        for _ in range(1 if paper else 4):  # size of type and height depend on each other
+            self._surround(unit, (across * wide, 10 * across * wide))
+            high = self._high(1) + math.ceil(len(times) / across) * (
+                pane[1] + self.line + self.pad)
+            self.unit, unit = unit, max(own, picture_unit((across * wide, high)))
+        self._lay_out(across, pane, own if paper else max(own, INSIDE * self.unit), None)
+
+    def _picture(self, size: tuple[int, int], unit: float) -> Picture:
+        view = self.view.model_copy(update={"meters": ()})
+        return Picture(self.run, size=size, view=view, unit=unit, bare=True, moments=self.times,
+                       least=self.least)
+
+    def _surround(self, unit: float, size: tuple[int, int]) -> None:
+        self.unit, self.type = unit, Typesetter(type_size(unit), self.least)
+        self.pad, self.line = round(0.8 * self.type.size), round(1.6 * self.type.size)
+        title = self.run.mechanism.title or self.run.mechanism.name
+        self.title = Headline.of(title, self.type, size[0] - 2 * self.pad, self.type.scaled(1.2),
+                                 size[1]) if self.titled else None
+        self.head = self.title.high if self.title else 0
+        self.panel = MeterPanel(self.run, self.view, self.type, unit, size, len(self.times))
+
+    def _high(self, rows: int) -> int:
+        """Height [pixels] without pictures and times, with these rows of the legend."""
+        return self.head + self.panel.below + (rows * self.line + self.pad if self.keyed else 0)
+
+    def _fitted(self, width: float, height: float, size: tuple[int, int],
+                rows: int) -> tuple[int, tuple[int, int]]:
+        """Pictures in a row, and the size of one, for which a width and height [m] are largest."""
+        best, found, count = 0.0, None, len(self.times)
+        for down in range(1, count + 1):
+            across = math.ceil(count / down)
+            wide = size[0] // across
+            high = (size[1] - self._high(rows)) // down - self.line - self.pad
+            scale = min(wide / max(width, 1e-9), high / max(height, 1e-9))
+            if min(wide, high) >= SMALLEST and scale > best:
+                best, found = scale, (across, (wide, high))
+        if found is None:
+            raise OutputError(f"size={size[0]}x{size[1]}: a strip of {count} pictures has no room "
+                              f"there; allowed: pictures of {SMALLEST} by {SMALLEST} pixels or "
+                              "more besides title, times, meters and legend", code="bad-picture")
+        return found
+
+    def _lay_out(self, across: int, pane: tuple[int, int], inside: float,
+                 size: tuple[int, int] | None) -> None:
+        width = size[0] if size else across * pane[0]
+        self.across, self.pane = across, self._picture(pane, inside)
+        self.legend = [] if not self.keyed else arrange(
+            self.pane.out.legend, self.pane.camera.scale, self.type, self.unit,
+            width - 2 * self.pad, 8, scales=self.scales)
+        self.cell = pane[1] + self.line + self.pad
+        bottom = self.head + math.ceil(len(self.times) / across) * self.cell
+        self.foot = bottom + self.panel.below
+        self.panel.settle(pygame.Rect(0, bottom, width, self.panel.below), aside=False)
+        self.size = size or (width, self.foot + len(self.legend) * self.line + (
+            self.pad if self.keyed else 0))
+
+    def paint(self, paper: Paper, t: float = 0.0) -> None:
+        """Paint all of it, whatever the time."""
+        (wide, high), unit = self.pane.size, self.unit
+        texts, size = self._time_texts(wide - self.pad)
+        for i, (time, text) in enumerate(zip(self.times, texts, strict=True)):
+            x, y = i % self.across * wide, self.head + i // self.across * self.cell
+            paper.move(x, y)
+            instant = self.pane.paint_stage(paper, time)
+            self.pane.write_labels(paper, instant)
+            paper.move(0, 0)
+            paper.write((round(x + (wide - self.type.width(text, size)) / 2),
+                         round(y + high + (self.line - self.type.height(size)) / 2)),
+                        text, size, INK)
+        bottom = self.panel.rect.top - self.pad
+        for column in range(1, self.across):
+            paper.line([(column * wide, self.head), (column * wide, bottom)], HAIRLINE, unit)
+        self.panel.draw_still(paper)
+        self.panel.draw(paper, self.times)
+        if self.title:
+            self.title.write(paper, self.type, self.pad)
+            edge = self.foot - self.pad / 2
+            paper.line([(self.pad, edge), (self.size[0] - self.pad, edge)], HAIRLINE, unit)
+        draw_legend(paper, instant, self.legend, self.type, unit, self.pad, self.foot, self.line)
+
+    def _time_texts(self, room: int) -> tuple[list[str], int]:
+        """Times below the pictures in a form and a size of type [pixels] that fit in ``room``."""
+        forms = ["t = {:.3f} s", "{:.3f} s", "{:.2f} s", "{:.1f} s", "{:.0f} s"]
+        every = [[form.format(t) for t in self.times] for form in forms]
+        every = [texts for texts in every if len(set(texts)) == len(set(self.times))] or every[:2]
+        least = max(MIN_TYPE, self.type.least)
+        for size in range(self.type.size, least - 1, -1):
+            for texts in every:
+                if max(self.type.width(text, size) for text in texts) <= room:
+                    return texts, size
+        return [ellipsis(self.type, text, room, least) for text in every[-1]], least

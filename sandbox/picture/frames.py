@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
+from itertools import chain
 
 import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.numeric import Array
 from sandbox.picture.frame import Picture
 from sandbox.picture.geometry import XY, ribbon
 from sandbox.picture.palette import BACKGROUND, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter
 
-MASKS = (0xFF, 0xFF00, 0xFF0000, 0)  # red, green, blue in memory, the fourth byte unused
-COLOUR = np.uint32(0xFFFFFF)  # the fourth byte of a word is anything
-LONG = 60  # lines with more corners have no mitres, which would take long
-HATCHED = 400  # cached hatchings
 CELL = 24  # side of a cell [pixels of the finished picture]
-MAX_PIXELS = 60_000_000  # of the enlarged picture; very large pictures are enlarged less
 
 
 def new_surface(width: int, height: int) -> pygame.Surface:
     """A blank picture in memory; no display is needed."""
-    surface = pygame.Surface((width, height), 0, 32, MASKS)
+    surface = pygame.Surface((width, height), 0, 32, (0xFF, 0xFF00, 0xFF0000, 0))
     surface.fill(BACKGROUND)
     return surface
 
@@ -37,85 +33,76 @@ class Pixels:
         self.size, self.enlarge, self.type = size, enlarge, typesetter
         self.large = new_surface(size[0] * enlarge, size[1] * enlarge)
         self.small = new_surface(*size)
+        self.drawn: list[pygame.Rect] = []  # boxes of all that was painted on the enlarged picture
         self.texts: list[tuple[pygame.Surface, XY]] = []  # with their corners, to be written
         self._leaders: list[tuple[Colour, XY, XY]] = []
-        self._hatched: dict[bytes, tuple[pygame.Surface, pygame.Rect]] = {}
 
     def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
              union: bool = False, hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
-        polygon, large = pygame.draw.polygon, self.large
+        """Paint rings, each as its line and that line moved by half the width outwards, inwards.
+
+        With ``union`` they are one area with one outline, otherwise the later ones are holes.
+        ``hatch`` is the pitch of slanted lines.
+        """
         if fill is not None and (union or len(rings) == 1):
             for _, outer, _ in rings if width else ():
-                polygon(large, edge or fill, outer)
+                self._polygon(edge or fill, outer)
             for _, _, inner in rings:
-                polygon(large, fill, inner)
+                self._polygon(fill, inner)
         else:  # one ring with holes, or an outline
             if fill is not None:
-                polygon(large, fill, _bridged([ring for ring, _, _ in rings]))
+                self._polygon(fill, _bridged([ring for ring, _, _ in rings]))
             for ring, outer, inner in rings:
                 if edge is None or not width or not len(outer) == len(ring) == len(inner):
                     self.simple(ring, None, edge, width)
                     continue
                 for k in range(len(ring)):
-                    polygon(large, edge, (outer[k - 1], outer[k], inner[k], inner[k - 1]))
+                    self._polygon(edge, (outer[k - 1], outer[k], inner[k], inner[k - 1]))
         if hatch and edge is not None:
             inside = [inner for _, _, inner in rings]
             for part in inside if union else [_bridged(inside)]:
                 self._hatch(part, edge, hatch)
 
-    def _hatch(self, corners: Sequence[XY], edge: Colour, pitch: float) -> None:
-        key = np.asarray(corners, dtype=np.float32).round(1).tobytes() + bytes(edge)
-        if key not in self._hatched:
-            if len(self._hatched) >= HATCHED:
-                self._hatched.clear()
-            self._hatched[key] = self._hatching(corners, edge, pitch)
-        self.large.blit(*self._hatched[key])
+    def _polygon(self, ink: Colour, corners: Sequence[XY]) -> None:
+        self.drawn.append(pygame.draw.polygon(self.large, ink, corners))
 
-    def _hatching(self, corners: Sequence[XY], edge: Colour,
-                  pitch: float) -> tuple[pygame.Surface, pygame.Rect]:
-        xs, ys = zip(*corners, strict=True)
-        (x0, y0), (x1, y1) = (min(xs), min(ys)), (max(xs), max(ys))
-        area = pygame.Rect(math.floor(x0), math.floor(y0), math.ceil(x1 - x0) + 2,
-                           math.ceil(y1 - y0) + 2).clip(self.large.get_rect())
-        lines, mask = (pygame.Surface(area.size, pygame.SRCALPHA, 32) for _ in range(2))
-        for (ax, ay), (bx, by) in hatch_lines(corners, round(pitch)):
-            pygame.draw.line(lines, lighter(edge, 0.45), (ax - area.x, ay - area.y),
-                             (bx - area.x, by - area.y), max(1, round(0.13 * pitch)))
-        pygame.draw.polygon(mask, (255,) * 4, [(x - area.x, y - area.y) for x, y in corners])
-        lines.blit(mask, (0, 0), special_flags=pygame.BLEND_RGBA_MULT)
-        return lines, area
+    def _hatch(self, corners: Sequence[XY], edge: Colour, pitch: float) -> None:
+        self.drawn.append(self.large.blit(*_hatching(
+            tuple((x, y) for x, y in corners), edge, pitch, self.large.get_rect().size)))
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
-        if width > 2.5 and (len(path) == 2 or (2 < len(path) < LONG and not _turns_back(path))):
-            pygame.draw.polygon(self.large, ink, ribbon(path, width))
+        """Paint connected lines."""
+        if width > 2.5 and (len(path) == 2 or (2 < len(path) < 60 and not _turns_back(path))):
+            self._polygon(ink, ribbon(path, width))
         else:
-            pygame.draw.lines(self.large, ink, False, path, max(1, round(width)))
+            self.drawn.append(pygame.draw.lines(
+                self.large, ink, False, path, max(1, round(width))))
 
     def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """Paint a small polygon with an outline about its line."""
         if fill is not None:
-            pygame.draw.polygon(self.large, fill, corners)
+            self._polygon(fill, corners)
         if edge is not None and width:
-            pygame.draw.lines(self.large, edge, True, corners, max(1, round(width)))
+            self.drawn.append(pygame.draw.lines(
+                self.large, edge, True, corners, max(1, round(width))))
 
     def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
              hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """Paint a circle with an outline about its line."""
         if edge is not None and width:
-            pygame.draw.circle(self.large, edge, centre, radius + width / 2,
-                               0 if fill is not None else max(1, round(width)))
+            self.drawn.append(pygame.draw.circle(
+                self.large, edge, centre, radius + width / 2,
+                0 if fill is not None else max(1, round(width))))
         if fill is not None:
             inside = radius - width / 2 if edge is not None else radius
-            pygame.draw.circle(self.large, fill, centre, max(1.0, inside))
+            self.drawn.append(pygame.draw.circle(self.large, fill, centre, max(1.0, inside)))
         if hatch and edge is not None:
             angle = np.arange(64) * math.tau / 64
             ring = np.column_stack((np.cos(angle), np.sin(angle)))
             self._hatch((np.array(centre) + (radius - width / 2) * ring).tolist(), edge, hatch)
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
-        """Keep a text for the finished picture."""
+        """Write a label with a rim, and a thin line to its point."""
         if leader:
             self._leaders.append((lighter(ink, 0.35), leader[0], leader[1]))
         face = self.type.render(words, size=size, colour=ink, halo=True)
@@ -123,7 +110,7 @@ class Pixels:
                                   round(middle[1] - face.get_height() / 2))))
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """Write words right of and below a corner [finished pixels]."""
         self.texts.append((self.type.render(words, size=size, colour=ink), corner))
 
     def write_texts(self) -> list[pygame.Rect]:
@@ -141,8 +128,24 @@ class Pixels:
             pygame.transform.smoothscale(source, rect.size, self.small.subsurface(rect))
 
 
+@lru_cache(100)
+def _hatching(corners: tuple[XY, ...], edge: Colour, pitch: float,
+              size: tuple[int, int]) -> tuple[pygame.Surface, pygame.Rect]:
+    """Hatched corners on a picture of a size, and their place there."""
+    xs, ys = zip(*corners, strict=True)
+    (x0, y0), (x1, y1) = (min(xs), min(ys)), (max(xs), max(ys))
+    area = pygame.Rect(math.floor(x0), math.floor(y0), math.ceil(x1 - x0) + 2,
+                       math.ceil(y1 - y0) + 2).clip((0, 0, *size))
+    lines, mask = (pygame.Surface(area.size, pygame.SRCALPHA, 32) for _ in range(2))
+    for (ax, ay), (bx, by) in hatch_lines(corners, round(pitch)):
+        pygame.draw.line(lines, lighter(edge, 0.45), (ax - area.x, ay - area.y),
+                         (bx - area.x, by - area.y), max(1, round(0.13 * pitch)))
+    pygame.draw.polygon(mask, (255,) * 4, [(x - area.x, y - area.y) for x, y in corners])
+    lines.blit(mask, (0, 0), special_flags=pygame.BLEND_RGBA_MULT)
+    return lines, area
+
+
 def _bridged(rings: Sequence[Sequence[XY]]) -> Sequence[XY]:
-    """A ring and its holes as one even-odd polygon."""
     return rings[0] if len(rings) == 1 else [at for ring in rings for at in (*ring, ring[0])]
 
 
@@ -154,12 +157,15 @@ def _turns_back(path: Sequence[XY]) -> bool:
     return bool(np.abs(np.arctan2(turn, along)).sum() > 4.5)
 
 
-def touched(boxes: Array, stage: pygame.Rect) -> list[pygame.Rect]:
-    """Rectangles of whole cells, without overlap, that cover boxes [k, 4] pixels on the stage."""
+def cells(boxes: Sequence[pygame.Rect], enlarge: int, stage: pygame.Rect) -> list[pygame.Rect]:
+    """Rectangles of whole cells, without overlap, that cover boxes of the enlarged picture."""
+    box = np.fromiter(chain.from_iterable(boxes), float).reshape(-1, 4)
+    box[:, 2:] += box[:, :2]
     grid = np.zeros((-(-stage.height // CELL), -(-stage.width // CELL)), dtype=np.int8)
-    cells = np.floor((boxes - np.tile(stage.topleft, 2)) / CELL) + np.array([0.0, 0.0, 1.0, 1.0])
+    places = np.floor((box / enlarge - np.tile(stage.topleft, 2)) / CELL)
+    places[:, 2:] += 1
     limit = (*grid.shape[::-1], *grid.shape[::-1])
-    for x0, y0, x1, y1 in np.clip(np.nan_to_num(cells), 0, limit).astype(int).tolist():
+    for x0, y0, x1, y1 in set(map(tuple, np.clip(places, 0, limit).astype(int).tolist())):
         grid[y0:y1, x0:x1] = 1
     edges = np.diff(grid, axis=1, prepend=0, append=0)
     rows, starts = (each.tolist() for each in np.nonzero(edges == 1))
@@ -174,7 +180,7 @@ class Frames:
     def __init__(self, picture: Picture, enlarge: int = 2) -> None:
         self.picture, self.size = picture, picture.size
         width, height = self.size
-        while enlarge > 1 and width * height * enlarge**2 > MAX_PIXELS:
+        while enlarge > 1 and width * height * enlarge**2 > 60_000_000:  # of the enlarged picture
             enlarge //= 2
         self.painter = painter = Pixels(self.size, enlarge, picture.type)
         self.instant = picture.instant(enlarge)
@@ -190,7 +196,6 @@ class Frames:
                      (stage.right, stage.top, width, stage.height)):
             painter.large.fill(BACKGROUND, [v * enlarge for v in zone])
         picture.surround(painter, self.instant)
-        picture.write_grid(painter, self.instant)
         self._panel_texts = [text for text in painter.texts if panel.collidepoint(text[1])]
         painter.scale_down([pygame.Rect(0, 0, width, height)])
         painter.write_texts()
@@ -210,11 +215,10 @@ class Frames:
             painter.small.blits([(self._small_still, rect, rect)
                                  for rect in self._areas + self._written], doreturn=False)
             painter.large.set_clip([v * painter.enlarge for v in stage])
+            painter.drawn.clear()
             instant.paint(painter)
             painter.large.set_clip(None)
-            boxes = np.array([(stage.left, stage.top, stage.right, stage.bottom)], dtype=float) \
-                if picture.view.follow else instant.boxes() / painter.enlarge
-            self._areas = touched(boxes, stage)
+            self._areas = cells(painter.drawn, painter.enlarge, stage)
             painter.scale_down(self._areas)
             picture.write_labels(painter, instant)
             self._written = painter.write_texts()
@@ -229,11 +233,10 @@ class Frames:
             painter.small.blit(self._small_still, rect, rect)
         picture.write_stamp(painter, t)
         self._stamped = painter.write_texts()
-        words: NDArray[np.uint32] = pygame.surfarray.pixels2d(painter.small).T & COLOUR
+        words: NDArray[np.uint32] = pygame.surfarray.pixels2d(painter.small).T & np.uint32(0xFFFFFF)
         return words
 
     def _restore(self, areas: Sequence[pygame.Rect]) -> None:
-        """Restore areas that the last frame covered."""
         large = [tuple(v * self.painter.enlarge for v in rect) for rect in areas]
         self.painter.large.blits([(self._large_still, area, area) for area in large],
                                  doreturn=False)

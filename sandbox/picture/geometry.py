@@ -18,7 +18,6 @@ from sandbox.scene.geometry import solids
 XY = tuple[float, float]
 Edges = tuple[float, float, float, float]  # left, top, right, bottom [pixels]
 FAR = 1e12  # coordinates beyond this are moved there [pixels]
-ARC = 128  # sides of the visible piece of a very large circle
 TOUCHING = 1e-7  # shapes that are no farther apart touch [m]
 
 
@@ -83,13 +82,9 @@ def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
     outer = [k for k in rings if not any(
         _holds(rings[other], rings[k]) for other in rings
         if other != k and not (other > k and _holds(rings[k], rings[other])))]
-
-    def separated(one: int, other: int) -> bool:
-        """Whether a side of one shape has all of the other outside."""
-        return bool((_depths(rings[one], rings[other]).max(axis=0) < -TOUCHING).any())
-
-    return [k for k in outer if any(other != k and not separated(k, other)
-                                    and not separated(other, k) for other in outer)]
+    touching = {(a, b) for a in outer for b in outer if a != b and not (  # no side separates them
+        _depths(rings[a], rings[b]).max(axis=0) < -TOUCHING).any()}
+    return [a for a in outer if any({(a, b), (b, a)} <= touching for b in outer)]
 
 
 def bare_outlines(shapes: Sequence[Shape], error: float, *, turns: bool) -> list[Array]:
@@ -150,7 +145,6 @@ def _depths(ring: Array, points: Array) -> Array:
 
 
 def _holds(ring: Array, other: Array) -> bool:
-    """Whether one convex outline lies in another."""
     return bool((_depths(ring, other) >= -TOUCHING).all())
 
 
@@ -220,6 +214,8 @@ def within(points: Sequence[XY], edges: Edges) -> bool:
 
 def cut_polygon(corners: Sequence[XY], edges: Edges) -> list[XY]:
     """A polygon's corners within the edges (Sutherland and Hodgman); none if one is NaN."""
+    if within(corners, edges):
+        return [*corners]
     found = [(min(max(x, -FAR), FAR), min(max(y, -FAR), FAR)) for x, y in corners
              if not math.isnan(x + y)]
     if len(found) < len(corners):
@@ -252,23 +248,19 @@ def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
 
     The arc is measured from its point nearest to the picture, which keeps digits.
     """
-    left, top, right, bottom = edges
-    reach = math.hypot(right - left, bottom - top) / 2
-    middle = (left + right) / 2, (top + bottom) / 2
     if math.isnan(centre[0] + centre[1] + radius):
         return []
-    x, y = (m - min(max(v, -FAR), FAR) for m, v in zip(middle, centre, strict=True))
-    radius = min(radius, FAR)
-    distance = math.hypot(x, y)
+    left, top, right, bottom = edges
+    reach, middle = math.hypot(right - left, bottom - top) / 2, np.array(
+        [(left + right) / 2, (top + bottom) / 2])
+    way, radius = middle - np.clip(centre, -FAR, FAR), min(radius, FAR)
+    distance = math.hypot(*way)
     if distance - radius > reach:
         return []
     if radius - distance > reach:
         return [(left, top), (right, top), (right, bottom), (left, bottom)]
-    ux, uy = x / distance, y / distance
-    half = math.asin(min(1.0, reach / distance))
-    angle = half * np.linspace(-1.0, 1.0, ARC + 1)
-    out = radius - distance - 2 * radius * np.sin(angle / 2) ** 2
-    along = radius * np.sin(angle)
-    arc = np.column_stack([middle[0] + out * ux - along * uy, middle[1] + out * uy + along * ux])
-    deep = arc[[-1, 0]] - 4 * reach * np.array([ux, uy])
-    return [(px, py) for px, py in np.concatenate([arc, deep]).tolist()]
+    out = way / distance
+    angle = math.asin(min(1.0, reach / distance)) * np.linspace(-1.0, 1.0, 129)
+    arc = middle + np.outer(radius - distance - 2 * radius * np.sin(angle / 2) ** 2, out) \
+        + np.outer(radius * np.sin(angle), (-out[1], out[0]))
+    return [(x, y) for x, y in np.concatenate([arc, arc[[-1, 0]] - 4 * reach * out]).tolist()]

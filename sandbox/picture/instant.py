@@ -10,29 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.numeric import Array
+from sandbox.picture import geometry
 from sandbox.picture.bounds import Camera
-from sandbox.picture.geometry import (
-    XY,
-    Edges,
-    arc_steps,
-    arrow,
-    capsule_outline,
-    cut_line,
-    cut_polygon,
-    dashes,
-    large_circle,
-    polygon_grown,
-    within,
-)
+from sandbox.picture.geometry import XY, Edges
 from sandbox.picture.listing import Item, Listing
 from sandbox.picture.palette import Colour, Ink, Painter, from_css
 
 Plan = Callable[[Painter], None]
-REACH = {"mark": 20.0, "span": 13.0, "taut": 6.0}  # beside points, else 7 [points]
-ROUND = 0.15  # largest angle between corners of arcs [rad]
 STEPS = 1e3  # steps of a number, from 0 to its maximum, that look different
-PITCH = 7.0  # of hatching [points]
-DETAILS = frozenset(("dot", "eye"))  # glyphs that small pictures leave out, as hatching
 FINEST, MARKS_APART, MAX_PIECES = 3.0, 9.0, 5000  # trails: pieces, marks [points]; number
 
 
@@ -46,26 +31,24 @@ class Label(NamedTuple):
     away: XY
     ink: Colour
     side: int  # -1 without a place
-    clear: float
 
 
 class Instant:
     """A display list for one camera: for each item a function that paints it.
 
-    Args:
-        out: the list.
-        camera: world to pixels of the painted picture, at the first sample if it follows a body.
-        point: pixels per point.
-        edges: limits of coordinates for painters: left, top, right, bottom [pixels].
-        factor: finished pixels per pixel.
-        small: leave details out, as in small pictures.
+    ``camera`` is that of the painted picture, at the first sample if it follows a body; ``point``
+    is its pixels per point. It is ``enlarge`` times as large as the finished picture of ``size``.
+    ``small`` leaves out details.
     """
 
-    def __init__(self, out: Listing, camera: Camera, point: float, edges: Edges, *,
-                 factor: float = 1.0, small: bool = False) -> None:
+    def __init__(self, out: Listing, camera: Camera, point: float, size: tuple[int, int], *,
+                 enlarge: int = 1, small: bool = False) -> None:
         self.out, self.still_camera, self.camera, self.point = out, camera, camera, point
-        self.scale, self.edges, self.small, self.factor = camera.scale, edges, small, factor
-        self.thin, self.hatch = (0.75, 0.0) if small else (1.0, PITCH * point)
+        (self.width, height), self.factor = size, 1 / enlarge
+        wide, high = self.width * enlarge, height * enlarge
+        self.edges: Edges = (-wide, -high, 2 * wide, 2 * high)  # limits of coordinates [pixels]
+        self.scale, self.small = camera.scale, small
+        self.thin, self.hatch = (0.75, 0.0) if small else (1.0, 7.0 * point)  # of hatching [points]
         self._columns = np.array(out.columns).reshape(-1, len(out.time)).T
         self._steady = np.isin(np.arange(len(out.columns)), out.steady)
         self._first = {name: np.searchsorted(rows[:, 0], np.arange(len(out.time) + 1))
@@ -79,7 +62,6 @@ class Instant:
         self.px: Any = np.zeros((0, 2))  # all points [pixels]
         self.points: list[XY] = []  # the same, made when they are painted
         self.wild = False  # whether a point is far outside of the picture, or not finite
-        self.touched: list[Sequence[float]] = []  # boxes of items without frames [pixels]
         self.outlines: list[slice] = []  # points along each item, where labels hide something
         self.fills: list[slice] = []  # corners of filled areas, a ring each
         self.marks: list[tuple[int, Array]] = []
@@ -87,8 +69,6 @@ class Instant:
         self.texts: list[tuple[Item, int]] = []
         self._still: list[Plan] = []
         self._plans: list[Plan] = []
-        self._extents: list[tuple[int, float]] = []
-        """First point of each moving item, and how far it reaches beside its points [points]."""
         self._pooled: list[tuple[int, Array, XY]] = []  # frame, points and offset
         self._count = 0
         for item in out.items:
@@ -111,20 +91,16 @@ class Instant:
         return int(self._pool(point[0], [point[1:3]], offset).start)
 
     def _plan(self, item: Item) -> None:
-        first, kind = self._count, item["k"]
-        made: Any = getattr(self, f"_{kind}")(item)
-        if made is None:
+        first = self._count
+        plan: Plan | None = getattr(self, f"_{item['k']}")(item)
+        if plan is None:
             return
-        plan: Plan = self._stroke(item, made) if kind in STROKES else made
         if self._count > first:
             self.outlines.append(slice(first, self._count))
         if not self._plans and self._stays(item):
             self._still.append(plan)
             return
         self._plans.append(self._where(item["if"], plan) if "if" in item else plan)
-        if self._count > first:
-            self._extents.append((first, max(item["r"]) + 14 if kind == "spiral"
-                                  else REACH.get(kind, 7.0)))
 
     def _where(self, shown: Any, plan: Plan) -> Plan:
         def paint(painter: Painter) -> None:
@@ -133,7 +109,6 @@ class Instant:
         return paint
 
     def _stays(self, item: Item) -> bool:
-        """Whether an item looks the same in all samples."""
         if self.out.drift is not None or item["k"] not in ("path", "line", "mark", "span"):
             return False
         points = item.get("p", [item[key] for key in ("at", "a", "b") if key in item])
@@ -186,23 +161,6 @@ class Instant:
             parts.append(str(self.sample).encode())
         return b"".join(parts)
 
-    def boxes(self) -> Array:
-        """Left, top, right and bottom of all that moves, [k, 4] pixels."""
-        boxes = np.array(self.touched).reshape(-1, 4)
-        reach = np.full(len(boxes), 10.0)
-        if self._extents:
-            starts, beside = zip(*self._extents, strict=True)
-            px = np.nan_to_num(self.px, nan=-1e6, posinf=1e6, neginf=-1e6)
-            low, high = (each.reduceat(px, starts, axis=0) for each in (np.minimum, np.maximum))
-            boxes = np.concatenate([np.hstack((low, high)), boxes])
-            reach = np.concatenate([beside, reach])
-        return np.asarray(boxes + self.point * reach[:, None] * (-1.0, -1.0, 1.0, 1.0))
-
-    def _touch(self, *points: Any) -> None:
-        """Note the box of points [pixels] that belong to no frame."""
-        x, y = np.asarray(points, dtype=float).reshape(-1, 2).T
-        self.touched.append((x.min(), y.min(), x.max(), y.max()))
-
     def value(self, number: Any) -> float:
         """A number, or a column's value."""
         return float(self.values[number[0]]) if isinstance(number, list) else float(number)
@@ -232,8 +190,6 @@ class Instant:
     def paint(self, painter: Painter, *, still: bool = False) -> None:
         """Paint moving items, or the ``still`` ones, which lie behind all others."""
         self.points = self.points or self.px.tolist()
-        if not still:
-            self.touched.clear()
         for plan in self._still if still else self._plans:
             plan(painter)
 
@@ -248,25 +204,23 @@ class Instant:
         for ring in self._rings(item["d"]):
             line = outer = inner = self._pool(item["f"], ring)
             if width:
-                outer = self._pool(item["f"], polygon_grown(ring, half * (2 if union else 1)))
-                inner = line if union else self._pool(item["f"], polygon_grown(ring, -half))
+                grown = geometry.polygon_grown(ring, half * (2 if union else 1))
+                outer = self._pool(item["f"], grown)
+                if not union:
+                    inner = self._pool(item["f"], geometry.polygon_grown(ring, -half))
             rings.append((line, outer, inner))
         if self.out.styles[item["s"]][0] not in ("", "paper", "liquid"):
             self.fills += [line for line, _, _ in rings[:None if union else 1]]
 
         def paint(painter: Painter) -> None:
             fill, edge, now, _, hatch = self.look(item)
-            found: list[list[Sequence[XY]]] = [[self.points[part] for part in ring]
-                                               for ring in rings]
+            found: list[Any] = [[self.points[part] for part in ring] for ring in rings]
             if self.wild:
-                found = [ring for ring in ([self._cut(part) for part in ring] for ring in found)
-                         if all(len(part) > 2 for part in ring)]
+                cut = ([geometry.cut_polygon(part, self.edges) for part in ring] for ring in found)
+                found = [ring for ring in cut if all(len(part) > 2 for part in ring)]
             if found:
                 painter.area(found, fill, edge, now, union=union, hatch=hatch)
         return paint
-
-    def _cut(self, corners: Sequence[XY]) -> Sequence[XY]:
-        return corners if within(corners, self.edges) else cut_polygon(corners, self.edges)
 
     def _circle(self, item: Item, centre: XY, radius: Any) -> Plan:
         at = self._place([item["f"], *centre])
@@ -276,14 +230,12 @@ class Instant:
         def paint(painter: Painter) -> None:
             fill, edge, width, _, hatch = self.look(item)
             size, (x, y) = self.value(radius) * self.scale, self.points[at]
-            if isinstance(radius, list):
-                self._touch(*_square(x, y, size))
             left, top, right, bottom = self.edges
             if size < 4 * math.hypot(right - left, bottom - top):
                 if math.isfinite(x + y) and (left - size <= x <= right + size
                                              and top - size <= y <= bottom + size):
                     painter.disc((x, y), size, fill, edge, width, hatch=hatch)
-            elif len(ring := large_circle((x, y), size, self.edges)) > 2:
+            elif len(ring := geometry.large_circle((x, y), size, self.edges)) > 2:
                 painter.area([[ring, ring, ring]], fill, edge, width, hatch=hatch)
         return paint
 
@@ -293,8 +245,8 @@ class Instant:
         for one in subpaths:
             if isinstance(one, dict):
                 x0, y0, x1, y1, r = one["c"]
-                steps = min(400, arc_steps(max(r, 2 * error), error, 6))
-                ring = capsule_outline((x0, y0), (x1, y1), r, steps)
+                steps = min(400, geometry.arc_steps(max(r, 2 * error), error, 6))
+                ring = geometry.capsule_outline((x0, y0), (x1, y1), r, steps)
             else:
                 ring = np.array(one).reshape(-1, 2)
             apart = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T) > 0
@@ -307,35 +259,34 @@ class Instant:
         if ink is None or len(path) < 2:
             return
         pieces: list[Sequence[XY]] = [path]
-        if self.wild and not within(path, self.edges):
-            pieces = [piece for a, b in pairwise(path) if (piece := cut_line(a, b, self.edges))]
+        if self.wild and not geometry.within(path, self.edges):
+            cut = (geometry.cut_line(a, b, self.edges) for a, b in pairwise(path))
+            pieces = [piece for piece in cut if piece]
         for one in pieces:
-            for part in dashes(one, dash, 0.8 * dash) if dash else (one,):
+            for part in geometry.dashes(one, dash, 0.8 * dash) if dash else (one,):
                 painter.line(part, ink, width)
 
     def _stroke(self, item: Item, paths: Callable[[], Iterable[Sequence[XY]]]) -> Plan:
-        """Paint lines in the style of an item."""
         def paint(painter: Painter) -> None:
             _, edge, width, dash, _ = self.look(item)
             for path in paths():
                 self._draw_line(painter, path, edge, width, dash)
         return paint
 
-    def _line(self, item: Item) -> Callable[[], Any]:
+    def _line(self, item: Item) -> Plan:
         at = [self._place(point) for point in item["p"]]
-        return lambda: [[self.points[i] for i in at]]
+        return self._stroke(item, lambda: [[self.points[i] for i in at]])
 
-    def _sag(self, item: Item) -> Callable[[], Any]:
+    def _sag(self, item: Item) -> Plan:
         a, b, share = self._place(item["a"]), self._place(item["b"]), np.linspace(0, 1, 13)
 
         def paths() -> Iterator[Any]:
             path = self.px[a] + share[:, None] * (self.px[b] - self.px[a])
             path[:, 1] += 4 * self.value(item["depth"]) * self.scale * share * (1 - share)
-            self._touch(*path)
             yield path.tolist()
-        return paths
+        return self._stroke(item, paths)
 
-    def _taut(self, item: Item) -> Callable[[], Any]:
+    def _taut(self, item: Item) -> Plan:
         at = [self._place(point) for point in item["p"]]
         for frame, x, y, r, *_ in item["p"]:
             if r:
@@ -351,21 +302,21 @@ class Instant:
                 meets, leaves = self.value(turn[0]), self.value(turn[1])
                 if math.isfinite(meets + leaves):
                     size = r * self.scale
-                    count = max(1, math.ceil(abs(leaves - meets) / ROUND)) if size else 0
+                    count = max(1, math.ceil(abs(leaves - meets) / 0.15)) if size else 0
                     for k in range(count + 1):
                         angle = meets + (leaves - meets) * k / max(count, 1)
                         path.append((x + size * math.cos(angle), y - size * math.sin(angle)))
             yield [*path, path[0]] if item.get("c") else path
-        return paths
+        return self._stroke(item, paths)
 
-    def _span(self, item: Item) -> Callable[[], Any]:
+    def _span(self, item: Item) -> Plan:
         a, b = self._place(item["a"]), self._place(item["b"])
         pattern = np.array(item["t"], dtype=float).reshape(-1, 2)
 
         def paths() -> Iterator[Any]:
             piece: tuple[XY, XY] | None = (self.points[a], self.points[b])
-            if self.wild and not within((self.points[a], self.points[b]), self.edges):
-                piece = cut_line(self.points[a], self.points[b], self.edges)
+            if self.wild and not geometry.within((self.points[a], self.points[b]), self.edges):
+                piece = geometry.cut_line(self.points[a], self.points[b], self.edges)
             if piece is None:
                 return
             start, way = np.array(piece[0]), np.array(piece[1]) - np.array(piece[0])
@@ -380,7 +331,7 @@ class Instant:
             share, low, high = item["w"]
             half = min(max(share * length, low * self.point), high * self.point)
             yield (start + pattern[:, :1] * way + half * pattern[:, 1:] * side).tolist()
-        return paths
+        return self._stroke(item, paths)
 
     def _spiral(self, item: Item) -> Plan:
         at, share = self._place(item["at"]), np.linspace(0, 1, 30)
@@ -388,7 +339,7 @@ class Instant:
 
         def paint(painter: Painter) -> None:
             _, edge, width, _, _ = self.look(item)
-            if edge is None or not within([self.points[at]], self.edges):
+            if edge is None or not geometry.within([self.points[at]], self.edges):
                 return
             sweep = self.value(item["sweep"])
             angle = self.value(item["start"]) + sweep * share
@@ -400,12 +351,12 @@ class Instant:
                 keep = max(2, round(len(path) * (1 - back / max(abs(sweep), 1e-9))))
             self._draw_line(painter, path[:keep], edge, width)
             if head:
-                painter.simple(arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
+                painter.simple(geometry.arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
         return paint
 
     def _mark(self, item: Item) -> Plan | None:
         names = item["g"] if isinstance(item["g"], list) else [item["g"]]
-        if self.small and DETAILS & set(names):
+        if self.small and {"dot", "eye"} & set(names):
             return None
         at, made = self._place(item["at"]), [self.glyph(name) for name in names]
         ends = np.concatenate([points + sign * radius for _, points, radius, _ in made[-1]
@@ -414,7 +365,7 @@ class Instant:
 
         def paint(painter: Painter) -> None:
             state = round(self.value(item.get("state", 0.0)))
-            if not self.wild or within([self.points[at]], self.edges):
+            if not self.wild or geometry.within([self.points[at]], self.edges):
                 self.stamp(painter, made[min(len(made) - 1, max(0, state))], self.points[at],
                            self.value(item.get("turn", 0.0)))
         return paint
@@ -469,10 +420,10 @@ class Instant:
             fill, rim, width, _, _ = self.look(item)
             _, tails, tips, sizes = self.arrows(item)
             u = self.point * (0.8 if self.small else 1.0)
-            self.touched += np.hstack((np.minimum(tails, tips), np.maximum(tails, tips))).tolist()
             for a, b, size in zip(tails.tolist(), tips.tolist(), sizes.tolist(), strict=True):
                 for ink, more in ((rim, width), (fill, 0.0)):
-                    corners = self._cut(arrow(a, b, shaft * u + more, head * u + more / 2))
+                    corners = geometry.cut_polygon(geometry.arrow(
+                        a, b, shaft * u + more, head * u + more / 2), self.edges)
                     if ink is not None and len(corners) > 2:
                         painter.simple(corners, ink, None, 0)
                 if size <= item["most"] or rim is None:
@@ -481,7 +432,7 @@ class Instant:
                 bar = (shaft + 6.5) / 2 * u * along[::-1] * (1, -1) - 2 * self.point * along
                 for share in (0.40, 0.50):
                     middle = a + share * np.subtract(b, a)
-                    if within([middle], self.edges):
+                    if geometry.within([middle], self.edges):
                         painter.line([(middle + bar).tolist(), (middle - bar).tolist()], rim,
                                      1.8 * self.point)
         return paint
@@ -490,8 +441,7 @@ class Instant:
         def paint(painter: Painter) -> None:
             fill, edge, width, _, _ = self.look(item)
             for corners in self.camera.to_pixels(self.rows(item)[:, 2:10].reshape(-1, 4, 2)):
-                if within(corners.tolist(), self.edges):
-                    self._touch(*corners)
+                if geometry.within(corners.tolist(), self.edges):
                     painter.simple(corners.tolist(), fill, edge, width)
         return paint
 
@@ -511,12 +461,10 @@ class Instant:
             passed = kept[:int(np.searchsorted(kept, self.sample, side="right"))][-MAX_PIECES:]
             path: list[XY] = [*self.camera.to_pixels(way[passed]).tolist(), self.points[at]]
             self._draw_line(painter, path, edge, width)
-            for k in range(0, len(path) - 1, 8):
-                self._touch(*path[k:k + 9])
             marks = self.camera.to_pixels(spots[times <= self.time * (1 + 1e-9)]).tolist()
             for centre, radius in (*((mark, item["mark"] * self.point) for mark in marks),
                                    (self.points[at], 1.5 * width)):
-                if within([centre], self.edges):
+                if geometry.within([centre], self.edges):
                     painter.disc(centre, radius, fill, None, 0)
         return paint
 
@@ -560,14 +508,10 @@ class Instant:
         fill, edge, *_ = self.look(item)
         ink = (edge if item["k"] == "text" else fill) or (0, 0, 0)
         side = int(place[0]) if place is not None and self.value(place[1]) > 0.5 else -1
-        return Label(item, key, words, point, away, ink, side, item.get("clear", 0.0))
-
-
-STROKES = frozenset(("line", "sag", "span", "taut"))  # kinds of items that are lines
+        return Label(item, key, words, point, away, ink, side)
 
 
 def _maxima(rows: Array) -> Array:
-    """The largest size in each column, above 0."""
     return np.asarray(np.maximum(np.abs(np.nan_to_num(rows)).max(axis=0, initial=0.0), 1e-300))
 
 
@@ -583,5 +527,4 @@ def _apart(points: Array, least: float) -> Any:
 
 
 def _square(x: float, y: float, half: float) -> list[XY]:
-    """The corners of a square, whose box holds a circle however it is turned."""
     return [(x + half * a, y + half * b) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]

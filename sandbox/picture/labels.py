@@ -7,86 +7,81 @@ the least ink and no other label. It stays or is away for at least :data:`HOLD` 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.geometry import XY
-from sandbox.picture.instant import Instant, Label
-from sandbox.picture.listing import SIDES
+from sandbox.picture.instant import Instant
+from sandbox.picture.listing import SIDES, Item
 
-LOOKED = 48  # samples that are looked at
 HOLD = 0.35  # minimum time that a label is visible or hidden [s of the film]
 CELL = 5  # side of the cells that have ink or not [pixels of the finished picture]
 TURNED, OFF, COVERED, FILLED, CROSSED, OUTSIDE = 0.02, 0.5, 0.12, 0.02, 2.0, 4.0
 """Costs per sample: angle to the arrow, standing off, cell of ink, filled cell, label, outside."""
-MAX_NUMBERS, FEW, SMALL = 24, 6, 500  # numbers in a picture, in one narrower than so many pixels
-PATIENCE = 0.25  # share of its samples in which a label has to find room, or it is left out
-FAR = 20  # areas that reach farther than so many pictures are not counted
-Half = Callable[[str], tuple[float, float]]
+SMALL = 500  # pictures that are narrower have fewer numbers [pixels]
 
 
+@dataclass
 class _Seen:
     """A label over the samples that are looked at."""
 
-    def __init__(self, label: Label, samples: int) -> None:
-        self.label, self.words, self.size = label, label.words, 0.0
-        self.number = "value" in label.item or label.item["k"] != "text"
-        self.rows = np.full((samples, 4), np.nan)
-        """Point x, y, away x, y [samples, 4] pixels of the finished picture; NaN where absent."""
+    item: Item
+    key: int
+    rows: Array  # point x, y, away x, y [samples, 4] finished pixels; NaN where absent
+    words: str = ""
+    size: float = 0.0
 
 
-def place_labels(instant: Instant, half: Half, stage: Sequence[float], factor: float, *,
-                 speed: float, samples: Integers | None = None, width: int = 800) -> None:
+def place_labels(instant: Instant, half: Callable[[str], tuple[float, float]],
+                 stage: Sequence[float], *, speed: float,
+                 samples: Integers | None = None) -> None:
     """Write into the list's items where labels stand and when they are shown.
 
-    Args:
-        instant: the list for a camera.
-        half: half the width and height of a text [finished pixels].
-        stage: left, top, right, bottom of where labels may be [finished pixels].
-        factor: finished pixels per pixel of the instant.
-        speed: seconds of the run per second of the film.
-        samples: those that are painted, if they are few.
-        width: of the picture [pixels].
+    ``half`` gives half the width and height of a text, ``stage`` is left, top, right and bottom of
+    where labels may be [finished pixels]; ``speed`` is seconds of the run per second of the film.
+    ``samples`` are those that are painted, if they are few.
     """
     time = instant.out.time
-    some = np.unique(np.linspace(0, len(time) - 1, LOOKED).astype(int)) if samples is None \
+    some = np.unique(np.linspace(0, len(time) - 1, 48).astype(int)) if samples is None \
         else samples
-    seen, covered = _look(instant, some, stage, factor)
-    point, placed = instant.point * factor, np.full((0, len(some), 4), np.nan)
-    numbers, most = 0, FEW if width < SMALL else MAX_NUMBERS
-    for one in sorted(seen, key=lambda one: (one.label.item.get("rank", 1), -one.size)):
-        if one.number and numbers >= most:
+    seen, covered = _look(instant, some, stage)
+    point, placed = instant.point * instant.factor, np.full((0, len(some), 4), np.nan)
+    numbers, maximum = 0, 6 if instant.width < SMALL else 24
+    for one in sorted(seen, key=lambda one: (one.item.get("rank", 1), -one.size)):
+        is_number = "value" in one.item or one.item["k"] != "text"
+        if is_number and numbers >= maximum:
             continue
         box = half(one.words)
-        middles = np.array([one.rows[:, :2] + offset(side, box, one.label.clear, point)
+        middles = np.array([one.rows[:, :2] + offset(side, box, one.item.get("clear", 0.0), point)
                             for side in range(len(SIDES))])
         boxes = np.concatenate((middles - box, middles + box), axis=2)
         side = int(np.argmin(_costs(one, boxes, placed, covered, stage)))
         present = np.isfinite(one.rows[:, 0])
         there = present & ~_meet(boxes[side][None], placed).any(axis=0)
         there &= ~_outside(boxes[side], stage)
-        if there.sum() < PATIENCE * present.sum():
+        if there.sum() < 0.25 * present.sum():  # it has too little room
             continue
         if samples is None:
             there = steady(there, time[some], HOLD * speed)
         if not there.any():
             continue
         placed = np.concatenate([placed, np.where(there[:, None], boxes[side], np.nan)[None]])
-        numbers += one.number
+        numbers += is_number
         nearest = np.searchsorted((some[:-1] + some[1:]) / 2, np.arange(len(time)))
-        shown, item = instant.out.varying(there[nearest], steady=True), one.label.item
-        if item["k"] == "text":
-            item["side"], item["show"] = side, shown
+        shown = instant.out.varying(there[nearest], steady=True)
+        if one.item["k"] == "text":
+            one.item["side"], one.item["show"] = side, shown
         else:
-            item.setdefault("labels", {})[one.label.key] = [side, shown]
+            one.item.setdefault("labels", {})[one.key] = [side, shown]
 
 
-def _look(instant: Instant, some: Integers, stage: Sequence[float],
-          factor: float) -> tuple[list[_Seen], Array]:
+def _look(instant: Instant, some: Integers,
+          stage: Sequence[float]) -> tuple[list[_Seen], Array]:
     """Each label in each sample, and sums of the costs of cells."""
     seen: dict[tuple[int, int], _Seen] = {}
-    time = instant.out.time
+    time, factor = instant.out.time, instant.factor
     width, height = (int(v) // CELL + 2 for v in stage[2:4])
     covered = np.zeros((len(some), height + 1, width + 1))
     first = np.concatenate([np.zeros(0, int), *(
@@ -95,7 +90,8 @@ def _look(instant: Instant, some: Integers, stage: Sequence[float],
         instant.go_to(float(time[sample]))
         starts, ends = [instant.px[first]], [instant.px[first + 1]]
         for label in instant.labels():
-            one = seen.setdefault((id(label.item), label.key), _Seen(label, len(some)))
+            one = seen.setdefault((id(label.item), label.key), _Seen(
+                label.item, label.key, np.full((len(some), 4), np.nan)))
             one.words = max(one.words, label.words, key=len)
             one.size += float(np.hypot(*label.away))
             one.rows[row] = (label.point[0] * factor, label.point[1] * factor, *label.away)
@@ -116,7 +112,7 @@ def _filled(instant: Instant, scale: float, size: tuple[int, int]) -> Array:
     surface = pygame.Surface(size, 0, 8)
     for part in instant.fills:
         ring = instant.px[part] * scale
-        if np.isfinite(ring).all() and np.abs(ring).max() < FAR * max(size):
+        if np.isfinite(ring).all() and np.abs(ring).max() < 20 * max(size):
             pygame.draw.polygon(surface, 1, ring.tolist())
     cost = FILLED * np.asarray(pygame.surfarray.array2d(surface).T, dtype=float)
     for at, box in instant.marks:
@@ -157,7 +153,6 @@ def _costs(one: _Seen, boxes: Array, placed: Array, covered: Array,
 
 
 def _outside(boxes: Array, stage: Sequence[float]) -> Flags:
-    """Whether boxes reach beyond the stage."""
     return np.asarray((boxes[..., :2] < stage[:2]).any(axis=-1)
                       | (boxes[..., 2:] > stage[2:]).any(axis=-1))
 
@@ -180,8 +175,11 @@ def steady(there: Flags, time: Array, least: float) -> Flags:
 
 
 def offset(side: int, half: tuple[float, float], clear: float, point: float) -> XY:
-    """From a label's point to its middle [pixels], for half its size, y down."""
+    """From a label's point to its middle [pixels], for half its size, y down.
+
+    ``clear`` is the free distance around the point [points].
+    """
     dx, dy, far = SIDES[side]
-    reach = (3 + far) * point + clear
+    reach = (3 + far + clear) * point
     return dx * (half[0] + reach), -dy * (half[1] + reach)
 

@@ -70,12 +70,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sandbox.model.joints import placed
-from sandbox.numeric import Array, Flags
+from sandbox.model.meters import is_expression, worked_out
+from sandbox.model.model import Model
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.samples.samples import Samples
+from sandbox.scene.mechanism import Mechanism
 
 Item = dict[str, Any]
 Number = float | list[int]  # a number, or the index of a column in a list
@@ -84,6 +89,39 @@ Look = tuple[Any, ...]  # fill, edge, width, dash, hatched of a style
 SIDES = [(round(math.cos(k * math.pi / 4), 6), round(math.sin(k * math.pi / 4), 6), far)
          for far in (0, 22) for k in range(8)]
 """Sides of labels: direction (y up), and additional distance [points], with a line if not 0."""
+
+
+class RunData(Protocol):
+    """What a list needs of a run."""
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The simulated mechanism."""
+
+    @property
+    def model(self) -> Model:
+        """Its compiled model."""
+
+    @property
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Recorded arrays by key."""
+
+    @property
+    def time(self) -> Array:
+        """Times of the samples [n] s."""
+
+
+def read_curve(run: Samples, name: str) -> Array:
+    """A quantity or the value of an expression over time [n]."""
+    if not is_expression(name):
+        return np.asarray(run[name], dtype=float)
+    value = worked_out(name, run.mechanism, lambda each: run.time if each == "t" else run[each])
+    return np.broadcast_to(value, run.time.shape)
+
+
+def nearest(time: Array, moments: Sequence[float]) -> Integers:
+    """The samples nearest to some moments [s]."""
+    return np.unique(np.abs(time[:, None] - np.asarray(moments)).argmin(axis=0))
 
 
 def short(value: float) -> float:
@@ -167,11 +205,7 @@ class Listing:
         pose = np.empty((len(self.time), 3))
         pose[:, :2], pose[:, 2] = place, angle
         self._made.append(pose)
-        return [int(self.pose.shape[1]) + len(self._made) - 1, 0, 0]
-
-    def between(self, a: Point, b: Point) -> Between:
-        """The way from one point to another."""
-        return Between(self, self.place(a), self.place(b))
+        return [self.pose.shape[1] + len(self._made) - 1, 0, 0]
 
     def close(self) -> None:
         """Join the frames that elements made to those of the bodies."""
@@ -181,8 +215,8 @@ class Listing:
 
     def place(self, point: Sequence[float]) -> Array:
         """Where a point ``[frame, x, y]`` is in each sample [n, 2] m."""
-        frame, bodies = int(point[0]), self.pose.shape[1]
-        pose = self.pose[:, frame] if frame < bodies else self._made[frame - bodies]
+        frame, known = int(point[0]), self.pose.shape[1]
+        pose = self.pose[:, frame] if frame < known else self._made[frame - known]
         return placed(pose, np.array(point[1:3], dtype=float))
 
     def head(self) -> dict[str, Any]:
@@ -195,11 +229,10 @@ class Listing:
 
 
 class Between:
-    """The way from one place to another, in each sample."""
+    """The way from one place [n, 2] m to another, in each sample."""
 
     def __init__(self, out: Listing, a: Array, b: Array) -> None:
-        way = b - a
-        self.out, self.a = out, a
+        self.out, self.a, way = out, a, b - a
         self.length = np.maximum(np.hypot(*way.T), 1e-12)  # [n] m
         self.way = way / self.length[:, None]
         self.angle: Array = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))  # [n] rad

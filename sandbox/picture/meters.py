@@ -13,17 +13,9 @@ import pygame
 from sandbox.figure.style import COLOURS, shown_as
 from sandbox.model.meters import curves, is_expression
 from sandbox.numeric import Array
-from sandbox.picture.palette import (
-    BACKGROUND,
-    FAINT_INK,
-    HAIRLINE,
-    INK,
-    Colour,
-    Painter,
-    from_css,
-    lighter,
-)
-from sandbox.picture.run_data import read_curve
+from sandbox.picture import palette
+from sandbox.picture.listing import read_curve
+from sandbox.picture.palette import Colour, Painter
 from sandbox.picture.scales import pressure_unit, round_up
 from sandbox.picture.typesetter import Typesetter, ellipsis
 from sandbox.samples.samples import Samples
@@ -31,12 +23,8 @@ from sandbox.scene.settings import View
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Width of a meter, height of its curve (min., max.) [points]."""
-GROWN = 0.6  # share of a blank height above meters that their curves take
-SHARE = 0.62  # most of a picture's height that meters below the motion take
 TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85  # sizes of type, in those of the legend
-FINEST = 1.5  # so many finished pixels along time share the least and the largest of a curve
-HUES: tuple[Colour, ...] = tuple(map(from_css, COLOURS))
-PALE = 0.62  # how much lighter the curve is where the motion has not come to yet
+HUES: tuple[Colour, ...] = tuple(map(palette.from_css, COLOURS))
 
 
 class Dial(NamedTuple):
@@ -50,25 +38,18 @@ class Dial(NamedTuple):
     high: float
     plotted: bool
 
-    def texts(self, *samples: int) -> list[str]:
-        """Values with units, to as many digits as the largest of the run has."""
-        return [self._text(name, values) for name, values in zip(
-            self.names, self.values[:, list(samples)].tolist(), strict=True)]
-
-    def longest(self, count: int) -> list[str]:
-        """The longest text of each curve for a number of samples."""
-        sizes = np.nan_to_num(np.abs(self.values), posinf=0.0).max(axis=1)
-        return [self._text(name, count * [-size]) for name, size in zip(
-            self.names, sizes.tolist(), strict=True)]
-
-    def _text(self, name: str, values: Sequence[float]) -> str:
+    def texts(self, shown: Array) -> list[str]:
+        """Some values of each curve [curves, k] with units and as many digits as the largest."""
         largest = float(np.nanmax(np.abs(self.values), initial=0.0))
         digits = min(max(0, 2 - math.floor(math.log10(largest))), 6) if largest else 0
         form = f".{digits}f" if not largest or 1e-4 <= largest < 1e6 else ".2e"
-        words = ", ".join(f"{value:z{form}}" if math.isfinite(value) else "none"
-                          for value in values)
-        words += self.sign if any(map(math.isfinite, values)) else ""
-        return f"{name} {words}" if name else words
+        found = []
+        for name, values in zip(self.names, shown.tolist(), strict=True):
+            words = ", ".join(f"{value:z{form}}" if math.isfinite(value) else "none"
+                              for value in values)
+            words += self.sign if any(map(math.isfinite, values)) else ""
+            found.append(f"{name} {words}".strip())
+        return found
 
 
 def dials(run: Samples, view: View) -> list[Dial]:
@@ -128,7 +109,6 @@ def _apart(names: Sequence[str]) -> tuple[list[str], str]:
 
 
 def _begin(names: Sequence[str]) -> str:
-    """The letters that all names begin with."""
     same = takewhile(lambda each: len(set(each)) == 1, zip(*names, strict=False))
     return "".join(each[0] for each in same)
 
@@ -143,7 +123,8 @@ class _Meter:
         self.dial = dial
         self.valued = not dial.plotted or 1 in (moments, len(dial.names))  # else names only
         self.size = type_.scaled(VALUE if len(dial.names) == 1 else SMALL)
-        words = dial.longest(moments) if self.valued else dial.names
+        sizes = np.nan_to_num(np.abs(dial.values), posinf=0.0).max(axis=1)
+        words = dial.texts(np.tile(-sizes[:, None], moments)) if self.valued else dial.names
         self.wide = max(type_.width(text, self.size) for text in words) + gap
         count = max(1, int((WIDE * panel.unit + gap) / self.wide))
         self.across = min(count, len(dial.names))  # values side by side
@@ -151,7 +132,6 @@ class _Meter:
                      + -(-len(dial.names) // self.across) * round(0.95 * self.size))
 
     def down(self, values: Array) -> Array:
-        """Heights of values."""
         share = (values - self.dial.low) / (self.dial.high - self.dial.low)
         return np.asarray(self.plot.bottom - self.plot.height * np.clip(share, -0.02, 1.02))
 
@@ -169,7 +149,7 @@ class MeterPanel:
         most = max(1, int((size[0] - self.gap) / (WIDE * unit + self.gap)))
         each = -(-len(found) // max(1, -(-len(found) // most)))  # rows as even as can be
         self._rows = [found[k:k + each] for k in range(0, len(found), max(1, each))]
-        self.limit(SHARE * size[1])
+        self.limit(0.62 * size[1])  # most of a picture's height that meters below the motion take
         self.rect = pygame.Rect(0, 0, 0, 0)
 
     def __bool__(self) -> bool:
@@ -203,7 +183,7 @@ class MeterPanel:
     def grow(self, blank: float) -> None:
         """Take a share of a blank height above it [finished pixels] from the minimum height."""
         rows = sum(any(meter.dial.plotted for meter in row) for row in self._rows)
-        free = GROWN * max(0.0, blank) / self.unit / max(rows, 1)
+        free = 0.6 * max(0.0, blank) / self.unit / max(rows, 1)
         self._plot_points = min(TALLEST, PLOT + free)
 
     def settle(self, rect: pygame.Rect, *, aside: bool) -> None:
@@ -231,11 +211,11 @@ class MeterPanel:
         for meter in self.meters:
             cell, dial = meter.cell, meter.dial
             painter.write((cell.left, cell.top),
-                          ellipsis(self.type, dial.title, cell.width, size), size, INK)
+                          ellipsis(self.type, dial.title, cell.width, size), size, palette.INK)
             if dial.plotted:
                 self._frame(painter, meter)
                 for k in range(len(dial.values)):
-                    self._curve(painter, meter, k, lighter(HUES[k], PALE), 1.2)
+                    self._curve(painter, meter, k, palette.lighter(HUES[k], 0.62), 1.2)
 
     def draw(self, painter: Painter, times: Sequence[float]) -> None:
         """Paint values, and curves up to a time [s] with its cursor, or with several cursors."""
@@ -248,14 +228,14 @@ class MeterPanel:
             k, line = painter.enlarge, self.unit * painter.enlarge
             across = (self._across(plot, np.asarray(times)) * k).tolist()
             for x in across:
-                painter.line([(x, plot.top * k), (x, plot.bottom * k)], FAINT_INK, line)
+                painter.line([(x, plot.top * k), (x, plot.bottom * k)], palette.FAINT_INK, line)
             for curve, hue in zip(range(len(dial.values)), HUES, strict=False):
                 self._curve(painter, meter, curve, hue, 1.9,
                             until=samples[0] + 1 if len(samples) == 1 else None)
                 heights = meter.down(dial.values[curve, samples]).tolist()
                 for x, y in zip(across, heights, strict=True):
                     if math.isfinite(y):
-                        painter.disc((x, y * k), 3.6 * line, hue, BACKGROUND, 1.2 * line)
+                        painter.disc((x, y * k), 3.6 * line, hue, palette.BACKGROUND, 1.2 * line)
 
     def _across(self, plot: pygame.Rect, time: Array) -> Array:
         share = (time - self._start) / max(self._end - self._start, 1e-12)
@@ -268,16 +248,17 @@ class MeterPanel:
         for value in (dial.low, dial.high, 0.0) if dial.low < 0 < dial.high else (
                 dial.low, dial.high):
             y, text = float(meter.down(np.array(value))), f"{value:.6g}"
-            painter.line([(plot.left * k, y * k), (plot.right * k, y * k)], HAIRLINE, line)
+            painter.line([(plot.left * k, y * k), (plot.right * k, y * k)], palette.HAIRLINE, line)
             if value in (dial.low, dial.high):
                 painter.write((plot.left - self.margin - self.type.width(text, size),
-                               round(y - self.type.height(size) / 2)), text, size, FAINT_INK)
-        painter.line([(plot.left * k, plot.top * k), (plot.left * k, plot.bottom * k)], FAINT_INK,
-                     line)
+                               round(y - self.type.height(size) / 2)), text, size,
+                              palette.FAINT_INK)
+        painter.line([(plot.left * k, plot.top * k), (plot.left * k, plot.bottom * k)],
+                     palette.FAINT_INK, line)
         for share, t in ((0.0, self._start), (1.0, self._end)):
             text = f"{t:.3g} s"
             painter.write((round(plot.left + share * (plot.width - self.type.width(text, size))),
-                           plot.bottom + round(2 * self.unit)), text, size, FAINT_INK)
+                           plot.bottom + round(2 * self.unit)), text, size, palette.FAINT_INK)
 
     def _curve(self, painter: Painter, meter: _Meter, curve: int, colour: Colour, points: float,
                until: int | None = None) -> None:
@@ -293,7 +274,8 @@ class MeterPanel:
         cell, dial = meter.cell, meter.dial
         size = meter.size if len(samples) == 1 else min(meter.size, self.type.scaled(SMALL))
         top = cell.top + self.type.scaled(TITLE, 1.2)
-        for k, text in enumerate(dial.texts(*samples) if meter.valued else dial.names):
+        for k, text in enumerate(dial.texts(dial.values[:, samples]) if meter.valued
+                             else dial.names):
             row, column = divmod(k, meter.across)
             painter.write((cell.left + column * meter.wide, top + row * round(0.95 * size)),
                           ellipsis(self.type, text, cell.width, size), size, HUES[k])
@@ -304,7 +286,7 @@ def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
     there = np.isfinite(y)
     edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).tolist()
     for start, end in zip(edges[::2], edges[1::2], strict=True):
-        column = np.floor(x[start:end] / FINEST)
+        column = np.floor(x[start:end] / 1.5)
         first = np.flatnonzero(np.r_[True, column[1:] != column[:-1]]).tolist()
         if end - start <= 4 * len(first):
             yield x[start:end], y[start:end]

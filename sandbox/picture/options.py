@@ -83,7 +83,6 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
 
 
 def _plain(value: Any) -> Any:
-    """NumPy's numbers and arrays as Python's."""
     if isinstance(value, (list, tuple)):
         return [_plain(each) for each in value]
     return value.tolist() if hasattr(value, "tolist") else value
@@ -124,7 +123,7 @@ def check_run(run: Samples) -> None:
     Raises:
         OutputError: there is none.
     """
-    if not (hasattr(run, "mechanism") and hasattr(run, "arrays")):
+    if not isinstance(run, Samples):
         raise OutputError(f"{quoted(run)} is no recording; pass what sandbox.simulate or "
                           "sandbox.Recording.load gives", code="bad-picture")
     if not len(run.time):

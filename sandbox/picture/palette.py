@@ -1,4 +1,4 @@
-"""Colours and symbols: calm fills of bodies, a ramp for tension, signals for forces; painters.
+"""Colours and symbols: calm fills of bodies, ramps for tension, strong colours for forces.
 
 Light, grey-blue and sand tints for bodies; orange for tension, light blue for what pushes, dark
 blue for forces, magenta for stops and teal for traces keep apart for all common kinds of colour
@@ -10,13 +10,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from sandbox.picture.geometry import XY, arrow
 from sandbox.picture.listing import Listing, flat, short
 
+if TYPE_CHECKING:
+    from sandbox.picture.frames import Pixels
+    from sandbox.picture.paper import Paper
+
+Painter: TypeAlias = "Pixels | Paper"
 Colour = tuple[int, int, int]
 Ink = Colour | None
 Rings = Sequence[Sequence[XY]]
@@ -25,18 +30,9 @@ BACKGROUND: Colour = (255, 255, 255)
 INK: Colour = (34, 40, 49)
 FAINT_INK: Colour = (108, 117, 128)
 HAIRLINE: Colour = (217, 221, 226)
-FORCE: Colour = (14, 74, 158)
-DRIVE: Colour = (96, 48, 140)
-SPRING: Colour = (70, 84, 100)
-SLACK: Colour = (172, 178, 186)
-TRACE: Colour = (0, 126, 150)
-TRACES: tuple[Colour, ...] = (TRACE, (182, 98, 16), (118, 84, 176), (190, 58, 116), (104, 122, 30),
-                              (112, 86, 70))
+TRACES: tuple[Colour, ...] = ((0, 126, 150), (182, 98, 16), (118, 84, 176), (190, 58, 116),
+                              (104, 122, 30), (112, 86, 70))
 """Of several points, in this order; after the last the first again."""
-VELOCITY: Colour = (16, 132, 60)
-ACCELERATION: Colour = (164, 98, 0)
-REACTION: Colour = (84, 116, 214)
-AXES: Colour = (150, 62, 62)
 
 
 class Style(NamedTuple):
@@ -64,12 +60,13 @@ NIGHT: Colour = (18, 23, 29)  # the ground of a page by night
 TOKENS: dict[str, tuple[Colour, Colour]] = {
     "paper": (BACKGROUND, NIGHT), "ink": (INK, (230, 234, 238)),
     "faint_ink": (FAINT_INK, (154, 166, 178)), "hairline": (HAIRLINE, (44, 53, 63)),
-    "force": (FORCE, (111, 176, 255)), "patch": ((159, 183, 216), (38, 66, 100)),
-    "stop": ((200, 16, 122), (255, 92, 180)), "drive": (DRIVE, (199, 157, 242)),
-    "spring": (SPRING, (163, 178, 194)), "pin_ring": ((44, 52, 62), (195, 204, 214)),
-    "slack": (SLACK, (113, 123, 134)), "rope": ((92, 86, 78), (185, 172, 152)),
-    "velocity": (VELOCITY, (98, 212, 137)), "acceleration": (ACCELERATION, (240, 176, 82)),
-    "reaction": (REACTION, (147, 170, 245)), "axes": (AXES, (224, 143, 143)),
+    "force": ((14, 74, 158), (111, 176, 255)), "patch": ((159, 183, 216), (38, 66, 100)),
+    "stop": ((200, 16, 122), (255, 92, 180)), "drive": ((96, 48, 140), (199, 157, 242)),
+    "spring": ((70, 84, 100), (163, 178, 194)), "pin_ring": ((44, 52, 62), (195, 204, 214)),
+    "slack": ((172, 178, 186), (113, 123, 134)), "rope": ((92, 86, 78), (185, 172, 152)),
+    "velocity": ((16, 132, 60), (98, 212, 137)),
+    "acceleration": ((164, 98, 0), (240, 176, 82)),
+    "reaction": ((84, 116, 214), (147, 170, 245)), "axes": ((150, 62, 62), (224, 143, 143)),
     "liquid": ((228, 239, 248), (22, 40, 58)), "liquid_edge": ((126, 164, 196), (79, 126, 166)),
     "#c8cbcf": ((200, 203, 207), (58, 64, 72)),
 }
@@ -112,36 +109,6 @@ PUSH = _ramp((0.0, (160, 166, 173)), (0.3, (116, 180, 214)), (0.6, (44, 128, 196
              (1.0, (16, 52, 128)))
 
 
-class Painter(Protocol):
-    """Paints shapes on a picture that may be enlarged, in its pixels, y down; and texts."""
-
-    enlarge: int  # pixels of shapes per finished pixel
-
-    def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
-             union: bool = False, hatch: float = 0.0) -> None:
-        """Paint rings, each as its line and that line moved by half the width outwards, inwards.
-
-        With ``union`` they are one area with one outline, otherwise the later ones are holes.
-        ``hatch`` is the pitch of slanted lines.
-        """
-
-    def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
-        """Paint connected lines."""
-
-    def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
-        """Paint a small polygon with an outline about its line."""
-
-    def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
-             hatch: float = 0.0) -> None:
-        """Paint a circle with an outline about its line."""
-
-    def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
-        """Write a label with a rim, and a thin line to its point."""
-
-    def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
-        """Write words right of and below a corner [finished pixels]."""
-
-
 def hatch_lines(corners: Sequence[XY], pitch: float) -> list[tuple[XY, XY]]:
     """Slanted lines over the box of some corners; neighbouring areas have the same ones."""
     points = np.asarray(corners)
@@ -168,7 +135,6 @@ def _square(half: float) -> list[float]:
 
 
 def _arc(radius: float, first: float, sweep: float, steps: int = 24) -> list[float]:
-    """Points on an arc from an angle through ``sweep`` [rad]."""
     angles = [first + sweep * k / steps for k in range(steps + 1)]
     return flat(*((radius * math.cos(a), radius * math.sin(a)) for a in angles))
 

@@ -23,8 +23,7 @@ from sandbox.picture.palette import BACKGROUND, EM, Colour, Ink, Rings, hatch_li
 from sandbox.picture.typesetter import Typesetter, letters
 
 if TYPE_CHECKING:
-    from sandbox.picture.frame import Picture
-    from sandbox.picture.stills import Strip
+    from sandbox.picture.frame import Picture, Strip
 
 SCREEN_PER_INCH, POINTS = 96, 72  # pixels per inch on the screen, as in CSS; points per inch
 FAMILIES = ("FreeSans", "Helvetica", "Arial", "Liberation Sans", "sans-serif")
@@ -82,7 +81,7 @@ class Paper:
 
     def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
              union: bool = False, hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         lines = [ring for ring, _, _ in rings]
         if union:
             for ring in lines:
@@ -103,23 +102,23 @@ class Paper:
         self._draw(path, None, lighter(edge, 0.45), 0.13 * pitch, _closed(_holes(rings)))
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         self._draw(Outline(np.asarray(path)), None, ink, width)
 
     def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         self._draw(_closed([corners]), fill, edge, width)
 
     def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
              hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         circle = Outline.circle(centre, radius)
         self._draw(circle, fill, edge if width else None, width)
         if hatch and edge is not None:
             self._hatch([np.asarray(circle.to_polygons()[0]).tolist()], edge, hatch)
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         if leader:
             self.line(leader, lighter(ink, 0.35), 1.0)
         x = round(middle[0] - self.type.width(words, size) / 2)
@@ -129,7 +128,7 @@ class Paper:
         self.write((x, y), words, size, ink)
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
-        """See :class:`sandbox.picture.palette.Painter`."""
+        """See :class:`sandbox.picture.frames.Pixels`."""
         words = letters(words)
         if not words.strip():
             return
@@ -172,7 +171,6 @@ def _ink(ink: Colour) -> tuple[float, float, float, float]:
 
 
 def _closed(rings: Rings) -> Any:
-    """Closed outlines as one path."""
     each = [np.concatenate([ring, ring[:1]]) for ring in map(np.asarray, rings)]
     codes = [code for ring in each for code in (
         Outline.MOVETO, *([Outline.LINETO] * (len(ring) - 2)), Outline.CLOSEPOLY)]

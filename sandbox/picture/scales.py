@@ -13,9 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.model.joints import link_tensions
-from sandbox.numeric import Array, Integers
-from sandbox.picture.palette import PUSH, TENSION, Colour
-from sandbox.picture.run_data import RunData
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.picture.listing import RunData
 from sandbox.samples.cables import piece_tensions
 from sandbox.scene.settings import View
 
@@ -23,10 +22,6 @@ OFTEN = 0.95  # share of the active time in which no arrow exceeds the reference
 ENDING = 0.1  # last share of the run whose median counts, too: the end is looked at longest
 REFERENCE, LONGEST = 0.085, 1.5
 """Reference arrow [picture widths]; longer arrows are cut at this multiple."""
-ROUNDING = 1e-6  # forces of this acceleration of all bodies are rounding errors [m/s^2]
-MAX_DECIMALS = 9
-NOTHING = 1e-6  # rounding errors are below this fraction of the largest size of a run
-SAME = 1e-9  # pins of a body that are no farther apart are one [m]
 UNLOADED = 1e-3  # links below this are unloaded [tops of the scale]
 USUAL, SPIKE = 0.75, 2.0
 """Quantile of loaded samples, and maximum ratio of the top of the scale to it."""
@@ -37,9 +32,8 @@ PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
 class ForceScale(NamedTuple):
     """Length of arrows, of forces or of other quantities."""
 
-    metres: float  # length of an arrow of size 1 [m]; 0 where there is nothing to show
-    reference: float
-    """A typical large size of the run [N, or the unit of the quantity]."""
+    metres: float = 0.0  # length of an arrow of size 1 [m]; 0 where there is nothing to show
+    reference: float = 0.0  # a typical large size of the run [N, or the unit of the quantity]
 
     @property
     def longest(self) -> float:
@@ -47,12 +41,9 @@ class ForceScale(NamedTuple):
         return self.reference * LONGEST
 
 
-NO_SCALE = ForceScale(0.0, 0.0)
-
-
 def scale_of(reference: float, length: float) -> ForceScale:
     """The scale of arrows whose reference size has this length [m]."""
-    return ForceScale(length / reference, reference) if reference > 0 else NO_SCALE
+    return ForceScale(length / reference, reference) if reference > 0 else ForceScale()
 
 
 def typical(largest: Array, time: Array) -> float:
@@ -66,24 +57,22 @@ def typical(largest: Array, time: Array) -> float:
     if not top > 0:
         return 0.0
     weight = np.gradient(time) if len(time) > 1 else np.ones(1)
-    acts = size > NOTHING * top
+
+    def quantile(some: Flags, share: float) -> float:
+        order = np.argsort(size[some], kind="stable")
+        below = np.cumsum(weight[some][order])
+        # a share that a sum of weights reaches is reached in spite of rounding
+        place = int(np.searchsorted(below, share * below[-1] * (1 - 1e-12)))
+        return float(size[some][order[min(place, len(order) - 1)]])
+
     end = time >= time[-1] - ENDING * (time[-1] - time[0])
-    return max(quantile(size[acts], weight[acts], OFTEN), quantile(size[end], weight[end], 0.5))
-
-
-def quantile(values: Array, weights: Array, share: float) -> float:
-    """The smallest of ``values`` [k] with ``share`` of all ``weights`` [k] at or below it."""
-    order = np.argsort(values, kind="stable")
-    below = np.cumsum(weights[order])
-    # a share that a sum of weights reaches is reached in spite of rounding
-    place = int(np.searchsorted(below, share * below[-1] * (1 - 1e-12)))
-    return float(values[order][min(place, len(values) - 1)])
+    return max(quantile(size > 1e-6 * top, OFTEN), quantile(end, 0.5))
 
 
 def rounding(run: RunData) -> float:
     """The force [N] that rounding may leave where nothing acts."""
     mass = run.model.bodies.mass
-    return float(ROUNDING * mass[np.isfinite(mass)].sum())
+    return float(1e-6 * mass[np.isfinite(mass)].sum())
 
 
 def largest_of(samples: Integers, sizes: Array, count: int) -> Array:
@@ -99,20 +88,13 @@ def force_scale(run: RunData, width: float, view: View | None = None) -> ForceSc
     sizes = np.hypot(*arrays["contact_force"].T)
     reference = typical(largest_of(arrays["contact_sample"], sizes, len(run.time)), run.time)
     if reference <= rounding(run):
-        return NO_SCALE
+        return ForceScale()
     return ForceScale(given, reference) if given > 0 else scale_of(reference, REFERENCE * width)
 
 
 def shared(scales: Iterable[ForceScale]) -> ForceScale:
     """The scale for several pictures: that of the largest sizes."""
     return max(scales, key=lambda scale: scale.reference)
-
-
-def decimals(reference: float) -> int:
-    """Decimals of values on a scale: two, fewer from 10 on; below 0.1 two digits at least."""
-    if 0 < reference < 0.1:
-        return min(1 - math.floor(math.log10(reference)), MAX_DECIMALS)
-    return 2 if reference < 10 else 1 if reference < 100 else 0
 
 
 def pressure_unit(largest: float) -> tuple[float, str]:
@@ -123,6 +105,8 @@ def pressure_unit(largest: float) -> tuple[float, str]:
 def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
     """Factor, unit and decimals to write values up to about ``reference``.
 
+    Two decimals, fewer from 10 on; below 0.1 two digits at least.
+
     >>> prefixed(0.0016, "N m")
     (1000.0, 'mN m', 2)
     """
@@ -130,16 +114,21 @@ def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
     factor, prefix = 1.0, ""
     if unit == "Pa":
         pascals, unit = pressure_unit(size)
-        return 1 / pascals, unit, decimals(size / pascals)
-    if unit == "m^3/s":
-        factor, unit = 1e6, "ml/s"
-    elif 0 < size < 1e-4:
-        factor, prefix = 1e6, "µ"
-    elif 0 < size < (1.0 if unit == "N m" else 0.1):
-        factor, prefix = 1e3, "m"
-    elif size >= 1e5:
-        factor, prefix = 1e-3, "k"
-    return factor, prefix + unit, decimals(factor * size)
+        factor, size = 1 / pascals, size / pascals
+    elif unit == "m^3/s":
+        factor, unit, size = 1e6, "ml/s", 1e6 * size
+    else:
+        if 0 < size < 1e-4:
+            factor, prefix = 1e6, "µ"
+        elif 0 < size < (1.0 if unit == "N m" else 0.1):
+            factor, prefix = 1e3, "m"
+        elif size >= 1e5:
+            factor, prefix = 1e-3, "k"
+        size *= factor
+    decimals = 2 if size < 10 else 1 if size < 100 else 0
+    if 0 < size < 0.1:
+        decimals = min(1 - math.floor(math.log10(size)), 9)
+    return factor, prefix + unit, decimals
 
 
 def round_length(largest: float) -> float:
@@ -149,13 +138,16 @@ def round_length(largest: float) -> float:
     return float(step * power)
 
 
-def round_up(value: float) -> float:
-    """The smallest 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten from ``value`` on; 1 for 0."""
+def round_up(value: float, steps: Sequence[float] = (1, 1.5, 2, 3, 4, 5, 6, 8)) -> float:
+    """The smallest of ``steps`` times a power of ten from ``value`` on; 1 for 0.
+
+    >>> round_up(1.2), round_up(0.07, (1, 2, 5))
+    (1.5, 0.1)
+    """
     if not value > 1e-300:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
-    steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-    return float(power * next(s for s in steps if s * power >= value * (1 - 1e-9)))
+    return float(power * next(s for s in (*steps, 10.0) if s * power >= value * (1 - 1e-9)))
 
 
 class PinnedBar(NamedTuple):
@@ -174,7 +166,7 @@ def bars_of(run: RunData, bodies: Sequence[int]) -> list[PinnedBar]:
                                 strict=True) if kind.keeps == "point" else ():
             bar = found.setdefault(body, PinnedBar(body, [], []))
             near = next((own for at, own in zip(bar.ends, bar.joints, strict=True)
-                         if abs(at[0] - x) + abs(at[1] - y) <= SAME), None)
+                         if abs(at[0] - x) + abs(at[1] - y) <= 1e-9), None)
             if near is None:
                 bar.ends.append((x, y))
                 bar.joints.append([k])
@@ -195,12 +187,10 @@ def bar_tensions(run: RunData, bars: Sequence[PinnedBar]) -> Array:
     for k, bar in enumerate(bars):
         (x0, y0), (x1, y1) = bar.ends
         way = angle[:, bar.body] + np.arctan2(y1 - y0, x1 - x0)
-        sides = [np.where(run.model.joints.bodies[own, 1] == bar.body, 1.0, -1.0)
-                 for own in bar.joints]
-        start, end = (np.einsum("nki,k->ni", force[:, own], side)
-                      for own, side in zip(bar.joints, sides, strict=True))
-        carried = end - start
-        tension[:, k] = (carried[:, 0] * np.cos(way) + carried[:, 1] * np.sin(way)) / 2
+        start, end = (np.einsum("nki,k->ni", force[:, own], np.where(
+            run.model.joints.bodies[own, 1] == bar.body, 1.0, -1.0)) for own in bar.joints)
+        x, y = (end - start).T
+        tension[:, k] = (x * np.cos(way) + y * np.sin(way)) / 2
     return np.nan_to_num(tension)
 
 
@@ -213,17 +203,6 @@ class Tensions(NamedTuple):
     largest: float  # top of the scale [N]; 0 if nothing carries anything
     pushing: frozenset[str]
     """The layers, ``tensions`` of links and ``bars``, in which something pushes visibly."""
-
-    @property
-    def colours(self) -> tuple[Colour, ...]:
-        """All that may occur."""
-        return TENSION + PUSH if self.pushing else TENSION
-
-    @property
-    def loaded(self) -> Integers:
-        """The joints with a loaded link."""
-        sizes = np.abs(self.links).max(axis=0, initial=0.0)
-        return np.flatnonzero(sizes > UNLOADED * self.largest)
 
     def beside(self, others: Iterable[Tensions]) -> Tensions:
         """The same on the scale that has room for those of other runs too."""

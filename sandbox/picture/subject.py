@@ -11,11 +11,10 @@ import numpy as np
 
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags
-from sandbox.picture.listing import Item, Listing, Number, Point, short
+from sandbox.picture.listing import Item, Listing, Number, Point, RunData, nearest, short
 from sandbox.picture.palette import TOKENS, Colour, css, glyph
-from sandbox.picture.run_data import RunData, nearest
 from sandbox.picture.scales import ForceScale, Tensions, prefixed
-from sandbox.scene.layers import LAYERS, PASSES, Show, meant, shown
+from sandbox.scene.layers import PASSES, Show, meant, shown
 from sandbox.scene.settings import View
 from sandbox.values.appearance import depth
 
@@ -28,20 +27,16 @@ class VisibleLayers:
     """Which layers a view shows of a run, and of which bodies."""
 
     def __init__(self, run: RunData, view: View) -> None:
-        self._shown: Show = shown(view.show, traced=bool(view.traces))
+        self.patterns: Show = shown(view.show, traced=bool(view.traces))
         self._of = {layer: meant(patterns, run.mechanism.bodies)
-                    for layer, patterns in self._shown.items() if LAYERS[layer].per_body}
+                    for layer, patterns in self.patterns.items()}
 
     def __contains__(self, layer: str) -> bool:
-        return layer in self._shown
+        return layer in self.patterns
 
     def of(self, layer: str) -> list[int]:
         """The bodies that a layer is shown of."""
         return self._of.get(layer, [])
-
-    def patterns(self, layer: str) -> tuple[str, ...]:
-        """The patterns of bodies in the view."""
-        return self._shown.get(layer, ())
 
 
 @dataclass

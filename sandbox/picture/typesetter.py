@@ -14,7 +14,6 @@ from sandbox.wording import printable
 
 FINER = 4  # letters are drawn this many times larger, then scaled down
 MAX_LETTERS = 1000  # of a text; no picture is as wide
-KEPT = 2000  # texts that are kept: most of them come again in the next frame
 MAX_LINES, SHARE = 3, 0.25  # of a title: lines; for several, the share of a picture's height
 HEAD, LINE = 2.2, 1.25  # height of a header, and from line to line of a title [sizes of type]
 
@@ -56,7 +55,7 @@ class Typesetter:
         text, size = letters(text), size or self.size
         key = (text, size, colour, halo)
         if key not in self._kept:
-            if len(self._kept) >= KEPT:
+            if len(self._kept) >= 2000:
                 self._kept.clear()
             face = self._fine(text, size, colour)
             self._kept[key] = self._rimmed(text, size, face) if halo else face
@@ -131,7 +130,6 @@ class Headline(NamedTuple):
 
 
 def _wrapped(title: str, type_: Typesetter, room: int, most: int) -> Iterator[str]:
-    """Lines of whole words."""
     words = title.split()
     for count in range(1, most + 1):
         line = ""

@@ -7,12 +7,14 @@ the other where they meet at t = 0. The simulation does not use them.
 from __future__ import annotations
 
 import math
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 
 from sandbox.model.joints import meeting
 from sandbox.model.model import Model
+from sandbox.model.supports import components
 from sandbox.numeric import Array
 from sandbox.picture.geometry import shape_points
 from sandbox.scene.geometry import to_body, to_world
@@ -23,7 +25,6 @@ ALONG, ACROSS = np.array([(-0.34, -FOOT), (-0.12, TOP), (0.12, TOP), (0.34, -FOO
 """A tooth: places along the pitch circle, and across [pitches]."""
 RIM = 0.9  # of a ring outside its teeth, of a rack below them [pitches]
 REACH = 6.0  # of a rack on a body without shapes, to either side of its gear [radii]
-SIDES = 90  # of a circle
 
 
 class _WheelPlace(NamedTuple):
@@ -44,17 +45,20 @@ class WheelPicture(NamedTuple):
 
 def wheel_pictures(model: Model) -> dict[int, list[WheelPicture]]:
     """The wheels of each body, the largest first."""
-    found: dict[_WheelPlace, WheelPicture] = {}
-    joints = model.joints
-    for group in _meshing(model):
-        radii = np.array([place.radius for j in group for place in _places(model, j)
+    joints, found = model.joints, dict[_WheelPlace, WheelPicture]()
+    meshing = {j: _places(model, j) for j in joints.keeping("gear", "rack").tolist()}
+    index = {place: k for k, place in enumerate(dict.fromkeys(chain(*meshing.values())))}
+    groups = components(len(index), [(index[one], index[two]) for one, two in meshing.values()])
+    for group in dict.fromkeys(groups):
+        pairs = {j: pair for j, pair in meshing.items() if groups[index[pair[0]]] == group}
+        radii = np.array([place.radius for pair in pairs.values() for place in pair
                           if math.isfinite(place.radius)])
         counts = np.arange(FEW, MANY + 1)[:, None] * radii / radii.min()
         off = np.abs(counts - np.round(counts)).max(axis=1) + 1e-3 * np.arange(FEW, MANY + 1)
         pitch = 2 * math.pi * float(radii.min()) / (FEW + int(off.argmin()))
         phases: dict[_WheelPlace, float] = {}
-        for j in group:
-            _mesh(model, j, pitch, phases, found)
+        for j, pair in pairs.items():
+            _mesh(model, j, pair, pitch, phases, found)
     for j in joints.keeping("roll").tolist():
         for end, place in enumerate(_places(model, j)):
             around = bool(joints.inside[j]) and place.radius > joints.radii[j, 1 - end]
@@ -72,24 +76,12 @@ def _places(model: Model, j: int) -> tuple[_WheelPlace, _WheelPlace]:
     return one, two._replace(radius=math.inf) if joints.kind[j].keeps == "rack" else two
 
 
-def _meshing(model: Model) -> list[list[int]]:
-    """Gears and racks, grouped by shared wheels."""
-    groups: list[tuple[set[_WheelPlace], list[int]]] = []
-    for j in model.joints.keeping("gear", "rack").tolist():
-        wheels, members = set(_places(model, j)), [j]
-        for group in [group for group in groups if group[0] & wheels]:
-            wheels, members = wheels | group[0], group[1] + members
-            groups.remove(group)
-        groups.append((wheels, members))
-    return [members for _, members in groups]
-
-
 def _mesh(
-    model: Model, j: int, pitch: float, phases: dict[_WheelPlace, float],
-    found: dict[_WheelPlace, WheelPicture],
+    model: Model, j: int, pair: tuple[_WheelPlace, _WheelPlace], pitch: float,
+    phases: dict[_WheelPlace, float], found: dict[_WheelPlace, WheelPicture],
 ) -> None:
     """Add the teeth of both sides of a joint, those of one in the gaps of the other."""
-    one, two = _places(model, j)
+    one, two = pair
     if two in phases and one not in phases and math.isfinite(two.radius):
         one, two = two, one
     x, y = (float(v) for v in meeting(model, j, model.bodies.pose))
@@ -113,8 +105,7 @@ def _mesh(
         phases[two] = 0.0
         found[two] = _rack(model, j, two, x, y, pitch, ahead)
         return
-    turned = 1.0 if inside else -1.0
-    phases[two] = direction(two) + turned * (ahead + pitch / 2) / two.radius
+    phases[two] = direction(two) + (1 if inside else -1) * (ahead + pitch / 2) / two.radius
     found[two] = _wheel(two, pitch, phases[two], ring=inside and two.radius > one.radius)
 
 
@@ -133,7 +124,7 @@ def _wheel(place: _WheelPlace, pitch: float = 0.0, phase: float = 0.0, *,
     def polar(radii: Array | float, angle: Array) -> Array:
         return np.stack([radii * np.cos(angle), radii * np.sin(angle)], axis=1) + centre
 
-    around = np.linspace(0.0, 2 * np.pi, SIDES, endpoint=False)
+    around = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
     outline, line, rim, spoke = polar(radius, around), None, RIM * pitch or 0.1 * radius, radius
     count = _count(radius, pitch) if pitch else MAX_TEETH + 1
     if count <= MAX_TEETH:

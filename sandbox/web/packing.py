@@ -17,8 +17,7 @@ import numpy as np
 
 from sandbox.elements.arrays import largest_size
 from sandbox.numeric import Array, Flags
-from sandbox.picture.listing import Listing
-from sandbox.picture.run_data import read_curve
+from sandbox.picture.listing import Listing, read_curve
 from sandbox.samples.samples import Samples
 from sandbox.web.drawing import expressions_of, moving, page_list
 

@@ -52,7 +52,7 @@ def test_a_shelf_that_drops_away_does_not_shrink_the_rest(motion):
     """However deep it falls, no more than its room below the floor is shown of that."""
     boxes = [body_box(world(shelf(motion), ways={"shelf": falling(depth)}))
              for depth in (0.0, 20.0, 2000.0)]
-    assert boxes[0].height == pytest.approx(0.36)  # from -0.05 to 0.31
+    assert boxes[0].size[1] == pytest.approx(0.36)  # from -0.05 to 0.31
     # the last sample within: at most its room of a floor 1 m wide, and its thickness
     assert all(box.y0 >= -0.05 - ROOM - 0.02 for box in boxes)
     assert all(box.y1 == pytest.approx(0.31) for box in boxes)
@@ -124,7 +124,7 @@ def test_a_picture_of_some_bodies_shows_these_and_not_their_cables_or_others_tra
         "view": {"bodies": ["ball"]}})
     pose = np.zeros((N, 2, 3))
     pose[:, 1, :2] = 0, 0.1
-    assert body_box(recording(mechanism, TIME, pose)).width == pytest.approx(0.1)
+    assert body_box(recording(mechanism, TIME, pose)).size[0] == pytest.approx(0.1)
 
 
 SLIDER = {"type": "slot", "name": "ways", "a": "floor", "b": "slider", "start": [-0.5, 0.1],
@@ -156,7 +156,7 @@ def test_a_still_of_some_bodies_is_fitted_to_where_they_are_then():
     run = world(body("ball", [0, 0.1]), ways=ways, view={"bodies": ["ball"]})
     box = body_box(run, moments=[0.5])
     assert (box.x0, box.x1) == pytest.approx((4.45, 4.55))
-    assert body_box(run).width == pytest.approx(9.1)
+    assert body_box(run).size[0] == pytest.approx(9.1)
 
 
 def test_the_picture_has_room_for_traces():
@@ -166,4 +166,4 @@ def test_the_picture_has_room_for_traces():
     for traces, width in (([{"body": "arm", "at": [0.5, 0]}], 1.0), ([], 0.01)):
         mechanism = Mechanism.model_validate({"view": {"traces": traces}, "bodies": [
             {"name": "arm", "mass": 1, "shapes": [{"type": "circle", "radius": 0.005}]}]})
-        assert body_box(recording(mechanism, TIME, pose)).width == pytest.approx(width, rel=0.01)
+        assert body_box(recording(mechanism, TIME, pose)).size[0] == pytest.approx(width, rel=0.01)

@@ -13,7 +13,7 @@ from sandbox.picture import film as video
 from sandbox.picture.film import render
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
-from sandbox.picture.palette import FORCE
+from sandbox.picture.palette import TOKENS
 from sandbox.picture.paper import pixels
 from sandbox.scene.mechanism import Mechanism
 
@@ -75,7 +75,7 @@ def test_arrows_are_drawn_to_scale(newton):
     renderer = frames_of(run)
     origin = renderer.picture.camera.to_pixels(np.zeros(2))
     row = round(float(origin[1]))
-    left, right, _, _ = extent(renderer.draw(0.1)[row - 2:row + 3], FORCE)
+    left, right, _, _ = extent(renderer.draw(0.1)[row - 2:row + 3], TOKENS["force"][0])
     # 1 N is 0.05 m is 40 pixels; both ends fall on pixels, the point is thin
     assert right - left == pytest.approx(40 * newton, abs=2.5)
     assert left == pytest.approx(origin[0], abs=1.5)
@@ -83,10 +83,10 @@ def test_arrows_are_drawn_to_scale(newton):
 
 def test_forces_are_of_the_nearest_sample():
     renderer = frames_of(one_arrow([2.0, 0.0], force_scale=0.05))
-    assert not (renderer.draw(0.04)[40:500] == FORCE).all(axis=2).any()
-    assert (renderer.draw(0.06)[40:500] == FORCE).all(axis=2).any()
-    assert (renderer.draw(0.14)[40:500] == FORCE).all(axis=2).any()
-    assert not (renderer.draw(0.16)[40:500] == FORCE).all(axis=2).any()
+    assert not (renderer.draw(0.04)[40:500] == TOKENS["force"][0]).all(axis=2).any()
+    assert (renderer.draw(0.06)[40:500] == TOKENS["force"][0]).all(axis=2).any()
+    assert (renderer.draw(0.14)[40:500] == TOKENS["force"][0]).all(axis=2).any()
+    assert not (renderer.draw(0.16)[40:500] == TOKENS["force"][0]).all(axis=2).any()
 
 
 def test_a_picture_does_not_depend_on_those_before(hand_run):

@@ -6,7 +6,7 @@ import pytest
 
 from sandbox.picture.frame import Picture
 from sandbox.picture.options import view_of
-from sandbox.picture.palette import ACCELERATION, AXES, REACTION, VELOCITY
+from sandbox.picture.palette import TOKENS
 from sandbox.scene.layers import LAYERS
 from sandbox.scene.mechanism import Mechanism
 
@@ -77,12 +77,12 @@ def test_every_layer_changes_the_picture(layer, usual):
     assert (np.abs(switched - usual).max(axis=2) > 40).sum() > 20
 
 
-@pytest.mark.parametrize(("layer", "colour"), [
-    ("velocity", VELOCITY), ("acceleration", ACCELERATION), ("reactions", REACTION),
-    ("axes", AXES)])
-def test_each_has_its_colour_of_the_bodies_that_are_named(layer, colour, usual):
+@pytest.mark.parametrize(("layer", "token"), [
+    ("velocity", "velocity"), ("acceleration", "acceleration"), ("reactions", "reaction"),
+    ("axes", "axes")])
+def test_each_has_its_colour_of_the_bodies_that_are_named(layer, token, usual):
     def count(pixels):
-        return int((np.abs(pixels - colour).max(axis=2) < 25).sum())
+        return int((np.abs(pixels - TOKENS[token][0]).max(axis=2) < 25).sum())
 
     named, every = picture({layer: ["tip"]}), picture([layer])
     assert count(usual) < 8 < count(named) < count(every)

@@ -39,8 +39,8 @@ def test_values_are_those_of_the_run_in_the_units_of_plots():
     assert angle.values[0] == pytest.approx(np.degrees(run.time))
     assert x.values[0] == pytest.approx(10.0)
     assert squared.values[0] == pytest.approx(np.degrees(run.time**2))
-    assert [angle.texts(200), x.texts(3), plain.texts(400)] == [["57°"], ["10.0 mm"],
-                                                                 ["2.00 parsec"]]
+    assert [one.texts(one.values[:, [k]]) for one, k in (
+        (angle, 200), (x, 3), (plain, 400))] == [["57°"], ["10.0 mm"], ["2.00 parsec"]]
 
 
 @pytest.mark.parametrize(("spread", "aside"), [((0.0, 0.5), True), ((0.5, 0.0), False)])

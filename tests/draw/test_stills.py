@@ -8,12 +8,11 @@ import pytest
 from PIL import Image
 
 from sandbox.errors import OutputError
-from sandbox.picture.film import render
-from sandbox.picture.frame import Picture
+from sandbox.picture.film import instants, render
+from sandbox.picture.frame import Picture, Strip
 from sandbox.picture.meters import HUES, dials
 from sandbox.picture.options import LETTERS, PrintSize, paper_of, view_of
 from sandbox.picture.paper import pixels
-from sandbox.picture.stills import Strip, instants
 
 SMALL = (320, 240)
 SVG = "{http://www.w3.org/2000/svg}"
@@ -168,7 +167,7 @@ def test_a_strips_meters_have_a_cursor_for_each_picture(finger_run):
     Strip(finger_run, times, view).paint(words)
     samples = [int(np.argmin(np.abs(finger_run.time - t))) for t in times]
     dial, = dials(finger_run, view)
-    values = ", ".join(dial.texts(s)[0].removesuffix(" N") for s in samples)
+    values = ", ".join(dial.texts(dial.values[:, [s]])[0].removesuffix(" N") for s in samples)
     assert f"{values} N" in [text for text, *_ in words.found]
     dots = [centre[0] for centre, fill in words.dots if fill == HUES[0]]
     assert len(dots) == 3

@@ -24,11 +24,7 @@ from sandbox.values.appearance import ALL, depth, rgb
 
 EDGE, HAIR = 1.3, 0.5  # widths of an outline and of a pitch circle [points]
 BAR, STALK = 8.0, 2.2  # widths of bodies without shapes, of lines to anchors beside bodies [points]
-DARK = 90  # brightness, 0 to 255, below which a fill has an outline that is lighter
-DEEP = 0.45  # share of the edge's colour in the fill of bodies in the lowest plane of their role
 ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")  # from back to front
-WHEELS = ("gear", "rack", "roll")  # joints that hold wheels rather than points
-ERROR = 0.2  # how far outlines of round shapes may be from their true lines [points]
 
 
 def styles(model: Model) -> list[Style]:
@@ -44,10 +40,10 @@ def styles(model: Model) -> list[Style]:
         ranks = sorted(planes[body.role], reverse=True)
         if own is not None:
             fill = rgb(own)
-            dark = 0.3 * fill[0] + 0.59 * fill[1] + 0.11 * fill[2] < DARK
+            dark = 0.3 * fill[0] + 0.59 * fill[1] + 0.11 * fill[2] < 90  # of 255
             style = Style(fill, mixed(fill, BACKGROUND if dark else INK, 0.6))
         elif moves and len(ranks) > 1:
-            share = DEEP * ranks.index(depth(body.plane)) / (len(ranks) - 1)
+            share = 0.45 * ranks.index(depth(body.plane)) / (len(ranks) - 1)
             style = Style(mixed(style.fill, style.edge, share), style.edge)
         found.append(style)
     return found
@@ -100,7 +96,7 @@ def add_bodies(s: Subject) -> None:
 def _add_shapes(s: Subject, i: int, add: Callable[..., None], look: Look,
                 driven: dict[int, int]) -> None:
     """The shapes of a body; ``driven`` are the drives that set radii, by shape."""
-    body, error, fixed = s.run.mechanism.bodies[i], ERROR * s.point, bool(look[-1])
+    body, error, fixed = s.run.mechanism.bodies[i], 0.2 * s.point, bool(look[-1])
     path, line = partial(add, "path", f=i), partial(add, "line", s=("", look[1], EDGE))
     for shape in body.displaces:
         path(d=[flat(*shape_outline(solid, 0.0, error)) for solid, _ in solids(shape)],
@@ -160,7 +156,7 @@ def _anchors(model: Model, *, grooves: bool, wheels: bool = True) -> Iterator[tu
     joints, springs, lines = model.joints, model.springs, model.lines
     grooved = set(joints.grooved.tolist())
     for k, (a, b) in enumerate(joints.bodies.tolist()):
-        if wheels or joints.kind[k].keeps not in WHEELS:
+        if wheels or joints.kind[k].keeps not in ("gear", "rack", "roll"):
             if k not in grooved:
                 yield a, joints.anchor[k, :1]
             elif grooves:

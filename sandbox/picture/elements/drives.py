@@ -19,16 +19,11 @@ from sandbox.picture.scales import LONGEST, prefixed, typical
 from sandbox.picture.subject import Subject
 from sandbox.scene.bodies import Circle
 
-LENGTH = 0.07  # of the arrow of a typical large value [picture widths]
 SLIM, BLOCK = [3.4, 11], [7.0, 17]  # shaft and head of arrows to scale, and others [points]
-COMPARABLE = 0.2  # minimum size of forces on the scale of contact forces
 TELLING, NAMED = 6, 4  # maximum numbers of drives with written efforts, and of arrows with names
 SHORTEST = 0.5  # length of the arrow of a drive near 0, as a fraction of its typical length
 TURN, WIDER = 15.0, 6.0  # radius of a torque's arrow, and increment on a shared hinge [points]
 SWEEP = (0.9, 3.4)  # angle of a torque's arrow near 0, and increment of a typical torque [rad]
-NEGLIGIBLE = 5e-3  # drives below this share of their typical value are not painted
-LARGE = 90.0  # radius of wheels on which, not beside which, numbers stand [points]
-APART = 34.0  # distance of the marks of a running surface along its outline, more or less [points]
 ARROWS = ("force", "tension", "push")  # quantities of drives with a straight arrow
 
 
@@ -89,7 +84,7 @@ def add_drives(s: Subject) -> None:
         size = max(typical(np.abs(run.arrays["drive_value"][:, at]), run.time)
                    for run, at in values if at is not None)
         bonds = {"joints": model.bonds.joint, "tendons": model.bonds.tendon}.get(kind.target.among)
-        there = np.abs(value) > NEGLIGIBLE * size
+        there = np.abs(value) > 5e-3 * size  # others are negligible
         if bonds is not None and (bond := int(bonds[model.drives.target[k]])) >= 0:
             there &= s.run.arrays["held"][:, bond] != 0
         if not there.any() and not s.out.fixed_columns:
@@ -110,9 +105,9 @@ def _straight(s: Subject, k: int, size: float, there: Array, *, named: bool) -> 
     tail, way = _arrow(s, k, kind.gives)
     way = way / np.maximum(np.hypot(*way.T), 1e-12)[:, None]
     metres, most, long = s.force.metres, s.force.longest, value
-    scaled = kind.gives != "tension" and metres > 0 and size >= COMPARABLE * s.force.reference
+    scaled = kind.gives != "tension" and metres > 0 and size >= 0.2 * s.force.reference
     if not scaled:
-        length = LENGTH * s.width
+        length = 0.07 * s.width  # of the arrow of a typical large value [picture widths]
         metres, most = 1.0, length * (SHORTEST + (1 - SHORTEST) * LONGEST)
         long = np.sign(value) * length * (
             SHORTEST + (1 - SHORTEST) * (np.abs(value) / (size or 1.0)))
@@ -129,7 +124,6 @@ def _straight(s: Subject, k: int, size: float, there: Array, *, named: bool) -> 
 
 
 def _bent(s: Subject, k: int, size: float, there: Array, others: int) -> None:
-    """A bent arrow about a hinge, longer for a larger torque."""
     model, value, at = s.run.model, s.run.arrays["drive_value"][:, k], _hinge(s.run.model, k)
     radius, name = TURN + WIDER * others, model.drives.name[k]
     share = np.minimum(np.abs(value) / (size or 1.0), LONGEST)
@@ -171,7 +165,7 @@ def rim(s: Subject, at: Point) -> float:
               for end in (0, 1) if model.joints.bodies[k, end] == body
               and math.dist(model.joints.anchor[k, end], (x, y)) < 1e-9]
     found = max((r / s.point for r in radii if math.isfinite(r)), default=0.0)
-    return found + 4.0 if found < LARGE else 0.0
+    return found + 4.0 if found < 90.0 else 0.0  # numbers stand on larger wheels
 
 
 def add_belts(s: Subject) -> None:
@@ -192,7 +186,7 @@ def add_belts(s: Subject) -> None:
             step = np.diff(corners, axis=0)
             along = np.concatenate([[0.0], np.cumsum(np.hypot(*step.T))])
             step /= np.maximum(np.diff(along), 1e-12)[:, None]
-            count = max(3, min(200, round(float(along[-1]) / (APART * s.point))))
+            count = max(3, min(200, round(float(along[-1]) / (34.0 * s.point))))
             at = (gone[:, None] + along[-1] * np.arange(count) / count) % along[-1]
             side = np.clip(np.searchsorted(along, at, side="right") - 1, 0, len(step) - 1)
             place = placed(pose, corners[side] + (at - along[side])[..., None] * step[side])

@@ -9,39 +9,26 @@ import numpy as np
 
 from sandbox.model.joints import placed, rotated
 from sandbox.numeric import Array, Integers
+from sandbox.picture import scales
 from sandbox.picture.elements.notes import Place, marked
 from sandbox.picture.geometry import shape_points
-from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import (
-    NO_SCALE,
-    ForceScale,
-    largest_of,
-    prefixed,
-    rounding,
-    scale_of,
-    shared,
-    typical,
-)
+from sandbox.picture.listing import RunData
+from sandbox.picture.scales import ForceScale
 from sandbox.picture.subject import Subject
 from sandbox.samples.contacts import contacts_on, on_the_other, said_of
 
 FINE, SLIM = [2.4, 10], [3.4, 11]  # shaft and head of arrows of forces, and of loads [points]
 SHORTEST, SHORT = 2.5, 5.0  # contact arrows, and others, that are shorter are left out [points]
 LABELLED = 0.12  # values of arrows and patches above this share of the reference are written
-TELLING = 6  # numbers of loads are written of at most so many
 APART = 4.0  # maximum ratio of loads and contact forces on one scale
 LOAD_LENGTH, VECTOR_LENGTH, LENGTH = 0.11, 0.1, 0.07
 """Of loads, vectors, line loads [picture widths]."""
-FAINT = 0.02  # loads below this share of the reference are left out
-STANDING = 1e-6  # points that move less are at rest [picture widths]
-LEVEL = 2e-3  # corners of a body this near to a contact's line, in sizes of the body, lie on it
-MAX_SAMPLES = 200  # samples looked at for the scale of line loads
 
 
 def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, words: str,
                 size: Sequence[float] = FINE, **fields: Any) -> None:
     """Add an item for the table of a layer, and its row of the legend."""
-    factor, written, decimals = prefixed(scale.reference, unit)
+    factor, written, decimals = scales.prefixed(scale.reference, unit)
     s.add(layer, "arrows", layer, **{
         "t": layer, "metres": scale.metres, "most": scale.longest, "size": size, "least": SHORT,
         "s": (token, "paper", 2.0), "factor": factor, "unit": written, "decimals": decimals,
@@ -75,14 +62,14 @@ def add_loads(s: Subject) -> None:
     """The force of each load on each body, from where it acts; of a few with names and values."""
     loads, arrays = s.run.model.loads, s.run.arrays
     some = np.flatnonzero(np.isin(loads.body, s.layers.of("loads"))).tolist()
-    scales, length = [], LOAD_LENGTH * s.width
+    found, length = [], LOAD_LENGTH * s.width
     for run in (*s.beside, s.run):  # ``size`` is that of ``s.run`` from here on
         size = np.nan_to_num(np.hypot(*np.moveaxis(run.arrays["load_force"], -1, 0)))
-        usual = typical(size.max(axis=1, initial=0.0), run.time)
+        usual = scales.typical(size.max(axis=1, initial=0.0), run.time)
         alike = s.force.metres > 0 and usual / APART <= s.force.reference <= usual * APART
-        scales.append(NO_SCALE if usual <= rounding(run) else s.force if alike
-                      else scale_of(usual, length))
-    scale = shared(scales)
+        found.append(ForceScale() if usual <= scales.rounding(run) else s.force if alike
+                      else scales.scale_of(usual, length))
+    scale = scales.shared(found)
     if scale.metres == 0 or not size[:, some].max(initial=0.0) > 0:
         return
     rows = []
@@ -91,10 +78,10 @@ def add_loads(s: Subject) -> None:
         if loads.law[i] is None:  # buoyancy acts at the middle of the submerged part
             lift = np.where(force[:, 1] == 0, np.inf, force[:, 1])
             at = at + np.column_stack([arrays["load_torque"][:, i] / lift, np.zeros(len(at))])
-        there = np.flatnonzero(size[:, i] > FAINT * scale.reference)
+        there = np.flatnonzero(size[:, i] > 0.02 * scale.reference)  # others are too short
         rows.append(np.column_stack([there, np.full(len(there), i), at[there], force[there]]))
     s.out.tables["loads"] = sort_rows(rows)
-    few = len(some) <= TELLING
+    few = len(some) <= 6  # numbers of loads are written of at most so many
     _add_arrows(s, "loads", scale, "drive", "N", "load", SLIM, told=0.0 if few else np.inf,
                 names={i: s.run.mechanism.loads[loads.load[i]].name for i in some}
                 if few else None)
@@ -128,7 +115,7 @@ def reactions(run: RunData, bodies: Sequence[int]) -> tuple[list[Place], Array, 
     places = [(int(joints.bodies[k, 1]), (float(x), float(y)))
               for k, (x, y) in zip(found, joints.anchor[found, 1], strict=True)]
     values = run.arrays["joint_force"][:, found] * np.where(swapped, -1.0, 1.0)[None, :, None]
-    if np.abs(np.nan_to_num(values)).max(initial=0.0) <= rounding(run):
+    if np.abs(np.nan_to_num(values)).max(initial=0.0) <= scales.rounding(run):
         values = np.zeros_like(values)
     words = said_of(run.model, np.where(swapped, a, b), np.where(swapped, b, a))
     return places, values, f"joint force {words}"
@@ -145,36 +132,29 @@ def add_vectors(s: Subject) -> None:
             places, values, words = reactions(s.run, s.layers.of(layer))
             least, token = 0.0, "reaction"
         else:
-            places = marked(s.run, s.view, s.layers.patterns(layer))
+            places = marked(s.run, s.view, s.layers.patterns.get(layer, ()))
             values, words = point_motion(s.run, places)[order], layer
-            least, token = STANDING * s.width / duration**(order + 1), layer
+            least, token = 1e-6 * s.width / duration**(order + 1), layer
         values = np.nan_to_num(values)
         size = np.hypot(values[..., 0], values[..., 1]).max(axis=1, initial=0.0)
-        if (reference := typical(size, s.run.time)) <= least:
+        if (reference := scales.typical(size, s.run.time)) <= least:
             continue
         samples = np.arange(len(values))
         s.out.tables[layer] = sort_rows([np.column_stack([
             samples, np.full(len(samples), k), s.out.place([body, *at]), values[:, k]])
             for k, (body, at) in enumerate(places)])
-        _add_arrows(s, layer, scale_of(reference, VECTOR_LENGTH * s.width), token, unit, words)
+        scale = scales.scale_of(reference, VECTOR_LENGTH * s.width)
+        _add_arrows(s, layer, scale, token, unit, words)
 
 
 def spread(first: Any, second: Any, length: Any) -> tuple[Any, Any, Any, Any]:
-    """Forces at the two ends of a contact as a linear force per length.
+    """Normal forces (0 or more) at the two ends of a contact as a linear force per length.
 
     It has the same sum and moment. With q from q0 to q1 over a length L these are (q0 + q1) L / 2
     and, about the first end, (q0 + 2 q1) L^2 / 6; so q0 = (4 F0 - 2 F1) / L, and q1 likewise. Where
     one of them would pull, a triangle is left, three times as long as the resultant is away from
-    the other end.
-
-    Args:
-        first: normal forces at the first end, 0 or more [N].
-        second: those at the second end.
-        length: between them [m].
-
-    Returns:
-        Begin and end of the pressure as shares of the length, and the force per length there [N/m];
-        a begin equal to the end where all of it is in one point.
+    the other end. Returns begin and end as shares of the length, equal where all of it is in one
+    point, and the force per length there.
     """
     total = first + second
     share = second / np.where(total > 0, total, np.inf)
@@ -230,7 +210,7 @@ def _edges(run: RunData, rows: Integers, bodies: Integers) -> Array:
         pose = arrays["body_pose"][arrays["contact_sample"][which], body]
         way = placed(pose[:, None], corners) - arrays["contact_point"][which][:, None]
         nx, ny = arrays["contact_normal"][which].T[..., None]
-        on_it = np.abs(way[..., 0] * nx + way[..., 1] * ny) <= LEVEL * float(
+        on_it = np.abs(way[..., 0] * nx + way[..., 1] * ny) <= 2e-3 * float(
             np.ptp(corners, axis=0).max())
         along = way[..., 1] * nx - way[..., 0] * ny
         ends = np.stack([np.where(on_it, along, np.inf).min(axis=1),
@@ -244,10 +224,10 @@ def add_pressure(s: Subject) -> None:
     if "pressure" not in s.layers:
         return
     found, time = line_loads(s.run, s.layers.of("pressure")), s.run.time
-    some = np.unique(np.linspace(0, len(time) - 1, MAX_SAMPLES).astype(np.int64))
+    some = np.unique(np.linspace(0, len(time) - 1, 200).astype(np.int64))
     seen, most = np.isin(found.sample, some), found.load.max(axis=1, initial=0.0)
-    largest = largest_of(np.searchsorted(some, found.sample[seen]), most[seen], len(some))
-    scale = scale_of(typical(largest, time[some]), LENGTH * s.width)
+    largest = scales.largest_of(np.searchsorted(some, found.sample[seen]), most[seen], len(some))
+    scale = scales.scale_of(scales.typical(largest, time[some]), LENGTH * s.width)
     if scale.metres == 0:
         return
     high = np.minimum(found.load, scale.longest) * scale.metres
@@ -256,7 +236,7 @@ def add_pressure(s: Subject) -> None:
     s.out.tables["pressure"] = np.column_stack([
         found.sample, np.arange(len(first)) - first, found.ends.reshape(-1, 4),
         tops[:, ::-1].reshape(-1, 4), most])
-    factor, unit, decimals = prefixed(scale.reference, "N/m")
+    factor, unit, decimals = scales.prefixed(scale.reference, "N/m")
     s.add("pressure", "strips", "pressure", t="pressure", s=("patch", "force", 1.2),
           factor=factor, unit=unit, decimals=decimals, least=LABELLED * scale.reference)
     s.signs.add("patch")

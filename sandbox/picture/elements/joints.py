@@ -15,18 +15,16 @@ from sandbox.model.model import NONE
 from sandbox.numeric import Array
 from sandbox.picture.elements.bodies import beside, joined_points, stalks
 from sandbox.picture.geometry import XY
-from sandbox.picture.listing import Point, flat, short
+from sandbox.picture.listing import Between, Point, flat, short
 from sandbox.picture.palette import ZIGZAG
 from sandbox.picture.scales import UNLOADED, bars_of
 from sandbox.picture.subject import Subject
 
-GAUGE = 13.0  # distance of the two lines of a groove in the ground [points]
 FAR_FOOT, PILED = 16.0, 11.0  # distances of ground symbols from shapes, each other [points]
 TELLING, SHORT, BESIDE = 12, 36.0, 6.0  # numbers at links: count, minimum length, distance [points]
 TUBE, LONGEST_TUBE, STROKE = 0.85, 0.96, 0.88
 """Usual and longest cylinder, longest stroke of one rod [minimum lengths of the actuator]."""
 TUBE_WIDTH = 13.0  # of an actuator's cylinder [points]
-TAUT = 0.998  # a rope shorter than this fraction of its length is slack
 COIL, COIL_WIDTH = 1.1, [0.09, 3.2, 8.0]  # springs: width of the line [points]; ``w`` of a span
 THICK = (0.5, 6.0)  # limits of the shown stiffness of a driven spring [its own stiffness]
 BAND = 5.4  # width of a loaded bar's band [points]
@@ -67,7 +65,7 @@ def _groove(s: Subject, k: int, where: dict[str, Any]) -> None:
     place = [s.out.place(end)[0].tolist() for end in ends]
     if place[1] < place[0]:
         ends, place = ends[::-1], place[::-1]
-    half, between = GAUGE / 2, {"a": ends[0], "b": ends[1], **where}
+    half, between = 6.5, {"a": ends[0], "b": ends[1], **where}
     s.add("rails", "span", name, s=("", "ink", 1.0), w=[0, half, half], **between,
           t=[0, 1, 1, 1, 1, -1, 0, -1, 0, 1])
     s.add("rails", "span", every=8, s=("", "faint_ink", 0.9), **between,
@@ -139,7 +137,8 @@ def add_links(s: Subject) -> None:
     """Rods, ropes and actuators, coloured by their load, with numbers if they are few."""
     model, carried = s.run.model, s.carried
     driven = {int(model.drives.target[i]) for i in model.drives.giving("push")}
-    loaded = carried.loaded.tolist()
+    sizes = np.abs(carried.links).max(axis=0, initial=0.0)
+    loaded = np.flatnonzero(sizes > UNLOADED * carried.largest).tolist()
     for k, kind in enumerate(model.joints.kind):
         if not kind.along_line:
             continue
@@ -163,7 +162,6 @@ def add_links(s: Subject) -> None:
 
 
 def _level(tension: Array, largest: float) -> Array:
-    """Tension relative to the top of the scale, 0 if it is negligible."""
     level = tension / (largest or 1.0)
     return np.where(np.abs(level) <= UNLOADED, 0.0, level)
 
@@ -179,7 +177,7 @@ class _Link:
         self.holds: Any = True if shown is None else s.out.columns[shown[0]] != 0
         self.add = partial(s.add, "links", name=self.name, shown=shown,
                            plane=s.plane(*joints.bodies[k].tolist()))
-        self.way = s.out.between(*self.ends)
+        self.way = Between(s.out, *map(s.out.place, self.ends))
         self.length = self.way.length
 
     def line(self, points: list[Point], token: str, width: float) -> None:
@@ -203,7 +201,7 @@ class _Link:
             self.tube(a, middle, level)
             self.line([middle, b], "pin_ring", 1.6)
             return
-        taut = self.length > TAUT * longest
+        taut = self.length > 0.998 * longest  # else slack
         if (taut & self.holds).any():
             shown = s.steady(taut & self.holds)
             self.loaded(self.ends, "rope", 4.6, level, shown=shown)

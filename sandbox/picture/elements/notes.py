@@ -10,10 +10,9 @@ import numpy as np
 from sandbox.picture.bounds import Camera, Stage
 from sandbox.picture.elements.bodies import colour_of
 from sandbox.picture.geometry import XY, shape_points
-from sandbox.picture.listing import Item, Listing, flat
+from sandbox.picture.listing import Item, Listing, RunData, flat
 from sandbox.picture.palette import INK, TRACES, Colour, lighter, mixed
-from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import round_length
+from sandbox.picture.scales import round_length, round_up
 from sandbox.picture.subject import BEHIND, Subject
 from sandbox.scene.layers import EVERY, meant
 from sandbox.scene.settings import View
@@ -21,24 +20,20 @@ from sandbox.values.appearance import rgb
 
 Place = tuple[int, XY]
 TRACE, MARK = 1.8, 3.0  # width of a trace, radius of its marks of time [points]
-PITCH = 70.0  # least distance of lines of the grid [points]
 MAX_LINES, FAR = 200, 1e9  # lines of the grid along an axis, and steps from the origin
-WIDE = 1e4  # half the width of a liquid, in widths of the picture
-DARKER = 0.3  # how much darker a trace is than its body
-MAX_NAMED = 6  # of no more than so many traces the bodies' names stand at their ends
 PIECES = 12  # between marks of time, at most
 
 
 def add_traces(s: Subject) -> None:
     """The paths of points up to now, with marks of time; of several with names."""
-    places = traced(s.run, s.view, s.layers.patterns("traces"))
+    places = traced(s.run, s.view, s.layers.patterns.get("traces", ()))
     if not places or "traces" not in s.layers:
         return
     bodies = [body for body, _ in places]
-    named = 1 < len(set(bodies)) == len(bodies) <= MAX_NAMED
-    every = round_interval(float(s.run.time[-1] - s.run.time[0]))
+    named = 1 < len(set(bodies)) == len(bodies) <= 6
+    every = mark_interval(s.run)
     own = [colour_of(s.run.model, s.run.mechanism.bodies[body]) for body in bodies]
-    colours: list[Colour] = [mixed(rgb(each), INK, DARKER) for each in own if each]
+    colours: list[Colour] = [mixed(rgb(each), INK, 0.3) for each in own if each]
     if len(own) == 1 or len(set(colours)) < len(own):  # bodies without different colours
         colours = [TRACES[k % len(TRACES)] for k in range(len(own))]
     for (body, at), colour in zip(places, colours, strict=True):
@@ -73,7 +68,7 @@ def add_axes(s: Subject) -> None:
 
 def add_liquids(s: Subject) -> None:
     """The area below the level of each liquid."""
-    levels, far = s.run.model.loads.level, WIDE * s.width
+    levels, far = s.run.model.loads.level, 1e4 * s.width
     for level in sorted(set(levels[np.isfinite(levels)].tolist()), reverse=True):
         s.add("loads", "path", plane=BEHIND, f=s.out.world, s=("liquid", "liquid_edge", 1.4),
               d=[flat((-far, level), (far, level), (far, level - far), (-far, level - far))])
@@ -81,7 +76,7 @@ def add_liquids(s: Subject) -> None:
 
 def grid(out: Listing, camera: Camera, stage: Stage, point: float) -> list[Item]:
     """Lines of equal x and y with numbers at the edges, as items; ``point`` is pixels per point."""
-    step = round_length(min(2.5 * PITCH * point / camera.scale, 1e300))
+    step = round_length(min(175.0 * point / camera.scale, 1e300))
     unit, factor = ("m", 1.0) if step >= 0.1 else ("mm", 1e3)
     corners = np.array([[stage.left, stage.top + stage.height],
                         [stage.left + stage.width, stage.top]])
@@ -145,15 +140,6 @@ def marked(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
             if not run.model.bodies.fixed[place[0]]]
 
 
-def round_interval(duration: float) -> float:
-    """The time between marks [s]: 1, 2 or 5 times a power of ten, at most :data:`PIECES` marks.
-
-    >>> round_interval(0.5), round_interval(3.0)
-    (0.05, 0.5)
-    """
-    least = duration / PIECES
-    if not least > 1e-300:
-        return 1.0
-    power = 10.0 ** math.floor(math.log10(least))
-    return float(next((step * power for step in (1.0, 2.0, 5.0)
-                       if step * power >= least * (1 - 1e-9)), 10.0 * power))
+def mark_interval(run: RunData) -> float:
+    """The time between marks [s]: 1, 2 or 5 times a power of ten, at most :data:`PIECES` marks."""
+    return round_up(float(run.time[-1] - run.time[0]) / PIECES, (1, 2, 5))

@@ -14,21 +14,17 @@ from sandbox.model.bonds import held_one
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.elements.joints import made_stiffer
-from sandbox.picture.listing import Between, Number, Point, flat, short
-from sandbox.picture.run_data import RunData
+from sandbox.picture.listing import Between, Number, Point, RunData, flat, short
 from sandbox.picture.scales import SLACK_FRACTION, round_up
 from sandbox.picture.subject import Subject
 from sandbox.samples.cables import off_wheels
 
-CABLE = 2.4  # width of a tendon [points]
 WOUND = 1.5  # length of a tendon that is shown on the wheel on which it ends [rad]
 CREEP, MIN_SLIP = 1e-3, 1e-6  # minimum slip: per sample [largest one], of that [m]
-NEAR_TURN = 0.02  # arcs that are so close to a whole turn are arcs of the other sign [rad]
 TUBE, TUBE_SHARE = (4.5, 9.0), 0.13  # half width of a cylinder: limits [points], [lengths]
 HOSE, VANE = 1.6, 10.0  # width of a hose and radius of a chamber on a hinge [points]
 PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
 """Offsets of pump, tank, line [points]."""
-SPARE = 0.04  # room before and behind a piston [largest lengths of the cylinder]
 MIN_TUBE, MAX_TUBE = 0.55, 0.95  # limits of a tube [smallest lengths of the cylinder]
 
 
@@ -36,12 +32,9 @@ def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int],
          closed: bool) -> tuple[Array, Array]:
     """The angles at which a tendon meets and leaves each guide [n, g] rad; NaN off the guide.
 
-    Args:
-        places: centres of the guides, each [n, 2] m.
-        radii: of the wheels [m]; 0 for an eye.
-        senses: 1 where the centre lies right of the tendon, else -1.
-        on: whether the tendon lies on each guide, [n, g].
-        closed: whether the last guide is the first again.
+    ``places`` are the centres of the guides, each [n, 2] m; ``radii`` are 0 for eyes; ``senses``
+    are 1 where the centre lies right of the tendon, else -1; ``on`` [n, g] is whether it lies on a
+    guide. If ``closed``, the last guide is the first again.
     """
     meets, leaves = (np.full(on.shape, np.nan) for _ in range(2))
     for pattern in on[:1] if on.all() else np.unique(on, axis=0):
@@ -65,7 +58,7 @@ def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int],
         there = np.isfinite(meets[:, g])
         start = np.unwrap(meets[there, g])
         sweep = (sense * (meets[there, g] - leaves[there, g])) % math.tau
-        sweep = np.where(sweep > math.tau - NEAR_TURN, sweep - math.tau, sweep)
+        sweep = np.where(sweep > math.tau - 0.02, sweep - math.tau, sweep)
         meets[there, g], leaves[there, g] = start, start - sense * sweep
     return meets, leaves
 
@@ -130,14 +123,13 @@ class _Cable:
 
     def line(self, guides: list[Any], stretch: int, closed: int | None = None,
              there: Flags | None = None) -> None:
-        """One line in the colour of the tension of a stretch."""
         s = self.s
         share = s.carried.pieces[:, stretch] / (s.carried.largest or 1.0)
         slack, shown = share <= SLACK_FRACTION, self.shown
         if there is not None and not there.all():
             shown = s.steady(there & self.hold)
         self.add("taut", self.name, rank=float(np.mean(share)) - 1, p=guides, c=closed,
-                 s=[("", "@load", CABLE), ("", "slack", 1.8, 5)], state=s.steady(slack),
+                 s=[("", "@load", 2.4), ("", "slack", 1.8, 5)], state=s.steady(slack),
                  by=s.steady(np.where(slack, 0.0, share)), wide=self.wide, shown=shown)
 
     def pieces(self, stretches: Integers) -> None:
@@ -158,7 +150,6 @@ class _Cable:
             self.line([start, end], stretches[g], there=self.on[:, g])
 
     def collar(self, guide: int, slips: Flags) -> None:
-        """A ring at a guide with friction: full while that holds."""
         s, at, there = self.s, self.points[guide], self.on[:, guide] & self.hold
         if radius := self.radii[guide]:
             angle = self.middle[:, guide]
@@ -219,10 +210,9 @@ class _Fluids:
             return
         name, pulls, ends = lines.name[line], bool(lines.gain[n] < 0), [
             s.on(*end) for end in zip(bodies, lines.anchor[n], strict=True)]
-        way = s.out.between(*ends)
-        gap = np.hypot(*(s.out.place(ends[1]) - s.out.place(ends[0])).T)
-        least, most = float(gap.min()), float(gap.max())
-        spare = SPARE * most
+        way = Between(s.out, *map(s.out.place, ends))
+        least, most = float(way.length.min()), float(way.length.max())
+        spare = 0.04 * most  # room before and behind a piston [largest lengths of the cylinder]
         tube = min(max(most - least + 2 * spare, MIN_TUBE * least), MAX_TUBE * least)
         stroke = min(most - least, max(tube - 2 * spare, 0.0))
         slope = stroke / (most - least) if most > least else 1.0
