@@ -238,11 +238,11 @@ def _groups(unknowns: Unknowns) -> list[tuple[list[int], list[Unknown]]]:
 
 
 class Balance:
-    """The balance of a group as a linear program: forces of either sign are eliminated.
+    """The balance of a group as a linear program: W f = target on all bodies.
 
-    W f = target on all bodies, moments over a length, so that all are forces. With F the columns of
-    the free forces and N a basis of all motions on which these do no work, N^T F = 0, the others
-    have N^T G x = N^T target.
+    Moments count over a length, so that all are forces. A force of either sign is p - q with p and
+    q >= 0, limited by p + q + rest = most. Rows are the ``motions``, combinations of balances
+    in which forces work.
     """
 
     def __init__(
@@ -261,27 +261,24 @@ class Balance:
         self.size = max(float(np.abs(target).max()), SMALLEST_SCALE, float(np.hypot(
             *unknowns.arrays["contact_force"][rows].T).max()))
         """The largest recorded contact force or known load [N], the unit of all forces."""
+        target /= self.size
         self.allowed = scale * allowed[[0, 0, 1]].T[bodies].ravel() / self.size
-        most = np.array([one.most for one in forces])
-        self.free = np.array([one.free for one in forces]) & np.isinf(most)
-        self.F, self.G, self.target = W[:, self.free], W[:, ~self.free], target / self.size
-        # a force limited either way is p - q with p + q + rest = most
-        self.limited = np.flatnonzero(np.isfinite(most[~self.free]))
-        self.most = (most * self.unit)[~self.free][self.limited] / self.size
-        left, rank = _span(self.F)
-        motions = left[:, rank:]
-        G = np.concatenate([self.G, -self.G[:, self.limited]], axis=1)
-        left, rank = _span(motions.T @ G)
-        self.motions = motions @ left[:, :rank]
-        """Virtual motions on which the one-sided forces work, [rows, m]."""
-        idle = motions @ left[:, rank:]
-        self.idle = np.abs(self.target @ idle), np.abs(idle).T @ self.allowed
-        n, k = G.shape[1], len(self.limited)
-        A = np.zeros((rank + k, n + k))
-        A[:rank, :n] = self.motions.T @ G
-        for row, at in enumerate(self.limited):
-            A[rank + row, [at, n - k + row, n + row]] = 1.0
-        self.program = LinearProgram(A, np.concatenate([self.motions.T @ self.target, self.most]))
+        self.signed = np.flatnonzero([one.free for one in forces])
+        most = np.array([forces[i].most for i in self.signed]) * self.unit[self.signed] / self.size
+        limited = np.flatnonzero(np.isfinite(most))
+        left, values, _ = np.linalg.svd(W)
+        rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
+        self.motions, idle = left[:, :rank], left[:, rank:]
+        """Virtual motions on which forces work, [rows, rank]."""
+        self.idle = np.abs(target @ idle), np.abs(idle).T @ self.allowed
+        n, both, k = len(forces), len(forces) + len(self.signed), len(limited)
+        A = np.zeros((rank + k, both + k))
+        A[:rank, :n] = self.motions.T @ W
+        A[:rank, n:both] = -A[:rank, self.signed]
+        for row, at in enumerate(limited):
+            A[rank + row, [self.signed[at], n + at, both + row]] = 1.0
+        self.right, self.most = np.append(self.motions.T @ target, most[limited]), most[limited]
+        self.program = LinearProgram(A, self.right)
 
     def bounds(self) -> Iterator[Bounds]:
         """The bounds of every contact row of the group."""
@@ -308,40 +305,23 @@ class Balance:
         return bool(program.missing <= against and (self.idle[0] <= self.idle[1] + EXACT).all())
 
     def least(self, weight: Array) -> tuple[float, float]:
-        """The least weighted sum of all forces [N], and its rounding error.
+        """The minimum of a weighted sum of all forces [N], and its rounding error.
 
-        Forces that balance up to d, and are negative by e at most, have a sum of at least
+        Forces that balance up to d, and are negative by at most e, have a sum of at least
         y (target + d) - (c - G^T y) e.
         """
         scale = float(np.abs(weight).max())
         if scale == 0.0:  # no friction
             return 0.0, EXACT * self.size
-        c, n = weight / scale, self.G.shape[1]
-        joined = np.zeros(len(self.target))
-        if c[self.free].any():
-            joined = np.linalg.lstsq(self.F.T, c[self.free], rcond=None)[0]
-        if np.abs(self.F.T @ joined - c[self.free]).max(initial=0.0) > RANK:
-            return -np.inf, 0.0
-        rest = c[~self.free] - joined @ self.G
-        found = self.program.least(np.concatenate(
-            [rest, -rest[self.limited], np.zeros(len(self.limited))]))
+        c, n, m = weight / scale, len(weight), self.motions.shape[1]
+        found = self.program.least(np.concatenate([c, -c[self.signed], np.zeros(len(self.most))]))
         if np.isinf(found.value):
             return -np.inf, 0.0
-        m = self.motions.shape[1]
-        y = joined + self.motions @ found.prices[:m]
-        below = (np.array([one.below for one in self.forces]) * self.unit)[~self.free]
-        wanted = np.concatenate([self.motions.T @ self.target, self.most])
+        y, below = self.motions @ found.prices[:m], [one.below for one in self.forces] * self.unit
         slack = np.maximum(found.reduced[:n], 0.0) @ below + self.size * (
-            np.abs(y) @ self.allowed + np.abs(found.prices) @ np.abs(self.program.b - wanted)
+            np.abs(y) @ self.allowed + np.abs(found.prices) @ np.abs(self.program.b - self.right)
             + EXACT * (1 + np.abs(y).sum()))
-        return (scale * self.size * (float(joined @ self.target) + found.value),
-                scale * float(slack))
-
-
-def _span(matrix: Array) -> tuple[Array, int]:
-    """Left singular vectors of a matrix, and its rank."""
-    left, values, _ = np.linalg.svd(matrix)
-    return left, int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
+        return scale * self.size * found.value, scale * float(slack)
 
 
 @check("contact.bounds", "N", "minimum and maximum f with m a = Σ F, |t| <= μ n",

@@ -249,7 +249,7 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
         elif found and hasattr(found[0], of := key.removeprefix("contact_")):
             new[:] = [getattr(touch, of) for touch in found]
         rows[key] = np.concatenate([a[key][kept], new])
-    return Evidence(evidence.run.with_contacts(rows), alone=True, near=evidence.near)
+    return Evidence(evidence.run.with_arrays({**a, **rows}), alone=True, near=evidence.near)
 
 
 def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:

@@ -10,6 +10,7 @@ from typing import Any, Self
 
 from sandbox.atomic_files import output_path
 from sandbox.audit.audit import Figure, audit
+from sandbox.errors import OutputError
 from sandbox.recording import store, tables
 from sandbox.recording.new_run import writing
 from sandbox.samples.expectations import Verdict, verdicts
@@ -54,7 +55,11 @@ class Recording(Samples):
         Raises:
             OutputError: no path, or there is none, it cannot be read, or its files are of two runs.
         """
-        return cls(*store.load(output_path(directory, "a recording")))
+        folder = output_path(directory, "a recording")
+        try:
+            return cls(*store.load(folder))
+        except ValueError as error:  # arrays that do not fit the mechanism
+            raise OutputError(f"{folder} is damaged: {error}", code="run-damaged") from None
 
     def to_pandas(self, *quantities: str) -> Any:
         """A ``pandas.DataFrame``: a column for each quantity, SI, the index ``time`` [s].

@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,9 @@ from sandbox.model.joints import Place, place_in_slot
 from sandbox.model.model import Model, Tendons
 from sandbox.model.tendons import CableSpan, lifted_at_start
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.outcome import Stored
+
+if TYPE_CHECKING:
+    from sandbox.samples.samples import Samples
 
 
 class Places(NamedTuple):
@@ -37,7 +39,7 @@ class Places(NamedTuple):
 class Frames:
     """Poses of all bodies in some samples of a recording, and points of theirs."""
 
-    def __init__(self, run: Stored) -> None:
+    def __init__(self, run: Samples) -> None:
         self.run, self.model = run, run.model
         self.x, self.y, self.angle = (
             np.ascontiguousarray(part) for part in run.arrays["body_pose"].transpose(2, 1, 0))

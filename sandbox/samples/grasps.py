@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,10 +21,12 @@ from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.nearby import flat_sides, pressed
-from sandbox.samples.outcome import Stored
 from sandbox.samples.yielding import Yielding, without_stiffness
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
+
+if TYPE_CHECKING:
+    from sandbox.samples.samples import Samples
 
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")  # Roles of parts of a hand that may be fixed
 FLAT, IN_LINE = 1e-7, 1e-4
@@ -49,7 +51,7 @@ class _Holding(NamedTuple):
 class Grasp:
     """An object of a recording and its contacts."""
 
-    def __init__(self, run: Stored, body: int) -> None:
+    def __init__(self, run: Samples, body: int) -> None:
         self.run, self.body, a = run, body, run.arrays
         rows = np.flatnonzero((a["contact_body"] == body) | (a["contact_other"] == body))
         first = a["contact_body"][rows] == body
@@ -71,7 +73,7 @@ class Grasp:
         """Contacts with bodies that are neither hand nor object, [m]."""
         self.on_finger: Flags = self.of_hand & np.array(
             [each.role != "palm" for each in bodies])[self.other]
-        self.count = np.bincount(self.sample[self.of_hand], minlength=len(run))
+        self.count: Integers = np.bincount(self.sample[self.of_hand], minlength=len(run))
         """Contacts of the hand in every sample, [n]."""
         local = centre_of(bodies[body])
         self.size = reach_of(bodies[body], local)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,9 @@ from sandbox.model.joints import meeting
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import Frames, piece_tensions
-from sandbox.samples.outcome import Stored
+
+if TYPE_CHECKING:
+    from sandbox.samples.samples import Samples
 
 Pair = tuple[Array, Array]  # Components x and y, [k, n] each
 
@@ -67,7 +69,7 @@ class ContactSides(NamedTuple):
 class Loads:
     """The loads of a recording, in batches by kind, and their sums over bodies."""
 
-    def __init__(self, run: Stored) -> None:
+    def __init__(self, run: Samples) -> None:
         self.run, self.model, self.frames = run, run.model, Frames(run)
         self.actuators: Flags = np.array([kind.line for kind in run.model.joints.kind], dtype=bool)
         """Which joints are actuators, [nj]."""

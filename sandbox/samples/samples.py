@@ -16,6 +16,9 @@ from sandbox.elements.arrays import (
     METERS,
     PER_SAMPLE,
     Arrays,
+    completed,
+    dtype_of,
+    faults,
     has_numbers,
 )
 from sandbox.elements.element import NAMED
@@ -23,6 +26,7 @@ from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, QUANTITIES, numb
 from sandbox.model import meters
 from sandbox.model.bonds import held_one
 from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, unit_of
+from sandbox.model.compile import compile_mechanism
 from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels, slot_length
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
@@ -30,7 +34,7 @@ from sandbox.samples.cables import Frames, piece_tensions, wound_up
 from sandbox.samples.contacts import Contacts, mean_arrays, mean_contact_rows
 from sandbox.samples.grasps import STIFFNESS, Grasp
 from sandbox.samples.loads import Loads
-from sandbox.samples.outcome import Outcome, Stored
+from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import is_pattern
 
@@ -49,8 +53,12 @@ class Columns(NamedTuple):
     values: Array  # Shape [n, number of names]
 
 
-class Samples(Stored):
+class Samples:
     """What was sampled of a run, read by the names of its quantities.
+
+    ``arrays`` are read-only, SI; :data:`sandbox.elements.arrays.ARRAYS` has their names, shapes and
+    meanings. ``info`` says how the run ended and how it was computed. ``model`` is the compiled
+    mechanism, if it is known.
 
     Raises:
         ValueError: arrays that are missing or do not fit the mechanism.
@@ -60,10 +68,43 @@ class Samples(Stored):
         self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Outcome, *,
         catalogue: Catalogue | None = None, model: Model | None = None,
     ) -> None:
-        super().__init__(mechanism, arrays, info, model=model)
+        self.mechanism: Mechanism = mechanism
+        self.info = info
+        self.arrays: Arrays = {key: np.asarray(array, dtype=dtype_of(key)).view()
+                               for key, array in completed(mechanism, arrays).items()}
+        for array in self.arrays.values():
+            array.setflags(write=False)
+        if found := faults(mechanism, self.arrays):
+            raise ValueError("; ".join(found))
+        self._model = model
         self.catalogue = catalogue or Catalogue(mechanism)
         self._grasps: dict[int, Grasp] = {}
         self._means: Arrays = {}
+
+    @property
+    def time(self) -> Array:
+        """Instants of the samples [s], shape [n]."""
+        return self.arrays["time"]
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run came to its planned end."""
+        return self.info.complete
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def model(self) -> Model:
+        """The compiled mechanism."""
+        if self._model is None:
+            self._model = compile_mechanism(self.mechanism)
+        return self._model
+
+    @cached_property
+    def contacts(self) -> Contacts:
+        """The contact rows, for sums by body, pair and group."""
+        return Contacts(self.arrays, samples=len(self), bodies=len(self.mechanism.bodies))
 
     @property
     def notes(self) -> list[str]:
@@ -185,13 +226,10 @@ class Samples(Stored):
                 kept = np.flatnonzero(np.isin(numbers, samples))
                 arrays[of] = np.searchsorted(samples, numbers[kept])
             arrays |= {key: self.arrays[key][kept] for key in rest}
-        return self._with(arrays)
+        return self.with_arrays(arrays)
 
-    def with_contacts(self, rows: Arrays) -> Self:
-        """The same with other contact rows, of all arrays that have one for each contact."""
-        return self._with({**self.arrays, **{key: rows[key] for key in CONTACT}})
-
-    def _with(self, arrays: Arrays) -> Self:
+    def with_arrays(self, arrays: Arrays) -> Self:
+        """A recording of the same run with other arrays."""
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
                           model=self._model)
 
@@ -298,7 +336,7 @@ class Samples(Stored):
 MAX_NOTES = 8  # Largest number of notes of one kind
 
 
-def broken(run: Stored) -> Iterator[str]:
+def broken(run: Samples) -> Iterator[str]:
     """A note on each joint, spring and tendon that broke, in order of time."""
     bonds, straight = run.model.bonds, run.model.springs.straight
     known = {name: bond for bond, name in enumerate(bonds.name)}
@@ -317,7 +355,7 @@ AT_END = 1e-5
 PRESSES = 1e-9  # Least force along the groove, relative to the joint's largest force
 
 
-def ended(run: Stored) -> Iterator[str]:
+def ended(run: Samples) -> Iterator[str]:
     """A note on each point that reached an end of its groove after the start, in order of time."""
     joints = run.model.joints
     slots = joints.keeping("groove").tolist()
@@ -347,7 +385,7 @@ AT_REST = 1e-6  # Largest speed at rest [m/s, rad/s]
 AT_MOST = 1e-6  # Distance from its limit, relative to it, at which a drive is at its limit
 
 
-def stalled(run: Stored) -> Iterator[str]:
+def stalled(run: Samples) -> Iterator[str]:
     """A note on each drive at its limit on bodies that are at rest at the end."""
     drives = run.model.drives
     if not len(run) or not len(drives.name):

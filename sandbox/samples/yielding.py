@@ -13,7 +13,7 @@ the forces B differ from the rows A, and their null space from Z.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,9 @@ from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.nearby import faces, pressed
-from sandbox.samples.outcome import Stored
+
+if TYPE_CHECKING:
+    from sandbox.samples.samples import Samples
 
 RANK = 1e-9  # Directions with a smaller share than this are rounding
 SMALL = 1e-7  # Motions [m, and by the size of the object rad] of central differences
@@ -97,7 +99,7 @@ class Rigid(NamedTuple):
 class Yielding:
     """The free bodies of a recording in one of its samples."""
 
-    def __init__(self, run: Stored, sample: int, size: float) -> None:
+    def __init__(self, run: Samples, sample: int, size: float) -> None:
         """``size`` is the length [m] equivalent to a rotation of 1 rad."""
         self.run, self.model, self.sample, self.size = run, run.model, sample, size
         free = np.flatnonzero(self.model.bodies.free)
@@ -381,7 +383,7 @@ class Yielding:
         return slice(at, at + 3), np.flatnonzero(np.repeat(reached, 3))
 
 
-def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
+def _repeated(run: Samples, sample: int, moved: Array) -> Samples:
     """Copies of one sample, without contacts, moved about the centres of mass by [k, nb, 3]."""
     which = np.full(len(moved), sample)
     arrays = {key: run.arrays[key][:0] if key in CONTACT else
@@ -391,7 +393,7 @@ def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
     pose += moved
     pose[..., :2] += before - rotated(centre, pose[..., 2])
     arrays["body_pose"] = pose
-    return Stored(run.mechanism, arrays, run.info, model=run.model)
+    return run.with_arrays(arrays)
 
 
 def null_space(rows: Array) -> Array:
