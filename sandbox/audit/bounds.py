@@ -67,7 +67,7 @@ class Unknowns:
     def __init__(self, evidence: Evidence) -> None:
         self.evidence, self.model, self.loads = evidence, evidence.model, evidence.loads
         self.arrays, frames = evidence.arrays, evidence.frames
-        self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
+        self.centre = frames.centre[:2, :, 0].T
         tendons, drives = self.model.tendons, self.model.drives
         # with friction at guides tensions depend on the past: they are known
         self.rigid = (tendons.drive == NONE) & (tendons.stiffness >= RIGID) & np.array(
@@ -148,9 +148,7 @@ class Unknowns:
         efforts = loads.drive_efforts.wrenches(len(drives.kind), bodies)
         for i, kind in enumerate(drives.kind):
             if kind.limited and np.isnan(drives.slope[i]):
-                # the limit of a brake is its value
-                most = a["drive_value"][0, i] if np.isnan(drives.most[i]) else drives.most[i]
-                yield Unknown(efforts[i], free=True, most=float(most))
+                yield Unknown(efforts[i], free=True, most=float(loads.limits[i, 0]))
         efforts = loads.friction_efforts.wrenches(len(joints.name), bodies)
         for j in joints.frictional[a["joint_sticks"][0, joints.frictional] == 1.0].tolist():
             most = joints.friction[j] + joints.coefficient[j] * carried(self.evidence, j)[0]
@@ -345,14 +343,10 @@ def _contact_bounds(evidence: Evidence, worst: Worst) -> None:
 def push_limits(
     evidence: Evidence, body: int, directions: Sequence[float], sample: int = -1,
 ) -> Array:
-    """The largest push of a body that balance, friction and unilateral contact allow [N].
+    """The largest push of a body at its centre of mass that balance allows [N], by direction [rad].
 
-    The push acts at the centre of mass, in each direction [rad]. inf where there is no bound; nan
-    where no forces balance the sample itself; 0 for a body that nothing touches, and within the
-    rounding error.
-
-    Raises:
-        ArithmeticError: a linear program fails.
+    inf where there is no bound; nan where no forces balance the sample itself; 0 for a body that
+    nothing touches, and within the rounding error.
     """
     unknowns, found = Unknowns(touched(evidence.alone(sample % len(evidence.run)))), []
     bodies, forces = next((each for each in _groups(unknowns) if body in each[0]), ([], []))

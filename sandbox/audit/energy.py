@@ -244,7 +244,7 @@ def _work_of_contacts(evidence: Evidence) -> Array:
 def _work_of_weight(evidence: Evidence) -> Array:
     """M g . (c - c_0 + h^2 a / 4) [J], [n], with half of the known displacements by impacts."""
     frames, h, free = evidence.frames, evidence.h, evidence.model.bodies.free
-    now, a = np.stack([frames.centre_x, frames.centre_y]), frames.acceleration[:2]
+    now, a = frames.centre[:2], frames.acceleration[:2]
     if evidence.run.time[0] < h:
         first = now[:, :, 0] - h / 2 * (evidence.velocity[:2] - h / 2 * a)[:, :, 0]
     else:
@@ -287,11 +287,9 @@ def _of_gaps(evidence: Evidence) -> float:
     """Work of joints and contacts that close gaps, and rounding of weights [J]."""
     a, free = evidence.arrays, evidence.model.bodies.free
     work = evidence.closed * np.hypot(*np.nan_to_num(a["joint_force"]).T).max(axis=1, initial=0.0)
-    pair = a["contact_body"] * len(free) + a["contact_other"]
     size, touch = np.hypot(*a["contact_force"].T), 0.0
     overlap = np.clip(-a["contact_gap"], 0.0, LEFT + evidence.contact_depth)
-    for kind in np.unique(pair):
-        own = pair == kind
+    for _, _, own in evidence.pairs():
         touch += float(size[own].max() * (evidence.closed + overlap[own].max()))
     weight = np.hypot(*evidence.model.mechanism.gravity) * a["body_mass"][free].sum()
     return float(work.sum() + touch + weight * ROUNDING)

@@ -17,6 +17,7 @@ from sandbox.audit.figures import (
     peak,
     whole,
 )
+from sandbox.model.joints import normal_in_slot
 from sandbox.model.model import NONE
 from sandbox.model.tendons import CableSpan, spans_of
 from sandbox.numeric import Array, Flags
@@ -184,11 +185,9 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
 
 def carried(evidence: Evidence, joint: int) -> Array:
     """Load of a joint that its friction depends on [N], [n]; of a groove the force across it."""
-    force = evidence.arrays["joint_force"][:, joint]
-    if evidence.model.joints.kind[joint].keeps != "groove":
-        return np.asarray(np.hypot(force[:, 0], force[:, 1]))
-    place = evidence.frames.place_in_slot(joint)
-    return np.asarray(np.abs(place.x * force[:, 1] - place.y * force[:, 0]))
+    if evidence.model.joints.kind[joint].keeps == "groove":
+        return np.abs(normal_in_slot(evidence.model, evidence.arrays, joint))
+    return np.asarray(np.hypot(*evidence.arrays["joint_force"][:, joint].T))
 
 
 def _bend(evidence: Evidence, joint: int) -> Array | float:
@@ -198,7 +197,7 @@ def _bend(evidence: Evidence, joint: int) -> Array | float:
         return 0.0
     a, b = joints.bodies[joint].tolist()
     at, v = frames.anchors[1], evidence.velocity
-    reach = np.hypot(at.x[joint] - frames.centre_x[a], at.y[joint] - frames.centre_y[a])
+    reach = np.hypot(at.x[joint] - frames.centre[0, a], at.y[joint] - frames.centre[1, a])
     speed = np.hypot(v[0, b] - v[0, a], v[1, b] - v[1, a])
     arm = np.hypot(at.arm_x[joint], at.arm_y[joint])
     turn = (np.abs(v[2]) + evidence.h * np.abs(frames.acceleration[2]))[[a, b]].sum(axis=0)

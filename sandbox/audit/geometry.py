@@ -28,7 +28,7 @@ FAST = 0.1  # Fraction of its largest velocity above which a body counts as movi
        none="no chain of hinges starts at a fixed body")
 def _poses(evidence: Evidence, worst: Worst) -> None:
     model, frames = evidence.model, evidence.frames
-    at, angle, joints = frames.x + 1j * frames.y, frames.angle, model.joints
+    at, angle, joints = frames.pose[0] + 1j * frames.pose[1], frames.pose[2], model.joints
     placed: dict[int, tuple[Point, Array, Array | float]] = {
         i: (at[i], angle[i], 0.0) for i in np.flatnonzero(~model.bodies.free).tolist()}
     waiting = _kept_pivots(evidence)
@@ -200,7 +200,7 @@ def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
     if not slots:
         return "its pivot does not slide on a slot"
     along = complex(*(joints.groove[slots[0], 1] - joints.groove[slots[0], 0]))
-    pull = along / abs(along) * np.exp(1j * frames.angle[joints.bodies[slots[0], 0], 0])
+    pull = along / abs(along) * np.exp(1j * frames.pose[2, joints.bodies[slots[0], 0], 0])
     ends = [tendon for tendon, end in enumerate(tendons.first[1:] - 1)
             if tendons.guide_body[end] == body]
     if len(ends) != 2:
@@ -211,7 +211,7 @@ def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
     # arms count to either side: the pivot's displacement is the mean, weighted by the other's arm
     if abs(arm - other) < 1e-12:
         return "its strings pull at the same point"
-    own = ((frames.x[body] + 1j * frames.y[body] - place) * pull.conjugate()).real
+    own = ((frames.pose[0, body] + 1j * frames.pose[1, body] - place) * pull.conjugate()).real
     mean = (arm * two - other * one) / (arm - other)
     worst.add(name, np.abs(own - mean),
               np.maximum(allowed, more) + 2 * (evidence.closed + ROUNDING))
@@ -285,7 +285,7 @@ def _schedules(evidence: Evidence, worst: Worst) -> None:
                                       if body.path is not None else ()):
             if signal is not None:
                 pose[axis] = values(signal, time, evidence.model.mechanism.functions)
-        off = np.abs(np.stack([frames.x[b], frames.y[b], frames.angle[b]]) - pose).max(axis=0)
+        off = np.abs(frames.pose[:, b] - pose).max(axis=0)
         # a scheduled body moves by h v in every step
         steps = time / evidence.h if body.path is not None else 1.0
         worst.add(bodies.name[b], off, ROUNDING + DIGITS * steps * (1 + np.abs(pose).max(axis=0)))
@@ -300,8 +300,9 @@ def _velocities(evidence: Evidence, worst: Worst) -> str:
     if len(evidence.run) < FEW:
         raise NotComputed("there are too few samples")
     for b in np.flatnonzero(~bodies.fixed).tolist():
-        for pose, v, a in zip((frames.centre_x[b], frames.centre_y[b], frames.angle[b]),
-                              evidence.velocity[:, b], frames.acceleration[:, b], strict=True):
+        for pose, v, a in zip(*(
+                part[:, b] for part in (frames.centre, evidence.velocity, frames.acceleration)),
+                strict=True):
             (_in_every_step if evidence.every_step else _between)(
                 evidence, bodies.name[b], pose, v, a, worst)
     for b in np.flatnonzero(bodies.fixed).tolist():

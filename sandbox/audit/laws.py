@@ -156,7 +156,7 @@ def _loads(evidence: Evidence, worst: Worst) -> None:
     for i, name in enumerate(loads.name):
         body = int(loads.body[i])
         force = np.stack([*a["load_force"][:, i].T, a["load_torque"][:, i]])
-        pose = np.stack([frames.centre_x[body], frames.centre_y[body], frames.angle[body]])
+        pose, acceleration = frames.centre[:, body], frames.acceleration[:, body]
         states: list[State] = []
         for ahead, velocity in ((0.0, evidence.velocity[:, body]),
                                 (h, evidence.velocity_after[:, body]))[:1 + (
@@ -164,7 +164,7 @@ def _loads(evidence: Evidence, worst: Worst) -> None:
             rate = [lost_rate(v, turning=k == 2) for k, v in enumerate(velocity)]
             off = [ROUNDING * max(1.0, peak(x)) + ahead * r
                    for x, r in zip(pose, rate, strict=True)]
-            states.append(((*(pose + ahead * velocity), *velocity, *frames.acceleration[:, body]),
+            states.append(((*(pose + ahead * velocity), *velocity, *acceleration),
                            (*off, *rate, *(2 * r / h for r in rate))))
         most = whole(force[:2])  # a torque's rounding is that of its force
         size = np.array([[most], [most], [max(whole(force[2]), most * ROUNDING / EXACT)]])

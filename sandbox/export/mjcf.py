@@ -33,11 +33,7 @@ STIFFNESS = "0.9999 0.9999 0.001 0.5 2"
 def write_mjcf(
     mechanism: Mechanism, without: Sequence[str] = (),
 ) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
-    """The text of a MuJoCo model, notes on differences, and names of elements left out.
-
-    Raises:
-        SceneError: elements without a counterpart, or names in ``without`` that fit no element.
-    """
+    """The text of a MuJoCo model, notes on differences, and names of elements left out."""
     kept, left_out = leave_out(mechanism, without)
     model = compile_mechanism(kept)
     tree = grow(model)

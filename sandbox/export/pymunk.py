@@ -62,11 +62,7 @@ if __name__ == "__main__":
 def write_script(
     mechanism: Mechanism, without: Sequence[str] = (),
 ) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
-    """The text of a script, notes on differences, and names of elements left out.
-
-    Raises:
-        SceneError: elements without a counterpart, or names in ``without`` that fit no element.
-    """
+    """The text of a script, notes on differences, and names of elements left out."""
     kept, left_out = leave_out(mechanism, without)
     draft = PymunkDraft(kept)
     calls = [f"scene.{_text(call)}" for call in draft.calls]

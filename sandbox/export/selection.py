@@ -45,11 +45,7 @@ def needs(mechanism: Mechanism) -> dict[str, set[str]]:
 def leave_out(
     mechanism: Mechanism, patterns: Sequence[str],
 ) -> tuple[Mechanism, tuple[str, ...]]:
-    """The mechanism without some elements and all that need them, and the names of both.
-
-    Raises:
-        SceneError: patterns that fit no name.
-    """
+    """The mechanism without some elements and all that need them, and the names of both."""
     needed = needs(mechanism)
     names = [*needed, *(MATERIAL + material for material in mechanism.materials),
              *(rule_name(rule) for rule in mechanism.contacts if rule.static)]

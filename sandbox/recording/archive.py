@@ -96,11 +96,7 @@ def _member(name: str) -> zipfile.ZipInfo:
 
 
 def read(path: Path) -> tuple[Mechanism, Arrays, Outcome, str]:
-    """The mechanism, arrays, outcome and id of a recording; the id is empty in version 0.1.
-
-    Raises:
-        OutputError: missing, not an archive, damaged, of a newer format, or not of a run.
-    """
+    """The mechanism, arrays, outcome and id of a recording; the id is empty in version 0.1."""
     try:
         with path.open("rb") as file, zipfile.ZipFile(file) as archive:
             reading = _Reading(path, file, archive)

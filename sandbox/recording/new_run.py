@@ -55,16 +55,10 @@ class NewRun:
         self.directory, self.aside = directory, aside
 
     def publish(self, *, stopped: bool = False) -> Path:
-        """Put the run in place of what was there; files of others in the directory stay.
+        """Put the run in place of what was there, and return where it is; other files stay.
 
-        Args:
-            stopped: by Ctrl-C, an error, a full disk; not by its own motion, as one that diverges.
-
-        Returns:
-            Where it is: in :data:`BESIDE` if it was stopped and a complete run is there.
-
-        Raises:
-            OutputError: it cannot be put there; up to the first move the old run is untouched.
+        A run that was ``stopped`` by Ctrl-C, an error or a full disk is put into :data:`BESIDE` if
+        a complete run is there. Up to the first move an error leaves the old run untouched.
         """
         stays = stopped and (self.directory / SUMMARY).exists()
         here = self.directory / BESIDE if stays else self.directory
@@ -119,13 +113,7 @@ class NewRun:
 
 @contextlib.contextmanager
 def writing(directory: Path) -> Iterator[NewRun]:
-    """A directory, made if need be, in which this writer and no other may put a run.
-
-    What is not published is removed.
-
-    Raises:
-        OutputError: it cannot be made or written into, or another run is being written there.
-    """
+    """A directory in which this writer and no other may put a run; what is not published goes."""
     with contextlib.ExitStack() as held:
         try:
             directory.mkdir(parents=True, exist_ok=True)
@@ -162,13 +150,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def made(path: Path) -> None:
-    """Remember a file that was made of the run in its directory, so that it goes with the run.
-
-    A directory without a run is none of ours, and what lies elsewhere stays.
-
-    Raises:
-        OutputError: it cannot be noted.
-    """
+    """Remember a file that was made of the run in its directory, so that it goes with the run."""
     directory = path.parent
     if path.name in OWN or not path.is_file() or not (directory / ARCHIVE).is_file():
         return

@@ -59,12 +59,8 @@ def save_summary(
 ) -> Path:
     """Write ``run.json`` (``run.incomplete.json``) last of all; returns its path.
 
-    ``figures`` are those of the audit, none for a run without one; ``derived`` are the parameters
-    that follow from others; ``wall_s`` adds to the wall times that the recording knows. In the
-    file null stands for infinite and for no value.
-
-    Raises:
-        OutputError: it cannot be written.
+    ``derived`` are the parameters that follow from others; ``wall_s`` adds to the wall times that
+    the recording knows. In the file null stands for infinite and for no value.
     """
     path = directory / (SUMMARY if run.complete else INCOMPLETE)
     info, mechanism = outcome_data(run.info), run.mechanism
@@ -108,13 +104,7 @@ def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path)
 
 
 def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]:
-    """What the files of a run say: its mechanism, its arrays, its outcome.
-
-    A run without ``run.json`` is not complete, whatever its archive says.
-
-    Raises:
-        OutputError: there is none, it cannot be read, or its files are of two runs.
-    """
+    """The mechanism, arrays and outcome of a run; without ``run.json`` it is not complete."""
     folder = Path(directory)
     if not folder.is_dir():
         raise OutputError(f"there is no directory {folder}", code="no-run")
@@ -133,9 +123,7 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
         elif named[1].decode() != run_id:
             raise OutputError(f"{folder} is damaged: {path.name} and {ARCHIVE} are of different "
                               "runs", code="run-damaged")
-    if not complete and outcome.complete:
-        outcome = unfinished(outcome)
-    return mechanism, arrays, outcome
+    return mechanism, arrays, outcome if complete or not outcome.complete else unfinished(outcome)
 
 
 def unfinished(outcome: Outcome) -> Outcome:
@@ -154,10 +142,10 @@ def saved_audit(directory: Path) -> list[Figure]:
         for row in json.loads(path.read_bytes()).get("audit") or []:
             if row["verdict"] not in ("pass", "look", "not computed"):
                 return []
-            words = {key: str(row[key])[:MAX_WORDS] for key in ("name", "unit", "why", "source")}
-            value, threshold = (math.nan if row[key] is None else float(row[key])
-                                for key in ("value", "threshold"))
-            found.append(Figure(value=value, threshold=threshold, verdict=row["verdict"], **words))
+            found.append(Figure(verdict=row["verdict"], **{
+                key: math.nan if row[key] is None else float(row[key])
+                for key in ("value", "threshold")}, **{
+                key: str(row[key])[:MAX_WORDS] for key in ("name", "unit", "why", "source")}))
     except (AttributeError, OSError, ValueError, TypeError, KeyError, RecursionError):
         return []
     return found

@@ -41,15 +41,17 @@ class Frames:
 
     def __init__(self, run: Samples) -> None:
         self.run, self.model = run, run.model
-        self.x, self.y, self.angle = (
-            np.ascontiguousarray(part) for part in run.arrays["body_pose"].transpose(2, 1, 0))
-        """Poses of the bodies' frames in the world, [nb, n] m, m, rad."""
-        self.samples = self.x.shape[1]
-        self.cos, self.sin = np.cos(self.angle), np.sin(self.angle)
-        self._centre = centre = run.arrays["body_centre"]
-        self.centre_x = self.x + self.cos * centre[:, :1] - self.sin * centre[:, 1:]
-        """Centres of mass in the world, [nb, n] m."""
-        self.centre_y = self.y + self.sin * centre[:, :1] + self.cos * centre[:, 1:]
+        self.pose, self.velocity, self.acceleration = (
+            np.ascontiguousarray(run.arrays[f"body_{key}"].transpose(2, 1, 0))
+            for key in ("pose", "velocity", "acceleration"))
+        """Of the bodies' frames, and of their centres of mass, [3, nb, n] m, m, rad."""
+        x, y, angle = self.pose
+        self.samples = x.shape[1]
+        c, s = self.cos, self.sin = np.cos(angle), np.sin(angle)
+        self._centre = local = run.arrays["body_centre"]
+        self.centre = np.stack([x + c * local[:, :1] - s * local[:, 1:],
+                                y + s * local[:, :1] + c * local[:, 1:], angle])
+        """Poses of the centres of mass, [3, nb, n] m, m, rad."""
 
     def places(self, bodies: Integers | Sequence[int], points: Array) -> Places:
         """Points given in the frames of ``bodies`` [k], as [k, 2] m."""
@@ -58,7 +60,7 @@ class Frames:
         c, s = self.cos[on], self.sin[on]
         arm_x = c * local[:, :1] - s * local[:, 1:]
         arm_y = s * local[:, :1] + c * local[:, 1:]
-        return Places(self.centre_x[on] + arm_x, self.centre_y[on] + arm_y, arm_x, arm_y)
+        return Places(self.centre[0, on] + arm_x, self.centre[1, on] + arm_y, arm_x, arm_y)
 
     @cached_property
     def anchors(self) -> tuple[Places, Places]:
@@ -100,16 +102,6 @@ class Frames:
                     on_wheels += course.on_wheel(place)[1:]
             total[tendon] += on_wheels
         return total
-
-    @cached_property
-    def velocity(self) -> Array:
-        """Velocities of the centres of mass, and angular velocities, [3, nb, n]."""
-        return np.ascontiguousarray(self.run.arrays["body_velocity"].transpose(2, 1, 0))
-
-    @cached_property
-    def acceleration(self) -> Array:
-        """Accelerations of the centres of mass, and angular ones, [3, nb, n]."""
-        return np.ascontiguousarray(self.run.arrays["body_acceleration"].transpose(2, 1, 0))
 
     @cached_property
     def gaps(self) -> Array:
@@ -241,7 +233,7 @@ class _Course:
         frames, body = self.frames, int(self.model.tendons.guide_body[self.path.start + place])
         angle = np.unwrap(self.angle[piece])
         if frames is not None:
-            angle -= np.concatenate([self.model.bodies.pose[body, 2:], frames.angle[body]])
+            angle -= np.concatenate([self.model.bodies.pose[body, 2:], frames.pose[2, body]])
         return np.asarray(sign * self.radii[place] * (angle - angle[0]))
 
     def on_wheel(self, place: int) -> Array:

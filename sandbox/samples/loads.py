@@ -263,8 +263,7 @@ class Loads:
 
         def meet(j: int, side: int, x: Array, y: Array) -> None:
             arm_x, arm_y = ((ax, ay), (bx, by))[side]
-            arm_x[j] = x - frames.centre_x[bodies[j, side]]
-            arm_y[j] = y - frames.centre_y[bodies[j, side]]
+            arm_x[j], arm_y[j] = np.stack([x, y]) - frames.centre[:2, bodies[j, side]]
 
         for j in self.model.joints.keeping("groove").tolist():  # a groove is held where the pin is
             meet(j, 0, frames.anchors[1].x[j], frames.anchors[1].y[j])
@@ -316,14 +315,19 @@ class Loads:
         return np.asarray(given)
 
     @cached_property
+    def limits(self) -> Array:
+        """Largest effort of drives with a limit, of a brake its value [N m, N], [nd, n]."""
+        most = self.model.drives.most[:, None]
+        return np.where(np.isnan(most), self.run.arrays["drive_value"].T, most)
+
+    @cached_property
     def contact_sides(self) -> ContactSides:
         """Both sides of every contact row."""
         a = self.run.arrays
         sample, sides = a["contact_sample"], []
         for sign, on, twist in ((1.0, a["contact_body"], 0.0),
                                 (-1.0, a["contact_other"], np.nan_to_num(a["contact_twist"]))):
-            arm = a["contact_point"] - np.stack([self.frames.centre_x[on, sample],
-                                                 self.frames.centre_y[on, sample]], axis=1)
+            arm = a["contact_point"] - self.frames.centre[:2, on, sample].T
             x, y = sign * a["contact_force"].T
             moment = arm[:, 0] * y - arm[:, 1] * x + twist
             sides.append((on, np.stack([x, y, moment], axis=1), arm))

@@ -95,14 +95,18 @@ def _along_sides(one: Array, two: Array) -> tuple[float, Array]:
 
 def _from_corners(points: Array, ring: Array) -> tuple[float, Array, Array]:
     """The least distance of points from the sides of a ring, and the nearest point of either."""
-    start = ring[:max(len(_sides(ring)), 1)]
     along = _sides(ring) if len(ring) > 1 else np.zeros((1, 2))
-    square = np.maximum(np.einsum("ei,ei->e", along, along), 1e-300)
-    share = np.clip(np.einsum("pei,ei->pe", points[:, None] - start, along) / square, 0.0, 1.0)
-    on = start + share[..., None] * along
-    off = np.hypot(*np.moveaxis(points[:, None] - on, -1, 0))
+    away = from_sides(points, ring[:len(along)], along)
+    off = np.hypot(*np.moveaxis(away, -1, 0))
     p, e = np.unravel_index(int(np.argmin(off)), off.shape)
-    return float(off[p, e]), points[p], on[p, e]
+    return float(off[p, e]), points[p], points[p] - away[p, e]
+
+
+def from_sides(points: Array, start: Array, along: Array) -> Array:
+    """From the nearest place on each side to each point [m], [p, e, 2]."""
+    square = np.maximum((along**2).sum(axis=1), 1e-300)
+    share = np.clip(((points[:, None] - start) * along).sum(axis=2) / square, 0.0, 1.0)
+    return np.asarray(points[:, None] - start - share[..., None] * along)
 
 
 class Face(NamedTuple):

@@ -142,11 +142,7 @@ def outcome_data(outcome: Outcome) -> dict[str, Any]:
 
 
 def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
-    """The outcome that plain JSON data describe; what they lack is as ``run`` has it.
-
-    Raises:
-        ValueError: a value that no run has; names its key.
-    """
+    """The outcome that plain JSON data describe; what they lack is as ``run`` has it."""
     given = outcome_data(planned(run, complete=False)) | dict(data)
     try:
         found = _adapter().validate_json(json.dumps(given), strict=True)

@@ -149,11 +149,7 @@ class Effort:
 
 
 def respond(time: Array, value: Array, target: Array) -> Response:
-    """All figures of one response to a target, which may move.
-
-    Raises:
-        ValueError: fewer than two samples, or shapes that differ.
-    """
+    """All figures of one response to a target, which may move."""
     _check(time, value, target)
     end, first, goal = ending(time), float(value[0]), float(target[-1])
     overshoot = math.nan if goal == first else float(
@@ -166,12 +162,10 @@ def respond(time: Array, value: Array, target: Array) -> Response:
 
 
 def settling_time(time: Array, value: Array, target: Array) -> float:
-    """The last time outside the band about the target [s]; 0 if it never was outside.
+    """The last time outside the band about the target [s], interpolated between two samples.
 
-    Between the last sample outside and the next one the crossing is interpolated, so that the error
-    is of second order in the spacing. Without the last 5 % of the run in the band it is inf. A
-    sample without a value counts as outside. The band refers to the last target, or to the step if
-    that target is 0.
+    0 if it never was outside; inf without the last 5 % of the run in the band. A sample without a
+    value counts as outside. The band refers to the last target, or to the step if that is 0.
     """
     error, band = value - target, BAND * abs(float(target[-1]) or float(value[0]))
     outside = np.flatnonzero(~(np.abs(error) <= band))
@@ -188,13 +182,9 @@ def settling_time(time: Array, value: Array, target: Array) -> float:
 
 
 def effort(time: Array, value: Array, before: float) -> Effort:
-    """The control effort of a drive over a run.
+    """The control effort of a drive over a run; ``before`` is its value before the first sample.
 
-    ``before`` is its value before the first sample; a jump from there counts as one within the time
-    between two samples.
-
-    Raises:
-        ValueError: fewer than two samples, or shapes that differ.
+    A jump from there counts as one within the time between two samples.
     """
     _check(time, value, value)
     changes = np.abs(np.diff(value, prepend=before))

@@ -115,7 +115,7 @@ class Yielding:
         self.loads = Loads(_repeated(run, sample, moved))
         """At rest, then with each freedom moved by a step forwards, then with each backwards."""
         frames = self.loads.frames
-        self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
+        self.centre = frames.centre[:2, :, 0].T
         turned = np.zeros((self.count, 2 * self.count))  # of loads of constant magnitude
         for batch in self.loads.batches:
             on = self._at[batch.body] >= 0
@@ -181,10 +181,7 @@ class Yielding:
         for i, kind in enumerate(drives.kind):
             if not kind.limited or np.isfinite(drives.slope[i]):
                 continue
-            most = drives.most[i] if np.isfinite(drives.most[i]) else np.inf
-            if kind.unit in ("N m", "N"):  # the limit of a brake is its value
-                most = a["drive_value"][s, i]
-            if abs(a["drive_torque"][s, i]) < most * (1 - AT_CONE):
+            if abs(a["drive_torque"][s, i]) < self.loads.limits[i, 0] * (1 - AT_CONE):
                 yield i, efforts[i]
 
     def _constrain(self) -> None:
@@ -309,11 +306,7 @@ class Yielding:
                 self._held.append(across)
 
     def _points(self, row: int, pair: tuple[int, int]) -> list[tuple[float, Rigid]]:
-        """Points of a contact: share of the force, and its normal force.
-
-        Raises:
-            ArithmeticError: several normals, or a corner on a corner.
-        """
+        """Points of a contact: share of the force, and its normal force."""
         a, s, both = self.run.arrays, self.sample, list(pair)
         u, point = a["contact_normal"][row], a["contact_point"][row]
         near = NEAR + self.run.info.step * float(np.hypot(*a["body_velocity"][s, both, :2].T).sum())
