@@ -33,20 +33,14 @@ def rule_name(rule: ContactRule) -> str:
     return f"contacts.{'/'.join(rule.between)}"
 
 
-def needs(mechanism: Mechanism) -> dict[str, set[str]]:
-    """The names of the elements that each element needs, in the order of :data:`ACTING`."""
-    found: dict[str, set[str]] = {body.name: set() for body in mechanism.bodies}
-    for kind in ACTING[1:]:  # a load may lose all its bodies, which patterns name
-        for element in getattr(mechanism, kind):
-            found[element.name] = {name for _, _, name in references(type(element), element, "")}
-    return found
-
-
 def leave_out(
     mechanism: Mechanism, patterns: Sequence[str],
 ) -> tuple[Mechanism, tuple[str, ...]]:
     """The mechanism without some elements and all that need them, and the names of both."""
-    needed = needs(mechanism)
+    needed = {body.name: set[str]() for body in mechanism.bodies} | {
+        element.name: {name for _, _, name in references(type(element), element, "")}
+        for kind in ACTING[1:] for element in getattr(mechanism, kind)}
+    # a load may lose all its bodies, which patterns name
     names = [*needed, *(MATERIAL + material for material in mechanism.materials),
              *(rule_name(rule) for rule in mechanism.contacts if rule.static)]
     unknown = [word for word in patterns if not any(fnmatchcase(name, word) for name in names)]
@@ -94,7 +88,7 @@ def without_counterpart(model: Model, tree: Tree) -> list[Problem]:
 
 def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
     """Names of elements and what has no counterpart, empty if they have one."""
-    for body in np.flatnonzero(~model.bodies.free & ~model.bodies.fixed):
+    for body in np.flatnonzero(model.bodies.scheduled):
         yield model.bodies.name[body], "a body that moves on a schedule"
     for spec in model.mechanism.bodies:
         if any(isinstance(shape, Polyline) and not shape.radius for shape in spec.shapes):

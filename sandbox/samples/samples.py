@@ -336,18 +336,22 @@ class Samples:
 MAX_NOTES = 8  # Largest number of notes of one kind
 
 
-def broken(run: Samples) -> Iterator[str]:
+def few(notes: list[str], others: str) -> list[str]:
+    """The first notes, and how many others there are."""
+    more = len(notes) - MAX_NOTES
+    return notes[:MAX_NOTES] + [f"{more} more {others}"] * (more > 0)
+
+
+def broken(run: Samples) -> list[str]:
     """A note on each joint, spring and tendon that broke, in order of time."""
-    bonds, straight = run.model.bonds, run.model.springs.straight
-    known = {name: bond for bond, name in enumerate(bonds.name)}
-    broke = [one for one in run.info.broke if one.event in known]
-    for one in broke[:MAX_NOTES]:
-        bond = known[one.event]
-        unit = "N m" if bond in bonds.spring[~straight] else "N"
-        yield (f"{one.event} broke at its load of {bonds.breaks_at[bond]:g} {unit}, "
-               f"t = {one.time:.6g} s")
-    if len(broke) > MAX_NOTES:
-        yield f"{len(broke) - MAX_NOTES} more broke after that"
+    bonds, notes = run.model.bonds, []
+    for one in run.info.broke:
+        if one.event in bonds.name:
+            bond = bonds.name.index(one.event)
+            unit = "N m" if bond in bonds.spring[~run.model.springs.straight] else "N"
+            notes.append(f"{one.event} broke at its load of {bonds.breaks_at[bond]:g} {unit}, "
+                         f"t = {one.time:.6g} s")
+    return few(notes, "broke after that")
 
 
 AT_END = 1e-5
@@ -355,14 +359,11 @@ AT_END = 1e-5
 PRESSES = 1e-9  # Least force along the groove, relative to the joint's largest force
 
 
-def ended(run: Samples) -> Iterator[str]:
+def ended(run: Samples) -> list[str]:
     """A note on each point that reached an end of its groove after the start, in order of time."""
-    joints = run.model.joints
-    slots = joints.keeping("groove").tolist()
-    if not slots or not len(run):
-        return
-    divide = {name for group in run.mechanism.groups if group.tree for name in group.bodies}
-    found, frames = [], Frames(run)
+    joints, found, notes = run.model.joints, [], []
+    slots = joints.keeping("groove").tolist() if len(run) else []
+    frames = Frames(run)
     for joint in slots:
         place, length = frames.place_in_slot(joint), slot_length(run.model, joint)
         force = np.nan_to_num(run.arrays["joint_force"][:, joint])
@@ -372,13 +373,14 @@ def ended(run: Samples) -> Iterator[str]:
             there = np.flatnonzero((left < AT_END) & pressed)
             if len(there) and left[0] >= AT_END:
                 found.append((int(there[0]), joint, float(left[0])))
-    for sample, joint, gone in sorted(found)[:MAX_NOTES]:
+    divide = {name for group in run.mechanism.groups if group.tree for name in group.bodies}
+    for sample, joint, gone in sorted(found):
         name = run.model.bodies.name[int(joints.bodies[joint, 1])]
         more = ", and divides its pull no longer while it is there" if name in divide else ""
-        yield (f"{joints.name[joint]}: {name} reached the end of its slot, {1000.0 * gone:.4g} mm "
-               f"from its start, t = {run.time[sample]:.6g} s{more}")
-    if len(found) > MAX_NOTES:
-        yield f"{len(found) - MAX_NOTES} more reached the ends of their slots later"
+        notes.append(
+            f"{joints.name[joint]}: {name} reached the end of its slot, {1000.0 * gone:.4g} mm "
+            f"from its start, t = {run.time[sample]:.6g} s{more}")
+    return few(notes, "reached the ends of their slots later")
 
 
 AT_REST = 1e-6  # Largest speed at rest [m/s, rad/s]

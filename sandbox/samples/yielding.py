@@ -22,6 +22,7 @@ from sandbox.model.bonds import held_of
 from sandbox.model.joints import rotated
 from sandbox.model.model import NONE, Model
 from sandbox.model.pairs import friction_of, pair_skins
+from sandbox.model.supports import components
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.loads import Batch, Loads
@@ -368,10 +369,8 @@ class Yielding:
         bodies = [np.abs(each).reshape(len(each), self.count // 3, 3).max(axis=2) > 0
                   for each in (rows, self.stiffness)]
         joins = bodies[0].T @ bodies[0] | bodies[1][0::3] | bodies[1][1::3] | bodies[1][2::3]
-        joins, first = joins | joins.T, self.place[body] // 3
-        reached = np.arange(len(joins)) == first
-        while (more := reached | joins[reached].any(axis=0)).sum() > reached.sum():
-            reached = more
+        group, first = np.array(components(len(joins), np.argwhere(joins))), self.place[body] // 3
+        reached = group == group[first]
         at = 3 * int(reached[:first].sum())
         return slice(at, at + 3), np.flatnonzero(np.repeat(reached, 3))
 
@@ -390,24 +389,7 @@ def _repeated(run: Samples, sample: int, moved: Array) -> Samples:
 
 
 def null_space(rows: Array) -> Array:
-    """Orthonormal motions that leave all rows at 0, [n, k].
-
-    Gauss-Jordan elimination with complete pivoting, then QR: faster than an SVD at this size.
-    """
-    size, n = np.linalg.norm(rows, axis=1), rows.shape[1]
-    left, order, rank = rows[size > 0] / size[size > 0, None], np.arange(n), 0
-    while rank < min(left.shape):
-        row, column = divmod(int(np.abs(left[rank:, rank:]).argmax()), n - rank)
-        if abs(left[rank + row, rank + column]) <= RANK:
-            break
-        left[[rank, rank + row]] = left[[rank + row, rank]]
-        for each in (left.T, order):
-            each[[rank, rank + column]] = each[[rank + column, rank]]
-        left[rank] /= left[rank, rank]
-        share = left[:, rank].copy()
-        share[rank] = 0.0
-        left -= share[:, None] * left[rank]
-        rank += 1
-    motions = np.zeros((n, n - rank))
-    motions[order[:rank]], motions[order[rank:]] = -left[:rank, rank:], np.eye(n - rank)
-    return np.linalg.qr(motions).Q
+    """Orthonormal motions that leave all rows at 0, [n, k]."""
+    size = np.linalg.norm(rows, axis=1)
+    _, values, motions = np.linalg.svd(rows[size > 0] / size[size > 0, None])
+    return np.asarray(motions[np.count_nonzero(values > RANK):].T)
