@@ -216,9 +216,6 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
             "relative to all energy converted")
 
 
-# -- works ------------------------------------------------------------------------------------
-
-
 def _to_middle(step: Array) -> Array:
     """Sums of work per step [n] up to the middle of each [J]."""
     return np.asarray(np.cumsum(step) - step / 2)
@@ -280,9 +277,6 @@ def _stretched(evidence: Evidence) -> bool:
     return any(each.any() for each in along)
 
 
-# -- tolerances -------------------------------------------------------------------------------
-
-
 def _of_gaps(evidence: Evidence) -> float:
     """Work of joints and contacts that close gaps, and rounding of weights [J]."""
     a, free = evidence.arrays, evidence.model.bodies.free
@@ -318,9 +312,6 @@ def _of_the_step(evidence: Evidence) -> float:
     contacts = np.maximum(evidence.run.contacts.normal * rate, 0.0).sum()
     apart = evidence.h if evidence.every_step or len(time) < 2 else np.median(np.diff(time))
     return float(apart * (power.sum() + contacts)) + _unknown_weight(evidence)
-
-
-# -- motors that start at speed ---------------------------------------------------------------
 
 
 def starts(evidence: Evidence) -> tuple[list[str], float, float]:

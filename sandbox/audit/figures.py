@@ -152,6 +152,8 @@ class Check(NamedTuple):
             return self.missing(f"the numbers cannot be used: {error}")
         if not worst.count:
             return self.missing("; ".join(worst.left_out[:4]) or self.none)
+        if math.isnan(worst.value) and evidence.model.mechanism.run.solver == "pymunk":
+            return self.missing("pymunk does not give its numbers")
         passes = math.isfinite(worst.value) and math.isfinite(worst.tolerance) and (
             worst.value <= worst.tolerance)
         why = self.compared.format(where=worst.where, count=Count(worst.count), note=note)

@@ -296,30 +296,26 @@ def _schedules(evidence: Evidence, worst: Worst) -> None:
                 "{count:comparison}, worst: {where}",
        none="there is no body")
 def _velocities(evidence: Evidence, worst: Worst) -> str:
-    bodies, frames = evidence.model.bodies, evidence.frames
+    bodies, frames, h = evidence.model.bodies, evidence.frames, evidence.h
     if len(evidence.run) < FEW:
         raise NotComputed("there are too few samples")
     for b in np.flatnonzero(~bodies.fixed).tolist():
         for pose, v, a in zip(*(
                 part[:, b] for part in (frames.centre, evidence.velocity, frames.acceleration)),
                 strict=True):
-            (_in_every_step if evidence.every_step else _between)(
-                evidence, bodies.name[b], pose, v, a, worst)
+            if not evidence.every_step:
+                _between(evidence, bodies.name[b], pose, v, a, worst)
+                continue
+            # a step moves by h v and then changes v by h a; an impact displaces the pose besides
+            after, lost = v + h / 2 * a, 8 * DIGITS * (1 + peak(pose)) / h
+            worst.add(bodies.name[b], np.abs(np.diff(pose) / h - after[:-1])[
+                ~evidence.struck[:-1]], lost)
+            worst.add(bodies.name[b], np.abs(after[:-1] - (v - h / 2 * a)[1:]),
+                      ROUNDING + 8 * DIGITS * (peak(v) + h * peak(a)))
     for b in np.flatnonzero(bodies.fixed).tolist():
         v, a = evidence.velocity[:, b], frames.acceleration[:, b]
         worst.add(bodies.name[b], np.abs(np.concatenate([v, a])).max(axis=0), ROUNDING)
     return "" if evidence.every_step else ", where samples are far apart by the trapezoid rule"
-
-
-def _in_every_step(
-    evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst,
-) -> None:
-    """A step moves by h v and then changes v by h a, except where an impact displaced the pose."""
-    h, after = evidence.h, v + evidence.h / 2 * a
-    lost = 8 * DIGITS * (1 + peak(pose)) / h
-    worst.add(name, np.abs(np.diff(pose) / h - after[:-1])[~evidence.struck[:-1]], lost)
-    worst.add(name, np.abs(after[:-1] - (v - h / 2 * a)[1:]), ROUNDING + 8 * DIGITS * (
-        peak(v) + h * peak(a)))
 
 
 def _between(evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst) -> None:

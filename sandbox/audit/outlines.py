@@ -36,9 +36,6 @@ ASKEW, ALIKE = 1e-6, 1e-3
 """Angle between a normal and those of a surface; and between normals of the same contact."""
 
 
-# -- rows -------------------------------------------------------------------------------------
-
-
 class _Outline(NamedTuple):
     """The outline of one shape in its body's frame."""
 
@@ -200,9 +197,6 @@ def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple
 def reach_of(evidence: Evidence, body: int) -> float:
     """From the frame's origin to the furthest of a body's shapes [m]."""
     return geometry.reach_of(evidence.model.mechanism.bodies[body], (0.0, 0.0))
-
-
-# -- contacts without a row -------------------------------------------------------------------
 
 
 class Touch(NamedTuple):

@@ -150,7 +150,8 @@ class Effort:
 
 def respond(time: Array, value: Array, target: Array) -> Response:
     """All figures of one response to a target, which may move."""
-    _check(time, value, target)
+    if len(time) < 2:
+        raise ValueError(f"a response needs at least 2 samples, got {len(time)}")
     end, first, goal = ending(time), float(value[0]), float(target[-1])
     overshoot = math.nan if goal == first else float(
         100 * max(0.0, np.max((value - goal) / (goal - first))))
@@ -186,9 +187,8 @@ def effort(time: Array, value: Array, before: float) -> Effort:
 
     A jump from there counts as one within the time between two samples.
     """
-    _check(time, value, value)
     changes = np.abs(np.diff(value, prepend=before))
-    spacing = np.diff(time, prepend=2 * time[0] - time[1])
+    spacing = np.diff(time, prepend=2 * time[0] - time[min(1, len(time) - 1)])
     return Effort(variation=float(changes.sum()), peak=float(np.max(np.abs(value))),
                   rate=float(np.max(changes / spacing)))
 
@@ -197,11 +197,3 @@ def ending(time: Array) -> slice:
     """The samples of the last 5 % of a run, at least one."""
     since = time[-1] - LAST * (time[-1] - time[0])
     return slice(int(np.searchsorted(time, since)), len(time))
-
-
-def _check(time: Array, value: Array, target: Array) -> None:
-    if not time.shape == value.shape == target.shape or time.ndim != 1:
-        raise ValueError("time, value and target must have the same length, got shapes "
-                         f"{time.shape}, {value.shape} and {target.shape}")
-    if len(time) < 2:
-        raise ValueError(f"a response needs at least 2 samples, got {len(time)}")
