@@ -12,18 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.audit import (
-    bounds,
-    contacts,
-    driven,
-    energy,
-    fluids,
-    friction,
-    geometry,
-    laws,
-    outlines,
-    rest,
-)
+from sandbox.audit import bounds, contacts, driven, energy, fluids, geometry, laws, outlines, rest
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Check, Figure
 from sandbox.samples.samples import Samples
@@ -32,8 +21,7 @@ __all__ = ["ADVICE", "CHECKS", "Figure", "advice_on", "audit"]
 
 CHECKS: Mapping[str, Check] = {
     each.name: each
-    for module in (geometry, laws, friction, fluids, driven, energy, rest, outlines, contacts,
-                   bounds)
+    for module in (geometry, laws, fluids, driven, energy, rest, outlines, contacts, bounds)
     for each in vars(module).values() if isinstance(each, Check)}
 """All checks by name, in the order of the docs."""
 

@@ -27,7 +27,7 @@ from sandbox.audit.figures import (
     Worst,
     check,
 )
-from sandbox.audit.friction import carried
+from sandbox.audit.laws import carried
 from sandbox.audit.outlines import pressed, touched
 from sandbox.elements.tendons import RIGID
 from sandbox.mechanics.linear_program import LinearProgram

@@ -11,6 +11,7 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import (
     DIGITS,
     EXACT,
+    HELD,
     NOT_EVERY_STEP,
     ROUNDING,
     SMALLEST_SCALE,
@@ -31,9 +32,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import values
 
 SOLVED = 1e-9  # Error of the rates of bounded rows, relative to the largest
-HELD, FADED = 1e-10, 0.01
-"""Regularisation of impulses towards the last ones, and the fraction of these that fades
-(docs/engine.md)."""
+FADED = 0.01  # Fraction of the last impulses that fades in a step (docs/engine.md)
 
 
 @check("release.force", "N", "F = 0 where released",

@@ -23,6 +23,7 @@ SMALLEST_SCALE = 1e-12  # Least value [N, N m, J, rad/s] that relative errors re
 EXACT = 1e-9
 """Relative to the largest force: rounding error of sums of some ten forces, with a margin."""
 STILL = 1e-11, 1e-10  # The engine stops bodies that are slower [m/s, rad/s]
+HELD = 1e-10  # Regularisation of impulses towards the last ones (docs/engine.md)
 STOPPED = 1e-8  # Allowed overrun of a hinge [rad]: a gap of 1e-10 m at an arm of 10 mm
 
 

@@ -10,13 +10,7 @@ from typing import Any
 
 import sandbox
 from sandbox.engine import pymunk_scene
-from sandbox.engine.pymunk_draft import (
-    Call,
-    Formula,
-    PymunkDraft,
-    scene_arguments,
-    time_step,
-)
+from sandbox.engine.pymunk_draft import Call, Formula, PymunkDraft, scene_arguments, time_step
 from sandbox.export.selection import leave_out
 from sandbox.scene.mechanism import Mechanism
 

@@ -187,8 +187,10 @@ def effort(time: Array, value: Array, before: float) -> Effort:
 
     A jump from there counts as one within the time between two samples.
     """
+    if len(time) < 2:
+        raise ValueError(f"a control effort needs at least 2 samples, got {len(time)}")
     changes = np.abs(np.diff(value, prepend=before))
-    spacing = np.diff(time, prepend=2 * time[0] - time[min(1, len(time) - 1)])
+    spacing = np.diff(time, prepend=2 * time[0] - time[1])
     return Effort(variation=float(changes.sum()), peak=float(np.max(np.abs(value))),
                   rate=float(np.max(changes / spacing)))
 
