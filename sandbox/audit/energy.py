@@ -194,8 +194,7 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
     touched = len(run.mean_contacts.sample) or len(a["impact_time"]) or stops.any() or (
         _stretched(evidence))
     if touched and not evidence.every_step:
-        raise NotComputed(
-            f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
+        raise NotComputed(f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
     if not touched:
         worst.judge(peak(balance.left) / balance.scale, balance.allowed)
         return ("energy lost without contacts: kinetic energy minus the work of drives, tendons, "

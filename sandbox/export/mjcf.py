@@ -190,8 +190,7 @@ def sense_bodies(draft: Draft) -> None:
             centre = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
             radius = math.hypot(  # of a ball around all shapes, with the depth of prisms [m]
                 max(math.dist(centre, p) + r for p, r in points), max(map(depth, body.shapes)))
-            site = draft.site(index, f"{body.name}.skin", centre, size=MARGIN * radius,
-                              group="5")
+            site = draft.site(index, f"{body.name}.skin", centre, size=MARGIN * radius, group="5")
             draft.sense("touch", f"{body.name}.contact.normal", site=site)
     for moves in draft.moves.values():
         for move in moves:
@@ -215,9 +214,9 @@ def route(draft: Draft, cable: ET.Element, name: str, ends: Iterable[tuple[int, 
 def add_links(draft: Draft) -> None:
     """Add rods, ropes and actuators as tendons, then the joints that close loops as sites."""
     model, joints = draft.model, draft.model.joints
+    bodies, anchors = joints.bodies.tolist(), joints.anchor.tolist()
     for joint in np.flatnonzero([kind.along_line for kind in joints.kind]).tolist():
-        name, (a, b), (on_a, on_b) = (
-            joints.name[joint], joints.bodies[joint].tolist(), joints.anchor[joint].tolist())
+        name, (a, b), (on_a, on_b) = joints.name[joint], bodies[joint], anchors[joint]
         low, high = joints.reach[joint].tolist()
         stiff, free = low == high, low == 0.0 and high == math.inf
         cable = add(draft.sections["tendon"], "spatial", name=name,
@@ -231,8 +230,7 @@ def add_links(draft: Draft) -> None:
         elif not free:
             draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
     for joint in draft.tree.loops:  # of a weld the site on a is rotated
-        name, (a, b), (on_a, on_b) = (
-            joints.name[joint], joints.bodies[joint].tolist(), joints.anchor[joint].tolist())
+        name, (a, b), (on_a, on_b) = joints.name[joint], bodies[joint], anchors[joint]
         turns, poses = joints.turns[joint], model.bodies.pose
         angle = 0.0 if turns else float(poses[b, 2] - poses[a, 2])
         more = {"euler": f"0 0 {angle:.12g}"} if angle else {}

@@ -33,9 +33,7 @@ def rule_name(rule: ContactRule) -> str:
     return f"contacts.{'/'.join(rule.between)}"
 
 
-def leave_out(
-    mechanism: Mechanism, patterns: Sequence[str],
-) -> tuple[Mechanism, tuple[str, ...]]:
+def leave_out(mechanism: Mechanism, patterns: Sequence[str]) -> tuple[Mechanism, tuple[str, ...]]:
     """The mechanism without some elements and all that need them, and the names of both."""
     needed = {body.name: set[str]() for body in mechanism.bodies} | {
         element.name: {name for _, _, name in references(type(element), element, "")}

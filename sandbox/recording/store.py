@@ -142,10 +142,10 @@ def saved_audit(directory: Path) -> list[Figure]:
         for row in json.loads(path.read_bytes()).get("audit") or []:
             if row["verdict"] not in ("pass", "look", "not computed"):
                 return []
-            found.append(Figure(verdict=row["verdict"], **{
-                key: math.nan if row[key] is None else float(row[key])
-                for key in ("value", "threshold")}, **{
-                key: str(row[key])[:MAX_WORDS] for key in ("name", "unit", "why", "source")}))
+            words = {key: str(row[key])[:MAX_WORDS] for key in ("name", "unit", "why", "source")}
+            value, threshold = (math.nan if row[key] is None else float(row[key])
+                                for key in ("value", "threshold"))
+            found.append(Figure(value=value, threshold=threshold, verdict=row["verdict"], **words))
     except (AttributeError, OSError, ValueError, TypeError, KeyError, RecursionError):
         return []
     return found

@@ -52,6 +52,7 @@ class Frames:
         self.centre = np.stack([x + c * local[:, :1] - s * local[:, 1:],
                                 y + s * local[:, :1] + c * local[:, 1:], angle])
         """Poses of the centres of mass, [3, nb, n] m, m, rad."""
+        self.off_wheels: Flags = run.arrays["guide_lifted"] > 0  # Tendons off their wheels, [n, nw]
 
     def places(self, bodies: Integers | Sequence[int], points: Array) -> Places:
         """Points given in the frames of ``bodies`` [k], as [k, 2] m."""
@@ -80,7 +81,7 @@ class Frames:
         tendons = self.model.tendons
         start, end = (self.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
                       for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
-        return _past(_straight(start, end, tendons), tendons, off_wheels(self.run.arrays))
+        return _past(_straight(start, end, tendons), tendons, self.off_wheels)
 
     @cached_property
     def first(self) -> Stretches:
@@ -120,11 +121,6 @@ class Stretches(NamedTuple):
     end: Places
 
 
-def off_wheels(arrays: Mapping[str, Array]) -> Flags:
-    """Whether tendons are off their wheels, [n, nw]; never in recordings without that array."""
-    return np.asarray(arrays["guide_lifted"] > 0)
-
-
 def _past(cables: Stretches, tendons: Tendons, off: Flags) -> Stretches:
     """The same where tendons are off wheels, ``off`` [n, nw], and go straight past them."""
     for tendon in np.flatnonzero(np.diff(tendons.first)).tolist() if off.any() else ():
@@ -136,20 +132,15 @@ def _past(cables: Stretches, tendons: Tendons, off: Flags) -> Stretches:
             when = np.flatnonzero((off[:, loose] == pattern).all(axis=1))
             on = np.setdiff1d(np.arange(len(own) + 1), tendons.wheels[loose[pattern]] - begin)
             for i, j in itertools.pairwise(on.tolist()):
-                if j > i + 1:
-                    _lay_straight(cables, tendons, own[i:j], begin + np.array([i, j]), when)
+                if j == i + 1:
+                    continue
+                first, last, rows = own[i], own[j - 1], np.ix_(own[i:j], when)
+                length, cables.x[rows], cables.y[rows] = _tangent(
+                    cables.end.x[last, when] - cables.start.x[first, when],
+                    cables.end.y[last, when] - cables.start.y[first, when],
+                    float(np.subtract(*tendons.guide_radius[[begin + i, begin + j]])))
+                cables.length[rows] = length / (j - i)
     return cables
-
-
-def _lay_straight(
-    cables: Stretches, tendons: Tendons, pieces: Integers, ends: Integers, when: Integers,
-) -> None:
-    """Put the straight way between two guides in the place of all ``pieces`` between them."""
-    dx = cables.end.x[pieces[-1], when] - cables.start.x[pieces[0], when]
-    dy = cables.end.y[pieces[-1], when] - cables.start.y[pieces[0], when]
-    length, x, y = _tangent(dx, dy, float(np.subtract(*tendons.guide_radius[ends])))
-    rows = np.ix_(pieces, when)
-    cables.length[rows], cables.x[rows], cables.y[rows] = length / len(pieces), x, y
 
 
 def _tangent(dx: Array, dy: Array, offset: Array | float) -> tuple[Array, Array, Array]:
@@ -278,7 +269,7 @@ def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
     off; the clearance is negative where the wheel is in its way, nan where the tendon is on.
     A wheel that is beyond an end of the straight piece is not in its way.
     """
-    tendons, cables, off = frames.model.tendons, frames.cables, off_wheels(frames.run.arrays)
+    tendons, cables, off = frames.model.tendons, frames.cables, frames.off_wheels
     guide = int(tendons.wheels[wheel])
     course = _course(frames, _tendon_of(tendons, guide))
     place, own, way = guide - course.path.start, course.own, cables.x + 1j * cables.y

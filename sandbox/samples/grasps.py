@@ -81,10 +81,6 @@ class Grasp:
         self.centre = placed(a["body_pose"][:, body], np.asarray(local))  # Of mass, [n, 2]
         self._stiffnesses: dict[int, Array] = {}
 
-    def read(self, quantity: str) -> Array:
-        """One of :data:`sandbox.elements.quantities.GRASP` over time, [n]."""
-        return MEASURES[quantity](self)
-
     @cached_property
     def epsilon(self) -> Array:
         """Ferrari and Canny's measure, [n]; nan where no hand presses."""

@@ -32,7 +32,7 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cables import Frames, piece_tensions, wound_up
 from sandbox.samples.contacts import Contacts, mean_arrays, mean_contact_rows
-from sandbox.samples.grasps import STIFFNESS, Grasp
+from sandbox.samples.grasps import MEASURES, STIFFNESS, Grasp
 from sandbox.samples.loads import Loads
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
@@ -268,7 +268,7 @@ class Samples:
         if kind == "meter":
             result = self._meters[0][:, index]
         elif kind == "body" and quantity in GRASP:
-            result = self.grasp(index).read(quantity)
+            result = MEASURES[quantity](self.grasp(index))
         elif kind == "pair":
             result = self.mean_contacts.of_pair(index, source.other, quantity)
         elif kind == "group":
