@@ -3,7 +3,7 @@
 With friction, or with more contacts than degrees of freedom, balance does not determine single
 contact forces. The possible forces are a convex set: on every free body m a = sum F and I alpha =
 sum M, with contacts that push within their friction cones (in the plane two straight lines) and
-tendons that pull. A linear program gives the least and the largest of each component. The largest
+tendons that pull. A linear program gives the minimum and maximum of each component. The largest
 push on an object follows with one more unknown: a force at the centre of mass. Beyond it there is
 no balance at rest in this pose; below it something may move, too.
 """
@@ -291,7 +291,7 @@ class Balance:
                 if not balanced:
                     parts.append(Interval(force, np.nan, np.nan, (0.0, 0.0)))
                     continue
-                (low, below), (high, above) = self.least(weight), self.least(-weight)
+                (low, below), (high, above) = self.minimum(weight), self.minimum(-weight)
                 parts.append(Interval(force, low, 0.0 - high, (below, above)))
             yield Bounds(row, int(a["contact_body"][row]), int(a["contact_other"][row]), *parts)
 
@@ -302,7 +302,7 @@ class Balance:
         against += np.abs(program.against[m:]) @ (EXACT * self.most) + EXACT
         return bool(program.missing <= against and (self.idle[0] <= self.idle[1] + EXACT).all())
 
-    def least(self, weight: Array) -> tuple[float, float]:
+    def minimum(self, weight: Array) -> tuple[float, float]:
         """The minimum of a weighted sum of all forces [N], and its rounding error.
 
         Forces that balance up to d, and are negative by at most e, have a sum of at least
@@ -312,7 +312,7 @@ class Balance:
         if scale == 0.0:  # no friction
             return 0.0, EXACT * self.size
         c, n, m = weight / scale, len(weight), self.motions.shape[1]
-        found = self.program.least(np.concatenate([c, -c[self.signed], np.zeros(len(self.most))]))
+        found = self.program.minimum(np.concatenate([c, -c[self.signed], np.zeros(len(self.most))]))
         if np.isinf(found.value):
             return -np.inf, 0.0
         y, below = self.motions @ found.prices[:m], [one.below for one in self.forces] * self.unit
@@ -355,6 +355,6 @@ def push_limits(
         push.wrench[body] = np.cos(angle), np.sin(angle), 0.0
         balance = Balance(unknowns, bodies, [*forces, push], evidence.left_allowed)
         weight = np.append(np.zeros(len(forces)), -1.0 / balance.unit[-1])
-        least, slack = balance.least(weight) if balance.balanced() else (np.nan, 0.0)
-        found.append(0.0 if abs(least) <= slack else -least)
+        lowest, slack = balance.minimum(weight) if balance.balanced() else (np.nan, 0.0)
+        found.append(0.0 if abs(lowest) <= slack else -lowest)
     return np.array(found) if bodies else np.zeros(len(directions))

@@ -131,7 +131,7 @@ def _motors(evidence: Evidence, worst: Worst) -> None:
             continue
         off, fast = rates[j] - speed + bend(evidence, j), 1 + peak(rates[j])
         floor = SOLVED * fast + STILL[1] + DIGITS / h + held
-        worst.add_law(drives.name[i], torque, off * evidence.joints_hold[j], (-most, most),
+        worst.add_law(drives.name[i], torque, off * evidence.joints_hold[j], most,
                       (EXACT * np.maximum(most, SMALLEST_SCALE), floor), floor / fast)
 
 

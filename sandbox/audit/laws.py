@@ -226,7 +226,7 @@ def _bounds(evidence: Evidence, worst: Worst) -> None:
         worst.add(name, np.maximum(np.abs(friction) - bound, 0.0) / most, floor / most)
         if evidence.every_step:
             slid = np.diff(a["guide_slip"][:, k], prepend=a["guide_slip"][0, k])
-            worst.add_law(f"sliding of {name}", friction, -slid, (-bound, bound),
+            worst.add_law(f"sliding of {name}", friction, -slid, bound,
                           (floor, ROUNDING), floor / most, held[span.tendon])
 
 

@@ -23,7 +23,7 @@ RENEWAL = 50  # rounds after which the inverse is computed anew
 PATIENCE = 4
 
 
-class Least(NamedTuple):
+class Minimum(NamedTuple):
     """The minimum of a linear program."""
 
     value: float  #: -inf where there is no bound
@@ -48,7 +48,7 @@ class LinearProgram:
         self._A = np.concatenate([A, np.diag(np.where(b < 0, -1.0, 1.0))], axis=1)
         self.b, self._basis = b, np.arange(n, n + m)
         self._renew()
-        self.missing, self.against, _ = self.least(np.repeat([0.0, 1.0], [n, m]))
+        self.missing, self.against, _ = self.minimum(np.repeat([0.0, 1.0], [n, m]))
         self._A = A
         for place in np.flatnonzero(self._basis >= n).tolist():  # these have the value 0
             row = self._inverse[place] @ A
@@ -58,7 +58,7 @@ class LinearProgram:
         B = A[:, self._basis]
         self.b = B @ np.maximum(np.linalg.solve(B, b), 0.0)
 
-    def least(self, c: Array) -> Least:
+    def minimum(self, c: Array) -> Minimum:
         """The minimum of c x; ``c`` [n] of the order of 1.
 
         Raises:
@@ -80,9 +80,10 @@ class LinearProgram:
             elif not self._fresh:
                 self._renew()
             elif not len(better):
-                return Least(float(c[basis] @ np.maximum(self._inverse @ b, 0.0)), prices, reduced)
+                value = c[basis] @ np.maximum(self._inverse @ b, 0.0)
+                return Minimum(float(value), prices, reduced)
             else:
-                return Least(-np.inf, np.full(len(b), np.nan), np.full(len(c), np.nan))
+                return Minimum(-np.inf, np.full(len(b), np.nan), np.full(len(c), np.nan))
             if turn % RENEWAL == RENEWAL - 1:
                 self._renew()
         raise ArithmeticError("a linear program does not converge")
