@@ -17,7 +17,13 @@ import sandbox
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import SceneError
 from sandbox.export.document import Draft, Value, add, comment, document, element, number
-from sandbox.export.selection import arc_of, contact_pairs, leave_out, without_counterpart
+from sandbox.export.selection import (
+    Export,
+    arc_of,
+    contact_pairs,
+    leave_out,
+    without_counterpart,
+)
 from sandbox.export.tree import angle_sum, grow
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE
@@ -30,10 +36,8 @@ from sandbox.scene.mechanism import Mechanism
 STIFFNESS = "0.9999 0.9999 0.001 0.5 2"
 
 
-def write_mjcf(
-    mechanism: Mechanism, without: Sequence[str] = (),
-) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
-    """The text of a MuJoCo model, notes on differences, and names of elements left out."""
+def write_mjcf(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
+    """Write a MuJoCo model."""
     kept, left_out = leave_out(mechanism, without)
     model = compile_mechanism(kept)
     tree = grow(model)
@@ -68,7 +72,7 @@ def write_mjcf(
     if step < kept.run.step:
         draft.notes.append(f"an elastic tendon takes a time step of {number(step)} s here, "
                            f"not {number(kept.run.step)} s")
-    return document(draft.root), tuple(draft.notes), left_out
+    return Export(document(draft.root), tuple(draft.notes), left_out)
 
 
 def _add_settings(draft: Draft, step: float) -> None:

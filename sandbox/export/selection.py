@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import NamedTuple
 
@@ -26,6 +27,15 @@ from sandbox.wording import listed, near, quoted
 # lists of elements, in an order in which each needs only those before it
 ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives")
 MATERIAL = "materials."  # leaving one out removes its restitution, static friction and skin
+
+
+@dataclass(frozen=True)
+class Export:
+    """A model in another program's format."""
+
+    text: str
+    notes: tuple[str, ...] = ()  # differences from the scene, a sentence each
+    left_out: tuple[str, ...] = ()  # names of the elements that the model lacks
 
 
 def rule_name(rule: ContactRule) -> str:

@@ -46,8 +46,8 @@ ZEROS = bytes(1 << 20)
 class Room:
     """A budget of memory [bytes], and temporary files without a name for arrays beyond it."""
 
-    def __init__(self, memory: float, directory: str | os.PathLike[str] | None) -> None:
-        self.left, self.directory = memory, directory or tempfile.gettempdir()
+    def __init__(self, memory: float) -> None:
+        self.left = memory
 
     def array(
         self, shape: tuple[int, ...], dtype: Any, old: NDArray[Any] | None = None,
@@ -59,7 +59,7 @@ class Room:
             made: NDArray[Any] = np.empty(shape, dtype)
         else:
             try:
-                with tempfile.TemporaryFile(dir=self.directory) as file:
+                with tempfile.TemporaryFile() as file:
                     # allocate its blocks: a full disk is an error only here
                     if hasattr(os, "posix_fallocate"):
                         os.posix_fallocate(file.fileno(), 0, size)
@@ -68,7 +68,7 @@ class Room:
                     made = np.memmap(file, dtype, "r+", shape=shape)
             except OSError as error:
                 raise OutputError(f"no room for {size / 1e9:.3g} GB of samples in "
-                                  f"{self.directory}: {error.strerror or error}",
+                                  f"{tempfile.gettempdir()}: {error.strerror or error}",
                                   code="out-of-memory") from None
         if old is not None:
             made[:len(old)] = old
@@ -139,24 +139,23 @@ class RecordingBuilder:
     """Room for the samples of a run; ``finish`` makes the :class:`Recording`.
 
     ``statics`` are the arrays that do not change (body masses, tendon lengths). ``apart`` is
-    whether samples are several steps apart. Above ``memory`` bytes, files in ``directory`` (the
-    system's temporary one) are used; :class:`OutputError` if there is no room for them.
+    whether samples are several steps apart. Above :data:`MEMORY` bytes, files in the system's
+    temporary directory are used; :class:`OutputError` if there is no room for them.
     """
 
     def __init__(
         self, mechanism: Mechanism, samples: int, statics: Mapping[str, NDArray[Any]], *,
-        apart: bool = False, model: Model | None = None, memory: float = MEMORY,
-        directory: str | os.PathLike[str] | None = None,
+        apart: bool = False, model: Model | None = None,
     ) -> None:
         self.mechanism, self._model, self.apart = mechanism, model, apart
         self.statics: Arrays = {key: np.array(statics[key], dtype=float) for key in STATIC}
-        fits = samples * row_bytes(mechanism, PER_SAMPLE) <= memory
-        self._room, self._directory = Room(memory if fits else 0, directory), directory
+        fits = samples * row_bytes(mechanism, PER_SAMPLE) <= MEMORY
+        self._room = Room(MEMORY if fits else 0)
         size = sizes(mechanism, samples=0)
         self.samples = Rows(self._room, size, [key for key in PER_SAMPLE if key != TIME],
                             planned=samples)
         if not fits:
-            self._room.left = memory
+            self._room.left = MEMORY
         self.contacts, self.impacts = (Rows(self._room, size, keys) for keys in (CONTACT, IMPACT))
         self.means, self.mean_contacts = (
             Rows(self._room, size, keys, by=1) for keys in (MEAN, MEAN_CONTACT))
@@ -181,7 +180,7 @@ class RecordingBuilder:
 
         It shares this memory unless it is ``copied``, which is required if more is written.
         """
-        copies, n = Room(0, self._directory) if copied else None, len(time)
+        copies, n = Room(0) if copied else None, len(time)
         arrays = {TIME: np.array(time), **self.statics, **self.samples.finished(n, copies),
                   **self.impacts.finished(self.impacts.count, copies)}
         for rows in (self.contacts, *((self.means, self.mean_contacts) if self.apart else ())):

@@ -73,14 +73,22 @@ class Recording(Samples):
             SandboxError: pandas is not installed.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        return tables.to_pandas(self, quantities)
+        pandas, names = tables.library("pandas"), tables.chosen(self, quantities)
+        table = pandas.DataFrame({name: self[name] for name in names},
+                                 index=pandas.Index(self.time, name="time"))
+        table.attrs["units"] = {name: self.unit(name) for name in names}
+        return table
 
     def to_xarray(self, *quantities: str) -> Any:
         """An ``xarray.Dataset``: a variable over ``time`` for each quantity, SI, with its unit.
 
         Arguments and errors are those of :meth:`to_pandas`.
         """
-        return tables.to_xarray(self, quantities)
+        return tables.library("xarray").Dataset(
+            {name: ("time", self[name], {"units": self.unit(name)})
+             for name in tables.chosen(self, quantities)},
+            coords={"time": ("time", self.time, {"units": "s"})},
+            attrs={"scene": self.mechanism.name, "title": self.mechanism.title})
 
     def plot(
         self, *quantities: str, x: str = "", begin: float | str = 0.0,

@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.atomic_files import atomic_file, write_atomic
-from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.elements.arrays import Arrays
 from sandbox.errors import OutputError
@@ -96,11 +95,6 @@ def save_summary(
     write_atomic(path, json.dumps(
         _plain(content), indent=2, allow_nan=False, ensure_ascii=False) + "\n")
     return path
-
-
-def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path) -> None:
-    """Write the bounds of contact forces in some samples, by their numbers, as a CSV file."""
-    write_atomic(path, "".join(tables.bound_rows(run, found)))
 
 
 def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]:

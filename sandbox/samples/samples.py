@@ -233,11 +233,6 @@ class Samples:
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
                           model=self._model)
 
-    def parts(self, samples: int) -> Iterator[Self]:
-        """The recording in pieces of at most so many samples, in order."""
-        for start in range(0, len(self), samples):
-            yield self.part(start, start + samples)
-
     def means(self, *keys: str) -> Arrays:
         """The arrays, those of ``keys`` with means over sample intervals for forces of a step."""
         self._means |= mean_arrays(self.arrays, set(keys) - self._means.keys())
