@@ -20,7 +20,6 @@ from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
 
 from sandbox.elements.arrays import (
     ARRAYS,
@@ -35,14 +34,10 @@ from sandbox.elements.arrays import (
 from sandbox.errors import OutputError, SceneError
 from sandbox.samples.outcome import Outcome, outcome_data, read_outcome
 from sandbox.samples.samples import Samples
-from sandbox.scene.check.control import check_units
-from sandbox.scene.check.ranges import check_ranges
-from sandbox.scene.check.references import check_references
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits, check_size
-from sandbox.scene.read.scopes import resolved_tables
+from sandbox.scene.read.load import checked, validated
 from sandbox.scene.read.source import parse_source
-from sandbox.values.messages import explain
 from sandbox.wording import quoted
 
 FORMAT = 1
@@ -167,25 +162,19 @@ class _Reading:
 
     def mechanism(self) -> Mechanism:
         """Checked as a scene is, except for the length of the run."""
-        text = self._text(MECHANISM, MAX_TEXT)
-        data: Any = None
         try:
-            data = parse_source(text, limits=LIMITS).data
-            problems = check_size(data, LIMITS)
-            if not problems:
-                mechanism = Mechanism.model_validate(data, context={
-                    "parameters": resolved_tables(data.get("tables"), {})})
-                problems = check_limits(mechanism, LIMITS) or [
-                    *check_units(mechanism), *check_references(mechanism),
-                    *check_ranges(mechanism)]
+            data = parse_source(self._text(MECHANISM, MAX_TEXT), limits=LIMITS).data
+            if problems := check_size(data, LIMITS):
+                raise SceneError(problems)
+            mechanism = validated(Mechanism, data)
+            if problems := check_limits(mechanism, LIMITS):
+                raise SceneError(problems)
+            return checked(mechanism)
         except SceneError as error:
-            problems = error.problems
-        except ValidationError as error:
-            problems = explain(error, data, Mechanism)
-        if problems:
-            more = f", and {len(problems) - 1} more" if len(problems) > 1 else ""
-            raise ValueError(f"its mechanism is not valid: {line_of(problems[0])}{more}")
-        return mechanism
+            count = len(error.problems) - 1
+            more = f", and {count} more" if count else ""
+            raise ValueError(
+                f"its mechanism is not valid: {line_of(error.problems[0])}{more}") from None
 
     def arrays(self, mechanism: Mechanism) -> Arrays:
         """The arrays in memory, or mapped where they are large; with plausible numbers."""

@@ -41,7 +41,7 @@ ENDINGS = ("png", "svg", "pdf")
 PLOT = "plot"  # Name of the pictures of ``sandbox plot``, without the ending
 BESIDE = "incomplete"  # Where a run that was stopped is put if a complete one is there
 OWN = (*FILES, *FILMS, PAGE, *(f"{PLOT}.{ending}" for ending in ENDINGS))
-"""Names that a run, and what is made of it, have in its directory."""
+"""Files of a run in its directory, and files that commands make from it."""
 MADE, MAX_MADE = ".made", 1_000_000
 """A list of other files that were made of the run: they go when it goes; its most bytes."""
 MARK = {"format": 1, "complete": False,
@@ -113,7 +113,7 @@ class NewRun:
 
 @contextlib.contextmanager
 def writing(directory: Path) -> Iterator[NewRun]:
-    """A directory in which this writer and no other may put a run; what is not published goes."""
+    """A directory in which only this writer may put a run; unpublished files are removed."""
     with contextlib.ExitStack() as held:
         try:
             directory.mkdir(parents=True, exist_ok=True)
@@ -129,7 +129,7 @@ def writing(directory: Path) -> Iterator[NewRun]:
             raise OutputError(f"cannot write into {directory}: {why}") from None
         try:
             yield NewRun(directory, aside)
-        except OutputError as error:  # of a file aside: where it was to be is what is known outside
+        except OutputError as error:  # name the final place of the file
             raise OutputError(str(error).replace(str(aside), str(directory))) from None
 
 
@@ -155,7 +155,7 @@ def made(path: Path) -> None:
     if path.name in OWN or not path.is_file() or not (directory / ARCHIVE).is_file():
         return
     with output_errors(directory / MADE), locked(directory) as ours:
-        if ours is False:  # a new run is on its way, and what is here goes or stays without it
+        if ours is False:  # a new run is being written and decides on the files here
             return
         names = sorted({*_made(directory), path.name})
         write_atomic(directory / MADE, json.dumps(names, indent=1) + "\n")

@@ -22,7 +22,7 @@ class Recording(Samples):
 
     @cached_property
     def verdicts(self) -> list[Verdict]:
-        """What became of the scene's expectations, in their order; last the verdict of a stop."""
+        """The verdicts on the scene's expectations, in their order, then that of a stop."""
         return verdicts(self)
 
     @cached_property
@@ -101,13 +101,13 @@ class Recording(Samples):
         Args:
             quantities: names and patterns such as ``finger.*.angle``.
             x: the quantity that they are drawn against; time by default.
-            begin: what is shown, from this instant [s], or a text such as ``"0.8 s"``, ...
-            end: ... to this one.
+            begin: first instant that is shown [s], or a text such as ``"0.8 s"``.
+            end: last instant.
             width: of the figure [m], or a text such as ``"85 mm"``; 120 mm by default.
             title: whether the scene's title stands above.
 
         Raises:
-            OutputError: no quantities, what is no time or no width, too few samples, or too many
+            OutputError: no quantities, an invalid time or width, too few samples, or too many
                 curves for one panel.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
@@ -153,7 +153,7 @@ class Recording(Samples):
             height: of the frame [pixels], 200 to 4000.
 
         Raises:
-            OutputError: nothing was recorded, or what is no height.
+            OutputError: nothing was recorded, or an invalid height.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
         from sandbox.web.page import page

@@ -1,4 +1,4 @@
-"""Samples of a run, read by name: what everything after a simulation works on."""
+"""Samples of a run, read by name: the input of everything after a simulation."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Columns(NamedTuple):
 
 
 class Samples:
-    """What was sampled of a run, read by the names of its quantities.
+    """The samples of a run, read by the names of its quantities.
 
     ``arrays`` are read-only, SI; :data:`sandbox.elements.arrays.ARRAYS` has their names, shapes and
     meanings. ``info`` says how the run ended and how it was computed. ``model`` is the compiled
@@ -108,7 +108,7 @@ class Samples:
 
     @property
     def notes(self) -> list[str]:
-        """What a reader should know, such as meters without a value."""
+        """Notes for the reader, such as on meters without a value."""
         force = self.arrays["joint_force"]
         older = force.size and not has_numbers(force)
         notes = [*self.info.notes, *broken(self), *ended(self), *stalled(self),
