@@ -358,7 +358,7 @@ def _thread(draft: Draft, cable: ET.Element, tendon: int, start: Stretches) -> N
         if not radius:
             add(cable, "site", site=draft.site(body, name, at))
             continue
-        middle = arc_of(draft.model, start, guide).middle - float(draft.model.bodies.pose[body, 2])
+        middle = arc_of(draft.model, start, guide)[0] - float(draft.model.bodies.pose[body, 2])
         beside = (at[0] + 1.5 * radius * math.cos(middle), at[1] + 1.5 * radius * math.sin(middle))
         wheel = draft.unique("geom", name)
         draft.on_body[body].append(element(

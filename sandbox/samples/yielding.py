@@ -95,6 +95,8 @@ class Rigid(NamedTuple):
     turns: int  # The line turns with body 0 or 1, with the line between both points (2), or not (3)
     force: float = 0.0  # Magnitude [N]
     across: bool = False  # Whether it acts across that line, as friction does
+    holds: bool = True  # Whether it is a constraint; else only its geometric stiffness counts
+    friction: float = 0.0  # Ratio of the next force to this one, of a contact that slides
 
 
 class Yielding:
@@ -130,17 +132,14 @@ class Yielding:
         self.stiffness += elastic
         self.largest = max((float(np.hypot(*batch.wrench[:, :2, 0].T).max(initial=0.0))
                             for batch in self.loads.batches), default=0.0)
-        self._held: list[Array | int] = []  # rows of constraints, or numbers of rigid forces
-        self._slides: dict[int, tuple[int, float]] = {}  # of some: their friction, and mu
-        self._rigids: list[Rigid] = []
-        self._constrain()
+        self._engaged = held_of(self.model.bonds.joint, run.arrays["held"])[:, sample]
+        self._rigids, held = list(self._forces()), list(self._fixed())
         rows = self._rigid_rows()
-        self.kept = [rows[each] if isinstance(each, int) else each for each in self._held]
+        self.kept = held + [rows[i] for i, one in enumerate(self._rigids) if one.holds]
         """Rows of the constraints, each [3 n]."""
-        self.pushes = list(self.kept)
+        self.pushes = held + [rows[i] + (one.friction * rows[i + 1] if one.friction else 0.0)
+                              for i, one in enumerate(self._rigids) if one.holds]
         """Forces of the constraints; they differ from the rows at sliding contacts."""
-        for k, (friction, share) in self._slides.items():
-            self.pushes[k] = self.kept[k] + share * rows[friction]
 
     def _rows(self, efforts: Batch, count: int) -> Array:
         """Wrenches of unit efforts of ``count`` elements on all free bodies, [count, 3 n]."""
@@ -185,31 +184,29 @@ class Yielding:
             if abs(a["drive_torque"][s, i]) < self.loads.limits[i, 0] * (1 - AT_CONE):
                 yield i, efforts[i]
 
-    def _constrain(self) -> None:
-        """Collect all constraints, and the rigid forces among them."""
+    def _fixed(self) -> Iterator[Array]:
+        """Rows of drives, stops and friction that hold, and of joints that do not turn."""
         a, joints, s = self.run.arrays, self.model.joints, self.sample
-        self._held += [u for i, u in self._placing()
-                       if not np.isfinite(self.model.drives.stiffness[i])]
+        yield from (u for i, u in self._placing()
+                    if not np.isfinite(self.model.drives.stiffness[i]))
         stopped = joints.stopped[a["joint_stop"][s, joints.stopped] != 0.0]
         stuck = joints.frictional[a["joint_sticks"][s, joints.frictional] == 1.0]
         for efforts, held in ((self.loads.joint_efforts, stopped),
                               (self.loads.friction_efforts, stuck)):
-            self._held += list(self._rows(efforts, len(joints.name))[held])
-        for j in np.flatnonzero(held_of(self.model.bonds.joint, a["held"])[:, s]).tolist():
-            if not joints.turns[j]:
-                turn = np.zeros(self.count)
-                for body, sign in zip(joints.bodies[j].tolist(), (-1.0, 1.0), strict=True):
-                    if body in self.place:
-                        turn[self.place[body] + 2] = sign
-                self._held.append(turn)
-            self._held += [self._add(rigid) for rigid in self._joint(j)]
-        for row in np.flatnonzero(a["contact_sample"] == s).tolist():
-            self._touch(row)
+            yield from self._rows(efforts, len(joints.name))[held]
+        for j in np.flatnonzero(self._engaged & ~joints.turns).tolist():
+            turn = np.zeros(self.count)
+            for body, sign in zip(joints.bodies[j].tolist(), (-1.0, 1.0), strict=True):
+                if body in self.place:
+                    turn[self.place[body] + 2] = sign
+            yield turn
 
-    def _add(self, rigid: Rigid) -> int:
-        """The number of a force whose geometric stiffness counts."""
-        self._rigids.append(rigid)
-        return len(self._rigids) - 1
+    def _forces(self) -> Iterator[Rigid]:
+        """Forces of joints and contacts."""
+        for j in np.flatnonzero(self._engaged).tolist():
+            yield from self._joint(j)
+        for row in np.flatnonzero(self.run.arrays["contact_sample"] == self.sample).tolist():
+            yield from self._touch(row)
 
     def _rigid_rows(self) -> Array:
         """The rows of all such forces, [k, 3 n]; adds their geometric stiffness."""
@@ -232,7 +229,7 @@ class Yielding:
 
     def _wrenches(self, moved: Array) -> Array:
         """Wrenches of unit forces on both bodies, moved by x, y and angle each, [k, m, 6]."""
-        bodies, arms, radii, along, turns, _, across = map(
+        bodies, arms, radii, along, turns, _, across, *_ = map(
             np.array, zip(*self._rigids, strict=True))
         centres = self.centre[bodies]
         at = [centres[:, None, k] + moved[:, 3 * k:3 * k + 2] for k in (0, 1)]
@@ -286,8 +283,8 @@ class Yielding:
             radius = float(joints.radii[j, 1]) * (-1.0 if joints.inside[j] else 1.0)
             yield from (rigid(n, 2, radius, across=across) for across in (False, True))
 
-    def _touch(self, row: int) -> None:
-        """Add a contact that presses: normal and, unless it slides, friction."""
+    def _touch(self, row: int) -> Iterator[Rigid]:
+        """The normal forces and the friction of a contact that presses."""
         a = self.run.arrays
         pair = int(a["contact_body"][row]), int(a["contact_other"][row])
         u, force = a["contact_normal"][row], a["contact_force"][row]
@@ -298,13 +295,10 @@ class Yielding:
         slides = abs(tangential) >= mu * normal * (1 - AT_CONE) and slip_speeds(
             a, np.array([row]))[0] > SLIDES
         for k, (share, rigid) in enumerate(self._points(row, pair)):
-            along = self._add(rigid._replace(force=share * normal))
-            across = self._add(rigid._replace(force=share * tangential, across=True))
-            if mu and slides:
-                self._slides[len(self._held)] = across, float(np.copysign(mu, tangential))
-            self._held.append(along)
-            if mu and k == 0 and not slides:
-                self._held.append(across)
+            yield rigid._replace(force=share * normal, friction=float(
+                np.copysign(mu, tangential)) if slides else 0.0)
+            yield rigid._replace(force=share * tangential, across=True,
+                                 holds=bool(mu and k == 0 and not slides))
 
     def _points(self, row: int, pair: tuple[int, int]) -> list[tuple[float, Rigid]]:
         """Points of a contact: share of the force, and its normal force."""
