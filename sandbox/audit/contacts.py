@@ -285,7 +285,6 @@ def _swallowed(evidence: Evidence, worst: Worst) -> None:
 @check("contact.residual", "m/s", "0 <= p, 0 <= y, p y = 0",
        asks="were contacts, limits and friction solved in every step?")
 def _residual(evidence: Evidence, worst: Worst) -> str:
-    """The largest violation of the laws of contacts, limits and friction, from the solver."""
     found = evidence.run.info.contact_solver
     if "residual" not in found:
         raise NotComputed("there is no contact, limit or motor, or its solver recorded nothing")
@@ -316,7 +315,6 @@ def _depth(evidence: Evidence, worst: Worst) -> None:
 
 @check("tendon.slack", "s", "T > 0", asks="do tendons stay taut once they have pulled?")
 def _slack(evidence: Evidence, worst: Worst) -> str:
-    """Time for which tendons that have pulled are slack again."""
     tendons, time = evidence.model.tendons.name, evidence.run.time
     if not tendons or len(time) < 2:
         raise NotComputed("there are too few samples" if tendons else "there is no tendon")

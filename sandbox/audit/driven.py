@@ -107,7 +107,6 @@ def _signals(evidence: Evidence, worst: Worst) -> None:
                 "{count:comparison}, worst: {where}",
        none="there is no motor and no brake")
 def _motors(evidence: Evidence, worst: Worst) -> None:
-    """Motors and brakes keep their speed at the end of a step, or act at their limit."""
     a, h, drives = evidence.arrays, evidence.h, evidence.model.drives
     rates, shared = evidence.rates_after, _limited_drives(evidence)
     for i, kind in enumerate(drives.kind):

@@ -65,7 +65,6 @@ def _reaction_sizes(evidence: Evidence, worst: Worst) -> None:
 @check("reaction.shared", source="rank of J", asks="does statics determine every joint reaction?",
        compared="joints whose reactions statics does not determine: {note}")
 def _shared(evidence: Evidence, worst: Worst) -> str:
-    """Joints with undetermined reactions in each of a few poses."""
     model, poses = evidence.model, evidence.arrays["body_pose"]
     if not len(model.joints.name):
         raise NotComputed("there is no joint")

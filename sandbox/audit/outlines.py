@@ -110,7 +110,6 @@ def _outline(shape: Shape) -> _Outline:
                 "{count:comparison}, worst: {where}",
        none="nothing touches")
 def _places(evidence: Evidence, worst: Worst) -> None:
-    """Compare contacts with the outlines; rows of several points with the hulls."""
     a, one_normal = evidence.arrays, evidence.one_normal
     presses = np.hypot(*a["contact_force"].T) > TOUCH
     for label, two, of in evidence.pairs():

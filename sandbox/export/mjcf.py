@@ -146,7 +146,6 @@ def add_bodies(draft: Draft) -> dict[int, list[str]]:
 
 
 def _geom(draft: Draft, wanted: str, solid: Solid, half: float) -> dict[str, Value]:
-    """The attributes of a shape's geom."""
     match solid:
         case Circle():
             return {"type": "sphere", "size": solid.radius, "pos": (*solid.at, 0.0)}

@@ -70,7 +70,6 @@ def write_script(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
 
 
 def _text(value: Any) -> str:
-    """An argument or a call as Python."""
     match value:
         case Call():
             named = [f"{key}={_text(each)}" for key, each in value.settings.items()]
