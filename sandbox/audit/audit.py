@@ -8,7 +8,7 @@ follows from the time step and the solver (docs/audit.md), and a verdict: ``pass
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,8 +35,7 @@ def audit(run: Samples) -> list[Figure]:
         return [each.figure(evidence) for each in CHECKS.values()]
 
 
-@dataclass(frozen=True)
-class Advice:
+class Advice(NamedTuple):
     """Meaning and remedy of a warning."""
 
     figures: tuple[str, ...]  # Names of the checks; empty: all checks that no other advice names

@@ -37,10 +37,8 @@ FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS,
 FILMS = ("animation.gif", "animation.mp4")
 PAGE = "report.html"  # What ``sandbox report`` writes
 FRAMES, FRAME = "frames", "frame_?????.png"  # Where pictures of a film go, and what they are called
-ENDINGS = ("png", "svg", "pdf")
-PLOT = "plot"  # Name of the pictures of ``sandbox plot``, without the ending
 BESIDE = "incomplete"  # Where a run that was stopped is put if a complete one is there
-OWN = (*FILES, *FILMS, PAGE, *(f"{PLOT}.{ending}" for ending in ENDINGS))
+OWN = (*FILES, *FILMS, PAGE, "plot.png", "plot.svg", "plot.pdf")
 """Files of a run in its directory, and files that commands make from it."""
 MADE, MAX_MADE = ".made", 1_000_000
 """A list of other files that were made of the run: they go when it goes; its most bytes."""
