@@ -108,33 +108,23 @@ OBJECT = "object"  # The role of what is held
 FARTHER = 1e-3  # Least relative difference of paths that is not rounding
 
 
-def ways(arrays: Arrays) -> Array:
-    """Path length of each body in a run [m], [nb]: of its centre, and of its rotation.
-
-    A rotation counts at the radius of gyration, by which it has the kinetic energy of a path as
-    long. A body that does not move freely has no such radius; only its centre counts.
-    """
-    pose = arrays["body_pose"]
-    x, y = np.moveaxis(placed(pose, arrays["body_centre"]), -1, 0)
-    mass, inertia = arrays["body_mass"], arrays["body_inertia"]
-    free = np.isfinite(mass) & np.isfinite(inertia) & (mass > 0)
-    square = np.where(free, inertia, 0.0) / np.where(free, mass, 1.0)
-    steps = np.diff(x, axis=0) ** 2 + np.diff(y, axis=0) ** 2 + (
-        square * np.diff(pose[..., 2], axis=0) ** 2)
-    return np.asarray(np.sqrt(steps).sum(axis=0))
-
-
 def on_the_other(model: Model, arrays: Arrays, body: Integers, other: Integers) -> Flags:
     """Whether the force between two bodies is shown on ``other`` rather than on ``body``, [m].
 
     It is shown on the one with the role ``object`` if one of the two has it, else on the one with
-    the longer path in the run (:func:`ways`), and on ``body`` if both are about as long.
+    the longer path in the run, and on ``body`` if both are about as long. Rotations of bodies that
+    move freely count at the radius of gyration.
     """
+    pose, mass, inertia = (arrays[f"body_{key}"] for key in ("pose", "mass", "inertia"))
+    x, y = np.moveaxis(placed(pose, arrays["body_centre"]), -1, 0)
+    free = np.isfinite(mass) & np.isfinite(inertia) & (mass > 0)
+    square = np.where(free, inertia, 0.0) / np.where(free, mass, 1.0)
+    steps = np.diff(x, axis=0) ** 2 + np.diff(y, axis=0) ** 2 + (
+        square * np.diff(pose[..., 2], axis=0) ** 2)
+    path = np.sqrt(steps).sum(axis=0)
     held = np.array([each.role == OBJECT for each in model.mechanism.bodies], dtype=bool)
-    way = ways(arrays)
-    same = held[body] == held[other]
-    farther = way[other] > (1 + FARTHER) * way[body]
-    return np.asarray(np.where(same, farther, held[other]), dtype=bool)
+    farther = path[other] > (1 + FARTHER) * path[body]
+    return np.asarray(np.where(held[body] == held[other], farther, held[other]), dtype=bool)
 
 
 def contacts_on(model: Model, arrays: Arrays) -> tuple[Integers, Array]:

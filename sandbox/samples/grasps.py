@@ -44,7 +44,7 @@ class _Holding(NamedTuple):
     carried: Flags  # Whether another body that is no object does
     ready: Flags  # Whether the window lies within the run
     released: Flags  # Whether no hand pressed on it in some sample of the window
-    way: Array  # Its travel, and its sliding, within the window [m], [2, n]
+    path: Array  # Lengths of its travel and sliding within the window [m], [2, n]
     since: Integers  # The window's first sample, [n]
 
 
@@ -198,7 +198,7 @@ class Grasp:
     def held(self) -> Flags:
         """Whether a hand alone has carried it at rest for :data:`WINDOW`, [n]."""
         rest = self._rest
-        still = (rest.way < STRAY * self.size).all(axis=0)
+        still = (rest.path < STRAY * self.size).all(axis=0)
         return np.asarray(rest.hand & ~rest.carried & rest.ready & ~rest.released & still)
 
     @cached_property
@@ -209,8 +209,8 @@ class Grasp:
         since = np.searchsorted(time, time - WINDOW * (1 + 1e-9), side="left")
         ready = time - WINDOW >= (time[0] if n else 0.0) - WINDOW * 1e-9
         lost = np.cumsum(np.concatenate([[0.0], ~hand]))
-        way = self._ways()
-        return _Holding(hand, carried, ready, lost[1:] > lost[since], way - way[:, since], since)
+        path = self._paths()
+        return _Holding(hand, carried, ready, lost[1:] > lost[since], path - path[:, since], since)
 
     def why_not(self, sample: int) -> str:
         """The conditions of ``held`` that a sample does not meet, with numbers; empty if held."""
@@ -230,7 +230,7 @@ class Grasp:
             rows = np.flatnonzero(self.of_others & (self.sample == sample))
             carrier = self._most(rows, self.push[rows])[0]
             reasons.append(f"{carrier!r}, which is no hand, carries it")
-        moved, slid = rest.way[:, sample]
+        moved, slid = rest.path[:, sample]
         if moved >= STRAY * self.size:
             reasons.append(f"it moved by {_mm(moved)} {window}, {most}")
         if slid >= STRAY * self.size:
@@ -247,7 +247,7 @@ class Grasp:
         total = np.bincount(self.other[rows], weights=amounts, minlength=len(bodies))
         return bodies[int(np.argmax(total))].name, float(total.max())
 
-    def _ways(self) -> Array:
+    def _paths(self) -> Array:
         """Total travel of its outline relative to the hand, and total sliding [m], [2, n]."""
         at, angle = self._in_palm()
         steps = np.hypot(*np.diff(at, axis=0).T) + self.size * np.abs(np.diff(angle))
@@ -255,8 +255,8 @@ class Grasp:
         rows = np.flatnonzero(self.of_hand)
         np.maximum.at(slides, self.sample[rows], slip_speeds(self.run.arrays, self.row[rows]))
         slid = slides[1:] * np.diff(self.run.time)
-        ways = np.cumsum([steps, slid], axis=1)
-        return np.concatenate([np.zeros((2, min(1, len(at)))), ways], axis=1)
+        paths = np.cumsum([steps, slid], axis=1)
+        return np.concatenate([np.zeros((2, min(1, len(at)))), paths], axis=1)
 
     def _in_palm(self) -> tuple[Array, Array]:
         """Its centre [n, 2] and angle [n] in the frame of a moving palm, else in the world."""
