@@ -203,7 +203,11 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
         raise NotComputed(OLDER)
     # contacts do a part of the work of running surfaces, the rest is heat
     running = a["drive_work"][:, evidence.model.drives.giving("surface")].sum(axis=1)
-    left = balance.left + running - _work_of_contacts(evidence) - _work_of_joints(
+    sides = evidence.loads.contact_sides
+    v = (evidence.velocity * evidence.model.bodies.free[:, None])[:, sides.body, sides.sample]
+    power = np.bincount(sides.sample, (sides.wrench.T * v).sum(axis=0), len(run)) + np.nan_to_num(
+        a["joint_stop"] * a["joint_rate"]).sum(axis=1)
+    left = balance.left + running - _to_middle(evidence.h * power) - _work_of_joints(
         evidence, evidence.joints_hold)
     # where impacts displace poses all other loads work besides
     moved = evidence.displacement * evidence.model.bodies.free[:, None]
@@ -223,17 +227,6 @@ def _work_of_joints(evidence: Evidence, among: Flags) -> Array:
     """Work of reactions ``among`` [nj, n] up to the middle of each step [J], [n]."""
     power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity)) * np.tile(among, (2, 1))
     return _to_middle(evidence.h * power.sum(axis=0))
-
-
-def _work_of_contacts(evidence: Evidence) -> Array:
-    """Work of contacts and stops up to the middle of each step [J], [n]."""
-    a, sides = evidence.arrays, evidence.loads.contact_sides
-    v = (evidence.velocity * evidence.model.bodies.free[:, None])[:, sides.body, sides.sample]
-    x, y, moment = sides.wrench.T
-    power = x * v[0] + y * v[1] + moment * v[2]
-    step = np.bincount(sides.sample, weights=power, minlength=len(evidence.run))
-    stops = np.nan_to_num(a["joint_stop"] * a["joint_rate"]).sum(axis=1)
-    return _to_middle(evidence.h * (step + stops))
 
 
 def _work_of_weight(evidence: Evidence) -> Array:

@@ -116,7 +116,16 @@ class Grasp:
     def _pressed(self) -> tuple[Integers, Array]:
         """Rows of the hand [p] and the points at which each may press [p, 2]."""
         rows = np.flatnonzero(self.of_hand)
-        flat = {row: ends for row in rows[self._in_line(rows)].tolist()
+        bodies, pose = self.run.mechanism.bodies, self.run.arrays["body_pose"]
+        in_line = np.ones(len(rows), dtype=bool)  # Both have a flat side along the plane
+        for sign, on in ((-1.0, np.full(len(rows), self.body)), (1.0, self.other[rows])):
+            n = sign * self.normal[rows]
+            facing = np.arctan2(n[:, 1], n[:, 0]) - pose[self.sample[rows], on, 2]
+            for body in np.unique(on).tolist():
+                own = np.flatnonzero(on == body)
+                off = facing[own, None] - flat_sides(bodies[body])
+                in_line[own] &= (np.abs(np.sin(off / 2)) < IN_LINE).any(axis=1)
+        flat = {row: ends for row in rows[in_line].tolist()
                 if (ends := pressed(self.run, int(self.row[row]), FLAT)) is not None
                 and len(ends) == 2}
         twice = np.repeat(rows, 1 + np.isin(rows, list(flat)))
@@ -125,19 +134,6 @@ class Grasp:
             first = np.searchsorted(twice, list(flat))
             points[np.stack([first, first + 1], axis=1)] = list(flat.values())
         return twice, points
-
-    def _in_line(self, rows: Integers) -> Flags:
-        """Contacts at which both bodies have a flat side along the plane, [k]."""
-        bodies, pose = self.run.mechanism.bodies, self.run.arrays["body_pose"]
-        found = np.ones(len(rows), dtype=bool)
-        for sign, on in ((-1.0, np.full(len(rows), self.body)), (1.0, self.other[rows])):
-            n = sign * self.normal[rows]
-            facing = np.arctan2(n[:, 1], n[:, 0]) - pose[self.sample[rows], on, 2]
-            for body in np.unique(on).tolist():
-                own = np.flatnonzero(on == body)
-                off = facing[own, None] - flat_sides(bodies[body])
-                found[own] &= (np.abs(np.sin(off / 2)) < IN_LINE).any(axis=1)
-        return found
 
     def stiffness(self, name: str, chosen: slice = slice(None)) -> Array:
         """One of :data:`STIFFNESS` in the chosen samples, [k]; nan where it has no value.
@@ -209,7 +205,12 @@ class Grasp:
         since = np.searchsorted(time, time - WINDOW * (1 + 1e-9), side="left")
         ready = time - WINDOW >= (time[0] if n else 0.0) - WINDOW * 1e-9
         lost = np.cumsum(np.concatenate([[0.0], ~hand]))
-        path = self._paths()
+        at, angle = self._in_palm()
+        steps = np.hypot(*np.diff(at, axis=0).T) + self.size * np.abs(np.diff(angle))
+        slides, rows = np.zeros(n), np.flatnonzero(self.of_hand)
+        np.maximum.at(slides, self.sample[rows], slip_speeds(self.run.arrays, self.row[rows]))
+        path = np.concatenate([np.zeros((2, min(1, n))), np.cumsum(
+            [steps, slides[1:] * np.diff(time)], axis=1)], axis=1)
         return _Holding(hand, carried, ready, lost[1:] > lost[since], path - path[:, since], since)
 
     def why_not(self, sample: int) -> str:
@@ -246,17 +247,6 @@ class Grasp:
         bodies = self.run.mechanism.bodies
         total = np.bincount(self.other[rows], weights=amounts, minlength=len(bodies))
         return bodies[int(np.argmax(total))].name, float(total.max())
-
-    def _paths(self) -> Array:
-        """Total travel of its outline relative to the hand, and total sliding [m], [2, n]."""
-        at, angle = self._in_palm()
-        steps = np.hypot(*np.diff(at, axis=0).T) + self.size * np.abs(np.diff(angle))
-        slides = np.zeros(len(self.run))
-        rows = np.flatnonzero(self.of_hand)
-        np.maximum.at(slides, self.sample[rows], slip_speeds(self.run.arrays, self.row[rows]))
-        slid = slides[1:] * np.diff(self.run.time)
-        paths = np.cumsum([steps, slid], axis=1)
-        return np.concatenate([np.zeros((2, min(1, len(at)))), paths], axis=1)
 
     def _in_palm(self) -> tuple[Array, Array]:
         """Its centre [n, 2] and angle [n] in the frame of a moving palm, else in the world."""

@@ -151,8 +151,14 @@ class Yielding:
         a, model, s = self.run.arrays, self.model, self.sample
         springs, tendons = model.springs, model.tendons
         efforts = self._rows(self.loads.spring_efforts, len(springs.name))
-        for i in range(len(springs.name)):
-            yield Elastic("spring", i, self._slope(i), efforts[i])
+        for i, law in enumerate(springs.law):
+            by = int(springs.drive[i])
+            k = float(springs.stiffness[i] if by == NONE else a["drive_value"][s, by])
+            if law is not None:
+                stretch = float(a["spring_length"][s, i] - springs.rest[i])
+                step = 1e-5 * max(abs(stretch), 1e-3)
+                k = float(law.slopes(stretch + np.array([-step, step]), k)[0])
+            yield Elastic("spring", i, k, efforts[i])
         taut = np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist()
         efforts = self._rows(self.loads.cable_efforts, len(tendons.name)) if taut else efforts
         for i in taut:
@@ -162,17 +168,6 @@ class Yielding:
         for i, u in self._placing():
             if np.isfinite(model.drives.stiffness[i]):
                 yield Elastic("drive", i, float(model.drives.stiffness[i]), u)
-
-    def _slope(self, spring: int) -> float:
-        """Derivative of a spring's force by its stretch at rest [N/m, N m/rad]."""
-        a, springs, s = self.run.arrays, self.model.springs, self.sample
-        by = int(springs.drive[spring])
-        k = float(springs.stiffness[spring] if by == NONE else a["drive_value"][s, by])
-        if (law := springs.law[spring]) is None:
-            return k
-        stretch = float(a["spring_length"][s, spring] - springs.rest[spring])
-        step = 1e-5 * max(abs(stretch), 1e-3)
-        return float(law.slopes(stretch + np.array([-step, step]), k)[0])
 
     def _placing(self) -> Iterator[tuple[int, Array]]:
         """Drives that hold a position or a speed below their limit."""
