@@ -242,19 +242,6 @@ def _work_of_weight(evidence: Evidence) -> Array:
     return np.asarray(np.einsum("ab,abn->n", weight, moved[:, free]))
 
 
-def _unknown_weight(evidence: Evidence) -> float:
-    """Largest work of weight before the first sample, and by unknown displacements [J]."""
-    weight = np.hypot(*evidence.model.mechanism.gravity) * evidence.loads.weights[:, 0]
-    change = evidence.h**2 * np.hypot(*evidence.frames.acceleration[:2])
-    found = 0.0
-    if evidence.run.time[0] >= evidence.h:
-        fall = evidence.h**2 * np.hypot(*evidence.model.mechanism.gravity)
-        found += float(weight @ np.maximum(change.max(axis=1, initial=0.0), fall)) / 8
-    if not evidence.every_step:  # a displacement is less than h times the change of velocity
-        found += float(np.where(evidence.struck, weight @ change, 0.0).max(initial=0.0)) / 2
-    return found
-
-
 def _stretched(evidence: Evidence) -> bool:
     """Whether a rope was taut, a pin pressed on an end of its groove, or loose teeth met."""
     force = np.nan_to_num(evidence.run.means("joint_force")["joint_force"])
@@ -302,7 +289,15 @@ def _of_the_step(evidence: Evidence) -> float:
     rate = evidence.contact_rate(evidence.velocity, a["contact_normal"])
     contacts = np.maximum(evidence.run.contacts.normal * rate, 0.0).sum()
     apart = evidence.h if evidence.every_step or len(time) < 2 else np.median(np.diff(time))
-    return float(apart * (power.sum() + contacts)) + _unknown_weight(evidence)
+    unknown = 0.0  # work of weight before the first sample, and by unknown displacements
+    fall = evidence.h**2 * np.hypot(*evidence.model.mechanism.gravity)
+    change = evidence.h**2 * np.hypot(*evidence.frames.acceleration[:2])
+    weight = np.hypot(*evidence.model.mechanism.gravity) * evidence.loads.weights[:, 0]
+    if evidence.run.time[0] >= evidence.h:
+        unknown += float(weight @ np.maximum(change.max(axis=1, initial=0.0), fall)) / 8
+    if not evidence.every_step:  # a displacement is less than h times the change of velocity
+        unknown += float(np.where(evidence.struck, weight @ change, 0.0).max(initial=0.0)) / 2
+    return float(apart * (power.sum() + contacts)) + unknown
 
 
 def starts(evidence: Evidence) -> tuple[list[str], float, float]:

@@ -320,7 +320,14 @@ def add_tendons(draft: Draft) -> float:
                     ) or 1e-12
                 step = min(step, FRACTION / math.sqrt(stiffness * mobility))
                 if tendons.damping[tendon]:
-                    _pulling_only(draft, tendon, rest)
+                    # T = max(k (L - L0) + c L', 0), which a tendon's own law cannot have: the
+                    # length of the actuator is -L, so that its force is T; it has no input
+                    add(draft.sections["actuator"], "general", name=name, tendon=name, gear=-1.0,
+                        gainprm=0.0, biastype="affine",
+                        biasprm=(-stiffness * rest, -stiffness, -float(tendons.damping[tendon])),
+                        ctrlrange=(0.0, 1.0), forcerange=(0.0, draft.MAX_FORCE))
+                    draft.controls.append(0.0)
+                    draft.sense("actuatorfrc", f"{name}.tension", actuator=name)
                 else:
                     law["stiffness"], law["springlength"] = stiffness, (0.0, rest)
         cable = add(draft.sections["tendon"], "spatial", name=name, width=0.0005,
@@ -331,21 +338,6 @@ def add_tendons(draft: Draft) -> float:
         draft.notes.append(
             f"tendons of {RIGID:g} N/m and more do not stretch here: {', '.join(stiff)}")
     return step
-
-
-def _pulling_only(draft: Draft, tendon: int, rest: float) -> None:
-    """Add an actuator with T = max(k (L - L0) + c L', 0), which a tendon's own law cannot have.
-
-    Its length is -L, so that its force is T.
-    """
-    name = draft.model.tendons.name[tendon]
-    stiffness, damping = (float(row[tendon]) for row in (
-        draft.model.tendons.stiffness, draft.model.tendons.damping))
-    add(draft.sections["actuator"], "general", name=name, tendon=name, gear=-1.0,
-        gainprm=0.0, biastype="affine", biasprm=(-stiffness * rest, -stiffness, -damping),
-        ctrlrange=(0.0, 1.0), forcerange=(0.0, draft.MAX_FORCE))
-    draft.controls.append(0.0)  # it has no input
-    draft.sense("actuatorfrc", f"{name}.tension", actuator=name)
 
 
 def _thread(draft: Draft, cable: ET.Element, tendon: int, start: Stretches) -> None:
