@@ -17,13 +17,7 @@ import sandbox
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import SceneError
 from sandbox.export.document import Draft, Value, add, comment, document, element, number
-from sandbox.export.selection import (
-    Export,
-    arc_of,
-    contact_pairs,
-    leave_out,
-    without_counterpart,
-)
+from sandbox.export.selection import Export, arc_of, contact_pairs, leave_out, without_counterpart
 from sandbox.export.tree import angle_sum, grow
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE

@@ -173,8 +173,7 @@ def arc_of(model: Model, start: Stretches, wheel: int) -> tuple[float, bool]:
 
     inside = min(np.hypot(*(a - centre)), np.hypot(*(d - centre))) <= abs(radius)
     crosses = side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
-    return (float(np.arctan2(y, x) - np.sign(radius) * angle / 2),
-            bool(on and (inside or crosses)))
+    return (float(np.arctan2(y, x) - np.sign(radius) * angle / 2), bool(on and (inside or crosses)))
 
 
 def _surfaces(model: Model) -> Iterator[tuple[str, str]]:

@@ -24,7 +24,6 @@ from sandbox.elements.arrays import (
 from sandbox.elements.element import NAMED
 from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, QUANTITIES, numbered
 from sandbox.model import meters
-from sandbox.model.bonds import held_one
 from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, unit_of
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels, slot_length
@@ -322,10 +321,7 @@ class Samples:
         if kind.gives == "surface":
             return np.array(a["drive_power"][:, drive])
         rate = a["joint_speed" if kind.gives == "push" else "joint_rate"][:, joint]
-        if kind.limited:
-            return np.asarray(a["drive_torque"][:, drive] * rate)
-        holds = held_one(self.model.bonds.joint[joint], a["held"])
-        return np.asarray(holds * a["drive_value"][:, drive] * rate)
+        return np.asarray(Loads(self).given[drive] * rate)
 
 
 MAX_NOTES = 8  # Largest number of notes of one kind
