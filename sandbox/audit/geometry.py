@@ -14,7 +14,6 @@ from sandbox.elements.element import GRAZE
 from sandbox.model.joints import flank_gaps, slipped
 from sandbox.numeric import Array
 from sandbox.samples.cables import lengths_at_start, lying, rest_lengths, wound_up
-from sandbox.scene.geometry import pose_of, to_world
 from sandbox.values.signals import values
 
 Point = complex | NDArray[np.complex128]
@@ -223,9 +222,8 @@ def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> t
     """Arm of a string at its last guide [m], displacement of its far side, inclination, [n]."""
     frames, tendons, cables = evidence.frames, evidence.model.tendons, evidence.frames.cables
     last = int(tendons.first[tendon + 1]) - 1
-    near, far = (complex(*to_world(
-        pose_of(evidence.model.mechanism.bodies[tendons.guide_body[guide]]),
-        tuple(tendons.guide_at[guide]))) for guide in (last, last - 1))
+    near, far = (complex(*evidence.model.at_start(
+        int(tendons.guide_body[guide]), tendons.guide_at[guide])) for guide in (last, last - 1))
     radius = float(tendons.guide_radius[last])
     arm = ((near - place) * pull.conjugate()).imag + radius
     row = int(np.flatnonzero(tendons.stretch_tendon == tendon)[-1])
