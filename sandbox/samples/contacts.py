@@ -207,29 +207,21 @@ def merge_contacts(
     if len(start) < len(sample):
         weight = weight[:, None]
         total = np.add.reduceat(weight, start)
-        point = _on_line(np.add.reduceat(point * weight, start) / total, point, force, start)
+        mean, sizes = np.add.reduceat(point * weight, start) / total, np.hypot(*force.T)
+        arm = point - np.repeat(mean, merged.astype(int), axis=0)
+        moment = np.add.reduceat(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0], start)
+        force = np.add.reduceat(force, start)
+        square = (force**2).sum(axis=1)
+        acts = square > (CANCELLED * np.add.reduceat(sizes, start)) ** 2  # couples stay in place
+        way = np.where(acts, moment / np.where(acts, square, 1.0), 0.0)
+        point = mean + way[:, None] * np.stack([force[:, 1], -force[:, 0]], axis=1)
         normals = np.add.reduceat(normal * weight, start)
         size = np.hypot(*normals.T)[:, None]
         acts = size > CANCELLED * total  # squeezed from both sides: the first point's
         normal = np.where(acts, normals / np.where(acts, size, 1.0), normal[start])
-        force, gap = np.add.reduceat(force, start), np.minimum.reduceat(gap, start)
-        twist = np.add.reduceat(twist, start)
+        gap, twist = np.minimum.reduceat(gap, start), np.add.reduceat(twist, start)
     return {
         "sample": sample[start], "body": body[start], "other": other[start],
         "point": point, "force": force, "normal": normal, "gap": gap, "merged": merged,
         "twist": twist,
     }
-
-
-def _on_line(mean: Array, point: Array, force: Array, start: Integers) -> Array:
-    """Points ``mean`` [p, 2] moved onto the resultants of the forces; those of couples stay."""
-    pair = np.repeat(np.arange(len(start)), np.diff(start, append=len(point)))
-    arm = point - mean[pair]
-    moment = np.add.reduceat(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0], start)
-    total = np.add.reduceat(force, start)
-    sizes = np.add.reduceat(np.hypot(force[:, 0], force[:, 1]), start)
-    square = (total**2).sum(axis=1)
-    acts = square > (CANCELLED * sizes) ** 2
-    way = np.where(acts, moment / np.where(acts, square, 1.0), 0.0)
-    moved: Array = mean + way[:, None] * np.stack([total[:, 1], -total[:, 0]], axis=1)
-    return moved
