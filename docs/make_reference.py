@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import sandbox.mechanics as mechanics_package
-from sandbox.audit.audit import ADVICE, ASKS
+from sandbox.audit.audit import ADVICE, CHECKS
 from sandbox.codes import CODES
 from sandbox.elements.arrays import ARRAYS
 from sandbox.elements.element import tag_of
@@ -117,8 +117,8 @@ def asks() -> Iterator[str]:
     """The table of the checks and their questions."""
     yield "| check | question |"
     yield "|---|---|"
-    for name, asked in ASKS.items():
-        yield f"| `{name}` | {_plain(asked)} |"
+    for name, check in CHECKS.items():
+        yield f"| `{name}` | {_plain(check.asks)} |"
 
 
 def advice() -> Iterator[str]:

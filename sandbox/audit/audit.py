@@ -7,38 +7,23 @@ follows from the time step and the solver (docs/audit.md), and a verdict: ``pass
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit import (
-    bounds,
-    contacts,
-    driven,
-    energy,
-    fluids,
-    friction,
-    geometry,
-    laws,
-    outlines,
-    rest,
-)
+from sandbox.audit import bounds, contacts, driven, energy, fluids, geometry, laws, outlines, rest
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import Check, Figure, figure_data
+from sandbox.audit.figures import Check, Figure
 from sandbox.samples.samples import Samples
 
-__all__ = ["ADVICE", "ASKS", "CHECKS", "Figure", "advice_on", "audit", "figure_data"]
+__all__ = ["ADVICE", "CHECKS", "Figure", "advice_on", "audit"]
 
 CHECKS: Mapping[str, Check] = {
     each.name: each
-    for module in (geometry, laws, friction, fluids, driven, energy, rest, outlines, contacts,
-                   bounds)
+    for module in (geometry, laws, fluids, driven, energy, rest, outlines, contacts, bounds)
     for each in vars(module).values() if isinstance(each, Check)}
 """All checks by name, in the order of the docs."""
-ASKS: Mapping[str, str] = {name: each.asks for name, each in CHECKS.items()}
-"""The questions that the checks answer, by their names; yes means pass."""
 
 
 def audit(run: Samples) -> list[Figure]:
@@ -47,16 +32,10 @@ def audit(run: Samples) -> list[Figure]:
         return [each.missing("nothing was recorded") for each in CHECKS.values()]
     with np.errstate(all="ignore"):
         evidence = Evidence(run)
-        figures = [each.figure(evidence) for each in CHECKS.values()]
-    if run.mechanism.run.solver == "pymunk":
-        figures = [CHECKS[figure.name].missing("pymunk does not give its numbers")
-                   if math.isnan(figure.value) and figure.verdict == "look" else figure
-                   for figure in figures]
-    return figures
+        return [each.figure(evidence) for each in CHECKS.values()]
 
 
-@dataclass(frozen=True)
-class Advice:
+class Advice(NamedTuple):
     """Meaning and remedy of a warning."""
 
     figures: tuple[str, ...]  # Names of the checks; empty: all checks that no other advice names

@@ -3,7 +3,7 @@
 With friction, or with more contacts than degrees of freedom, balance does not determine single
 contact forces. The possible forces are a convex set: on every free body m a = sum F and I alpha =
 sum M, with contacts that push within their friction cones (in the plane two straight lines) and
-tendons that pull. A linear program gives the least and the largest of each component. The largest
+tendons that pull. A linear program gives the minimum and maximum of each component. The largest
 push on an object follows with one more unknown: a force at the centre of mass. Beyond it there is
 no balance at rest in this pose; below it something may move, too.
 """
@@ -27,7 +27,7 @@ from sandbox.audit.figures import (
     Worst,
     check,
 )
-from sandbox.audit.friction import carried
+from sandbox.audit.laws import carried
 from sandbox.audit.outlines import pressed, touched
 from sandbox.elements.tendons import RIGID
 from sandbox.mechanics.linear_program import LinearProgram
@@ -67,7 +67,7 @@ class Unknowns:
     def __init__(self, evidence: Evidence) -> None:
         self.evidence, self.model, self.loads = evidence, evidence.model, evidence.loads
         self.arrays, frames = evidence.arrays, evidence.frames
-        self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
+        self.centre = frames.centre[:2, :, 0].T
         tendons, drives = self.model.tendons, self.model.drives
         # with friction at guides tensions depend on the past: they are known
         self.rigid = (tendons.drive == NONE) & (tendons.stiffness >= RIGID) & np.array(
@@ -148,9 +148,7 @@ class Unknowns:
         efforts = loads.drive_efforts.wrenches(len(drives.kind), bodies)
         for i, kind in enumerate(drives.kind):
             if kind.limited and np.isnan(drives.slope[i]):
-                # the limit of a brake is its value
-                most = a["drive_value"][0, i] if np.isnan(drives.most[i]) else drives.most[i]
-                yield Unknown(efforts[i], free=True, most=float(most))
+                yield Unknown(efforts[i], free=True, most=float(loads.limits[i, 0]))
         efforts = loads.friction_efforts.wrenches(len(joints.name), bodies)
         for j in joints.frictional[a["joint_sticks"][0, joints.frictional] == 1.0].tolist():
             most = joints.friction[j] + joints.coefficient[j] * carried(self.evidence, j)[0]
@@ -238,11 +236,11 @@ def _groups(unknowns: Unknowns) -> list[tuple[list[int], list[Unknown]]]:
 
 
 class Balance:
-    """The balance of a group as a linear program: forces of either sign are eliminated.
+    """The balance of a group as a linear program: W f = target on all bodies.
 
-    W f = target on all bodies, moments over a length, so that all are forces. With F the columns of
-    the free forces and N a basis of all motions on which these do no work, N^T F = 0, the others
-    have N^T G x = N^T target.
+    Moments count over a length, so that all are forces. A force of either sign is p - q with p and
+    q >= 0, limited by p + q + rest = most. Rows are the ``motions``, combinations of balances
+    in which forces work.
     """
 
     def __init__(
@@ -261,27 +259,24 @@ class Balance:
         self.size = max(float(np.abs(target).max()), SMALLEST_SCALE, float(np.hypot(
             *unknowns.arrays["contact_force"][rows].T).max()))
         """The largest recorded contact force or known load [N], the unit of all forces."""
+        target /= self.size
         self.allowed = scale * allowed[[0, 0, 1]].T[bodies].ravel() / self.size
-        most = np.array([one.most for one in forces])
-        self.free = np.array([one.free for one in forces]) & np.isinf(most)
-        self.F, self.G, self.target = W[:, self.free], W[:, ~self.free], target / self.size
-        # a force limited either way is p - q with p + q + rest = most
-        self.limited = np.flatnonzero(np.isfinite(most[~self.free]))
-        self.most = (most * self.unit)[~self.free][self.limited] / self.size
-        left, rank = _span(self.F)
-        motions = left[:, rank:]
-        G = np.concatenate([self.G, -self.G[:, self.limited]], axis=1)
-        left, rank = _span(motions.T @ G)
-        self.motions = motions @ left[:, :rank]
-        """Virtual motions on which the one-sided forces work, [rows, m]."""
-        idle = motions @ left[:, rank:]
-        self.idle = np.abs(self.target @ idle), np.abs(idle).T @ self.allowed
-        n, k = G.shape[1], len(self.limited)
-        A = np.zeros((rank + k, n + k))
-        A[:rank, :n] = self.motions.T @ G
-        for row, at in enumerate(self.limited):
-            A[rank + row, [at, n - k + row, n + row]] = 1.0
-        self.program = LinearProgram(A, np.concatenate([self.motions.T @ self.target, self.most]))
+        self.signed = np.flatnonzero([one.free for one in forces])
+        most = np.array([forces[i].most for i in self.signed]) * self.unit[self.signed] / self.size
+        limited = np.flatnonzero(np.isfinite(most))
+        left, values, _ = np.linalg.svd(W)
+        rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
+        self.motions, idle = left[:, :rank], left[:, rank:]
+        """Virtual motions on which forces work, [rows, rank]."""
+        self.idle = np.abs(target @ idle), np.abs(idle).T @ self.allowed
+        n, both, k = len(forces), len(forces) + len(self.signed), len(limited)
+        A = np.zeros((rank + k, both + k))
+        A[:rank, :n] = self.motions.T @ W
+        A[:rank, n:both] = -A[:rank, self.signed]
+        for row, at in enumerate(limited):
+            A[rank + row, [self.signed[at], n + at, both + row]] = 1.0
+        self.right, self.most = np.append(self.motions.T @ target, most[limited]), most[limited]
+        self.program = LinearProgram(A, self.right)
 
     def bounds(self) -> Iterator[Bounds]:
         """The bounds of every contact row of the group."""
@@ -296,7 +291,7 @@ class Balance:
                 if not balanced:
                     parts.append(Interval(force, np.nan, np.nan, (0.0, 0.0)))
                     continue
-                (low, below), (high, above) = self.least(weight), self.least(-weight)
+                (low, below), (high, above) = self.minimum(weight), self.minimum(-weight)
                 parts.append(Interval(force, low, 0.0 - high, (below, above)))
             yield Bounds(row, int(a["contact_body"][row]), int(a["contact_other"][row]), *parts)
 
@@ -307,41 +302,24 @@ class Balance:
         against += np.abs(program.against[m:]) @ (EXACT * self.most) + EXACT
         return bool(program.missing <= against and (self.idle[0] <= self.idle[1] + EXACT).all())
 
-    def least(self, weight: Array) -> tuple[float, float]:
-        """The least weighted sum of all forces [N], and its rounding error.
+    def minimum(self, weight: Array) -> tuple[float, float]:
+        """The minimum of a weighted sum of all forces [N], and its rounding error.
 
-        Forces that balance up to d, and are negative by e at most, have a sum of at least
+        Forces that balance up to d, and are negative by at most e, have a sum of at least
         y (target + d) - (c - G^T y) e.
         """
         scale = float(np.abs(weight).max())
         if scale == 0.0:  # no friction
             return 0.0, EXACT * self.size
-        c, n = weight / scale, self.G.shape[1]
-        joined = np.zeros(len(self.target))
-        if c[self.free].any():
-            joined = np.linalg.lstsq(self.F.T, c[self.free], rcond=None)[0]
-        if np.abs(self.F.T @ joined - c[self.free]).max(initial=0.0) > RANK:
-            return -np.inf, 0.0
-        rest = c[~self.free] - joined @ self.G
-        found = self.program.least(np.concatenate(
-            [rest, -rest[self.limited], np.zeros(len(self.limited))]))
+        c, n, m = weight / scale, len(weight), self.motions.shape[1]
+        found = self.program.minimum(np.concatenate([c, -c[self.signed], np.zeros(len(self.most))]))
         if np.isinf(found.value):
             return -np.inf, 0.0
-        m = self.motions.shape[1]
-        y = joined + self.motions @ found.prices[:m]
-        below = (np.array([one.below for one in self.forces]) * self.unit)[~self.free]
-        wanted = np.concatenate([self.motions.T @ self.target, self.most])
+        y, below = self.motions @ found.prices[:m], [one.below for one in self.forces] * self.unit
         slack = np.maximum(found.reduced[:n], 0.0) @ below + self.size * (
-            np.abs(y) @ self.allowed + np.abs(found.prices) @ np.abs(self.program.b - wanted)
+            np.abs(y) @ self.allowed + np.abs(found.prices) @ np.abs(self.program.b - self.right)
             + EXACT * (1 + np.abs(y).sum()))
-        return (scale * self.size * (float(joined @ self.target) + found.value),
-                scale * float(slack))
-
-
-def _span(matrix: Array) -> tuple[Array, int]:
-    """Left singular vectors of a matrix, and its rank."""
-    left, values, _ = np.linalg.svd(matrix)
-    return left, int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
+        return scale * self.size * found.value, scale * float(slack)
 
 
 @check("contact.bounds", "N", "minimum and maximum f with m a = Σ F, |t| <= μ n",
@@ -365,14 +343,10 @@ def _contact_bounds(evidence: Evidence, worst: Worst) -> None:
 def push_limits(
     evidence: Evidence, body: int, directions: Sequence[float], sample: int = -1,
 ) -> Array:
-    """The largest push of a body that balance, friction and unilateral contact allow [N].
+    """The largest push of a body at its centre of mass that balance allows [N], by direction [rad].
 
-    The push acts at the centre of mass, in each direction [rad]. inf where there is no bound; nan
-    where no forces balance the sample itself; 0 for a body that nothing touches, and within the
-    rounding error.
-
-    Raises:
-        ArithmeticError: a linear program fails.
+    inf where there is no bound; nan where no forces balance the sample itself; 0 for a body that
+    nothing touches, and within the rounding error.
     """
     unknowns, found = Unknowns(touched(evidence.alone(sample % len(evidence.run)))), []
     bodies, forces = next((each for each in _groups(unknowns) if body in each[0]), ([], []))
@@ -381,6 +355,6 @@ def push_limits(
         push.wrench[body] = np.cos(angle), np.sin(angle), 0.0
         balance = Balance(unknowns, bodies, [*forces, push], evidence.left_allowed)
         weight = np.append(np.zeros(len(forces)), -1.0 / balance.unit[-1])
-        least, slack = balance.least(weight) if balance.balanced() else (np.nan, 0.0)
-        found.append(0.0 if abs(least) <= slack else -least)
+        lowest, slack = balance.minimum(weight) if balance.balanced() else (np.nan, 0.0)
+        found.append(0.0 if abs(lowest) <= slack else -lowest)
     return np.array(found) if bodies else np.zeros(len(directions))

@@ -73,11 +73,10 @@ class _Rows:
         self.along = np.stack([-self.out[:, 1], self.out[:, 0]], axis=1)
         self.names, loads = evidence.model.bodies.name, evidence.loads
         self.pair = self.sides[0] * len(self.names) + self.sides[1]
-        self.kinds, place = np.unique(self.pair, return_inverse=True)
-        self.friction, self.static, self.restitution = (
-            np.array([of(evidence.model.mechanism, *divmod(kind, len(self.names)))
-                      for kind in self.kinds.tolist()], dtype=float)[place]
-            for of in (friction_of, static_friction_of, restitution_of))
+        self.friction, self.static, self.restitution = laws = np.zeros((3, len(self.pair)))
+        for _, pair, own in evidence.pairs():
+            laws[:, own] = [[of(evidence.model.mechanism, *pair)] for of in (
+                friction_of, static_friction_of, restitution_of)]
         self.inverse = np.divide(1, loads.weights, out=np.zeros_like(loads.weights),
                                  where=loads.weights > 0)
         self.change = self.h * loads.frames.acceleration
@@ -98,7 +97,11 @@ class _Rows:
         self.alone = (self.hit & self.one & ~np.isnan(instant) & (self.count(self.pair >= 0) <= 1)
                       & (self.gap_rates[0] < -2 * REBOUND))
         """Impacts at one point of bodies without other contacts, fast enough to be judged."""
-        self.joined = evidence.held_by_others[np.stack(self.sides)].any(axis=0)
+        model = evidence.model
+        held = np.concatenate([model.joints.bodies.ravel(), model.tendons.guide_body,
+                               model.springs.bodies.ravel()])
+        self.joined = (np.isin(self.sides, held) & model.bodies.free[[*self.sides]]).any(axis=0)
+        """Rows of a free body that joints, tendons or springs act on."""
         turning = np.abs(evidence.velocity[2]) + np.abs(self.change[2])
         self.spins = [turning[b, self.sample] for b in self.sides]
         self.landing = np.maximum(-self.h * self.opening[0], 0.0)
@@ -108,9 +111,8 @@ class _Rows:
         self, worst: Worst, error: Array, allowed: Array | float, among: Flags | bool = True,
     ) -> None:
         """Compare the rows of each pair that are ``among`` the selected ones."""
-        for kind in self.kinds.tolist():
-            worst.add("/".join(self.names[b] for b in divmod(kind, len(self.names))), error,
-                      allowed, among & (self.pair == kind))
+        for name, _, own in self.evidence.pairs():
+            worst.add(name, error, allowed, among & own)
 
     def _impacts(self, a: Arrays) -> tuple[Flags, Array]:
         """Rows that bounce in their step, and the instants after the pose [s]; nan if unknown."""
@@ -283,7 +285,6 @@ def _swallowed(evidence: Evidence, worst: Worst) -> None:
 @check("contact.residual", "m/s", "0 <= p, 0 <= y, p y = 0",
        asks="were contacts, limits and friction solved in every step?")
 def _residual(evidence: Evidence, worst: Worst) -> str:
-    """The largest violation of the laws of contacts, limits and friction, from the solver."""
     found = evidence.run.info.contact_solver
     if "residual" not in found:
         raise NotComputed("there is no contact, limit or motor, or its solver recorded nothing")
@@ -314,7 +315,6 @@ def _depth(evidence: Evidence, worst: Worst) -> None:
 
 @check("tendon.slack", "s", "T > 0", asks="do tendons stay taut once they have pulled?")
 def _slack(evidence: Evidence, worst: Worst) -> str:
-    """Time for which tendons that have pulled are slack again."""
     tendons, time = evidence.model.tendons.name, evidence.run.time
     if not tendons or len(time) < 2:
         raise NotComputed("there are too few samples" if tendons else "there is no tendon")

@@ -11,6 +11,7 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import (
     DIGITS,
     EXACT,
+    HELD,
     NOT_EVERY_STEP,
     ROUNDING,
     SMALLEST_SCALE,
@@ -31,9 +32,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import values
 
 SOLVED = 1e-9  # Error of the rates of bounded rows, relative to the largest
-HELD, FADED = 1e-10, 0.01
-"""Regularisation of impulses towards the last ones, and the fraction of these that fades
-(docs/engine.md)."""
+FADED = 0.01  # Fraction of the last impulses that fades in a step (docs/engine.md)
 
 
 @check("release.force", "N", "F = 0 where released",
@@ -108,16 +107,14 @@ def _signals(evidence: Evidence, worst: Worst) -> None:
                 "{count:comparison}, worst: {where}",
        none="there is no motor and no brake")
 def _motors(evidence: Evidence, worst: Worst) -> None:
-    """Motors and brakes keep their speed at the end of a step, or act at their limit."""
     a, h, drives = evidence.arrays, evidence.h, evidence.model.drives
     rates, shared = evidence.rates_after, _limited_drives(evidence)
     for i, kind in enumerate(drives.kind):
         if not kind.limited:
             continue
-        j, torque, value = int(drives.target[i]), a["drive_torque"][:, i], a["drive_value"][:, i]
-        brake, slope = bool(np.isnan(drives.most[i])), float(drives.slope[i])
-        most = value if brake else np.full(len(torque), drives.most[i])
-        largest, holds = whole(most), evidence.holds["joint"][j]
+        j, torque, slope = int(drives.target[i]), a["drive_torque"][:, i], float(drives.slope[i])
+        most, holds = evidence.loads.limits[i], evidence.holds["joint"][j]
+        largest, speed = whole(most), 0.0 if np.isnan(drives.most[i]) else a["drive_value"][:, i]
         if np.isfinite(largest):
             over = np.maximum(np.abs(torque) - most, 0.0) / largest
             worst.add(f"limit of {drives.name[i]}", over, EXACT)
@@ -131,9 +128,9 @@ def _motors(evidence: Evidence, worst: Worst) -> None:
                        slope * (a["drive_value"][:, i] - v), -most, most),
                    [((evidence.rates[j],), (off,))], holds)
             continue
-        off, fast = rates[j] - (0.0 if brake else value) + bend(evidence, j), 1 + peak(rates[j])
+        off, fast = rates[j] - speed + bend(evidence, j), 1 + peak(rates[j])
         floor = SOLVED * fast + STILL[1] + DIGITS / h + held
-        worst.add_law(drives.name[i], torque, off * evidence.joints_hold[j], (-most, most),
+        worst.add_law(drives.name[i], torque, off * evidence.joints_hold[j], most,
                       (EXACT * np.maximum(most, SMALLEST_SCALE), floor), floor / fast)
 
 
@@ -153,7 +150,7 @@ def bend(evidence: Evidence, joint: int) -> Array:
     moved = []
     for n, ends in zip(joints.bodies[joint], frames.anchors, strict=True):
         arm = (ends.arm_x[joint] + 1j * ends.arm_y[joint]) * np.exp(1j * h * before[2, n])
-        moved.append(frames.centre_x[n] + 1j * frames.centre_y[n]
+        moved.append(frames.centre[0, n] + 1j * frames.centre[1, n]
                      + h * (before[0, n] + 1j * before[1, n]) + arm)
     rate = evidence.rates_of(before)[joint]
     return np.asarray((np.abs(moved[1] - moved[0]) - frames.gaps[joint]) / h - rate)
@@ -181,9 +178,7 @@ def held_off(evidence: Evidence, drive: int) -> float:
         rate = np.concatenate([[initial_rate(evidence, drive)], evidence.rates[j]])
         work, mean = np.diff(a["drive_work"][:, drive], prepend=0.0), (rate[1:] + rate[:-1]) / 2
         since = np.abs(np.divide(work, mean, out=np.zeros_like(work), where=work != 0))
-        most = evidence.model.drives.most[drive]
-        limit = peak(a["drive_value"][:, drive]) if np.isnan(most) else float(most)
-        impulse = max(impulse, min(peak(since), evidence.h * limit))
+        impulse = max(impulse, min(peak(since), evidence.h * peak(evidence.loads.limits[drive])))
     return HELD * alone * (2 + FADED) * impulse
 
 

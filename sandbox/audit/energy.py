@@ -65,7 +65,6 @@ def _reaction_sizes(evidence: Evidence, worst: Worst) -> None:
 @check("reaction.shared", source="rank of J", asks="does statics determine every joint reaction?",
        compared="joints whose reactions statics does not determine: {note}")
 def _shared(evidence: Evidence, worst: Worst) -> str:
-    """Joints with undetermined reactions in each of a few poses."""
     model, poses = evidence.model, evidence.arrays["body_pose"]
     if not len(model.joints.name):
         raise NotComputed("there is no joint")
@@ -194,8 +193,7 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
     touched = len(run.mean_contacts.sample) or len(a["impact_time"]) or stops.any() or (
         _stretched(evidence))
     if touched and not evidence.every_step:
-        raise NotComputed(
-            f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
+        raise NotComputed(f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
     if not touched:
         worst.judge(peak(balance.left) / balance.scale, balance.allowed)
         return ("energy lost without contacts: kinetic energy minus the work of drives, tendons, "
@@ -205,7 +203,11 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
         raise NotComputed(OLDER)
     # contacts do a part of the work of running surfaces, the rest is heat
     running = a["drive_work"][:, evidence.model.drives.giving("surface")].sum(axis=1)
-    left = balance.left + running - _work_of_contacts(evidence) - _work_of_joints(
+    sides = evidence.loads.contact_sides
+    v = (evidence.velocity * evidence.model.bodies.free[:, None])[:, sides.body, sides.sample]
+    power = np.bincount(sides.sample, (sides.wrench.T * v).sum(axis=0), len(run)) + np.nan_to_num(
+        a["joint_stop"] * a["joint_rate"]).sum(axis=1)
+    left = balance.left + running - _to_middle(evidence.h * power) - _work_of_joints(
         evidence, evidence.joints_hold)
     # where impacts displace poses all other loads work besides
     moved = evidence.displacement * evidence.model.bodies.free[:, None]
@@ -214,9 +216,6 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
     worst.judge(peak(left[evidence.known]) / balance.scale, balance.least)
     return ("kinetic energy minus all work, including contacts, stops and joints in every step, "
             "relative to all energy converted")
-
-
-# -- works ------------------------------------------------------------------------------------
 
 
 def _to_middle(step: Array) -> Array:
@@ -230,21 +229,10 @@ def _work_of_joints(evidence: Evidence, among: Flags) -> Array:
     return _to_middle(evidence.h * power.sum(axis=0))
 
 
-def _work_of_contacts(evidence: Evidence) -> Array:
-    """Work of contacts and stops up to the middle of each step [J], [n]."""
-    a, sides = evidence.arrays, evidence.loads.contact_sides
-    v = (evidence.velocity * evidence.model.bodies.free[:, None])[:, sides.body, sides.sample]
-    x, y, moment = sides.wrench.T
-    power = x * v[0] + y * v[1] + moment * v[2]
-    step = np.bincount(sides.sample, weights=power, minlength=len(evidence.run))
-    stops = np.nan_to_num(a["joint_stop"] * a["joint_rate"]).sum(axis=1)
-    return _to_middle(evidence.h * (step + stops))
-
-
 def _work_of_weight(evidence: Evidence) -> Array:
     """M g . (c - c_0 + h^2 a / 4) [J], [n], with half of the known displacements by impacts."""
     frames, h, free = evidence.frames, evidence.h, evidence.model.bodies.free
-    now, a = np.stack([frames.centre_x, frames.centre_y]), frames.acceleration[:2]
+    now, a = frames.centre[:2], frames.acceleration[:2]
     if evidence.run.time[0] < h:
         first = now[:, :, 0] - h / 2 * (evidence.velocity[:2] - h / 2 * a)[:, :, 0]
     else:
@@ -252,19 +240,6 @@ def _work_of_weight(evidence: Evidence) -> Array:
     moved = now - first[:, :, None] + h * h / 4 * a + evidence.displacement[:2] / 2
     weight = np.outer(evidence.model.mechanism.gravity, evidence.arrays["body_mass"][free])
     return np.asarray(np.einsum("ab,abn->n", weight, moved[:, free]))
-
-
-def _unknown_weight(evidence: Evidence) -> float:
-    """Largest work of weight before the first sample, and by unknown displacements [J]."""
-    weight = np.hypot(*evidence.model.mechanism.gravity) * evidence.loads.weights[:, 0]
-    change = evidence.h**2 * np.hypot(*evidence.frames.acceleration[:2])
-    found = 0.0
-    if evidence.run.time[0] >= evidence.h:
-        fall = evidence.h**2 * np.hypot(*evidence.model.mechanism.gravity)
-        found += float(weight @ np.maximum(change.max(axis=1, initial=0.0), fall)) / 8
-    if not evidence.every_step:  # a displacement is less than h times the change of velocity
-        found += float(np.where(evidence.struck, weight @ change, 0.0).max(initial=0.0)) / 2
-    return found
 
 
 def _stretched(evidence: Evidence) -> bool:
@@ -280,18 +255,13 @@ def _stretched(evidence: Evidence) -> bool:
     return any(each.any() for each in along)
 
 
-# -- tolerances -------------------------------------------------------------------------------
-
-
 def _of_gaps(evidence: Evidence) -> float:
     """Work of joints and contacts that close gaps, and rounding of weights [J]."""
     a, free = evidence.arrays, evidence.model.bodies.free
     work = evidence.closed * np.hypot(*np.nan_to_num(a["joint_force"]).T).max(axis=1, initial=0.0)
-    pair = a["contact_body"] * len(free) + a["contact_other"]
     size, touch = np.hypot(*a["contact_force"].T), 0.0
     overlap = np.clip(-a["contact_gap"], 0.0, LEFT + evidence.contact_depth)
-    for kind in np.unique(pair):
-        own = pair == kind
+    for _, _, own in evidence.pairs():
         touch += float(size[own].max() * (evidence.closed + overlap[own].max()))
     weight = np.hypot(*evidence.model.mechanism.gravity) * a["body_mass"][free].sum()
     return float(work.sum() + touch + weight * ROUNDING)
@@ -319,10 +289,15 @@ def _of_the_step(evidence: Evidence) -> float:
     rate = evidence.contact_rate(evidence.velocity, a["contact_normal"])
     contacts = np.maximum(evidence.run.contacts.normal * rate, 0.0).sum()
     apart = evidence.h if evidence.every_step or len(time) < 2 else np.median(np.diff(time))
-    return float(apart * (power.sum() + contacts)) + _unknown_weight(evidence)
-
-
-# -- motors that start at speed ---------------------------------------------------------------
+    unknown = 0.0  # work of weight before the first sample, and by unknown displacements
+    fall = evidence.h**2 * np.hypot(*evidence.model.mechanism.gravity)
+    change = evidence.h**2 * np.hypot(*evidence.frames.acceleration[:2])
+    weight = np.hypot(*evidence.model.mechanism.gravity) * evidence.loads.weights[:, 0]
+    if evidence.run.time[0] >= evidence.h:
+        unknown += float(weight @ np.maximum(change.max(axis=1, initial=0.0), fall)) / 8
+    if not evidence.every_step:  # a displacement is less than h times the change of velocity
+        unknown += float(np.where(evidence.struck, weight @ change, 0.0).max(initial=0.0)) / 2
+    return float(apart * (power.sum() + contacts)) + unknown
 
 
 def starts(evidence: Evidence) -> tuple[list[str], float, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -65,26 +65,30 @@ class Evidence:
         self.vectors = not self.model.joints.name or not np.isnan(
             self.arrays["joint_force"]).all()  # Whether joint forces were kept as vectors
 
+    def pairs(self) -> Iterator[tuple[str, tuple[int, int], Flags]]:
+        """Name and numbers of every two bodies that touch, and which contact rows are theirs."""
+        names, a = self.model.bodies.name, self.arrays
+        pair = a["contact_body"] * len(names) + a["contact_other"]
+        for kind in np.unique(pair).tolist():
+            one, two = divmod(kind, len(names))
+            yield f"{names[one]}/{names[two]}", (one, two), pair == kind
+
     @cached_property
     def struck(self) -> Flags:
         """Samples in which contacts may have rebounded, which displaces the pose, [n] of bool."""
-        a, mechanism, count = self.arrays, self.model.mechanism, len(self.model.bodies.name)
-        pair = a["contact_body"] * count + a["contact_other"]
-        bounces = [kind for kind in np.unique(pair).tolist()
-                   if restitution_of(mechanism, *divmod(kind, count)) > 0]
         result = np.zeros(len(self.run), dtype=bool)
-        result[a["contact_sample"][np.isin(pair, bounces)]] = True
+        for _, pair, own in self.pairs():
+            if restitution_of(self.model.mechanism, *pair) > 0:
+                result[self.arrays["contact_sample"][own]] = True
         change = np.abs(self.frames.acceleration).max(axis=(0, 1), initial=0.0)
         return np.asarray(result & (self.h * change > REBOUND))
 
     @cached_property
     def displacement(self) -> Array:
         """Known displacement of the next pose by impacts in each sample's step, [3, nb, n]."""
-        frames = self.frames
-        poses = np.stack([frames.centre_x, frames.centre_y, frames.angle])
-        moved = np.zeros_like(poses)
+        moved = np.zeros_like(self.frames.centre)
         if self.every_step:
-            moved[:, :, :-1] = np.diff(poses) - self.h * self.velocity_after[:, :, :-1]
+            moved[:, :, :-1] = np.diff(self.frames.centre) - self.h * self.velocity_after[:, :, :-1]
         return np.where(self.struck, moved, 0.0)
 
     @property
@@ -95,7 +99,7 @@ class Evidence:
     @cached_property
     def angles(self) -> Array:
         """Angles of hinges from the bodies' poses [rad], lengths of actuators [m], [nj, n]."""
-        joints, angle = self.model.joints, self.frames.angle
+        joints, angle = self.model.joints, self.frames.pose[2]
         a, b = joints.bodies.T
         angles = joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None]
         return np.where(self.loads.actuators[:, None], self.frames.gaps, angles)
@@ -163,14 +167,6 @@ class Evidence:
             stiffness = np.where(stiffness == 0, scale / (self.h**2 * response), stiffness)
         stiffness = np.where(a["contact_merged"] == 1, stiffness, stiffness / 8)
         return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal), where=stiffness > 0)
-
-    @cached_property
-    def held_by_others(self) -> Flags:
-        """Free bodies that joints, tendons or springs act on, [nb]."""
-        model, on = self.model, np.zeros(len(self.model.bodies.name), dtype=bool)
-        for bodies in (model.joints.bodies, model.tendons.guide_body, model.springs.bodies):
-            on[bodies.ravel()] = True
-        return np.asarray(on & model.bodies.free)
 
     def contact_rate(
         self, velocity: Array, along: Array, arms: Sequence[Array] | None = None,

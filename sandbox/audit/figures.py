@@ -23,6 +23,7 @@ SMALLEST_SCALE = 1e-12  # Least value [N, N m, J, rad/s] that relative errors re
 EXACT = 1e-9
 """Relative to the largest force: rounding error of sums of some ten forces, with a margin."""
 STILL = 1e-11, 1e-10  # The engine stops bodies that are slower [m/s, rad/s]
+HELD = 1e-10  # Regularisation of impulses towards the last ones (docs/engine.md)
 STOPPED = 1e-8  # Allowed overrun of a hinge [rad]: a gap of 1e-10 m at an arm of 10 mm
 
 
@@ -108,20 +109,18 @@ class Worst:
             self.add(where, error[k, n], tolerance[k, n], among)
 
     def add_law(
-        self, where: str, force: Array, rate: Array, bounds: tuple[Array | float, Array | float],
-        floors: tuple[Array | float, Array | float], tolerance: Array | float,
-        among: Flags | None = None,
+        self, where: str, force: Array, rate: Array, limit: Array,
+        floors: tuple[Array | float, float], tolerance: Array | float, among: Flags | None = None,
     ) -> None:
-        """Add the distance of forces and rates [n] from the graph of a law with two bounds.
+        """Add the distance of forces and rates [n] from a law of friction or of a limited drive.
 
-        The law is f = low and y >= 0, low <= f <= high and y = 0, or f = high and y <= 0. Errors of
+        The law is f = limit and y <= 0, |f| <= limit and y = 0, or f = -limit and y >= 0. Errors of
         force and rate count relative to their ``floors``; the distance 1 is the ``tolerance``.
         """
-        below, above, y = force - bounds[0], force - bounds[1], rate / floors[1]
-        outside = np.maximum(np.maximum(-below, above), 0.0) / floors[0]
+        y, over = rate / floors[1], np.maximum(np.abs(force) - limit, 0.0) / floors[0]
+        below, above = np.abs(force + limit) / floors[0], np.abs(force - limit) / floors[0]
         distance = np.minimum.reduce([
-            np.maximum(np.abs(y), outside),
-            np.maximum(np.abs(below) / floors[0], -y), np.maximum(np.abs(above) / floors[0], y)])
+            np.maximum(np.abs(y), over), np.maximum(below, -y), np.maximum(above, y)])
         self.add(where, distance * tolerance, tolerance, among)
 
     def judge(self, value: float, tolerance: float) -> None:
@@ -152,6 +151,8 @@ class Check(NamedTuple):
             return self.missing(f"the numbers cannot be used: {error}")
         if not worst.count:
             return self.missing("; ".join(worst.left_out[:4]) or self.none)
+        if math.isnan(worst.value) and evidence.model.mechanism.run.solver == "pymunk":
+            return self.missing("pymunk does not give its numbers")
         passes = math.isfinite(worst.value) and math.isfinite(worst.tolerance) and (
             worst.value <= worst.tolerance)
         why = self.compared.format(where=worst.where, count=Count(worst.count), note=note)

@@ -25,7 +25,6 @@ from sandbox.elements.element import ATMOSPHERE
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
 
-OLDER = "the recording is of an older version, without the times of fluid contents"
 NEWTON = 1e-8  # Relative error of the flow of an orifice at which iterations stop
 
 
@@ -82,8 +81,6 @@ def _flows(evidence: Evidence, worst: Worst) -> None:
                 "the linearisation error of a step is allowed")
 def _pressures(evidence: Evidence, worst: Worst) -> None:
     lines, a, h = evidence.model.lines, evidence.arrays, evidence.h
-    if np.isnan(a["line_ahead"]).any():
-        raise NotComputed(OLDER)
     if not lines.name:
         return
     (volume, gains), ahead = _grown(evidence), a["line_ahead"].T / h

@@ -14,7 +14,6 @@ from sandbox.elements.element import GRAZE
 from sandbox.model.joints import flank_gaps, slipped
 from sandbox.numeric import Array
 from sandbox.samples.cables import lengths_at_start, lying, rest_lengths, wound_up
-from sandbox.scene.geometry import pose_of, to_world
 from sandbox.values.signals import values
 
 Point = complex | NDArray[np.complex128]
@@ -28,7 +27,7 @@ FAST = 0.1  # Fraction of its largest velocity above which a body counts as movi
        none="no chain of hinges starts at a fixed body")
 def _poses(evidence: Evidence, worst: Worst) -> None:
     model, frames = evidence.model, evidence.frames
-    at, angle, joints = frames.x + 1j * frames.y, frames.angle, model.joints
+    at, angle, joints = frames.pose[0] + 1j * frames.pose[1], frames.pose[2], model.joints
     placed: dict[int, tuple[Point, Array, Array | float]] = {
         i: (at[i], angle[i], 0.0) for i in np.flatnonzero(~model.bodies.free).tolist()}
     waiting = _kept_pivots(evidence)
@@ -200,7 +199,7 @@ def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
     if not slots:
         return "its pivot does not slide on a slot"
     along = complex(*(joints.groove[slots[0], 1] - joints.groove[slots[0], 0]))
-    pull = along / abs(along) * np.exp(1j * frames.angle[joints.bodies[slots[0], 0], 0])
+    pull = along / abs(along) * np.exp(1j * frames.pose[2, joints.bodies[slots[0], 0], 0])
     ends = [tendon for tendon, end in enumerate(tendons.first[1:] - 1)
             if tendons.guide_body[end] == body]
     if len(ends) != 2:
@@ -211,7 +210,7 @@ def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
     # arms count to either side: the pivot's displacement is the mean, weighted by the other's arm
     if abs(arm - other) < 1e-12:
         return "its strings pull at the same point"
-    own = ((frames.x[body] + 1j * frames.y[body] - place) * pull.conjugate()).real
+    own = ((frames.pose[0, body] + 1j * frames.pose[1, body] - place) * pull.conjugate()).real
     mean = (arm * two - other * one) / (arm - other)
     worst.add(name, np.abs(own - mean),
               np.maximum(allowed, more) + 2 * (evidence.closed + ROUNDING))
@@ -223,9 +222,8 @@ def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> t
     """Arm of a string at its last guide [m], displacement of its far side, inclination, [n]."""
     frames, tendons, cables = evidence.frames, evidence.model.tendons, evidence.frames.cables
     last = int(tendons.first[tendon + 1]) - 1
-    near, far = (complex(*to_world(
-        pose_of(evidence.model.mechanism.bodies[tendons.guide_body[guide]]),
-        tuple(tendons.guide_at[guide]))) for guide in (last, last - 1))
+    near, far = (complex(*evidence.model.at_start(
+        int(tendons.guide_body[guide]), tendons.guide_at[guide])) for guide in (last, last - 1))
     radius = float(tendons.guide_radius[last])
     arm = ((near - place) * pull.conjugate()).imag + radius
     row = int(np.flatnonzero(tendons.stretch_tendon == tendon)[-1])
@@ -285,7 +283,7 @@ def _schedules(evidence: Evidence, worst: Worst) -> None:
                                       if body.path is not None else ()):
             if signal is not None:
                 pose[axis] = values(signal, time, evidence.model.mechanism.functions)
-        off = np.abs(np.stack([frames.x[b], frames.y[b], frames.angle[b]]) - pose).max(axis=0)
+        off = np.abs(frames.pose[:, b] - pose).max(axis=0)
         # a scheduled body moves by h v in every step
         steps = time / evidence.h if body.path is not None else 1.0
         worst.add(bodies.name[b], off, ROUNDING + DIGITS * steps * (1 + np.abs(pose).max(axis=0)))
@@ -296,29 +294,26 @@ def _schedules(evidence: Evidence, worst: Worst) -> None:
                 "{count:comparison}, worst: {where}",
        none="there is no body")
 def _velocities(evidence: Evidence, worst: Worst) -> str:
-    bodies, frames = evidence.model.bodies, evidence.frames
+    bodies, frames, h = evidence.model.bodies, evidence.frames, evidence.h
     if len(evidence.run) < FEW:
         raise NotComputed("there are too few samples")
     for b in np.flatnonzero(~bodies.fixed).tolist():
-        for pose, v, a in zip((frames.centre_x[b], frames.centre_y[b], frames.angle[b]),
-                              evidence.velocity[:, b], frames.acceleration[:, b], strict=True):
-            (_in_every_step if evidence.every_step else _between)(
-                evidence, bodies.name[b], pose, v, a, worst)
+        for pose, v, a in zip(*(
+                part[:, b] for part in (frames.centre, evidence.velocity, frames.acceleration)),
+                strict=True):
+            if not evidence.every_step:
+                _between(evidence, bodies.name[b], pose, v, a, worst)
+                continue
+            # a step moves by h v and then changes v by h a; an impact displaces the pose besides
+            after, lost = v + h / 2 * a, 8 * DIGITS * (1 + peak(pose)) / h
+            worst.add(bodies.name[b], np.abs(np.diff(pose) / h - after[:-1])[
+                ~evidence.struck[:-1]], lost)
+            worst.add(bodies.name[b], np.abs(after[:-1] - (v - h / 2 * a)[1:]),
+                      ROUNDING + 8 * DIGITS * (peak(v) + h * peak(a)))
     for b in np.flatnonzero(bodies.fixed).tolist():
         v, a = evidence.velocity[:, b], frames.acceleration[:, b]
         worst.add(bodies.name[b], np.abs(np.concatenate([v, a])).max(axis=0), ROUNDING)
     return "" if evidence.every_step else ", where samples are far apart by the trapezoid rule"
-
-
-def _in_every_step(
-    evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst,
-) -> None:
-    """A step moves by h v and then changes v by h a, except where an impact displaced the pose."""
-    h, after = evidence.h, v + evidence.h / 2 * a
-    lost = 8 * DIGITS * (1 + peak(pose)) / h
-    worst.add(name, np.abs(np.diff(pose) / h - after[:-1])[~evidence.struck[:-1]], lost)
-    worst.add(name, np.abs(after[:-1] - (v - h / 2 * a)[1:]), ROUNDING + 8 * DIGITS * (
-        peak(v) + h * peak(a)))
 
 
 def _between(evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst) -> None:

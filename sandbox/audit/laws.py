@@ -1,4 +1,4 @@
-"""Force laws: springs, tendons, dampers and loads, from the scene's numbers.
+"""Force laws: springs, tendons, dampers, loads and dry friction, from the scene's numbers.
 
 A law F(x, v) is compared at mid-step, with the recorded length (or pose) x and rate v, and at the
 step's end, x + h v' with v' = v + h a / 2. An element follows one of them throughout, by its
@@ -14,13 +14,42 @@ from functools import partial
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, Worst, check, lost_rate, peak, whole
+from sandbox.audit.figures import (
+    DIGITS,
+    EXACT,
+    HELD,
+    ROUNDING,
+    STILL,
+    Worst,
+    check,
+    lost_rate,
+    peak,
+    whole,
+)
+from sandbox.model.joints import normal_in_slot
 from sandbox.model.laws import SpringLaw
 from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
+from sandbox.model.tendons import CableSpan, spans_of
 from sandbox.numeric import Array, Flags
-from sandbox.samples.cables import rest_lengths
+from sandbox.samples.cables import (
+    bends,
+    lengths_at_start,
+    piece_tensions,
+    rest_lengths,
+    span_length,
+)
 
+SOLVED = 1e-9
+"""Relative to the largest tension: tolerance of friction against its bound.
+
+The solve leaves 1e-10 of the tensions on both sides, 2e-10 at most (docs/engine.md). The rest is
+for the angle: :data:`ROUNDING` of a position turns a piece of 1 mm by 1e-9, and changes the bound
+by mu / 2 of that fraction of both tensions.
+"""
+DRAG = 1e-7  # Damping of a loop, relative to the effect of its stiffness in a step (docs/engine.md)
+MEASURED = 1e-13
+"""Change of rates [m/s, rad/s] below which the load of a joint is not measured again."""
 State = tuple[Sequence[Array], Sequence[Array | float]]
 """Arguments of a law, [n] each, and their errors."""
 
@@ -156,7 +185,7 @@ def _loads(evidence: Evidence, worst: Worst) -> None:
     for i, name in enumerate(loads.name):
         body = int(loads.body[i])
         force = np.stack([*a["load_force"][:, i].T, a["load_torque"][:, i]])
-        pose = np.stack([frames.centre_x[body], frames.centre_y[body], frames.angle[body]])
+        pose, acceleration = frames.centre[:, body], frames.acceleration[:, body]
         states: list[State] = []
         for ahead, velocity in ((0.0, evidence.velocity[:, body]),
                                 (h, evidence.velocity_after[:, body]))[:1 + (
@@ -164,7 +193,7 @@ def _loads(evidence: Evidence, worst: Worst) -> None:
             rate = [lost_rate(v, turning=k == 2) for k, v in enumerate(velocity)]
             off = [ROUNDING * max(1.0, peak(x)) + ahead * r
                    for x, r in zip(pose, rate, strict=True)]
-            states.append(((*(pose + ahead * velocity), *velocity, *frames.acceleration[:, body]),
+            states.append(((*(pose + ahead * velocity), *velocity, *acceleration),
                            (*off, *rate, *(2 * r / h for r in rate))))
         most = whole(force[:2])  # a torque's rounding is that of its force
         size = np.array([[most], [most], [max(whole(force[2]), most * ROUNDING / EXACT)]])
@@ -173,3 +202,166 @@ def _loads(evidence: Evidence, worst: Worst) -> None:
             return load_at(evidence.model, load, pose, velocity, acceleration, evidence.run.time)
 
         follow(worst, name, force, law, states, size=size, throughout=False)
+
+
+@check("tendon.grip", source="T e^(-μφ) <= T' <= T e^(μφ)",
+       asks="is the larger tension at a guide at most e^(mu phi) times the smaller?",
+       compared="friction of guides against Euler's bound from the recorded poses, and its "
+                "direction against the sliding, relative to the largest tension, "
+                "{count:comparison}, worst: {where}",
+       none="no guide has friction")
+def _bounds(evidence: Evidence, worst: Worst) -> None:
+    tendons, a, held = evidence.model.tendons, evidence.arrays, evidence.holds["tendon"]
+    spans = [span for k in range(len(tendons.name)) for span in spans_of(tendons, k)]
+    behind = {span.into: span for span in spans}
+    for k, guide in enumerate(tendons.grips.tolist()):
+        span, friction = behind[k], a["guide_friction"][:, k]
+        after = _tension(evidence, span)
+        most, floor = whole(after), SOLVED * whole(after) + _drag(evidence, span, k)
+        phi = np.maximum(bends(evidence.frames, k), 0.0)
+        # the absolute value, since a tendon that breaks may reverse the sign
+        bound = np.tanh(0.5 * float(tendons.friction[k]) * phi) * np.abs(2 * after - friction)
+        place = evidence.model.bodies.name[tendons.guide_body[guide]]
+        name = f"{tendons.name[span.tendon]} at {place}"
+        worst.add(name, np.maximum(np.abs(friction) - bound, 0.0) / most, floor / most)
+        if evidence.every_step:
+            slid = np.diff(a["guide_slip"][:, k], prepend=a["guide_slip"][0, k])
+            worst.add_law(f"sliding of {name}", friction, -slid, bound,
+                          (floor, ROUNDING), floor / most, held[span.tendon])
+
+
+def _drag(evidence: Evidence, span: CableSpan, grip: int) -> float:
+    """Largest force of the damping of a loop [N]; 0 of other tendons."""
+    tendons, h = evidence.model.tendons, evidence.h
+    if not tendons.closed[span.tendon]:
+        return 0.0
+    slid = np.diff(evidence.arrays["guide_slip"][:, grip], prepend=0.0)
+    apart = h if evidence.every_step else float(np.diff(evidence.run.time[:2]).sum()) or h
+    stiffness = float(tendons.stiffness[span.tendon] * rest_lengths(evidence.model)[span.tendon])
+    shortest = min(float(span_length(evidence.frames, each)[1].min())
+                   for each in spans_of(tendons, span.tendon))
+    return 5 * DRAG * h * stiffness / max(shortest, ROUNDING) * float(np.abs(slid).max()) / apart
+
+
+def _tension(evidence: Evidence, span: CableSpan) -> Array:
+    """Tension of a span, that of its first straight piece [N], [n]."""
+    piece = np.flatnonzero(evidence.model.tendons.stretch_first == span.guides[0])[:1]
+    return np.asarray(piece_tensions(evidence.model, evidence.arrays, piece)[0])
+
+
+@check("tendon.spans", source="T = EA (L - M) / M",
+       asks="does the tension of each span of a tendon with friction match its stretch?",
+       compared="tensions of {count:span} from the recorded poses and the sliding, relative to "
+                "the largest of each, worst: {where}",
+       none="no guide has friction")
+def _spans(evidence: Evidence, worst: Worst) -> None:
+    """Tendons are left out where they were released, or contents after slack are unknown."""
+    tendons = evidence.model.tendons
+    for tendon in range(len(tendons.name)):
+        spans = spans_of(tendons, tendon)
+        measured = spans[:-1] if spans and spans[-1].out_of < 0 and (
+            tendons.drive[tendon] != NONE) else spans
+        tension = np.array([_tension(evidence, span) for span in measured])
+        slack = (tension == 0.0).all(axis=0)
+        if spans and evidence.holds["tendon"][tendon].all() and (
+                evidence.every_step or not slack.any()):
+            _add_laws(evidence, spans, tension, slack, worst)
+
+
+def _add_laws(
+    evidence: Evidence, spans: list[CableSpan], tension: Array, slack: Flags, worst: Worst,
+) -> None:
+    """Compare spans with the law at the step's end or at mid-step; M is that at its end."""
+    loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
+    tendon, count, slip = spans[0].tendon, len(tension), evidence.arrays["guide_slip"]
+    damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])
+    measured = [span_length(evidence.frames, span) for span in spans]
+    length, free = (np.array(each) for each in zip(*measured, strict=True))
+    wound = (length - free)[:count, 1:]
+    rest = float(rest_lengths(evidence.model)[tendon])
+    over = rest - float(lengths_at_start(evidence.model)[tendon])
+    share = rest / (rest - over) if over <= 0 else 1 + over / float(free[:, 0].sum())
+    slips = np.column_stack([slip, np.zeros(len(slip))])  # a span without a guide has the last
+    came = np.array([slips[:, span.into] - slips[:, span.out_of] for span in spans[:count]])
+    inside = share * length[:count, :1] + came
+    if slack.any():  # a slack tendon distributes itself in proportion to the free lengths
+        last = np.maximum.accumulate(np.where(slack, np.arange(len(slack)), -1))
+        share_of = free[:count, 1:] / free[:count, 1:].sum(axis=0)
+        even = wound + (inside - wound).sum(axis=0) * share_of
+        inside = np.where(last >= 0, even[:, last] + came - came[:, last], inside)
+    slid = np.diff(came, axis=1, prepend=0.0 if evidence.every_step else came[:, :1])
+    apart = float(np.diff(evidence.run.time[:2]).sum()) or h
+    each = evidence.rates_twice(loads.piece_efforts, len(tendons.stretch_first))
+    for n, span in enumerate(spans[:count]):
+        pieces = np.isin(tendons.stretch_first, span.guides[:-1])
+        now, after = (rates[pieces].sum(axis=0) for rates in each)
+        most, step = whole(tension[n]), slid[n] * h / apart
+        held = inside[n] - step - wound[n]
+        k = float(tendons.stiffness[tendon]) * rest / held
+        c = damping * k
+        static = k * (length[n, 1:] - inside[n]) - c * step / h
+        laws = static + (c + h * k) * after, static + c * now + h * k / 2 * (after - now)
+        allowed = EXACT * most + k * ROUNDING + (c + h * k) * lost_rate(after, turning=False)
+        if not evidence.every_step:  # the sliding of the last step differs from the mean
+            changes = np.abs(np.diff(step, prepend=step[0], append=step[-1]))
+            allowed = allowed + (most / held + c / h) * (changes[:-1] + changes[1:])
+        worst.add_nearest(f"span {n} of {tendons.name[tendon]}", [
+            (np.where(slack, 0.0, np.abs(tension[n] - np.maximum(law, 0.0))) / most, allowed / most)
+            for law in laws])
+
+
+@check("joint.friction", source="|F| <= μ N, against the motion",
+       asks="is joint friction at most mu N and opposed to the motion?",
+       compared="dry friction of joints against its bound and against the motion at the end of "
+                "the step, {count:comparison}, worst: {where}",
+       none="no joint has dry friction")
+def _joints(evidence: Evidence, worst: Worst) -> None:
+    """A joint sticks within its static bound, or slips: f = -high where y > 0, f = high for y < 0.
+
+    Friction of a joint that slips is that of sliding, or up to half way to the static bound where
+    sliding may begin in this step (:mod:`sandbox.engine.friction`): the joint stuck in the sample
+    before, or slipped the other way.
+    """
+    model, a, h = evidence.model, evidence.arrays, evidence.h
+    joints, pushes = model.joints, evidence.loads.friction_efforts
+    rates = pushes.rates(len(joints.name), evidence.velocity_after)
+    for j in joints.frictional.tolist():
+        if not model.bodies.free[joints.bodies[j]].any():
+            continue
+        friction, sticks = a["joint_friction"][:, j], a["joint_sticks"][:, j] == 1.0
+        sliding = joints.friction[j] + joints.coefficient[j] * carried(evidence, j)
+        most, rate, name = joints.static[j] * sliding, rates[j], joints.name[j]
+        largest, fast, alone = whole(most), 1 + peak(rate), evidence.answer(pushes, j)
+        unsure = EXACT + MEASURED / (h * alone.min() * largest)
+        begins = np.append(True, sticks[:-1] | (rate[1:] * rate[:-1] < 0))
+        some, size = begins * (most - sliding) / 2, np.abs(friction)
+        slips = np.maximum(np.maximum(sliding - some, 0.0) - size, size - sliding - some)
+        beyond = np.where(sticks, size - most, slips)
+        worst.add(f"bound of {name}", np.maximum(size - most, 0.0) / largest, unsure)
+        worst.add(f"slip of {name}", np.maximum(beyond, 0.0) / largest, unsure,
+                  evidence.holds["joint"][j])
+        slip = np.where(sticks, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
+        floor = SOLVED * fast + STILL[joints.kind[j].friction_unit == "N m"] + DIGITS / h + (
+            HELD * alone * h * 2 * peak(friction) + h * _bend(evidence, j))
+        worst.add(name, slip / fast, floor / fast, evidence.holds["joint"][j])
+
+
+def carried(evidence: Evidence, joint: int) -> Array:
+    """Load of a joint that its friction depends on [N], [n]; of a groove the force across it."""
+    if evidence.model.joints.kind[joint].keeps == "groove":
+        return np.abs(normal_in_slot(evidence.model, evidence.arrays, joint))
+    return np.asarray(np.hypot(*evidence.arrays["joint_force"][:, joint].T))
+
+
+def _bend(evidence: Evidence, joint: int) -> Array | float:
+    """Acceleration off the tangent of a groove as bodies turn [m/s^2], [n]."""
+    joints, frames = evidence.model.joints, evidence.frames
+    if joints.kind[joint].keeps != "groove":
+        return 0.0
+    a, b = joints.bodies[joint].tolist()
+    at, v = frames.anchors[1], evidence.velocity
+    reach = np.hypot(at.x[joint] - frames.centre[0, a], at.y[joint] - frames.centre[1, a])
+    speed = np.hypot(v[0, b] - v[0, a], v[1, b] - v[1, a])
+    arm = np.hypot(at.arm_x[joint], at.arm_y[joint])
+    turn = (np.abs(v[2]) + evidence.h * np.abs(frames.acceleration[2]))[[a, b]].sum(axis=0)
+    return np.asarray(turn * (turn * (reach + arm) + 2 * speed))

@@ -23,7 +23,7 @@ from sandbox.model.pairs import allowed_pairs, restitution_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples import nearby
 from sandbox.samples.contacts import TOUCH
-from sandbox.samples.nearby import PlacedPiece, apart, pieces_of, radius_of
+from sandbox.samples.nearby import PlacedPiece, apart, from_sides, pieces_of, radius_of
 from sandbox.scene import geometry
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import corners, true_curves
@@ -34,9 +34,6 @@ ROWS = 5_000  # Number of contacts that are compared with a shape at once
 NEWTON = 25
 ASKEW, ALIKE = 1e-6, 1e-3
 """Angle between a normal and those of a surface; and between normals of the same contact."""
-
-
-# -- rows -------------------------------------------------------------------------------------
 
 
 class _Outline(NamedTuple):
@@ -55,13 +52,12 @@ class _Outline(NamedTuple):
         if len(self.spans):
             return self._from_curves(at, out)
         along = self.end - self.start
-        square = np.maximum((along**2).sum(axis=1), 1e-300)
-        share = np.clip(((at[:, None] - self.start) * along).sum(axis=2) / square, 0.0, 1.0)
-        away = at[:, None] - self.start - share[..., None] * along
+        away = from_sides(at, self.start, along)
         length = np.hypot(*np.moveaxis(away, 2, 0))
         normal = away / np.maximum(length, 1e-300)[..., None]
         if self.flat:
-            normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.sqrt(square)[:, None]
+            normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
+            normal /= np.maximum(np.hypot(*along.T), 1e-150)[:, None]
         turned = np.hypot(*np.moveaxis(normal - out[:, None], 2, 0))
         return np.abs((length.T - radius).T), turned
 
@@ -114,18 +110,14 @@ def _outline(shape: Shape) -> _Outline:
                 "{count:comparison}, worst: {where}",
        none="nothing touches")
 def _places(evidence: Evidence, worst: Worst) -> None:
-    """Compare contacts with the outlines; rows of several points with the hulls."""
-    a, names = evidence.arrays, evidence.model.bodies.name
-    rows = np.flatnonzero(np.hypot(*a["contact_force"].T) > TOUCH)
-    pair = a["contact_body"][rows] * len(names) + a["contact_other"][rows]
-    for kind in np.unique(pair).tolist():
-        two, own = divmod(kind, len(names)), rows[pair == kind]
-        label, blurred = "/".join(names[b] for b in two), own[~evidence.one_normal[own]]
+    a, one_normal = evidence.arrays, evidence.one_normal
+    presses = np.hypot(*a["contact_force"].T) > TOUCH
+    for label, two, of in evidence.pairs():
+        blurred, own = (np.flatnonzero(of & presses & rows) for rows in (~one_normal, one_normal))
         # forces that almost cancel have a distant line of action
         far = 8 * DIGITS * np.hypot(*a["contact_point"][blurred].T)
         worst.add(label, np.max([_beyond(evidence, blurred, b) for b in two], axis=0),
                   _allowed(evidence, blurred, two)[1] + far)
-        own = own[evidence.one_normal[own]]
         rounding, moving = _allowed(evidence, own, two)
         sides = [[np.concatenate(part) for part in zip(*(
             _nearest(evidence, own[i:i + ROWS], b, sign, moving[i:i + ROWS])
@@ -176,7 +168,7 @@ def _in_frame(evidence: Evidence, rows: Integers, body: int, out: Array) -> tupl
     """Places and directions ``out`` of rows in the body's frame, [m, 2] each."""
     a, frames = evidence.arrays, evidence.frames
     sample = a["contact_sample"][rows]
-    x, y, angle = frames.x[body, sample], frames.y[body, sample], frames.angle[body, sample]
+    x, y, angle = frames.pose[:, body, sample]
     return (rotated(a["contact_point"][rows] - np.stack([x, y], axis=1), -angle),
             rotated(out, -angle))
 
@@ -193,7 +185,7 @@ def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple
     sample, size, speed = a["contact_sample"][rows], np.zeros(len(rows)), np.zeros((2, len(rows)))
     for b in pair:
         reach, step = reach_of(evidence, b), h / 2 * frames.acceleration[:, b, sample]
-        size += np.hypot(frames.x[b, sample], frames.y[b, sample]) + reach
+        size += np.hypot(*frames.pose[:2, b, sample]) + reach
         for k, sign in enumerate((-1, 1)):
             vx, vy, turn = evidence.velocity[:, b, sample] + sign * step
             speed[k] += np.hypot(vx, vy) + np.abs(turn) * reach
@@ -204,9 +196,6 @@ def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple
 def reach_of(evidence: Evidence, body: int) -> float:
     """From the frame's origin to the furthest of a body's shapes [m]."""
     return geometry.reach_of(evidence.model.mechanism.bodies[body], (0.0, 0.0))
-
-
-# -- contacts without a row -------------------------------------------------------------------
 
 
 class Touch(NamedTuple):
@@ -249,7 +238,7 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
         elif found and hasattr(found[0], of := key.removeprefix("contact_")):
             new[:] = [getattr(touch, of) for touch in found]
         rows[key] = np.concatenate([a[key][kept], new])
-    return Evidence(evidence.run.with_contacts(rows), alone=True, near=evidence.near)
+    return Evidence(evidence.run.with_arrays({**a, **rows}), alone=True, near=evidence.near)
 
 
 def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:
@@ -286,7 +275,7 @@ def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
                 continue
             gap, normal, at = here
             one, two = (velocity[:2, b] + velocity[2, b] * np.array(
-                [frames.centre_y[b, 0] - at[1], at[0] - frames.centre_x[b, 0]])
+                [frames.centre[1, b, 0] - at[1], at[0] - frames.centre[0, b, 0]])
                 for b in (body, other))
             yield Touch(body, other, -normal, at, gap), float((two - one) @ normal)
 

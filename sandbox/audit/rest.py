@@ -67,8 +67,8 @@ class Rest:
         parts.append((self.contacts, sides.body, sides.wrench))
         self.number, self.body, wrench = (np.concatenate(part) for part in zip(*parts, strict=True))
         self.x, self.y, moment = wrench.T
-        self.moment = moment + (frames.centre_x[self.body, 0] * self.y
-                                - frames.centre_y[self.body, 0] * self.x)  # About the origin [N m]
+        x, y = frames.centre[:2, self.body, 0]
+        self.moment = moment + (x * self.y - y * self.x)  # About the origin [N m]
 
     def about(self, joint: int, beyond: set[int], window: float = np.inf) -> _About:
         """Moments about a joint of loads on the bodies ``beyond``, at rest for ``window`` [s]."""
@@ -78,7 +78,7 @@ class Rest:
         own = np.zeros(int(self.number.max(initial=-1)) + 1)
         np.add.at(own, self.number[on], self.moment[on] - cx * self.y[on] + cy * self.x[on])
         first = int(self.contacts.min(initial=len(own)))
-        x, y = frames.centre_x[bodies, 0] - cx, frames.centre_y[bodies, 0] - cy
+        x, y = frames.centre[0, bodies, 0] - cx, frames.centre[1, bodies, 0] - cy
         inertia = arrays["body_inertia"][bodies] + arrays["body_mass"][bodies] * (x * x + y * y)
         return _About(float(own[first:].sum()), float(own[:first].sum()), peak(own),
                       float(2 * RATE / window * inertia.sum()))

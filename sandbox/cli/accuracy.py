@@ -128,10 +128,11 @@ def bounds(
     Contacts without force count, too. Exits 1 if a recorded force is outside
     its interval.
     """
+    from sandbox.atomic_files import write_atomic
     from sandbox.audit.bounds import contact_bounds
     from sandbox.audit.evidence import Evidence
     from sandbox.recording.new_run import BOUNDS, made
-    from sandbox.recording.store import save_bounds
+    from sandbox.recording.tables import bound_rows
 
     directory, recording = open_run(run, console)
     evidence = Evidence(recording)
@@ -145,7 +146,7 @@ def bounds(
     found = {sample: contact_bounds(evidence, sample, near) for sample in samples}
     files = files or (directory / BOUNDS,)
     for file in files:
-        save_bounds(evidence.run, found, file)
+        write_atomic(file, "".join(bound_rows(evidence.run, found)))
         made(file)
     names = [body.name for body in recording.mechanism.bodies]
     lines, outside, data = list[str](), list[str](), list[dict[str, Any]]()

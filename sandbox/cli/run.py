@@ -195,7 +195,7 @@ class _Job:
 
 def _finish(job: _Job, recording: Recording, problems: list[Problem], lists_checks: bool) -> int:
     """Print the results of a run; its exit code."""
-    from sandbox.audit.audit import figure_data
+    from sandbox.audit.figures import figure_data
     from sandbox.samples.outcome import outcome_data
 
     mechanism, info, directory = job.loaded.mechanism, recording.info, job.new.directory
@@ -238,7 +238,7 @@ def _expectation_lines(judged: Sequence[Verdict]) -> list[str]:
 
 def _check_lines(checks: Sequence[Figure], solver: str, *, whole: bool) -> list[str]:
     """The count of consistency checks that passed, and the warnings; all as a table if wanted."""
-    from sandbox.audit.audit import ASKS, advice_on
+    from sandbox.audit.audit import CHECKS, advice_on
 
     computed = [f for f in checks if f.verdict != "not computed"]
     warnings = [f for f in computed if f.verdict != "pass"]
@@ -246,7 +246,8 @@ def _check_lines(checks: Sequence[Figure], solver: str, *, whole: bool) -> list[
     if whole:
         lines += table(["check", "value", "at most", "unit", "", ""], [
             [f.name, shown(f.value, ".2g"), shown(f.threshold, ".2g"), f.unit,
-             "pass" if f.verdict == "pass" else "WARNING", ASKS.get(f.name, "")]
+             "pass" if f.verdict == "pass" else "WARNING",
+             CHECKS[f.name].asks if f.name in CHECKS else ""]
             for f in computed], right="<>><<<")
         if without := [f.name for f in checks if f.verdict == "not computed"]:
             lines.append(f"not computed (run.json has the reasons): {', '.join(without)}")

@@ -73,7 +73,6 @@ class ForceDrive(DriveSpec):
                 else mover.direction(self.body, self.direction)}
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
-        """Add the drive to a MuJoCo model."""
         frame = None if self.turning else draft.world_frame()
         site = draft.site(draft.target(index), f"{self.name}.site", self.at)
         draft.motor(index, gear=(*self.along, 0, 0, 0, 0), site=site, refsite=frame)
@@ -165,7 +164,6 @@ class PullDrive(DriveSpec):
     """The tension over time [N]; below 0 counts as 0."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
-        """Add the drive to a MuJoCo model."""
         tendon = draft.model.tendons.name[draft.target(index)]
         draft.sense("actuatorfrc", f"{tendon}.tension", actuator=self.name)
         draft.motor(index, tendon=tendon, gear=-1.0, ctrlrange=(0.0, draft.MAX_FORCE))

@@ -45,7 +45,6 @@ class TorqueDrive(HingeDrive):
     """Torque on body ``b`` over time [N m], in the hinge's sense; the opposite acts on ``a``."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
-        """Add the drive to a MuJoCo model."""
         draft.motor(index, **draft.drive_hinge(index))
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
@@ -135,7 +134,6 @@ class BrakeDrive(HingeDrive):
     """Maximum torque over time [N m]; 0 and less release the hinge."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
-        """Add the drive to a MuJoCo model."""
         draft.brakes[draft.target(index)] = draft.final_value(index)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
@@ -200,7 +198,6 @@ class ServoDrive(HingeDrive, PlaceDrive):
     """Maximum speed of a rigid servo [rad/s]; no limit by default."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
-        """Add the drive to a MuJoCo model."""
         where, = draft.drive_hinge(index)
         self.write_spring(draft, index, where,
                           draft.angle_offset(index) if where == "tendon" else 0.0)
@@ -224,7 +221,6 @@ class PushDrive(ActuatorDrive):
     """The force over time [N]; positive pushes the points apart, negative pulls them together."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
-        """Add the drive to a MuJoCo model."""
         draft.motor(index, tendon=draft.model.joints.name[draft.target(index)])
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
@@ -280,7 +276,6 @@ class LengthDrive(ActuatorDrive, PlaceDrive):
     """Of a rigid one the fastest that its length changes [m/s]; no limit by default."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
-        """Add the drive to a MuJoCo model."""
         self.write_spring(draft, index, "tendon", 0.0)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:

@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from sandbox.export.mjcf import write_mjcf
 from sandbox.export.pymunk import write_script
+from sandbox.export.selection import Export
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, or_near, quoted
 
 __all__ = ["FORMATS", "Export", "export_mechanism"]
 
 FORMATS = {"mjcf": write_mjcf, "pymunk": write_script}
-
-
-@dataclass(frozen=True)
-class Export:
-    """A model in another program's format."""
-
-    text: str
-    notes: tuple[str, ...] = ()  # differences from the scene, a sentence each
-    left_out: tuple[str, ...] = ()  # names of the elements that the model lacks
 
 
 def export_mechanism(
@@ -42,4 +33,4 @@ def export_mechanism(
     if format not in FORMATS:
         raise ValueError(f"there is no export format {quoted(format)} (allowed: {listed(FORMATS)})"
                          f"{or_near(format, FORMATS)}")
-    return Export(*FORMATS[format](mechanism, without))
+    return FORMATS[format](mechanism, without)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -17,8 +17,8 @@ import sandbox
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import SceneError
 from sandbox.export.document import Draft, Value, add, comment, document, element, number
-from sandbox.export.selection import arc_of, contact_pairs, leave_out, without_counterpart
-from sandbox.export.tree import anchors, angle_sum, grow, pose, stops, vec
+from sandbox.export.selection import Export, arc_of, contact_pairs, leave_out, without_counterpart
+from sandbox.export.tree import angle_sum, grow
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE
 from sandbox.samples.cables import Stretches, pulls_at_start, rest_lengths, stretches_at_start
@@ -30,14 +30,8 @@ from sandbox.scene.mechanism import Mechanism
 STIFFNESS = "0.9999 0.9999 0.001 0.5 2"
 
 
-def write_mjcf(
-    mechanism: Mechanism, without: Sequence[str] = (),
-) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
-    """The text of a MuJoCo model, notes on differences, and names of elements left out.
-
-    Raises:
-        SceneError: elements without a counterpart, or names in ``without`` that fit no element.
-    """
+def write_mjcf(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
+    """Write a MuJoCo model."""
     kept, left_out = leave_out(mechanism, without)
     model = compile_mechanism(kept)
     tree = grow(model)
@@ -72,7 +66,7 @@ def write_mjcf(
     if step < kept.run.step:
         draft.notes.append(f"an elastic tendon takes a time step of {number(step)} s here, "
                            f"not {number(kept.run.step)} s")
-    return document(draft.root), tuple(draft.notes), left_out
+    return Export(document(draft.root), tuple(draft.notes), left_out)
 
 
 def _add_settings(draft: Draft, step: float) -> None:
@@ -122,7 +116,7 @@ def add_bodies(draft: Draft) -> dict[int, list[str]]:
         bodies = draft.model.bodies
         if bodies.free[index]:
             # only the rotation about z matters; three equal values satisfy the triangle inequality
-            add(place, "inertial", pos=(*vec(bodies.centre[index]), 0.0),
+            add(place, "inertial", pos=(*bodies.centre[index].tolist(), 0.0),
                 mass=float(bodies.mass[index]), diaginertia=(float(bodies.inertia[index]),) * 3)
         for move in draft.moves[index]:
             law = hinge_law(draft, move.joint) if move.joint != NONE else {}
@@ -146,7 +140,6 @@ def add_bodies(draft: Draft) -> dict[int, list[str]]:
 
 
 def _geom(draft: Draft, wanted: str, solid: Solid, half: float) -> dict[str, Value]:
-    """The attributes of a shape's geom."""
     match solid:
         case Circle():
             return {"type": "sphere", "size": solid.radius, "pos": (*solid.at, 0.0)}
@@ -194,8 +187,7 @@ def sense_bodies(draft: Draft) -> None:
             centre = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
             radius = math.hypot(  # of a ball around all shapes, with the depth of prisms [m]
                 max(math.dist(centre, p) + r for p, r in points), max(map(depth, body.shapes)))
-            site = draft.site(index, f"{body.name}.skin", centre, size=MARGIN * radius,
-                              group="5")
+            site = draft.site(index, f"{body.name}.skin", centre, size=MARGIN * radius, group="5")
             draft.sense("touch", f"{body.name}.contact.normal", site=site)
     for moves in draft.moves.values():
         for move in moves:
@@ -210,7 +202,7 @@ def sense_bodies(draft: Draft) -> None:
 FAR = 1e6  # A length that no spring reaches [m], as MuJoCo needs closed ranges
 
 
-def route(draft: Draft, cable: ET.Element, name: str, ends: tuple[tuple[int, Vec], ...]) -> None:
+def route(draft: Draft, cable: ET.Element, name: str, ends: Iterable[tuple[int, Vec]]) -> None:
     """Route a spatial tendon through points of bodies."""
     for i, (body, at) in enumerate(ends):
         add(cable, "site", site=draft.site(body, f"{name}.{i}", at))
@@ -219,9 +211,9 @@ def route(draft: Draft, cable: ET.Element, name: str, ends: tuple[tuple[int, Vec
 def add_links(draft: Draft) -> None:
     """Add rods, ropes and actuators as tendons, then the joints that close loops as sites."""
     model, joints = draft.model, draft.model.joints
+    bodies, anchors = joints.bodies.tolist(), joints.anchor.tolist()
     for joint in np.flatnonzero([kind.along_line for kind in joints.kind]).tolist():
-        name, (a, b), (on_a, on_b) = joints.name[joint], joints.bodies[joint].tolist(), anchors(
-            model, joint)
+        name, (a, b), (on_a, on_b) = joints.name[joint], bodies[joint], anchors[joint]
         low, high = joints.reach[joint].tolist()
         stiff, free = low == high, low == 0.0 and high == math.inf
         cable = add(draft.sections["tendon"], "spatial", name=name,
@@ -235,10 +227,9 @@ def add_links(draft: Draft) -> None:
         elif not free:
             draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
     for joint in draft.tree.loops:  # of a weld the site on a is rotated
-        name, (a, b), (on_a, on_b) = joints.name[joint], joints.bodies[joint].tolist(), anchors(
-            model, joint)
-        turns = joints.turns[joint]
-        angle = 0.0 if turns else pose(model, b)[2] - pose(model, a)[2]
+        name, (a, b), (on_a, on_b) = joints.name[joint], bodies[joint], anchors[joint]
+        turns, poses = joints.turns[joint], model.bodies.pose
+        angle = 0.0 if turns else float(poses[b, 2] - poses[a, 2])
         more = {"euler": f"0 0 {angle:.12g}"} if angle else {}
         add(draft.sections["equality"], "connect" if turns else "weld", name=name,
             site1=draft.site(a, f"{name}.a", on_a, **more),
@@ -267,14 +258,15 @@ def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
 
 def _add_closing_angle(draft: Draft, joint: int) -> None:
     """Add a fixed tendon with the spring, damper, brake and stops of a pin that closes a loop."""
-    law, limits = hinge_law(draft, joint), stops(draft.model, joint)
+    law, joints = hinge_law(draft, joint), draft.model.joints
+    limits = joints.stops[joint] if joint in joints.stopped else None
     factors, offset = angle_sum(draft.model, joint, draft.tree, draft.moves)
-    if not factors or not (law or joint in draft.driven or limits):
+    if not factors or not (law or joint in draft.driven or limits is not None):
         return
     rest = law.pop("springref", None)
-    cable = add(draft.sections["tendon"], "fixed", name=draft.model.joints.name[joint], **law,
+    cable = add(draft.sections["tendon"], "fixed", name=joints.name[joint], **law,
                springlength=None if rest is None else rest - offset,
-               range=None if limits is None else tuple(x - offset for x in limits))
+               range=None if limits is None else (limits - offset).tolist())
     for name, factor in factors.items():
         add(cable, "joint", joint=name, coef=factor)
 
@@ -290,14 +282,14 @@ def add_springs(draft: Draft) -> None:
         if not springs.straight[spring]:
             draft.coils[int(springs.joint[spring])].append(spring)
             continue
-        (a, b), (on_a, on_b) = springs.bodies[spring].tolist(), springs.anchor[spring]
+        ends = zip(springs.bodies[spring].tolist(), springs.anchor[spring].tolist(), strict=True)
         law, rest = springs.law[spring], springs.rest[spring]
         free = rest if law is None else (0.0, rest) if law.side > 0 else (rest, FAR)
         cable = add(draft.sections["tendon"], "spatial", name=name, springlength=free,
                     stiffness=float(springs.stiffness[spring]) or None,
                     damping=float(springs.damping[spring]) or None,
                     rgba="0.6 0.6 0.3 1", width=0.0005)
-        route(draft, cable, name, ((a, vec(on_a)), (b, vec(on_b))))
+        route(draft, cable, name, ends)
         draft.sense("tendonpos", f"{name}.length", tendon=name)
 
 
@@ -322,7 +314,14 @@ def add_tendons(draft: Draft) -> float:
                     ) or 1e-12
                 step = min(step, FRACTION / math.sqrt(stiffness * mobility))
                 if tendons.damping[tendon]:
-                    _pulling_only(draft, tendon, rest)
+                    # T = max(k (L - L0) + c L', 0), which a tendon's own law cannot have: the
+                    # length of the actuator is -L, so that its force is T; it has no input
+                    add(draft.sections["actuator"], "general", name=name, tendon=name, gear=-1.0,
+                        gainprm=0.0, biastype="affine",
+                        biasprm=(-stiffness * rest, -stiffness, -float(tendons.damping[tendon])),
+                        ctrlrange=(0.0, 1.0), forcerange=(0.0, draft.MAX_FORCE))
+                    draft.controls.append(0.0)
+                    draft.sense("actuatorfrc", f"{name}.tension", actuator=name)
                 else:
                     law["stiffness"], law["springlength"] = stiffness, (0.0, rest)
         cable = add(draft.sections["tendon"], "spatial", name=name, width=0.0005,
@@ -335,31 +334,16 @@ def add_tendons(draft: Draft) -> float:
     return step
 
 
-def _pulling_only(draft: Draft, tendon: int, rest: float) -> None:
-    """Add an actuator with T = max(k (L - L0) + c L', 0), which a tendon's own law cannot have.
-
-    Its length is -L, so that its force is T.
-    """
-    name = draft.model.tendons.name[tendon]
-    stiffness, damping = (float(row[tendon]) for row in (
-        draft.model.tendons.stiffness, draft.model.tendons.damping))
-    add(draft.sections["actuator"], "general", name=name, tendon=name, gear=-1.0,
-        gainprm=0.0, biastype="affine", biasprm=(-stiffness * rest, -stiffness, -damping),
-        ctrlrange=(0.0, 1.0), forcerange=(0.0, draft.MAX_FORCE))
-    draft.controls.append(0.0)  # it has no input
-    draft.sense("actuatorfrc", f"{name}.tension", actuator=name)
-
-
 def _thread(draft: Draft, cable: ET.Element, tendon: int, start: Stretches) -> None:
     tendons = draft.model.tendons
     path = tendons.guides(tendon)
     for i, guide in enumerate(range(path.start, path.stop)):
-        body, at = int(tendons.guide_body[guide]), vec(tendons.guide_at[guide])
+        body, at = int(tendons.guide_body[guide]), tendons.guide_at[guide].tolist()
         name, radius = f"{tendons.name[tendon]}.{i}", abs(float(tendons.guide_radius[guide]))
         if not radius:
             add(cable, "site", site=draft.site(body, name, at))
             continue
-        middle = arc_of(draft.model, start, guide).middle - float(draft.model.bodies.pose[body, 2])
+        middle = arc_of(draft.model, start, guide)[0] - float(draft.model.bodies.pose[body, 2])
         beside = (at[0] + 1.5 * radius * math.cos(middle), at[1] + 1.5 * radius * math.sin(middle))
         wheel = draft.unique("geom", name)
         draft.on_body[body].append(element(

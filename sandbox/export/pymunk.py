@@ -10,14 +10,8 @@ from typing import Any
 
 import sandbox
 from sandbox.engine import pymunk_scene
-from sandbox.engine.pymunk_draft import (
-    Call,
-    Formula,
-    PymunkDraft,
-    scene_arguments,
-    time_step,
-)
-from sandbox.export.selection import leave_out
+from sandbox.engine.pymunk_draft import Call, Formula, PymunkDraft, scene_arguments, time_step
+from sandbox.export.selection import Export, leave_out
 from sandbox.scene.mechanism import Mechanism
 
 # definitions of sandbox.engine.pymunk_scene that every script contains
@@ -59,30 +53,23 @@ if __name__ == "__main__":
 '''
 
 
-def write_script(
-    mechanism: Mechanism, without: Sequence[str] = (),
-) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
-    """The text of a script, notes on differences, and names of elements left out.
-
-    Raises:
-        SceneError: elements without a counterpart, or names in ``without`` that fit no element.
-    """
+def write_script(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
+    """Write a Python script."""
     kept, left_out = leave_out(mechanism, without)
     draft = PymunkDraft(kept)
     calls = [f"scene.{_text(call)}" for call in draft.calls]
     first = f"scene = Scene({', '.join(map(_text, scene_arguments(kept)))})"
     title = "".join(c if c.isprintable() else " "
                     for c in kept.title or kept.name or "A mechanism")
-    return "\n".join([
+    return Export("\n".join([
         f"# {title}; written by sandbox {sandbox.__version__}",
         _definitions(ast.parse("\n".join([first, *calls]))),
         "\nimport sys", *[FORMULAS] * any("lambda t:" in call for call in calls), first, *calls,
         f"STEPS = {max(1, math.ceil(kept.run.duration / time_step(kept) - 1e-9))}\n{MAIN}",
-    ]), (), left_out
+    ]), left_out=left_out)
 
 
 def _text(value: Any) -> str:
-    """An argument or a call as Python."""
     match value:
         case Call():
             named = [f"{key}={_text(each)}" for key, each in value.settings.items()]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,29 +28,26 @@ ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", 
 MATERIAL = "materials."  # leaving one out removes its restitution, static friction and skin
 
 
+@dataclass(frozen=True)
+class Export:
+    """A model in another program's format."""
+
+    text: str
+    notes: tuple[str, ...] = ()  # differences from the scene, a sentence each
+    left_out: tuple[str, ...] = ()  # names of the elements that the model lacks
+
+
 def rule_name(rule: ContactRule) -> str:
     """The name of a contact rule. Leaving it out removes its static friction."""
     return f"contacts.{'/'.join(rule.between)}"
 
 
-def needs(mechanism: Mechanism) -> dict[str, set[str]]:
-    """The names of the elements that each element needs, in the order of :data:`ACTING`."""
-    found: dict[str, set[str]] = {body.name: set() for body in mechanism.bodies}
-    for kind in ACTING[1:]:  # a load may lose all its bodies, which patterns name
-        for element in getattr(mechanism, kind):
-            found[element.name] = {name for _, _, name in references(element, "")}
-    return found
-
-
-def leave_out(
-    mechanism: Mechanism, patterns: Sequence[str],
-) -> tuple[Mechanism, tuple[str, ...]]:
-    """The mechanism without some elements and all that need them, and the names of both.
-
-    Raises:
-        SceneError: patterns that fit no name.
-    """
-    needed = needs(mechanism)
+def leave_out(mechanism: Mechanism, patterns: Sequence[str]) -> tuple[Mechanism, tuple[str, ...]]:
+    """The mechanism without some elements and all that need them, and the names of both."""
+    needed = {body.name: set[str]() for body in mechanism.bodies} | {
+        element.name: {name for _, _, name in references(element, "")}
+        for kind in ACTING[1:] for element in getattr(mechanism, kind)}
+    # a load may lose all its bodies, which patterns name
     names = [*needed, *(MATERIAL + material for material in mechanism.materials),
              *(rule_name(rule) for rule in mechanism.contacts if rule.static)]
     unknown = [word for word in patterns if not any(fnmatchcase(name, word) for name in names)]
@@ -98,7 +95,7 @@ def without_counterpart(model: Model, tree: Tree) -> list[Problem]:
 
 def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
     """Names of elements and what has no counterpart, empty if they have one."""
-    for body in np.flatnonzero(~model.bodies.free & ~model.bodies.fixed):
+    for body in np.flatnonzero(model.bodies.scheduled):
         yield model.bodies.name[body], "a body that moves on a schedule"
     for spec in model.mechanism.bodies:
         if any(isinstance(shape, Polyline) and not shape.radius for shape in spec.shapes):
@@ -148,24 +145,19 @@ def _wheel(model: Model, tendon: int) -> str:
         return "a tendon from wheel to wheel without a via point between them"
     start = stretches_at_start(model)
     for wheel in wheels:
-        body, arc = model.bodies.name[model.tendons.guide_body[wheel]], arc_of(model, start, wheel)
-        if arc.inside:
-            return f"a tendon with an eye inside its wheel, here {body!r}"
-        if arc.crosses:
-            return f"a tendon that crosses itself behind a wheel, here {body!r}"
+        if arc_of(model, start, wheel)[1]:
+            body = model.bodies.name[model.tendons.guide_body[wheel]]
+            return f"a tendon with an eye in a wheel or crossing itself behind it, here {body!r}"
     return ""
 
 
-class Arc(NamedTuple):
-    """The arc of a tendon at t = 0 on a wheel between two eyes."""
+def arc_of(model: Model, start: Stretches, wheel: int) -> tuple[float, bool]:
+    """The arc at t = 0 on a wheel between two eyes, of a tendon with straight pieces ``start``.
 
-    inside: bool  # whether an eye lies inside the wheel
-    middle: float  # direction from the centre to the middle of the arc [rad]
-    crosses: bool  # whether the two straight parts cross
-
-
-def arc_of(model: Model, start: Stretches, wheel: int) -> Arc:
-    """The arc on a wheel, a guide, of a tendon with straight pieces ``start``."""
+    Returns:
+        The direction of its middle from the centre [rad]; whether an eye lies inside the wheel, or
+        the two straight parts cross.
+    """
     tendons, (one, two) = model.tendons, (
         int(np.flatnonzero(model.tendons.stretch_first == wheel - k)[0]) for k in (1, 0))
     radius, tendon = float(tendons.guide_radius[wheel]), int(tendons.stretch_tendon[one])
@@ -179,10 +171,9 @@ def arc_of(model: Model, start: Stretches, wheel: int) -> Arc:
     def side(p: Array, q: Array, r: Array) -> float:
         return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
 
-    return Arc(
-        bool(on and min(np.hypot(*(a - centre)), np.hypot(*(d - centre))) <= abs(radius)),
-        float(np.arctan2(y, x) - np.sign(radius) * angle / 2),
-        bool(on and side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0))
+    inside = min(np.hypot(*(a - centre)), np.hypot(*(d - centre))) <= abs(radius)
+    crosses = side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
+    return (float(np.arctan2(y, x) - np.sign(radius) * angle / 2), bool(on and (inside or crosses)))
 
 
 def _surfaces(model: Model) -> Iterator[tuple[str, str]]:

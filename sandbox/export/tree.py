@@ -21,7 +21,6 @@ import numpy as np
 
 from sandbox.model.joints import place_in_slot, sliding, slot_length, turning
 from sandbox.model.model import NONE, Model
-from sandbox.numeric import Array
 from sandbox.scene.geometry import Pose, Vec, to_body, to_world
 
 
@@ -53,6 +52,7 @@ class Tree:
 def grow(model: Model) -> Tree:
     """Build the tree of a mechanism; without fixed bodies the first free one is a root."""
     ends: list[list[int]] = model.joints.bodies.tolist()
+    poses: list[Pose] = model.bodies.pose.tolist()
     ranks = {joint: 0 if kind.mujoco_loop else 2 if model.joints.turns[joint] else 1
              for joint, kind in enumerate(model.joints.kind) if not kind.along_line}
     links: dict[int, Link] = {}
@@ -67,10 +67,10 @@ def grow(model: Model) -> Tree:
 
     unmoved = np.flatnonzero(~model.bodies.free).tolist()
     for body in unmoved:
-        place(Link(body, NONE, pose(model, body)))
+        place(Link(body, NONE, poses[body]))
     for root in (NONE, *range(len(model.bodies.name))):
         if root != NONE and root not in links:
-            place(Link(root, NONE, pose(model, root)))
+            place(Link(root, NONE, poses[root]))
         while waiting:
             _, joint = heapq.heappop(waiting)
             a, b = ends[joint]
@@ -80,7 +80,7 @@ def grow(model: Model) -> Tree:
             backwards = b in links
             there, here = meeting_points(model, joint)[::-1 if backwards else 1]
             child, parent = (a, b) if backwards else (b, a)
-            angle = pose(model, child)[2] - pose(model, parent)[2]
+            angle = poses[child][2] - poses[parent][2]
             x, y = to_world((0.0, 0.0, angle), here)
             place(Link(child, parent, (there[0] - x, there[1] - y, angle), joint, backwards))
     loops = tuple(joint for joint in ranks
@@ -88,37 +88,19 @@ def grow(model: Model) -> Tree:
     return Tree(links, loops)
 
 
-def pose(model: Model, body: int) -> Pose:
-    """Pose of a body at t = 0: x, y [m], angle [rad]."""
-    x, y, angle = model.bodies.pose[body].tolist()
-    return x, y, angle
-
-
-def vec(row: Array) -> Vec:
-    """A row of two numbers as a point."""
-    x, y = row.tolist()
-    return x, y
-
-
-def anchors(model: Model, joint: int) -> tuple[Vec, Vec]:
-    """Anchors of a joint on ``a`` and ``b``, in their frames [m]."""
-    on_a, on_b = model.joints.anchor[joint]
-    return vec(on_a), vec(on_b)
-
-
 def groove(model: Model, joint: int) -> tuple[Vec, float]:
     """Direction of a groove in the frame of ``a``, and the place in it at t = 0 [m]."""
     place = place_in_slot(model, joint, model.bodies.pose)
-    a = int(model.joints.bodies[joint, 0])
-    along = to_body((0.0, 0.0, pose(model, a)[2]), (float(place.x), float(place.y)))
+    turned = float(model.bodies.pose[model.joints.bodies[joint, 0], 2])
+    along = to_body((0.0, 0.0, turned), (float(place.x), float(place.y)))
     return along, min(max(float(place.along), 0.0), slot_length(model, joint))
 
 
 def meeting_points(model: Model, joint: int) -> tuple[Vec, Vec]:
     """The points of ``a`` and ``b`` that coincide at t = 0, in their frames [m]."""
-    on_a, on_b = anchors(model, joint)
+    on_a, on_b = model.joints.anchor[joint].tolist()
     if model.joints.kind[joint].keeps == "groove":
-        (x, y), (along, s) = vec(model.joints.groove[joint, 0]), groove(model, joint)
+        (x, y), (along, s) = model.joints.groove[joint, 0].tolist(), groove(model, joint)
         on_a = x + s * along[0], y + s * along[1]
     return on_a, on_b
 
@@ -139,11 +121,6 @@ class Freedom:
     made: bool = False  # whether the name is not that of an element of the scene
 
 
-def stops(model: Model, joint: int) -> tuple[float, float] | None:
-    """Lowest and highest angle of a hinge [rad], if it has stops."""
-    return vec(model.joints.stops[joint]) if joint in model.joints.stopped else None
-
-
 def freedoms(model: Model, link: Link) -> list[Freedom]:
     """The coordinates of a body, from parent to child; none for a fixed body."""
     joints, joint, body = model.joints, link.joint, link.body
@@ -151,7 +128,7 @@ def freedoms(model: Model, link: Link) -> list[Freedom]:
         return []
     if joint == NONE:
         name, spec = model.bodies.name[body], model.mechanism.bodies[body]
-        place, centre = pose(model, body), vec(model.bodies.centre[body])
+        place, centre = model.bodies.pose[body].tolist(), model.bodies.centre[body].tolist()
         x, y = to_world(place, centre)
         c, s = math.cos(place[2]), math.sin(place[2])
         return [
@@ -165,10 +142,11 @@ def freedoms(model: Model, link: Link) -> list[Freedom]:
         sense = float(joints.sense[joint])
         return [Freedom(
             name, "hinge", (0.0, 0.0, side * sense), at=at, start=float(joints.start[joint]),
-            rate=sense * turning(model, joint), limits=stops(model, joint), joint=joint,
+            rate=sense * turning(model, joint), joint=joint,
+            limits=joints.stops[joint].tolist() if joint in joints.stopped else None,
         )] if joints.angle[joint] else []
     a, b = joints.bodies[joint].tolist()
-    angle = pose(model, b)[2] - pose(model, a)[2]
+    angle = float(model.bodies.pose[b, 2] - model.bodies.pose[a, 2])
     along, start = groove(model, joint)
     ahead = along if link.backwards else to_body((0.0, 0.0, angle), along)
     slide = Freedom(

@@ -109,8 +109,7 @@ def grasp_epsilon(
 
     The arguments are those of :func:`contact_wrenches`.
     """
-    return largest_ball(contact_wrenches(contacts, normals, friction, centre=centre,
-                                         length=length))
+    return largest_ball(contact_wrenches(contacts, normals, friction, centre=centre, length=length))
 
 
 def grasp_isotropy(

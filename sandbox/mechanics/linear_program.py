@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 
 SMALL = 1e-9  # pivots and reduced costs below this are rounding: A and c are of the order of 1
 RENEWAL = 50  # rounds after which the inverse is computed anew
@@ -23,11 +23,10 @@ RENEWAL = 50  # rounds after which the inverse is computed anew
 PATIENCE = 4
 
 
-class Least(NamedTuple):
+class Minimum(NamedTuple):
     """The minimum of a linear program."""
 
     value: float  #: -inf where there is no bound
-    x: Array  #: where it is reached, [n]
     prices: Array  #: y [m]: how the value changes with b; nan where there is no bound
     reduced: Array  #: c - A^T y, [n]
 
@@ -46,56 +45,51 @@ class LinearProgram:
 
     def __init__(self, A: Array, b: Array) -> None:
         m, n = A.shape
-        wide = np.concatenate([A, np.diag(np.where(b < 0, -1.0, 1.0))], axis=1)
-        self._start(wide, b, np.arange(n, n + m))
-        self.missing, _, self.against, _ = self.least(
-            np.concatenate([np.zeros(n), np.ones(m)]))
-        for place in np.flatnonzero(self._chosen >= n).tolist():  # these have the value 0
-            row = self._inverse[place] @ wide[:, :n]
-            row[self._chosen[self._chosen < n]] = 0.0
-            self._change(int(np.abs(row).argmax()), place)
-            self._renew()
-        B = A[:, self._chosen]
-        self._start(A, B @ np.maximum(np.linalg.solve(B, b), 0.0), self._chosen)
+        self._A = np.concatenate([A, np.diag(np.where(b < 0, -1.0, 1.0))], axis=1)
+        self.b, self._basis = b, np.arange(n, n + m)
+        self._renew()
+        self.missing, self.against, _ = self.minimum(np.repeat([0.0, 1.0], [n, m]))
+        self._A = A
+        for place in np.flatnonzero(self._basis >= n).tolist():  # these have the value 0
+            row = self._inverse[place] @ A
+            row[self._basis[self._basis < n]] = 0.0
+            self._exchange(int(np.abs(row).argmax()), place)
+        self._renew()
+        B = A[:, self._basis]
+        self.b = B @ np.maximum(np.linalg.solve(B, b), 0.0)
 
-    def least(self, c: Array) -> Least:
+    def minimum(self, c: Array) -> Minimum:
         """The minimum of c x; ``c`` [n] of the order of 1.
 
         Raises:
             ArithmeticError: it does not converge.
         """
-        A, b, chosen = self._A, self.b, self._chosen
-        rounds = PATIENCE * sum(A.shape)
-        for turn in range(100 * (rounds + 1)):
-            prices = c[chosen] @ self._inverse
+        A, b, basis = self._A, self.b, self._basis
+        patience = PATIENCE * sum(A.shape)
+        for turn in range(100 * (patience + 1)):
+            prices = c[basis] @ self._inverse
             reduced = c - prices @ A
-            reduced[chosen] = 0.0
+            reduced[basis] = 0.0
             better = np.flatnonzero(reduced < -SMALL)
-            enters = -1 if not len(better) else int(
-                better[0] if turn > rounds else reduced.argmin())
-            leaves = self._first(enters, by_number=turn > rounds) if enters >= 0 else -1
+            leaves = -1
+            if len(better):
+                enters = int(better[0] if turn > patience else reduced.argmin())
+                leaves = self._first(enters, by_number=turn > patience)
             if leaves >= 0:
-                self._change(enters, leaves)
+                self._exchange(enters, leaves)
             elif not self._fresh:
                 self._renew()
-            elif enters < 0:
-                x = np.zeros(len(c))
-                x[chosen] = np.maximum(self._inverse @ b, 0.0)
-                return Least(float(c @ x), x, prices, reduced)
+            elif not len(better):
+                value = c[basis] @ np.maximum(self._inverse @ b, 0.0)
+                return Minimum(float(value), prices, reduced)
             else:
-                return Least(-np.inf, *(np.full(size, np.nan) for size in (
-                    len(c), len(b), len(c))))
+                return Minimum(-np.inf, np.full(len(b), np.nan), np.full(len(c), np.nan))
             if turn % RENEWAL == RENEWAL - 1:
                 self._renew()
         raise ArithmeticError("a linear program does not converge")
 
-    def _start(self, A: Array, b: Array, chosen: Integers) -> None:
-        """Begin with the columns ``chosen`` [m], which span all rows."""
-        self._A, self.b, self._chosen = A, b, chosen
-        self._renew()
-
     def _renew(self) -> None:
-        self._inverse, self._fresh = np.linalg.inv(self._A[:, self._chosen]), True
+        self._inverse, self._fresh = np.linalg.inv(self._A[:, self._basis]), True
 
     def _first(self, enters: int, *, by_number: bool) -> int:
         """The place whose value falls to 0 first if a column enters; -1 if none falls."""
@@ -105,11 +99,11 @@ class LinearProgram:
             return -1
         ways = np.maximum(self._inverse[down] @ self.b, 0.0) / falls[down]
         first = down[ways <= ways.min() * (1 + SMALL)]
-        return int(first[self._chosen[first].argmin() if by_number else falls[first].argmax()])
+        return int(first[self._basis[first].argmin() if by_number else falls[first].argmax()])
 
-    def _change(self, enters: int, leaves: int) -> None:
+    def _exchange(self, enters: int, leaves: int) -> None:
         falls = self._inverse @ self._A[:, enters]
         row = self._inverse[leaves] / falls[leaves]
         self._inverse -= np.outer(falls, row)
         self._inverse[leaves] = row
-        self._chosen[leaves], self._fresh = enters, False
+        self._basis[leaves], self._fresh = enters, False

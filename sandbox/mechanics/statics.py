@@ -8,10 +8,9 @@ and the virtual work of the contacts, tau . dtheta = sum_c f_c n_c . dp_c, makes
 
     tau = J^T f,   J_cj = n_c . (z x (p_c - C_j)) for joints j up to the phalanx of c
 
-with n the direction in which a contact pushes the phalanx. Frictionless
-contacts, one a phalanx, at k_i from the near hinge of phalanx i give the
-closed form J_ij = k_i + sum_(m=j)^(i-1) L_m cos(theta_(m+1) + ... + theta_i):
-Birglen, Laliberte and Gosselin's theory of underactuated hands.
+with n the direction in which a contact pushes the phalanx. Frictionless contacts, one a phalanx, at
+k_i from the near hinge of phalanx i give the closed form J_ij = k_i + sum_(m=j)^(i-1) L_m
+cos(theta_(m+1) + ... + theta_i): Birglen, Laliberte and Gosselin's theory of underactuated hands.
 
 A contact can only push. Where its force in J^-T tau is negative it separates, and its joint moves
 on or rests on a stop: :func:`unilateral_forces`.

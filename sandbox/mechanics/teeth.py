@@ -46,8 +46,7 @@ def gear_flank(
     x, y = (straight * dx + offset * dy) / square, (straight * dy - offset * dx) / square
     way = straight - offset * np.arctan2(y, x) + base_a * angle_a - turns_b * base_b * angle_b
     push = -turns_b
-    return Flank(push * way, 2 * np.pi * abs(offset), push * x, push * y,
-                 (-base_a * y, base_a * x))
+    return Flank(push * way, 2 * np.pi * abs(offset), push * x, push * y, (-base_a * y, base_a * x))
 
 
 def rack_flank(

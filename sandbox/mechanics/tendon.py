@@ -73,8 +73,7 @@ def segment_length(dt: ArrayLike, rt: ArrayLike, beta: ArrayLike) -> Array:
     before, after = positive("dt", dt, "m"), positive("rt", rt, "m")
     angle = finite("beta", beta, "rad")
     together(dt=before, rt=after, beta=angle)
-    folded = np.asarray(
-        (angle <= 0) | (angle >= 2 * np.pi) | (np.abs(np.sin(angle)) < IN_LINE))
+    folded = np.asarray((angle <= 0) | (angle >= 2 * np.pi) | (np.abs(np.sin(angle)) < IN_LINE))
     if folded.any():
         raise ValueError("beta must lie between 0 and 2 pi rad and not at pi, where the segment "
                          f"passes through the hinge, got {angle[folded].flat[0]:.6g} rad")
@@ -144,8 +143,7 @@ class TendonRoute:
     def arms(self, theta: ArrayLike) -> Array:
         """h_i [m], shape [..., n]; each depends on its own joint alone."""
         beta = self.beta(theta)
-        return np.asarray(
-            self.dt * self.rt * np.sin(beta) / segment_length(self.dt, self.rt, beta))
+        return np.asarray(self.dt * self.rt * np.sin(beta) / segment_length(self.dt, self.rt, beta))
 
     def shortenings(self, theta: ArrayLike) -> Array:
         """Local shortening lt_(i)0 - lt_(i) [m], shape [..., n], equation (18)."""

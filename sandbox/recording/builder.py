@@ -30,7 +30,7 @@ from sandbox.elements.arrays import (
 )
 from sandbox.errors import OutputError
 from sandbox.model.model import Model
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
@@ -44,16 +44,10 @@ ZEROS = bytes(1 << 20)
 
 
 class Room:
-    """A budget of memory [bytes], and temporary files for arrays beyond it.
+    """A budget of memory [bytes], and temporary files without a name for arrays beyond it."""
 
-    A file has no name: it is removed with the last reference to its array.
-
-    Raises:
-        OutputError: there is no room for an array, or no file can be made.
-    """
-
-    def __init__(self, memory: float, directory: str | os.PathLike[str] | None) -> None:
-        self.left, self.directory = memory, directory or tempfile.gettempdir()
+    def __init__(self, memory: float) -> None:
+        self.left = memory
 
     def array(
         self, shape: tuple[int, ...], dtype: Any, old: NDArray[Any] | None = None,
@@ -64,31 +58,28 @@ class Room:
             self.left -= size
             made: NDArray[Any] = np.empty(shape, dtype)
         else:
-            made = self._mapped(shape, dtype, size)
+            try:
+                with tempfile.TemporaryFile() as file:
+                    # allocate its blocks: a full disk is an error only here
+                    if hasattr(os, "posix_fallocate"):
+                        os.posix_fallocate(file.fileno(), 0, size)
+                    while (lacking := size - file.seek(0, os.SEEK_END)) > 0:
+                        file.write(ZEROS[:lacking])
+                    made = np.memmap(file, dtype, "r+", shape=shape)
+            except OSError as error:
+                raise OutputError(f"no room for {size / 1e9:.3g} GB of samples in "
+                                  f"{tempfile.gettempdir()}: {error.strerror or error}",
+                                  code="out-of-memory") from None
         if old is not None:
             made[:len(old)] = old
             self.left += 0 if isinstance(old, np.memmap) else old.nbytes
         return made
 
-    def _mapped(self, shape: tuple[int, ...], dtype: Any, size: int) -> NDArray[Any]:
-        """An array in a file whose blocks are allocated, as a full disk is an error only here."""
-        try:
-            with tempfile.TemporaryFile(dir=self.directory) as file:
-                if hasattr(os, "posix_fallocate"):
-                    os.posix_fallocate(file.fileno(), 0, size)
-                while (lacking := size - file.seek(0, os.SEEK_END)) > 0:
-                    file.write(ZEROS[:lacking])
-                return np.memmap(file, dtype, "r+", shape=shape)
-        except OSError as error:
-            raise OutputError(f"no room for {size / 1e9:.3g} GB of samples in {self.directory}: "
-                              f"{error.strerror or error}", code="out-of-memory") from None
-
 
 class Rows:
     """Arrays that grow by rows, all with ``count`` of them, and room for ``planned`` at first.
 
-    ``size`` has the lengths of all axes but the first. Rows of contacts and impacts are sorted by
-    the first ``by`` arrays: (sample, body, other) or (time, body, other).
+    Rows of contacts and impacts are sorted by the first ``by`` arrays.
     """
 
     def __init__(
@@ -117,8 +108,8 @@ class Rows:
 
     def append(self, *values: NDArray[Any]) -> None:
         """Add rows, the values of all arrays in their order, not below those that are there."""
-        if self._by > 1 and not _in_order(values[2::-1]):
-            order = np.lexsort(values[2::-1])
+        order = np.lexsort(values[self._by - 1::-1])
+        if (np.diff(order) < 0).any():
             values = tuple(column[order] for column in values)
         self.put(self.count, dict(zip(self._columns, values, strict=True)))
 
@@ -147,29 +138,24 @@ class Rows:
 class RecordingBuilder:
     """Room for the samples of a run; ``finish`` makes the :class:`Recording`.
 
-    ``put`` takes what has a row per sample, ``contacts``, ``means``, ``mean_contacts`` and
-    ``impacts`` rows of these. ``statics`` are the arrays that do not change (body masses, centres
-    and inertias, tendon lengths). ``apart`` is whether samples are several steps apart. Above
-    ``memory`` bytes, files in ``directory`` (the system's temporary one) are used.
-
-    Raises:
-        OutputError: there is no room for the files.
+    ``statics`` are the arrays that do not change (body masses, tendon lengths). ``apart`` is
+    whether samples are several steps apart. Above :data:`MEMORY` bytes, files in the system's
+    temporary directory are used; :class:`OutputError` if there is no room for them.
     """
 
     def __init__(
         self, mechanism: Mechanism, samples: int, statics: Mapping[str, NDArray[Any]], *,
-        apart: bool = False, model: Model | None = None, memory: float = MEMORY,
-        directory: str | os.PathLike[str] | None = None,
+        apart: bool = False, model: Model | None = None,
     ) -> None:
         self.mechanism, self._model, self.apart = mechanism, model, apart
         self.statics: Arrays = {key: np.array(statics[key], dtype=float) for key in STATIC}
-        fits = samples * row_bytes(mechanism, PER_SAMPLE) <= memory
-        self._room, self._directory = Room(memory if fits else 0, directory), directory
+        fits = samples * row_bytes(mechanism, PER_SAMPLE) <= MEMORY
+        self._room = Room(MEMORY if fits else 0)
         size = sizes(mechanism, samples=0)
         self.samples = Rows(self._room, size, [key for key in PER_SAMPLE if key != TIME],
                             planned=samples)
         if not fits:
-            self._room.left = memory
+            self._room.left = MEMORY
         self.contacts, self.impacts = (Rows(self._room, size, keys) for keys in (CONTACT, IMPACT))
         self.means, self.mean_contacts = (
             Rows(self._room, size, keys, by=1) for keys in (MEAN, MEAN_CONTACT))
@@ -186,37 +172,20 @@ class RecordingBuilder:
         return {key: np.full(shape_of(key, size), np.nan) for key in PER_SAMPLE if key != TIME}
 
     def put(self, first: int, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Let ``arrays``, as :meth:`blank` gives them, be the samples from number ``first`` on.
-
-        Raises:
-            OutputError: the disk is full.
-        """
+        """Let ``arrays``, as :meth:`blank` gives them, be the samples from number ``first`` on."""
         self.samples.put(first, arrays)
 
     def finish(self, time: Array, info: Outcome, *, copied: bool = False) -> Recording:
         """The recording of the first samples, as many as ``time`` has instants [s].
 
-        Contact rows beyond are dropped. It shares this memory and these files unless it is
-        ``copied``, which is required if more is written.
-
-        Raises:
-            OutputError: the disk is full.
+        It shares this memory unless it is ``copied``, which is required if more is written.
         """
-        copies, n = Room(0, self._directory) if copied else None, len(time)
+        copies, n = Room(0) if copied else None, len(time)
         arrays = {TIME: np.array(time), **self.statics, **self.samples.finished(n, copies),
                   **self.impacts.finished(self.impacts.count, copies)}
         for rows in (self.contacts, *((self.means, self.mean_contacts) if self.apart else ())):
             arrays |= rows.finished(rows.before(n), copies)
         return Recording(self.mechanism, arrays, info, model=self._model)
-
-
-def _in_order(keys: tuple[Integers, ...]) -> bool:
-    """Whether rows are in lexical order of the keys, the last key counting most."""
-    later = np.diff(keys[0]) >= 0
-    for key in keys[1:]:
-        step = np.diff(key)
-        later = (step > 0) | ((step == 0) & later)
-    return bool(np.all(later))
 
 
 class Latest(RecordingBuilder):

@@ -37,11 +37,9 @@ FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS,
 FILMS = ("animation.gif", "animation.mp4")
 PAGE = "report.html"  # What ``sandbox report`` writes
 FRAMES, FRAME = "frames", "frame_?????.png"  # Where pictures of a film go, and what they are called
-ENDINGS = ("png", "svg", "pdf")
-PLOT = "plot"  # Name of the pictures of ``sandbox plot``, without the ending
 BESIDE = "incomplete"  # Where a run that was stopped is put if a complete one is there
-OWN = (*FILES, *FILMS, PAGE, *(f"{PLOT}.{ending}" for ending in ENDINGS))
-"""Names that a run, and what is made of it, have in its directory."""
+OWN = (*FILES, *FILMS, PAGE, "plot.png", "plot.svg", "plot.pdf")
+"""Files of a run in its directory, and files that commands make from it."""
 MADE, MAX_MADE = ".made", 1_000_000
 """A list of other files that were made of the run: they go when it goes; its most bytes."""
 MARK = {"format": 1, "complete": False,
@@ -55,16 +53,10 @@ class NewRun:
         self.directory, self.aside = directory, aside
 
     def publish(self, *, stopped: bool = False) -> Path:
-        """Put the run in place of what was there; files of others in the directory stay.
+        """Put the run in place of what was there, and return where it is; other files stay.
 
-        Args:
-            stopped: by Ctrl-C, an error, a full disk; not by its own motion, as one that diverges.
-
-        Returns:
-            Where it is: in :data:`BESIDE` if it was stopped and a complete run is there.
-
-        Raises:
-            OutputError: it cannot be put there; up to the first move the old run is untouched.
+        A run that was ``stopped`` by Ctrl-C, an error or a full disk is put into :data:`BESIDE` if
+        a complete run is there. Up to the first move an error leaves the old run untouched.
         """
         stays = stopped and (self.directory / SUMMARY).exists()
         here = self.directory / BESIDE if stays else self.directory
@@ -119,13 +111,7 @@ class NewRun:
 
 @contextlib.contextmanager
 def writing(directory: Path) -> Iterator[NewRun]:
-    """A directory, made if need be, in which this writer and no other may put a run.
-
-    What is not published is removed.
-
-    Raises:
-        OutputError: it cannot be made or written into, or another run is being written there.
-    """
+    """A directory in which only this writer may put a run; unpublished files are removed."""
     with contextlib.ExitStack() as held:
         try:
             directory.mkdir(parents=True, exist_ok=True)
@@ -141,7 +127,7 @@ def writing(directory: Path) -> Iterator[NewRun]:
             raise OutputError(f"cannot write into {directory}: {why}") from None
         try:
             yield NewRun(directory, aside)
-        except OutputError as error:  # of a file aside: where it was to be is what is known outside
+        except OutputError as error:  # name the final place of the file
             raise OutputError(str(error).replace(str(aside), str(directory))) from None
 
 
@@ -162,18 +148,12 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def made(path: Path) -> None:
-    """Remember a file that was made of the run in its directory, so that it goes with the run.
-
-    A directory without a run is none of ours, and what lies elsewhere stays.
-
-    Raises:
-        OutputError: it cannot be noted.
-    """
+    """Remember a file that was made of the run in its directory, so that it goes with the run."""
     directory = path.parent
     if path.name in OWN or not path.is_file() or not (directory / ARCHIVE).is_file():
         return
     with output_errors(directory / MADE), locked(directory) as ours:
-        if ours is False:  # a new run is on its way, and what is here goes or stays without it
+        if ours is False:  # a new run is being written and decides on the files here
             return
         names = sorted({*_made(directory), path.name})
         write_atomic(directory / MADE, json.dumps(names, indent=1) + "\n")

@@ -10,6 +10,7 @@ from typing import Any, Self
 
 from sandbox.atomic_files import output_path
 from sandbox.audit.audit import Figure, audit
+from sandbox.errors import OutputError
 from sandbox.recording import store, tables
 from sandbox.recording.new_run import writing
 from sandbox.samples.expectations import Verdict, verdicts
@@ -21,7 +22,7 @@ class Recording(Samples):
 
     @cached_property
     def verdicts(self) -> list[Verdict]:
-        """What became of the scene's expectations, in their order; last the verdict of a stop."""
+        """The verdicts on the scene's expectations, in their order, then that of a stop."""
         return verdicts(self)
 
     @cached_property
@@ -54,7 +55,11 @@ class Recording(Samples):
         Raises:
             OutputError: no path, or there is none, it cannot be read, or its files are of two runs.
         """
-        return cls(*store.load(output_path(directory, "a recording")))
+        folder = output_path(directory, "a recording")
+        try:
+            return cls(*store.load(folder))
+        except ValueError as error:  # arrays that do not fit the mechanism
+            raise OutputError(f"{folder} is damaged: {error}", code="run-damaged") from None
 
     def to_pandas(self, *quantities: str) -> Any:
         """A ``pandas.DataFrame``: a column for each quantity, SI, the index ``time`` [s].
@@ -68,14 +73,22 @@ class Recording(Samples):
             SandboxError: pandas is not installed.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        return tables.to_pandas(self, quantities)
+        pandas, names = tables.library("pandas"), tables.chosen(self, quantities)
+        table = pandas.DataFrame({name: self[name] for name in names},
+                                 index=pandas.Index(self.time, name="time"))
+        table.attrs["units"] = {name: self.unit(name) for name in names}
+        return table
 
     def to_xarray(self, *quantities: str) -> Any:
         """An ``xarray.Dataset``: a variable over ``time`` for each quantity, SI, with its unit.
 
         Arguments and errors are those of :meth:`to_pandas`.
         """
-        return tables.to_xarray(self, quantities)
+        return tables.library("xarray").Dataset(
+            {name: ("time", self[name], {"units": self.unit(name)})
+             for name in tables.chosen(self, quantities)},
+            coords={"time": ("time", self.time, {"units": "s"})},
+            attrs={"scene": self.mechanism.name, "title": self.mechanism.title})
 
     def plot(
         self, *quantities: str, x: str = "", begin: float | str = 0.0,
@@ -88,13 +101,13 @@ class Recording(Samples):
         Args:
             quantities: names and patterns such as ``finger.*.angle``.
             x: the quantity that they are drawn against; time by default.
-            begin: what is shown, from this instant [s], or a text such as ``"0.8 s"``, ...
-            end: ... to this one.
+            begin: first instant that is shown [s], or a text such as ``"0.8 s"``.
+            end: last instant.
             width: of the figure [m], or a text such as ``"85 mm"``; 120 mm by default.
             title: whether the scene's title stands above.
 
         Raises:
-            OutputError: no quantities, what is no time or no width, too few samples, or too many
+            OutputError: no quantities, an invalid time or width, too few samples, or too many
                 curves for one panel.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
@@ -140,7 +153,7 @@ class Recording(Samples):
             height: of the frame [pixels], 200 to 4000.
 
         Raises:
-            OutputError: nothing was recorded, or what is no height.
+            OutputError: nothing was recorded, or an invalid height.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
         from sandbox.notebook import page

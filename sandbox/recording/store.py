@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.atomic_files import atomic_file, write_atomic
-from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.elements.arrays import Arrays
 from sandbox.errors import OutputError
@@ -59,12 +58,8 @@ def save_summary(
 ) -> Path:
     """Write ``run.json`` (``run.incomplete.json``) last of all; returns its path.
 
-    ``figures`` are those of the audit, none for a run without one; ``derived`` are the parameters
-    that follow from others; ``wall_s`` adds to the wall times that the recording knows. In the
-    file null stands for infinite and for no value.
-
-    Raises:
-        OutputError: it cannot be written.
+    ``derived`` are the parameters that follow from others; ``wall_s`` adds to the wall times that
+    the recording knows. In the file null stands for infinite and for no value.
     """
     path = directory / (SUMMARY if run.complete else INCOMPLETE)
     info, mechanism = outcome_data(run.info), run.mechanism
@@ -102,19 +97,8 @@ def save_summary(
     return path
 
 
-def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path) -> None:
-    """Write the bounds of contact forces in some samples, by their numbers, as a CSV file."""
-    write_atomic(path, "".join(tables.bound_rows(run, found)))
-
-
 def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]:
-    """What the files of a run say: its mechanism, its arrays, its outcome.
-
-    A run without ``run.json`` is not complete, whatever its archive says.
-
-    Raises:
-        OutputError: there is none, it cannot be read, or its files are of two runs.
-    """
+    """The mechanism, arrays and outcome of a run; without ``run.json`` it is not complete."""
     folder = Path(directory)
     if not folder.is_dir():
         raise OutputError(f"there is no directory {folder}", code="no-run")
@@ -133,9 +117,7 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
         elif named[1].decode() != run_id:
             raise OutputError(f"{folder} is damaged: {path.name} and {ARCHIVE} are of different "
                               "runs", code="run-damaged")
-    if not complete and outcome.complete:
-        outcome = unfinished(outcome)
-    return mechanism, arrays, outcome
+    return mechanism, arrays, outcome if complete or not outcome.complete else unfinished(outcome)
 
 
 def unfinished(outcome: Outcome) -> Outcome:

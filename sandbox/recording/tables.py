@@ -28,18 +28,11 @@ ALWAYS = ("tendons", "joints", "bodies", "drives")
 BLOCK = 250_000  # Numbers that are turned into text at a time
 
 
-def column_unit(unit: str) -> str:
-    """``N m`` as ``N_m``, ``rad/s^2`` as ``rad_per_s2``, ``1`` as nothing."""
-    unit = normal_unit(unit)
-    if unit == "1":
-        return ""
-    unit = unit.replace("/", "_per_").replace("%", "percent").replace(" ", "_")
-    return re.sub(r"[^\w]", "", unit).removeprefix("1_").strip("_")
-
-
 def column(name: str, unit: str) -> str:
-    """The name of a column: ``finger1.tendon.tension_N``."""
-    return "_".join(filter(None, (name, column_unit(unit))))
+    """The name of a column: ``finger1.tendon.tension_N``, ``arm.omega_rad_per_s``, ``held``."""
+    unit = normal_unit(unit).replace("/", "_per_").replace("%", "percent").replace(" ", "_")
+    unit = re.sub(r"[^\w]", "", "" if unit == "1" else unit).removeprefix("1_").strip("_")
+    return "_".join(filter(None, (name, unit)))
 
 
 def rows(run: Samples, kind: str) -> Iterator[str]:
@@ -48,7 +41,9 @@ def rows(run: Samples, kind: str) -> Iterator[str]:
     heads = ["time_s", *(column(name, unit) for name, unit in zip(names, units, strict=True))]
     yield ",".join(heads) + "\n"
     line = ",".join([NUMBER] * len(heads)) + "\n"
-    for part in run.parts(max(1, BLOCK // len(heads))):
+    size = max(1, BLOCK // len(heads))
+    for first in range(0, len(run), size):
+        part = run.part(first, first + size)
         # adding 0 takes the sign off a zero
         values = np.column_stack([part.time, part.table(kind).values]) + 0.0
         yield "".join([line % tuple(row) for row in values.tolist()])
@@ -105,26 +100,8 @@ def chosen(run: Samples, quantities: tuple[str, ...]) -> list[str]:
     return [name for kind in TABLES for name in run.table(kind).names]
 
 
-def to_pandas(run: Samples, quantities: tuple[str, ...]) -> Any:
-    """See :meth:`sandbox.Recording.to_pandas`."""
-    pandas = _library("pandas")
-    names = chosen(run, quantities)
-    table = pandas.DataFrame({name: run[name] for name in names},
-                             index=pandas.Index(run.time, name="time"))
-    table.attrs["units"] = {name: run.unit(name) for name in names}
-    return table
-
-
-def to_xarray(run: Samples, quantities: tuple[str, ...]) -> Any:
-    """See :meth:`sandbox.Recording.to_xarray`."""
-    xarray = _library("xarray")
-    return xarray.Dataset(
-        {name: ("time", run[name], {"units": run.unit(name)}) for name in chosen(run, quantities)},
-        coords={"time": ("time", run.time, {"units": "s"})},
-        attrs={"scene": run.mechanism.name, "title": run.mechanism.title})
-
-
-def _library(name: str) -> Any:
+def library(name: str) -> Any:
+    """The module of pandas or xarray."""
     try:
         return import_module(name)
     except ImportError:

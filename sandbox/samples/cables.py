@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,9 @@ from sandbox.model.joints import Place, place_in_slot
 from sandbox.model.model import Model, Tendons
 from sandbox.model.tendons import CableSpan, lifted_at_start
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.outcome import Stored
+
+if TYPE_CHECKING:
+    from sandbox.samples.samples import Samples
 
 
 class Places(NamedTuple):
@@ -37,17 +39,20 @@ class Places(NamedTuple):
 class Frames:
     """Poses of all bodies in some samples of a recording, and points of theirs."""
 
-    def __init__(self, run: Stored) -> None:
+    def __init__(self, run: Samples) -> None:
         self.run, self.model = run, run.model
-        self.x, self.y, self.angle = (
-            np.ascontiguousarray(part) for part in run.arrays["body_pose"].transpose(2, 1, 0))
-        """Poses of the bodies' frames in the world, [nb, n] m, m, rad."""
-        self.samples = self.x.shape[1]
-        self.cos, self.sin = np.cos(self.angle), np.sin(self.angle)
-        self._centre = centre = run.arrays["body_centre"]
-        self.centre_x = self.x + self.cos * centre[:, :1] - self.sin * centre[:, 1:]
-        """Centres of mass in the world, [nb, n] m."""
-        self.centre_y = self.y + self.sin * centre[:, :1] + self.cos * centre[:, 1:]
+        self.pose, self.velocity, self.acceleration = (
+            np.ascontiguousarray(run.arrays[f"body_{key}"].transpose(2, 1, 0))
+            for key in ("pose", "velocity", "acceleration"))
+        """Of the bodies' frames, and of their centres of mass, [3, nb, n] m, m, rad."""
+        x, y, angle = self.pose
+        self.samples = x.shape[1]
+        c, s = self.cos, self.sin = np.cos(angle), np.sin(angle)
+        self._centre = local = run.arrays["body_centre"]
+        self.centre = np.stack([x + c * local[:, :1] - s * local[:, 1:],
+                                y + s * local[:, :1] + c * local[:, 1:], angle])
+        """Poses of the centres of mass, [3, nb, n] m, m, rad."""
+        self.off_wheels: Flags = run.arrays["guide_lifted"] > 0  # Tendons off their wheels, [n, nw]
 
     def places(self, bodies: Integers | Sequence[int], points: Array) -> Places:
         """Points given in the frames of ``bodies`` [k], as [k, 2] m."""
@@ -56,7 +61,7 @@ class Frames:
         c, s = self.cos[on], self.sin[on]
         arm_x = c * local[:, :1] - s * local[:, 1:]
         arm_y = s * local[:, :1] + c * local[:, 1:]
-        return Places(self.centre_x[on] + arm_x, self.centre_y[on] + arm_y, arm_x, arm_y)
+        return Places(self.centre[0, on] + arm_x, self.centre[1, on] + arm_y, arm_x, arm_y)
 
     @cached_property
     def anchors(self) -> tuple[Places, Places]:
@@ -76,7 +81,7 @@ class Frames:
         tendons = self.model.tendons
         start, end = (self.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
                       for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
-        return _past(_straight(start, end, tendons), tendons, off_wheels(self.run.arrays))
+        return _past(_straight(start, end, tendons), tendons, self.off_wheels)
 
     @cached_property
     def first(self) -> Stretches:
@@ -100,16 +105,6 @@ class Frames:
         return total
 
     @cached_property
-    def velocity(self) -> Array:
-        """Velocities of the centres of mass, and angular velocities, [3, nb, n]."""
-        return np.ascontiguousarray(self.run.arrays["body_velocity"].transpose(2, 1, 0))
-
-    @cached_property
-    def acceleration(self) -> Array:
-        """Accelerations of the centres of mass, and angular ones, [3, nb, n]."""
-        return np.ascontiguousarray(self.run.arrays["body_acceleration"].transpose(2, 1, 0))
-
-    @cached_property
     def gaps(self) -> Array:
         """Between the two anchors of every joint [m], [nj, n]."""
         a, b = self.anchors
@@ -126,11 +121,6 @@ class Stretches(NamedTuple):
     end: Places
 
 
-def off_wheels(arrays: Mapping[str, Array]) -> Flags:
-    """Whether tendons are off their wheels, [n, nw]; never in recordings without that array."""
-    return np.asarray(arrays["guide_lifted"] > 0)
-
-
 def _past(cables: Stretches, tendons: Tendons, off: Flags) -> Stretches:
     """The same where tendons are off wheels, ``off`` [n, nw], and go straight past them."""
     for tendon in np.flatnonzero(np.diff(tendons.first)).tolist() if off.any() else ():
@@ -142,20 +132,15 @@ def _past(cables: Stretches, tendons: Tendons, off: Flags) -> Stretches:
             when = np.flatnonzero((off[:, loose] == pattern).all(axis=1))
             on = np.setdiff1d(np.arange(len(own) + 1), tendons.wheels[loose[pattern]] - begin)
             for i, j in itertools.pairwise(on.tolist()):
-                if j > i + 1:
-                    _lay_straight(cables, tendons, own[i:j], begin + np.array([i, j]), when)
+                if j == i + 1:
+                    continue
+                first, last, rows = own[i], own[j - 1], np.ix_(own[i:j], when)
+                length, cables.x[rows], cables.y[rows] = _tangent(
+                    cables.end.x[last, when] - cables.start.x[first, when],
+                    cables.end.y[last, when] - cables.start.y[first, when],
+                    float(np.subtract(*tendons.guide_radius[[begin + i, begin + j]])))
+                cables.length[rows] = length / (j - i)
     return cables
-
-
-def _lay_straight(
-    cables: Stretches, tendons: Tendons, pieces: Integers, ends: Integers, when: Integers,
-) -> None:
-    """Put the straight way between two guides in the place of all ``pieces`` between them."""
-    dx = cables.end.x[pieces[-1], when] - cables.start.x[pieces[0], when]
-    dy = cables.end.y[pieces[-1], when] - cables.start.y[pieces[0], when]
-    length, x, y = _tangent(dx, dy, float(np.subtract(*tendons.guide_radius[ends])))
-    rows = np.ix_(pieces, when)
-    cables.length[rows], cables.x[rows], cables.y[rows] = length / len(pieces), x, y
 
 
 def _tangent(dx: Array, dy: Array, offset: Array | float) -> tuple[Array, Array, Array]:
@@ -239,7 +224,7 @@ class _Course:
         frames, body = self.frames, int(self.model.tendons.guide_body[self.path.start + place])
         angle = np.unwrap(self.angle[piece])
         if frames is not None:
-            angle -= np.concatenate([self.model.bodies.pose[body, 2:], frames.angle[body]])
+            angle -= np.concatenate([self.model.bodies.pose[body, 2:], frames.pose[2, body]])
         return np.asarray(sign * self.radii[place] * (angle - angle[0]))
 
     def on_wheel(self, place: int) -> Array:
@@ -284,7 +269,7 @@ def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
     off; the clearance is negative where the wheel is in its way, nan where the tendon is on.
     A wheel that is beyond an end of the straight piece is not in its way.
     """
-    tendons, cables, off = frames.model.tendons, frames.cables, off_wheels(frames.run.arrays)
+    tendons, cables, off = frames.model.tendons, frames.cables, frames.off_wheels
     guide = int(tendons.wheels[wheel])
     course = _course(frames, _tendon_of(tendons, guide))
     place, own, way = guide - course.path.start, course.own, cables.x + 1j * cables.y

@@ -108,33 +108,23 @@ OBJECT = "object"  # The role of what is held
 FARTHER = 1e-3  # Least relative difference of paths that is not rounding
 
 
-def ways(arrays: Arrays) -> Array:
-    """Path length of each body in a run [m], [nb]: of its centre, and of its rotation.
-
-    A rotation counts at the radius of gyration, by which it has the kinetic energy of a path as
-    long. A body that does not move freely has no such radius; only its centre counts.
-    """
-    pose = arrays["body_pose"]
-    x, y = np.moveaxis(placed(pose, arrays["body_centre"]), -1, 0)
-    mass, inertia = arrays["body_mass"], arrays["body_inertia"]
-    free = np.isfinite(mass) & np.isfinite(inertia) & (mass > 0)
-    square = np.where(free, inertia, 0.0) / np.where(free, mass, 1.0)
-    steps = np.diff(x, axis=0) ** 2 + np.diff(y, axis=0) ** 2 + (
-        square * np.diff(pose[..., 2], axis=0) ** 2)
-    return np.asarray(np.sqrt(steps).sum(axis=0))
-
-
 def on_the_other(model: Model, arrays: Arrays, body: Integers, other: Integers) -> Flags:
     """Whether the force between two bodies is shown on ``other`` rather than on ``body``, [m].
 
     It is shown on the one with the role ``object`` if one of the two has it, else on the one with
-    the longer path in the run (:func:`ways`), and on ``body`` if both are about as long.
+    the longer path in the run, and on ``body`` if both are about as long. Rotations of bodies that
+    move freely count at the radius of gyration.
     """
+    pose, mass, inertia = (arrays[f"body_{key}"] for key in ("pose", "mass", "inertia"))
+    x, y = np.moveaxis(placed(pose, arrays["body_centre"]), -1, 0)
+    free = np.isfinite(mass) & np.isfinite(inertia) & (mass > 0)
+    square = np.where(free, inertia, 0.0) / np.where(free, mass, 1.0)
+    steps = np.diff(x, axis=0) ** 2 + np.diff(y, axis=0) ** 2 + (
+        square * np.diff(pose[..., 2], axis=0) ** 2)
+    path = np.sqrt(steps).sum(axis=0)
     held = np.array([each.role == OBJECT for each in model.mechanism.bodies], dtype=bool)
-    way = ways(arrays)
-    same = held[body] == held[other]
-    farther = way[other] > (1 + FARTHER) * way[body]
-    return np.asarray(np.where(same, farther, held[other]), dtype=bool)
+    farther = path[other] > (1 + FARTHER) * path[body]
+    return np.asarray(np.where(held[body] == held[other], farther, held[other]), dtype=bool)
 
 
 def contacts_on(model: Model, arrays: Arrays) -> tuple[Integers, Array]:
@@ -217,29 +207,21 @@ def merge_contacts(
     if len(start) < len(sample):
         weight = weight[:, None]
         total = np.add.reduceat(weight, start)
-        point = _on_line(np.add.reduceat(point * weight, start) / total, point, force, start)
+        mean, sizes = np.add.reduceat(point * weight, start) / total, np.hypot(*force.T)
+        arm = point - np.repeat(mean, merged.astype(int), axis=0)
+        moment = np.add.reduceat(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0], start)
+        force = np.add.reduceat(force, start)
+        square = (force**2).sum(axis=1)
+        acts = square > (CANCELLED * np.add.reduceat(sizes, start)) ** 2  # couples stay in place
+        way = np.where(acts, moment / np.where(acts, square, 1.0), 0.0)
+        point = mean + way[:, None] * np.stack([force[:, 1], -force[:, 0]], axis=1)
         normals = np.add.reduceat(normal * weight, start)
         size = np.hypot(*normals.T)[:, None]
         acts = size > CANCELLED * total  # squeezed from both sides: the first point's
         normal = np.where(acts, normals / np.where(acts, size, 1.0), normal[start])
-        force, gap = np.add.reduceat(force, start), np.minimum.reduceat(gap, start)
-        twist = np.add.reduceat(twist, start)
+        gap, twist = np.minimum.reduceat(gap, start), np.add.reduceat(twist, start)
     return {
         "sample": sample[start], "body": body[start], "other": other[start],
         "point": point, "force": force, "normal": normal, "gap": gap, "merged": merged,
         "twist": twist,
     }
-
-
-def _on_line(mean: Array, point: Array, force: Array, start: Integers) -> Array:
-    """Points ``mean`` [p, 2] moved onto the resultants of the forces; those of couples stay."""
-    pair = np.repeat(np.arange(len(start)), np.diff(start, append=len(point)))
-    arm = point - mean[pair]
-    moment = np.add.reduceat(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0], start)
-    total = np.add.reduceat(force, start)
-    sizes = np.add.reduceat(np.hypot(force[:, 0], force[:, 1]), start)
-    square = (total**2).sum(axis=1)
-    acts = square > (CANCELLED * sizes) ** 2
-    way = np.where(acts, moment / np.where(acts, square, 1.0), 0.0)
-    moved: Array = mean + way[:, None] * np.stack([total[:, 1], -total[:, 0]], axis=1)
-    return moved

@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,10 +21,12 @@ from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.nearby import flat_sides, pressed
-from sandbox.samples.outcome import Stored
 from sandbox.samples.yielding import Yielding, without_stiffness
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
+
+if TYPE_CHECKING:
+    from sandbox.samples.samples import Samples
 
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")  # Roles of parts of a hand that may be fixed
 FLAT, IN_LINE = 1e-7, 1e-4
@@ -42,14 +44,14 @@ class _Holding(NamedTuple):
     carried: Flags  # Whether another body that is no object does
     ready: Flags  # Whether the window lies within the run
     released: Flags  # Whether no hand pressed on it in some sample of the window
-    way: Array  # Its travel, and its sliding, within the window [m], [2, n]
+    path: Array  # Lengths of its travel and sliding within the window [m], [2, n]
     since: Integers  # The window's first sample, [n]
 
 
 class Grasp:
     """An object of a recording and its contacts."""
 
-    def __init__(self, run: Stored, body: int) -> None:
+    def __init__(self, run: Samples, body: int) -> None:
         self.run, self.body, a = run, body, run.arrays
         rows = np.flatnonzero((a["contact_body"] == body) | (a["contact_other"] == body))
         first = a["contact_body"][rows] == body
@@ -71,17 +73,13 @@ class Grasp:
         """Contacts with bodies that are neither hand nor object, [m]."""
         self.on_finger: Flags = self.of_hand & np.array(
             [each.role != "palm" for each in bodies])[self.other]
-        self.count = np.bincount(self.sample[self.of_hand], minlength=len(run))
+        self.count: Integers = np.bincount(self.sample[self.of_hand], minlength=len(run))
         """Contacts of the hand in every sample, [n]."""
         local = centre_of(bodies[body])
         self.size = reach_of(bodies[body], local)
         """rho: greatest distance of the outline from the centre of mass [m]."""
         self.centre = placed(a["body_pose"][:, body], np.asarray(local))  # Of mass, [n, 2]
         self._stiffnesses: dict[int, Array] = {}
-
-    def read(self, quantity: str) -> Array:
-        """One of :data:`sandbox.elements.quantities.GRASP` over time, [n]."""
-        return MEASURES[quantity](self)
 
     @cached_property
     def epsilon(self) -> Array:
@@ -118,7 +116,16 @@ class Grasp:
     def _pressed(self) -> tuple[Integers, Array]:
         """Rows of the hand [p] and the points at which each may press [p, 2]."""
         rows = np.flatnonzero(self.of_hand)
-        flat = {row: ends for row in rows[self._in_line(rows)].tolist()
+        bodies, pose = self.run.mechanism.bodies, self.run.arrays["body_pose"]
+        in_line = np.ones(len(rows), dtype=bool)  # Both have a flat side along the plane
+        for sign, on in ((-1.0, np.full(len(rows), self.body)), (1.0, self.other[rows])):
+            n = sign * self.normal[rows]
+            facing = np.arctan2(n[:, 1], n[:, 0]) - pose[self.sample[rows], on, 2]
+            for body in np.unique(on).tolist():
+                own = np.flatnonzero(on == body)
+                off = facing[own, None] - flat_sides(bodies[body])
+                in_line[own] &= (np.abs(np.sin(off / 2)) < IN_LINE).any(axis=1)
+        flat = {row: ends for row in rows[in_line].tolist()
                 if (ends := pressed(self.run, int(self.row[row]), FLAT)) is not None
                 and len(ends) == 2}
         twice = np.repeat(rows, 1 + np.isin(rows, list(flat)))
@@ -127,19 +134,6 @@ class Grasp:
             first = np.searchsorted(twice, list(flat))
             points[np.stack([first, first + 1], axis=1)] = list(flat.values())
         return twice, points
-
-    def _in_line(self, rows: Integers) -> Flags:
-        """Contacts at which both bodies have a flat side along the plane, [k]."""
-        bodies, pose = self.run.mechanism.bodies, self.run.arrays["body_pose"]
-        found = np.ones(len(rows), dtype=bool)
-        for sign, on in ((-1.0, np.full(len(rows), self.body)), (1.0, self.other[rows])):
-            n = sign * self.normal[rows]
-            facing = np.arctan2(n[:, 1], n[:, 0]) - pose[self.sample[rows], on, 2]
-            for body in np.unique(on).tolist():
-                own = np.flatnonzero(on == body)
-                off = facing[own, None] - flat_sides(bodies[body])
-                found[own] &= (np.abs(np.sin(off / 2)) < IN_LINE).any(axis=1)
-        return found
 
     def stiffness(self, name: str, chosen: slice = slice(None)) -> Array:
         """One of :data:`STIFFNESS` in the chosen samples, [k]; nan where it has no value.
@@ -200,7 +194,7 @@ class Grasp:
     def held(self) -> Flags:
         """Whether a hand alone has carried it at rest for :data:`WINDOW`, [n]."""
         rest = self._rest
-        still = (rest.way < STRAY * self.size).all(axis=0)
+        still = (rest.path < STRAY * self.size).all(axis=0)
         return np.asarray(rest.hand & ~rest.carried & rest.ready & ~rest.released & still)
 
     @cached_property
@@ -211,8 +205,13 @@ class Grasp:
         since = np.searchsorted(time, time - WINDOW * (1 + 1e-9), side="left")
         ready = time - WINDOW >= (time[0] if n else 0.0) - WINDOW * 1e-9
         lost = np.cumsum(np.concatenate([[0.0], ~hand]))
-        way = self._ways()
-        return _Holding(hand, carried, ready, lost[1:] > lost[since], way - way[:, since], since)
+        at, angle = self._in_palm()
+        steps = np.hypot(*np.diff(at, axis=0).T) + self.size * np.abs(np.diff(angle))
+        slides, rows = np.zeros(n), np.flatnonzero(self.of_hand)
+        np.maximum.at(slides, self.sample[rows], slip_speeds(self.run.arrays, self.row[rows]))
+        path = np.concatenate([np.zeros((2, min(1, n))), np.cumsum(
+            [steps, slides[1:] * np.diff(time)], axis=1)], axis=1)
+        return _Holding(hand, carried, ready, lost[1:] > lost[since], path - path[:, since], since)
 
     def why_not(self, sample: int) -> str:
         """The conditions of ``held`` that a sample does not meet, with numbers; empty if held."""
@@ -232,7 +231,7 @@ class Grasp:
             rows = np.flatnonzero(self.of_others & (self.sample == sample))
             carrier = self._most(rows, self.push[rows])[0]
             reasons.append(f"{carrier!r}, which is no hand, carries it")
-        moved, slid = rest.way[:, sample]
+        moved, slid = rest.path[:, sample]
         if moved >= STRAY * self.size:
             reasons.append(f"it moved by {_mm(moved)} {window}, {most}")
         if slid >= STRAY * self.size:
@@ -248,17 +247,6 @@ class Grasp:
         bodies = self.run.mechanism.bodies
         total = np.bincount(self.other[rows], weights=amounts, minlength=len(bodies))
         return bodies[int(np.argmax(total))].name, float(total.max())
-
-    def _ways(self) -> Array:
-        """Total travel of its outline relative to the hand, and total sliding [m], [2, n]."""
-        at, angle = self._in_palm()
-        steps = np.hypot(*np.diff(at, axis=0).T) + self.size * np.abs(np.diff(angle))
-        slides = np.zeros(len(self.run))
-        rows = np.flatnonzero(self.of_hand)
-        np.maximum.at(slides, self.sample[rows], slip_speeds(self.run.arrays, self.row[rows]))
-        slid = slides[1:] * np.diff(self.run.time)
-        ways = np.cumsum([steps, slid], axis=1)
-        return np.concatenate([np.zeros((2, min(1, len(at)))), ways], axis=1)
 
     def _in_palm(self) -> tuple[Array, Array]:
         """Its centre [n, 2] and angle [n] in the frame of a moving palm, else in the world."""

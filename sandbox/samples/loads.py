@@ -8,9 +8,9 @@ its bodies, and q' = w_a . v_a + w_b . v_b. This is the NumPy counterpart of
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,10 +18,10 @@ from sandbox.model.bonds import held_of
 from sandbox.model.joints import meeting
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cables import Frames, piece_tensions
-from sandbox.samples.outcome import Stored
+from sandbox.samples.cables import Frames, Places, piece_tensions
 
-Pair = tuple[Array, Array]  # Components x and y, [k, n] each
+if TYPE_CHECKING:
+    from sandbox.samples.samples import Samples
 
 
 class Batch(NamedTuple):
@@ -67,7 +67,7 @@ class ContactSides(NamedTuple):
 class Loads:
     """The loads of a recording, in batches by kind, and their sums over bodies."""
 
-    def __init__(self, run: Stored) -> None:
+    def __init__(self, run: Samples) -> None:
         self.run, self.model, self.frames = run, run.model, Frames(run)
         self.actuators: Flags = np.array([kind.line for kind in run.model.joints.kind], dtype=bool)
         """Which joints are actuators, [nj]."""
@@ -164,16 +164,15 @@ class Loads:
                 [fx, fy, at.arm_x * fy - at.arm_y * fx], axis=1))
 
     def _pair(
-        self, kind: str, element: Integers, bodies: Integers, force: Pair, arms: tuple[Pair, Pair],
-        couple: Array | float = 0.0,
+        self, kind: str, element: Integers, bodies: Integers, x: Array, y: Array,
+        at: Sequence[Places], couple: Array | float,
     ) -> Batch:
-        """A force [k, n] and a couple on bodies ``b``, and the opposite ones on bodies ``a``.
+        """A force x, y [k, n] and a couple on bodies ``b``, and the opposite ones on bodies ``a``.
 
-        ``bodies`` are ``a`` and ``b``, [k, 2]; ``arms`` go from their centres of mass to the force.
+        ``bodies`` are ``a`` and ``b``, [k, 2], with the places ``at`` which the force acts.
         """
-        x, y = force
-        on_b, on_a = (np.stack([x, y, arm_x * y - arm_y * x + couple], axis=1)
-                      for arm_x, arm_y in (arms[1], arms[0]))
+        on_a, on_b = (np.stack([x, y, end.arm_x * y - end.arm_y * x + couple], axis=1)
+                      for end in at)
         return Batch(kind, np.tile(element, 2), np.concatenate([bodies[:, 1], bodies[:, 0]]),
                      np.concatenate([on_b, -on_a]))
 
@@ -189,8 +188,8 @@ class Loads:
         couple = np.zeros_like(turns, dtype=float)
         if turns.any():
             couple = np.where(turns, gain * self.model.joints.sense[joint][:, None], 0.0)
-        return self._pair(kind, element, bodies, (gain * dx / length, gain * dy / length),
-                          ((one.arm_x, one.arm_y), (two.arm_x, two.arm_y)), couple)
+        return self._pair(
+            kind, element, bodies, gain * dx / length, gain * dy / length, (one, two), couple)
 
     def distances(self, bodies: Integers, anchor: Array) -> Array:
         """Distances of two points of bodies [k, 2], in their frames [k, 2, 2]; [k, n] m."""
@@ -249,36 +248,31 @@ class Loads:
         for k in np.flatnonzero(slots):
             place = self.frames.place_in_slot(int(which[k]))
             x[k], y[k] = place.x, place.y
-        (ax, ay), (bx, by) = self._joint_arms
-        return self._pair("friction", which, joints.bodies[which], (x, y),
-                          ((ax[which], ay[which]), (bx[which], by[which])), couple)
+        at = [Places(*(part[which] for part in end)) for end in self._joint_places]
+        return self._pair("friction", which, joints.bodies[which], x, y, at, couple)
 
     @cached_property
-    def _joint_arms(self) -> tuple[Pair, Pair]:
-        """From the centres of mass of ``a`` and ``b`` to the forces of joints [m], [nj, n]."""
-        frames, bodies = self.frames, self.model.joints.bodies
-        (ax, ay), (bx, by) = ((end.arm_x.copy(), end.arm_y.copy()) for end in frames.anchors)
-
-        def meet(j: int, side: int, x: Array, y: Array) -> None:
-            arm_x, arm_y = ((ax, ay), (bx, by))[side]
-            arm_x[j] = x - frames.centre_x[bodies[j, side]]
-            arm_y[j] = y - frames.centre_y[bodies[j, side]]
-
-        for j in self.model.joints.keeping("groove").tolist():  # a groove is held where the pin is
-            meet(j, 0, frames.anchors[1].x[j], frames.anchors[1].y[j])
-        for j in np.flatnonzero([kind.wheels for kind in self.model.joints.kind]).tolist():
-            at = meeting(self.model, j, self.run.arrays["body_pose"])
-            meet(j, 0, *at)
-            meet(j, 1, *at)
-        return (ax, ay), (bx, by)
+    def _joint_places(self) -> list[Places]:
+        """Anchors of joints on ``a`` and ``b`` with the arms of their forces, [nj, n]."""
+        joints, (_, pin) = self.model.joints, self.frames.anchors
+        found = [Places(*(part.copy() for part in end)) for end in self.frames.anchors]
+        # a groove is held where the pin is
+        meet = [(j, 0, pin.x[j], pin.y[j]) for j in joints.keeping("groove").tolist()] + [
+            (j, side, *meeting(self.model, j, self.run.arrays["body_pose"]))
+            for j in np.flatnonzero([kind.wheels for kind in joints.kind]).tolist()
+            for side in (0, 1)]
+        for j, side, x, y in meet:
+            found[side].arm_x[j], found[side].arm_y[j] = (
+                np.stack([x, y]) - self.frames.centre[:2, joints.bodies[j, side]])
+        return found
 
     @cached_property
     def joints(self) -> Batch:
         """Loads of joints on their bodies ``b``, then on ``a``; nan in old recordings."""
         fx, fy = (np.ascontiguousarray(part) for part in self.run.arrays["joint_force"].T)
         joints = self.model.joints
-        found = self._pair("joint", np.arange(len(joints.name)), joints.bodies, (fx, fy),
-                           self._joint_arms, self.run.arrays["joint_couple"].T)
+        found = self._pair("joint", np.arange(len(joints.name)), joints.bodies, fx, fy,
+                           self._joint_places, self.run.arrays["joint_couple"].T)
         twist_a, twist_b = np.nan_to_num(self.run.arrays["joint_twist"]).T
         found.wrench[:, 2] += np.concatenate([twist_b, twist_a])
         return found
@@ -314,14 +308,19 @@ class Loads:
         return np.asarray(given)
 
     @cached_property
+    def limits(self) -> Array:
+        """Largest effort of drives with a limit, of a brake its value [N m, N], [nd, n]."""
+        most = self.model.drives.most[:, None]
+        return np.where(np.isnan(most), self.run.arrays["drive_value"].T, most)
+
+    @cached_property
     def contact_sides(self) -> ContactSides:
         """Both sides of every contact row."""
         a = self.run.arrays
         sample, sides = a["contact_sample"], []
         for sign, on, twist in ((1.0, a["contact_body"], 0.0),
                                 (-1.0, a["contact_other"], np.nan_to_num(a["contact_twist"]))):
-            arm = a["contact_point"] - np.stack([self.frames.centre_x[on, sample],
-                                                 self.frames.centre_y[on, sample]], axis=1)
+            arm = a["contact_point"] - self.frames.centre[:2, on, sample].T
             x, y = sign * a["contact_force"].T
             moment = arm[:, 0] * y - arm[:, 1] * x + twist
             sides.append((on, np.stack([x, y, moment], axis=1), arm))

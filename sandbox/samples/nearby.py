@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
-from sandbox.samples.outcome import Stored
 from sandbox.scene.bodies import Body, Circle
 from sandbox.scene.geometry import core, count_solids, solids
+
+if TYPE_CHECKING:
+    from sandbox.samples.samples import Samples
 
 SAME = 1e-12  # Rounding error of lengths below a metre [m]
 
@@ -24,7 +25,7 @@ class PlacedPiece(NamedTuple):
     faces: Array | None  # Arcs of surface normals in the body's frame; None if all of it is surface
 
 
-def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
+def pieces_of(run: Samples, sample: int, body: int) -> Iterator[PlacedPiece]:
     """The convex shapes of a body in a sample."""
     x, y, angle = run.arrays["body_pose"][sample, body]
     c, s = np.cos(angle), np.sin(angle)
@@ -38,10 +39,10 @@ def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
 
 
 def radius_of(
-    run: Stored, samples: int | Integers, body: int, shape: int, radius: float,
+    run: Samples, samples: int | Integers, body: int, shape: int, radius: float,
 ) -> Array | float:
     """Radius of a shape in samples [m], which is ``radius`` unless a drive sets it."""
-    model: Model = run.model
+    model = run.model
     for drive in model.drives.giving("radius").tolist():
         if (int(model.drives.target[drive]), int(model.drives.shape[drive])) == (body, shape):
             return np.asarray(run.arrays["drive_value"][samples, drive])
@@ -94,14 +95,18 @@ def _along_sides(one: Array, two: Array) -> tuple[float, Array]:
 
 def _from_corners(points: Array, ring: Array) -> tuple[float, Array, Array]:
     """The least distance of points from the sides of a ring, and the nearest point of either."""
-    start = ring[:max(len(_sides(ring)), 1)]
     along = _sides(ring) if len(ring) > 1 else np.zeros((1, 2))
-    square = np.maximum(np.einsum("ei,ei->e", along, along), 1e-300)
-    share = np.clip(np.einsum("pei,ei->pe", points[:, None] - start, along) / square, 0.0, 1.0)
-    on = start + share[..., None] * along
-    off = np.hypot(*np.moveaxis(points[:, None] - on, -1, 0))
+    away = from_sides(points, ring[:len(along)], along)
+    off = np.hypot(*np.moveaxis(away, -1, 0))
     p, e = np.unravel_index(int(np.argmin(off)), off.shape)
-    return float(off[p, e]), points[p], on[p, e]
+    return float(off[p, e]), points[p], points[p] - away[p, e]
+
+
+def from_sides(points: Array, start: Array, along: Array) -> Array:
+    """From the nearest place on each side to each point [m], [p, e, 2]."""
+    square = np.maximum((along**2).sum(axis=1), 1e-300)
+    share = np.clip(((points[:, None] - start) * along).sum(axis=2) / square, 0.0, 1.0)
+    return np.asarray(points[:, None] - start - share[..., None] * along)
 
 
 class Face(NamedTuple):
@@ -112,7 +117,7 @@ class Face(NamedTuple):
     radius: float  # Of the shape there [m]; 0 of a corner
 
 
-def pressed(run: Stored, row: int, near: float) -> Array | None:
+def pressed(run: Samples, row: int, near: float) -> Array | None:
     """The one or two points [m], [k, 2], between which a contact row may press.
 
     ``near`` [m] is the distance from the plane of the contact, besides half its gap, within which a
@@ -137,7 +142,7 @@ def pressed(run: Stored, row: int, near: float) -> Array | None:
     return None if several else point[None]
 
 
-def faces(run: Stored, row: int, near: float) -> tuple[list[Face], list[Face]]:
+def faces(run: Samples, row: int, near: float) -> tuple[list[Face], list[Face]]:
     """The faces of both bodies on the plane of a contact row, within ``near`` [m]."""
     a = run.arrays
     u, sample = a["contact_normal"][row], int(a["contact_sample"][row])

@@ -1,4 +1,4 @@
-"""The outcome of a run: how it ended, how it was computed, what happened; and plain recordings.
+"""The outcome of a run: how it ended, how it was computed, what happened.
 
 The status follows from three entries of a run's files: whether it is complete, for which reason it
 is not, and which event stopped it.
@@ -10,19 +10,11 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from functools import cache, cached_property
+from functools import cache
 from typing import Annotated, Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import AliasChoices, Field, TypeAdapter, ValidationError
 
-from sandbox.elements.arrays import Arrays, completed, dtype_of, faults
-from sandbox.model.compile import compile_mechanism
-from sandbox.model.model import Model
-from sandbox.numeric import Array
-from sandbox.samples.contacts import Contacts
-from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Run
 from sandbox.values.units import size_fault
 from sandbox.wording import quoted
@@ -150,11 +142,7 @@ def outcome_data(outcome: Outcome) -> dict[str, Any]:
 
 
 def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
-    """The outcome that plain JSON data describe; what they lack is as ``run`` has it.
-
-    Raises:
-        ValueError: a value that no run has; names its key.
-    """
+    """The outcome that plain JSON data describe; what they lack is as ``run`` has it."""
     given = outcome_data(planned(run, complete=False)) | dict(data)
     try:
         found = _adapter().validate_json(json.dumps(given), strict=True)
@@ -166,54 +154,3 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
         if fault := size_fault(size, dimension):
             raise ValueError(f"its {key} is {fault}")
     return found
-
-
-class Stored:
-    """The mechanism that was run and plain arrays, SI, nothing of the engine.
-
-    Names, shapes, units and meanings of the arrays: :data:`sandbox.elements.arrays.ARRAYS`.
-    The arrays are read-only. ``info`` says how the run ended and how it was computed. ``model``
-    is the mechanism's, where it is known; otherwise it is compiled on first use.
-
-    Raises:
-        ValueError: arrays that are missing or do not fit the mechanism.
-    """
-
-    def __init__(
-        self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Outcome, *,
-        model: Model | None = None,
-    ) -> None:
-        self.mechanism = mechanism
-        self._model = model
-        self.arrays: Arrays = {key: np.asarray(array, dtype=dtype_of(key)).view()
-                               for key, array in completed(mechanism, arrays).items()}
-        for array in self.arrays.values():
-            array.setflags(write=False)
-        if found := faults(mechanism, self.arrays):
-            raise ValueError("; ".join(found))
-        self.info = info
-
-    @property
-    def time(self) -> Array:
-        """Instants of the samples [s], shape [n]."""
-        return self.arrays["time"]
-
-    @property
-    def complete(self) -> bool:
-        """Whether the run came to its planned end."""
-        return self.info.complete
-
-    def __len__(self) -> int:
-        return len(self.time)
-
-    @property
-    def model(self) -> Model:
-        """The mechanism with its names worked out."""
-        if self._model is None:
-            self._model = compile_mechanism(self.mechanism)
-        return self._model
-
-    @cached_property
-    def contacts(self) -> Contacts:
-        """The contact rows, for sums by body, pair and group."""
-        return Contacts(self.arrays, samples=len(self), bodies=len(self.mechanism.bodies))

@@ -1,4 +1,4 @@
-"""Samples of a run, read by name: what everything after a simulation works on."""
+"""Samples of a run, read by name: the input of everything after a simulation."""
 
 from __future__ import annotations
 
@@ -16,21 +16,24 @@ from sandbox.elements.arrays import (
     METERS,
     PER_SAMPLE,
     Arrays,
+    completed,
+    dtype_of,
+    faults,
     has_numbers,
 )
 from sandbox.elements.element import NAMED
 from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, QUANTITIES, numbered
 from sandbox.model import meters
-from sandbox.model.bonds import held_one
 from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, unit_of
+from sandbox.model.compile import compile_mechanism
 from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels, slot_length
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cables import Frames, piece_tensions, wound_up
 from sandbox.samples.contacts import Contacts, mean_arrays, mean_contact_rows
-from sandbox.samples.grasps import STIFFNESS, Grasp
+from sandbox.samples.grasps import MEASURES, STIFFNESS, Grasp
 from sandbox.samples.loads import Loads
-from sandbox.samples.outcome import Outcome, Stored
+from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import is_pattern
 
@@ -49,8 +52,12 @@ class Columns(NamedTuple):
     values: Array  # Shape [n, number of names]
 
 
-class Samples(Stored):
-    """What was sampled of a run, read by the names of its quantities.
+class Samples:
+    """The samples of a run, read by the names of its quantities.
+
+    ``arrays`` are read-only, SI; :data:`sandbox.elements.arrays.ARRAYS` has their names, shapes and
+    meanings. ``info`` says how the run ended and how it was computed. ``model`` is the compiled
+    mechanism, if it is known.
 
     Raises:
         ValueError: arrays that are missing or do not fit the mechanism.
@@ -60,14 +67,47 @@ class Samples(Stored):
         self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Outcome, *,
         catalogue: Catalogue | None = None, model: Model | None = None,
     ) -> None:
-        super().__init__(mechanism, arrays, info, model=model)
+        self.mechanism: Mechanism = mechanism
+        self.info = info
+        self.arrays: Arrays = {key: np.asarray(array, dtype=dtype_of(key)).view()
+                               for key, array in completed(mechanism, arrays).items()}
+        for array in self.arrays.values():
+            array.setflags(write=False)
+        if found := faults(mechanism, self.arrays):
+            raise ValueError("; ".join(found))
+        self._model = model
         self.catalogue = catalogue or Catalogue(mechanism)
         self._grasps: dict[int, Grasp] = {}
         self._means: Arrays = {}
 
     @property
+    def time(self) -> Array:
+        """Instants of the samples [s], shape [n]."""
+        return self.arrays["time"]
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run came to its planned end."""
+        return self.info.complete
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def model(self) -> Model:
+        """The compiled mechanism."""
+        if self._model is None:
+            self._model = compile_mechanism(self.mechanism)
+        return self._model
+
+    @cached_property
+    def contacts(self) -> Contacts:
+        """The contact rows, for sums by body, pair and group."""
+        return Contacts(self.arrays, samples=len(self), bodies=len(self.mechanism.bodies))
+
+    @property
     def notes(self) -> list[str]:
-        """What a reader should know, such as meters without a value."""
+        """Notes for the reader, such as on meters without a value."""
         force = self.arrays["joint_force"]
         older = force.size and not has_numbers(force)
         notes = [*self.info.notes, *broken(self), *ended(self), *stalled(self),
@@ -185,20 +225,12 @@ class Samples(Stored):
                 kept = np.flatnonzero(np.isin(numbers, samples))
                 arrays[of] = np.searchsorted(samples, numbers[kept])
             arrays |= {key: self.arrays[key][kept] for key in rest}
-        return self._with(arrays)
+        return self.with_arrays(arrays)
 
-    def with_contacts(self, rows: Arrays) -> Self:
-        """The same with other contact rows, of all arrays that have one for each contact."""
-        return self._with({**self.arrays, **{key: rows[key] for key in CONTACT}})
-
-    def _with(self, arrays: Arrays) -> Self:
+    def with_arrays(self, arrays: Arrays) -> Self:
+        """A recording of the same run with other arrays."""
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
                           model=self._model)
-
-    def parts(self, samples: int) -> Iterator[Self]:
-        """The recording in pieces of at most so many samples, in order."""
-        for start in range(0, len(self), samples):
-            yield self.part(start, start + samples)
 
     def means(self, *keys: str) -> Arrays:
         """The arrays, those of ``keys`` with means over sample intervals for forces of a step."""
@@ -230,7 +262,7 @@ class Samples(Stored):
         if kind == "meter":
             result = self._meters[0][:, index]
         elif kind == "body" and quantity in GRASP:
-            result = self.grasp(index).read(quantity)
+            result = MEASURES[quantity](self.grasp(index))
         elif kind == "pair":
             result = self.mean_contacts.of_pair(index, source.other, quantity)
         elif kind == "group":
@@ -289,27 +321,28 @@ class Samples(Stored):
         if kind.gives == "surface":
             return np.array(a["drive_power"][:, drive])
         rate = a["joint_speed" if kind.gives == "push" else "joint_rate"][:, joint]
-        if kind.limited:
-            return np.asarray(a["drive_torque"][:, drive] * rate)
-        holds = held_one(self.model.bonds.joint[joint], a["held"])
-        return np.asarray(holds * a["drive_value"][:, drive] * rate)
+        return np.asarray(Loads(self).given[drive] * rate)
 
 
 MAX_NOTES = 8  # Largest number of notes of one kind
 
 
-def broken(run: Stored) -> Iterator[str]:
+def few(notes: list[str], others: str) -> list[str]:
+    """The first notes, and how many others there are."""
+    more = len(notes) - MAX_NOTES
+    return notes[:MAX_NOTES] + [f"{more} more {others}"] * (more > 0)
+
+
+def broken(run: Samples) -> list[str]:
     """A note on each joint, spring and tendon that broke, in order of time."""
-    bonds, straight = run.model.bonds, run.model.springs.straight
-    known = {name: bond for bond, name in enumerate(bonds.name)}
-    broke = [one for one in run.info.broke if one.event in known]
-    for one in broke[:MAX_NOTES]:
-        bond = known[one.event]
-        unit = "N m" if bond in bonds.spring[~straight] else "N"
-        yield (f"{one.event} broke at its load of {bonds.breaks_at[bond]:g} {unit}, "
-               f"t = {one.time:.6g} s")
-    if len(broke) > MAX_NOTES:
-        yield f"{len(broke) - MAX_NOTES} more broke after that"
+    bonds, notes = run.model.bonds, []
+    for one in run.info.broke:
+        if one.event in bonds.name:
+            bond = bonds.name.index(one.event)
+            unit = "N m" if bond in bonds.spring[~run.model.springs.straight] else "N"
+            notes.append(f"{one.event} broke at its load of {bonds.breaks_at[bond]:g} {unit}, "
+                         f"t = {one.time:.6g} s")
+    return few(notes, "broke after that")
 
 
 AT_END = 1e-5
@@ -317,14 +350,11 @@ AT_END = 1e-5
 PRESSES = 1e-9  # Least force along the groove, relative to the joint's largest force
 
 
-def ended(run: Stored) -> Iterator[str]:
+def ended(run: Samples) -> list[str]:
     """A note on each point that reached an end of its groove after the start, in order of time."""
-    joints = run.model.joints
-    slots = joints.keeping("groove").tolist()
-    if not slots or not len(run):
-        return
-    divide = {name for group in run.mechanism.groups if group.tree for name in group.bodies}
-    found, frames = [], Frames(run)
+    joints, found, notes = run.model.joints, [], []
+    slots = joints.keeping("groove").tolist() if len(run) else []
+    frames = Frames(run)
     for joint in slots:
         place, length = frames.place_in_slot(joint), slot_length(run.model, joint)
         force = np.nan_to_num(run.arrays["joint_force"][:, joint])
@@ -334,20 +364,21 @@ def ended(run: Stored) -> Iterator[str]:
             there = np.flatnonzero((left < AT_END) & pressed)
             if len(there) and left[0] >= AT_END:
                 found.append((int(there[0]), joint, float(left[0])))
-    for sample, joint, gone in sorted(found)[:MAX_NOTES]:
+    divide = {name for group in run.mechanism.groups if group.tree for name in group.bodies}
+    for sample, joint, gone in sorted(found):
         name = run.model.bodies.name[int(joints.bodies[joint, 1])]
         more = ", and divides its pull no longer while it is there" if name in divide else ""
-        yield (f"{joints.name[joint]}: {name} reached the end of its slot, {1000.0 * gone:.4g} mm "
-               f"from its start, t = {run.time[sample]:.6g} s{more}")
-    if len(found) > MAX_NOTES:
-        yield f"{len(found) - MAX_NOTES} more reached the ends of their slots later"
+        notes.append(
+            f"{joints.name[joint]}: {name} reached the end of its slot, {1000.0 * gone:.4g} mm "
+            f"from its start, t = {run.time[sample]:.6g} s{more}")
+    return few(notes, "reached the ends of their slots later")
 
 
 AT_REST = 1e-6  # Largest speed at rest [m/s, rad/s]
 AT_MOST = 1e-6  # Distance from its limit, relative to it, at which a drive is at its limit
 
 
-def stalled(run: Stored) -> Iterator[str]:
+def stalled(run: Samples) -> Iterator[str]:
     """A note on each drive at its limit on bodies that are at rest at the end."""
     drives = run.model.drives
     if not len(run) or not len(drives.name):

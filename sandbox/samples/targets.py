@@ -149,12 +149,9 @@ class Effort:
 
 
 def respond(time: Array, value: Array, target: Array) -> Response:
-    """All figures of one response to a target, which may move.
-
-    Raises:
-        ValueError: fewer than two samples, or shapes that differ.
-    """
-    _check(time, value, target)
+    """All figures of one response to a target, which may move."""
+    if len(time) < 2:
+        raise ValueError(f"a response needs at least 2 samples, got {len(time)}")
     end, first, goal = ending(time), float(value[0]), float(target[-1])
     overshoot = math.nan if goal == first else float(
         100 * max(0.0, np.max((value - goal) / (goal - first))))
@@ -166,12 +163,10 @@ def respond(time: Array, value: Array, target: Array) -> Response:
 
 
 def settling_time(time: Array, value: Array, target: Array) -> float:
-    """The last time outside the band about the target [s]; 0 if it never was outside.
+    """The last time outside the band about the target [s], interpolated between two samples.
 
-    Between the last sample outside and the next one the crossing is interpolated, so that the error
-    is of second order in the spacing. Without the last 5 % of the run in the band it is inf. A
-    sample without a value counts as outside. The band refers to the last target, or to the step if
-    that target is 0.
+    0 if it never was outside; inf without the last 5 % of the run in the band. A sample without a
+    value counts as outside. The band refers to the last target, or to the step if that is 0.
     """
     error, band = value - target, BAND * abs(float(target[-1]) or float(value[0]))
     outside = np.flatnonzero(~(np.abs(error) <= band))
@@ -188,15 +183,12 @@ def settling_time(time: Array, value: Array, target: Array) -> float:
 
 
 def effort(time: Array, value: Array, before: float) -> Effort:
-    """The control effort of a drive over a run.
+    """The control effort of a drive over a run; ``before`` is its value before the first sample.
 
-    ``before`` is its value before the first sample; a jump from there counts as one within the time
-    between two samples.
-
-    Raises:
-        ValueError: fewer than two samples, or shapes that differ.
+    A jump from there counts as one within the time between two samples.
     """
-    _check(time, value, value)
+    if len(time) < 2:
+        raise ValueError(f"a control effort needs at least 2 samples, got {len(time)}")
     changes = np.abs(np.diff(value, prepend=before))
     spacing = np.diff(time, prepend=2 * time[0] - time[1])
     return Effort(variation=float(changes.sum()), peak=float(np.max(np.abs(value))),
@@ -207,11 +199,3 @@ def ending(time: Array) -> slice:
     """The samples of the last 5 % of a run, at least one."""
     since = time[-1] - LAST * (time[-1] - time[0])
     return slice(int(np.searchsorted(time, since)), len(time))
-
-
-def _check(time: Array, value: Array, target: Array) -> None:
-    if not time.shape == value.shape == target.shape or time.ndim != 1:
-        raise ValueError("time, value and target must have the same length, got shapes "
-                         f"{time.shape}, {value.shape} and {target.shape}")
-    if len(time) < 2:
-        raise ValueError(f"a response needs at least 2 samples, got {len(time)}")

@@ -13,7 +13,7 @@ the forces B differ from the rows A, and their null space from Z.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -22,11 +22,14 @@ from sandbox.model.bonds import held_of
 from sandbox.model.joints import rotated
 from sandbox.model.model import NONE, Model
 from sandbox.model.pairs import friction_of, pair_skins
+from sandbox.model.supports import components
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.nearby import faces, pressed
-from sandbox.samples.outcome import Stored
+
+if TYPE_CHECKING:
+    from sandbox.samples.samples import Samples
 
 RANK = 1e-9  # Directions with a smaller share than this are rounding
 SMALL = 1e-7  # Motions [m, and by the size of the object rad] of central differences
@@ -92,12 +95,14 @@ class Rigid(NamedTuple):
     turns: int  # The line turns with body 0 or 1, with the line between both points (2), or not (3)
     force: float = 0.0  # Magnitude [N]
     across: bool = False  # Whether it acts across that line, as friction does
+    holds: bool = True  # Whether it is a constraint; else only its geometric stiffness counts
+    friction: float = 0.0  # Ratio of the next force to this one, of a contact that slides
 
 
 class Yielding:
     """The free bodies of a recording in one of its samples."""
 
-    def __init__(self, run: Stored, sample: int, size: float) -> None:
+    def __init__(self, run: Samples, sample: int, size: float) -> None:
         """``size`` is the length [m] equivalent to a rotation of 1 rad."""
         self.run, self.model, self.sample, self.size = run, run.model, sample, size
         free = np.flatnonzero(self.model.bodies.free)
@@ -113,7 +118,7 @@ class Yielding:
         self.loads = Loads(_repeated(run, sample, moved))
         """At rest, then with each freedom moved by a step forwards, then with each backwards."""
         frames = self.loads.frames
-        self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
+        self.centre = frames.centre[:2, :, 0].T
         turned = np.zeros((self.count, 2 * self.count))  # of loads of constant magnitude
         for batch in self.loads.batches:
             on = self._at[batch.body] >= 0
@@ -127,17 +132,14 @@ class Yielding:
         self.stiffness += elastic
         self.largest = max((float(np.hypot(*batch.wrench[:, :2, 0].T).max(initial=0.0))
                             for batch in self.loads.batches), default=0.0)
-        self._held: list[Array | int] = []  # rows of constraints, or numbers of rigid forces
-        self._slides: dict[int, tuple[int, float]] = {}  # of some: their friction, and mu
-        self._rigids: list[Rigid] = []
-        self._constrain()
+        self._engaged = held_of(self.model.bonds.joint, run.arrays["held"])[:, sample]
+        self._rigids, held = list(self._forces()), list(self._fixed())
         rows = self._rigid_rows()
-        self.kept = [rows[each] if isinstance(each, int) else each for each in self._held]
+        self.kept = held + [rows[i] for i, one in enumerate(self._rigids) if one.holds]
         """Rows of the constraints, each [3 n]."""
-        self.pushes = list(self.kept)
+        self.pushes = held + [rows[i] + (one.friction * rows[i + 1] if one.friction else 0.0)
+                              for i, one in enumerate(self._rigids) if one.holds]
         """Forces of the constraints; they differ from the rows at sliding contacts."""
-        for k, (friction, share) in self._slides.items():
-            self.pushes[k] = self.kept[k] + share * rows[friction]
 
     def _rows(self, efforts: Batch, count: int) -> Array:
         """Wrenches of unit efforts of ``count`` elements on all free bodies, [count, 3 n]."""
@@ -149,8 +151,14 @@ class Yielding:
         a, model, s = self.run.arrays, self.model, self.sample
         springs, tendons = model.springs, model.tendons
         efforts = self._rows(self.loads.spring_efforts, len(springs.name))
-        for i in range(len(springs.name)):
-            yield Elastic("spring", i, self._slope(i), efforts[i])
+        for i, law in enumerate(springs.law):
+            by = int(springs.drive[i])
+            k = float(springs.stiffness[i] if by == NONE else a["drive_value"][s, by])
+            if law is not None:
+                stretch = float(a["spring_length"][s, i] - springs.rest[i])
+                step = 1e-5 * max(abs(stretch), 1e-3)
+                k = float(law.slopes(stretch + np.array([-step, step]), k)[0])
+            yield Elastic("spring", i, k, efforts[i])
         taut = np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist()
         efforts = self._rows(self.loads.cable_efforts, len(tendons.name)) if taut else efforts
         for i in taut:
@@ -161,17 +169,6 @@ class Yielding:
             if np.isfinite(model.drives.stiffness[i]):
                 yield Elastic("drive", i, float(model.drives.stiffness[i]), u)
 
-    def _slope(self, spring: int) -> float:
-        """Derivative of a spring's force by its stretch at rest [N/m, N m/rad]."""
-        a, springs, s = self.run.arrays, self.model.springs, self.sample
-        by = int(springs.drive[spring])
-        k = float(springs.stiffness[spring] if by == NONE else a["drive_value"][s, by])
-        if (law := springs.law[spring]) is None:
-            return k
-        stretch = float(a["spring_length"][s, spring] - springs.rest[spring])
-        step = 1e-5 * max(abs(stretch), 1e-3)
-        return float(law.slopes(stretch + np.array([-step, step]), k)[0])
-
     def _placing(self) -> Iterator[tuple[int, Array]]:
         """Drives that hold a position or a speed below their limit."""
         drives, a, s = self.model.drives, self.run.arrays, self.sample
@@ -179,37 +176,32 @@ class Yielding:
         for i, kind in enumerate(drives.kind):
             if not kind.limited or np.isfinite(drives.slope[i]):
                 continue
-            most = drives.most[i] if np.isfinite(drives.most[i]) else np.inf
-            if kind.unit in ("N m", "N"):  # the limit of a brake is its value
-                most = a["drive_value"][s, i]
-            if abs(a["drive_torque"][s, i]) < most * (1 - AT_CONE):
+            if abs(a["drive_torque"][s, i]) < self.loads.limits[i, 0] * (1 - AT_CONE):
                 yield i, efforts[i]
 
-    def _constrain(self) -> None:
-        """Collect all constraints, and the rigid forces among them."""
+    def _fixed(self) -> Iterator[Array]:
+        """Rows of drives, stops and friction that hold, and of joints that do not turn."""
         a, joints, s = self.run.arrays, self.model.joints, self.sample
-        self._held += [u for i, u in self._placing()
-                       if not np.isfinite(self.model.drives.stiffness[i])]
+        yield from (u for i, u in self._placing()
+                    if not np.isfinite(self.model.drives.stiffness[i]))
         stopped = joints.stopped[a["joint_stop"][s, joints.stopped] != 0.0]
         stuck = joints.frictional[a["joint_sticks"][s, joints.frictional] == 1.0]
         for efforts, held in ((self.loads.joint_efforts, stopped),
                               (self.loads.friction_efforts, stuck)):
-            self._held += list(self._rows(efforts, len(joints.name))[held])
-        for j in np.flatnonzero(held_of(self.model.bonds.joint, a["held"])[:, s]).tolist():
-            if not joints.turns[j]:
-                turn = np.zeros(self.count)
-                for body, sign in zip(joints.bodies[j].tolist(), (-1.0, 1.0), strict=True):
-                    if body in self.place:
-                        turn[self.place[body] + 2] = sign
-                self._held.append(turn)
-            self._held += [self._add(rigid) for rigid in self._joint(j)]
-        for row in np.flatnonzero(a["contact_sample"] == s).tolist():
-            self._touch(row)
+            yield from self._rows(efforts, len(joints.name))[held]
+        for j in np.flatnonzero(self._engaged & ~joints.turns).tolist():
+            turn = np.zeros(self.count)
+            for body, sign in zip(joints.bodies[j].tolist(), (-1.0, 1.0), strict=True):
+                if body in self.place:
+                    turn[self.place[body] + 2] = sign
+            yield turn
 
-    def _add(self, rigid: Rigid) -> int:
-        """The number of a force whose geometric stiffness counts."""
-        self._rigids.append(rigid)
-        return len(self._rigids) - 1
+    def _forces(self) -> Iterator[Rigid]:
+        """Forces of joints and contacts."""
+        for j in np.flatnonzero(self._engaged).tolist():
+            yield from self._joint(j)
+        for row in np.flatnonzero(self.run.arrays["contact_sample"] == self.sample).tolist():
+            yield from self._touch(row)
 
     def _rigid_rows(self) -> Array:
         """The rows of all such forces, [k, 3 n]; adds their geometric stiffness."""
@@ -232,7 +224,7 @@ class Yielding:
 
     def _wrenches(self, moved: Array) -> Array:
         """Wrenches of unit forces on both bodies, moved by x, y and angle each, [k, m, 6]."""
-        bodies, arms, radii, along, turns, _, across = map(
+        bodies, arms, radii, along, turns, _, across, *_ = map(
             np.array, zip(*self._rigids, strict=True))
         centres = self.centre[bodies]
         at = [centres[:, None, k] + moved[:, 3 * k:3 * k + 2] for k in (0, 1)]
@@ -286,8 +278,8 @@ class Yielding:
             radius = float(joints.radii[j, 1]) * (-1.0 if joints.inside[j] else 1.0)
             yield from (rigid(n, 2, radius, across=across) for across in (False, True))
 
-    def _touch(self, row: int) -> None:
-        """Add a contact that presses: normal and, unless it slides, friction."""
+    def _touch(self, row: int) -> Iterator[Rigid]:
+        """The normal forces and the friction of a contact that presses."""
         a = self.run.arrays
         pair = int(a["contact_body"][row]), int(a["contact_other"][row])
         u, force = a["contact_normal"][row], a["contact_force"][row]
@@ -298,20 +290,13 @@ class Yielding:
         slides = abs(tangential) >= mu * normal * (1 - AT_CONE) and slip_speeds(
             a, np.array([row]))[0] > SLIDES
         for k, (share, rigid) in enumerate(self._points(row, pair)):
-            along = self._add(rigid._replace(force=share * normal))
-            across = self._add(rigid._replace(force=share * tangential, across=True))
-            if mu and slides:
-                self._slides[len(self._held)] = across, float(np.copysign(mu, tangential))
-            self._held.append(along)
-            if mu and k == 0 and not slides:
-                self._held.append(across)
+            yield rigid._replace(force=share * normal, friction=float(
+                np.copysign(mu, tangential)) if slides else 0.0)
+            yield rigid._replace(force=share * tangential, across=True,
+                                 holds=bool(mu and k == 0 and not slides))
 
     def _points(self, row: int, pair: tuple[int, int]) -> list[tuple[float, Rigid]]:
-        """Points of a contact: share of the force, and its normal force.
-
-        Raises:
-            ArithmeticError: several normals, or a corner on a corner.
-        """
+        """Points of a contact: share of the force, and its normal force."""
         a, s, both = self.run.arrays, self.sample, list(pair)
         u, point = a["contact_normal"][row], a["contact_point"][row]
         near = NEAR + self.run.info.step * float(np.hypot(*a["body_velocity"][s, both, :2].T).sum())
@@ -373,15 +358,13 @@ class Yielding:
         bodies = [np.abs(each).reshape(len(each), self.count // 3, 3).max(axis=2) > 0
                   for each in (rows, self.stiffness)]
         joins = bodies[0].T @ bodies[0] | bodies[1][0::3] | bodies[1][1::3] | bodies[1][2::3]
-        joins, first = joins | joins.T, self.place[body] // 3
-        reached = np.arange(len(joins)) == first
-        while (more := reached | joins[reached].any(axis=0)).sum() > reached.sum():
-            reached = more
+        group, first = np.array(components(len(joins), np.argwhere(joins))), self.place[body] // 3
+        reached = group == group[first]
         at = 3 * int(reached[:first].sum())
         return slice(at, at + 3), np.flatnonzero(np.repeat(reached, 3))
 
 
-def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
+def _repeated(run: Samples, sample: int, moved: Array) -> Samples:
     """Copies of one sample, without contacts, moved about the centres of mass by [k, nb, 3]."""
     which = np.full(len(moved), sample)
     arrays = {key: run.arrays[key][:0] if key in CONTACT else
@@ -391,28 +374,11 @@ def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
     pose += moved
     pose[..., :2] += before - rotated(centre, pose[..., 2])
     arrays["body_pose"] = pose
-    return Stored(run.mechanism, arrays, run.info, model=run.model)
+    return run.with_arrays(arrays)
 
 
 def null_space(rows: Array) -> Array:
-    """Orthonormal motions that leave all rows at 0, [n, k].
-
-    Gauss-Jordan elimination with complete pivoting, then QR: faster than an SVD at this size.
-    """
-    size, n = np.linalg.norm(rows, axis=1), rows.shape[1]
-    left, order, rank = rows[size > 0] / size[size > 0, None], np.arange(n), 0
-    while rank < min(left.shape):
-        row, column = divmod(int(np.abs(left[rank:, rank:]).argmax()), n - rank)
-        if abs(left[rank + row, rank + column]) <= RANK:
-            break
-        left[[rank, rank + row]] = left[[rank + row, rank]]
-        for each in (left.T, order):
-            each[[rank, rank + column]] = each[[rank + column, rank]]
-        left[rank] /= left[rank, rank]
-        share = left[:, rank].copy()
-        share[rank] = 0.0
-        left -= share[:, None] * left[rank]
-        rank += 1
-    motions = np.zeros((n, n - rank))
-    motions[order[:rank]], motions[order[rank:]] = -left[:rank, rank:], np.eye(n - rank)
-    return np.linalg.qr(motions).Q
+    """Orthonormal motions that leave all rows at 0, [n, k]."""
+    size = np.linalg.norm(rows, axis=1)
+    _, values, motions = np.linalg.svd(rows[size > 0] / size[size > 0, None])
+    return np.asarray(motions[np.count_nonzero(values > RANK):].T)

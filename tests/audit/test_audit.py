@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from sandbox.audit import audit as audit_module
-from sandbox.audit.audit import audit, figure_data
+from sandbox.audit.audit import audit
+from sandbox.audit.figures import figure_data
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from tests.audit.still import H, block, figures, machine, still

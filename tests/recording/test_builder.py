@@ -11,10 +11,19 @@ from sandbox.recording.builder import RecordingBuilder
 from .sample import CONTACTS, DISC, DISTAL, INFO, N, arrays, mapped, mechanism
 
 
-def build(mech, *, contacts=CONTACTS, stop=N, **options):
+@pytest.fixture
+def budget(monkeypatch, tmp_path):
+    """Sets the bytes that are kept in memory, and where files of the rest go."""
+    def set_to(memory, directory=tmp_path):
+        monkeypatch.setattr("sandbox.recording.builder.MEMORY", memory)
+        monkeypatch.setattr("tempfile.tempdir", str(directory))
+    return set_to
+
+
+def build(mech, *, contacts=CONTACTS, stop=N):
     """A recording made the engine's way, sample by sample."""
     source = arrays(mech, contacts=contacts)
-    builder = RecordingBuilder(mech, N, {key: source[key] for key in STATIC}, **options)
+    builder = RecordingBuilder(mech, N, {key: source[key] for key in STATIC})
     for k in range(stop):
         builder.put(k, {key: source[key][k:k + 1] for key in PER_SAMPLE})
         rows = source["contact_sample"] == k
@@ -34,10 +43,11 @@ def in_order(rows):
 
 
 @pytest.mark.parametrize("memory", [1e9, 1000.0, 0.0])
-def test_what_is_built_is_what_was_written(memory, tmp_path):
+def test_what_is_built_is_what_was_written(memory, budget):
+    budget(memory)
     mech = mechanism()
     rows = in_order(CONTACTS)
-    run = build(mech, contacts=rows, memory=memory, directory=tmp_path).finish(times(), INFO)
+    run = build(mech, contacts=rows).finish(times(), INFO)
     expected = arrays(mech, contacts=rows)
     assert set(run.arrays) == {*expected, *IMPACT}
     for key, array in expected.items():
@@ -46,9 +56,10 @@ def test_what_is_built_is_what_was_written(memory, tmp_path):
 
 
 @pytest.mark.parametrize("memory", [1e9, 1000.0])
-def test_going_on_leaves_alone_what_was_taken_out(memory, tmp_path):
+def test_going_on_leaves_alone_what_was_taken_out(memory, budget):
     """And puts other rows in place of the last ones."""
-    builder = build(mechanism(), contacts=in_order(CONTACTS), memory=memory, directory=tmp_path)
+    budget(memory)
+    builder = build(mechanism(), contacts=in_order(CONTACTS))
     run = builder.finish(times(), INFO, copied=True)
     pose, force = run.arrays["body_pose"].copy(), run.arrays["contact_force"].copy()
     builder.put(3, builder.blank(2))
@@ -63,9 +74,10 @@ def test_going_on_leaves_alone_what_was_taken_out(memory, tmp_path):
     assert other.arrays["contact_sample"].tolist() == [1, 1, 4]
 
 
-def test_files_live_as_long_as_the_recording_and_no_longer(tmp_path):
+def test_files_live_as_long_as_the_recording_and_no_longer(tmp_path, budget):
+    budget(0)
     mech = mechanism()
-    run = build(mech, memory=0, directory=tmp_path).finish(times(), INFO)
+    run = build(mech).finish(times(), INFO)
     part = run.part(2, 5)
     del run
     gc.collect()
@@ -74,24 +86,26 @@ def test_files_live_as_long_as_the_recording_and_no_longer(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_no_room_is_told_before_anything_runs(tmp_path, monkeypatch):
+def test_no_room_is_told_before_anything_runs(tmp_path, monkeypatch, budget):
     def full(*_):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.posix_fallocate", full, raising=False)
+    budget(0)
     with pytest.raises(OutputError, match=r"no room for .* GB of samples in .*: No space left"):
-        build(mechanism(), memory=0, directory=tmp_path)
+        build(mechanism())
+    budget(0, tmp_path / "missing")
     with pytest.raises(OutputError, match=r"no room for .*: No such file"):
-        build(mechanism(), memory=0, directory=tmp_path / "missing")
+        build(mechanism())
 
 
-def test_a_run_beyond_its_budget_goes_to_files_as_it_comes(tmp_path):
+def test_a_run_beyond_its_budget_goes_to_files_as_it_comes(budget):
     """What is held does not grow with what is recorded: 8 MB of samples, 9 MB of contacts."""
+    budget(1 << 20)
     mech, step, steps, rows = mechanism(), 500, 40, 5
     source = arrays(mech, n=1)
     tracemalloc.start()
-    builder = RecordingBuilder(mech, step * steps, {key: source[key] for key in STATIC},
-                               memory=1 << 20, directory=tmp_path)
+    builder = RecordingBuilder(mech, step * steps, {key: source[key] for key in STATIC})
     body, pair = np.full(step * rows, DISTAL), np.ones((step * rows, 2))
     for k in range(steps):
         first = k * step

@@ -99,14 +99,15 @@ NO_ARRAY, INVALID = "is not an array of numbers", "its mechanism is not valid.*"
 
 
 @pytest.mark.parametrize(("spoil", "message"), [
-    (put("time", 7, np.nan), "'time' does not rise: nan s in sample 7"),
-    (put("body_pose", (3, 1, 2), np.nan), "'body_pose' holds nan in sample 3"),
-    (put("body_acceleration", (0, 0, 0), 1e300), r"'body_acceleration' holds 1e\+300 in sample 0"),
-    (put("contact_force", (2, 1), np.nan), "'contact_force' holds nan in row 2"),
-    (put("contact_sample", 4, N), r"'contact_sample' points outside 0\.\.19 in row 4: 20"),
-    (put("contact_sample", 4, 1), "'contact_sample' is not in order in row 4"),
-    (put("body_mass", 1, np.nan), "'body_mass' holds nan in element 1"),
-    (put("body_inertia", 1, -1.0), "'body_inertia' is not greater than 0"),
+    (put("time", 7, np.nan), "'time' holds nan"), (put("time", 7, 0.0), "'time' does not rise"),
+    (put("time", -1, 1e9), r"'time' goes on after the run's end of .* s: 1e\+09 s"),
+    (put("body_pose", (3, 1, 2), np.nan), "'body_pose' holds nan"),
+    (put("body_acceleration", (0, 0, 0), 1e300), r"'body_acceleration' holds 1e\+300"),
+    (put("contact_force", (2, 1), np.nan), "'contact_force' holds nan"),
+    (put("contact_sample", 4, N), r"'contact_sample' points outside 0\.\.19"),
+    (put("contact_sample", 4, 1), "'contact_sample' is not in order"),
+    (put("body_mass", 1, np.nan), "'body_mass' holds nan"),
+    (put("body_inertia", 1, -1.0), "'body_inertia' holds -"),
     (put("body_mass", 1, np.inf), r"'body_mass' has no weight for 'finger1\.proximal'"),
     (mechanism("joints", 0, "a", to="nobody"),
      INVALID + r"\$\.joints\[0\]\.a: there is no body named 'nobody'"),
@@ -154,7 +155,7 @@ NO_ARRAY, INVALID = "is not an array of numbers", "its mechanism is not valid.*"
 def test_a_damaged_recording_is_refused_in_a_line(saved, monkeypatch, spoil, message):
     """Its numbers are checked in small pieces."""
     spoil(saved)
-    monkeypatch.setattr("sandbox.recording.archive.AT_ONCE", 64)
+    monkeypatch.setattr("sandbox.elements.arrays.PIECE", 8)
     with pytest.raises(OutputError, match=message) as caught:
         Recording.load(saved)
     assert str(caught.value).isprintable()

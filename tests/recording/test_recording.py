@@ -11,7 +11,7 @@ from sandbox.errors import SandboxError
 from sandbox.model.catalogue import MixedUnitsError, UnknownQuantityError
 from sandbox.recording import tables
 from sandbox.recording.recording import Recording
-from sandbox.recording.tables import column, column_unit, contact_rows, rows
+from sandbox.recording.tables import column, contact_rows, rows
 
 from .sample import CONTACTS, INFO, N, S, arrays, mechanism, recording
 
@@ -49,7 +49,8 @@ def test_arrays_that_do_not_fit_are_refused():
 def test_pieces_put_together_are_the_whole(size):
     run = recording(contacts=CONTACTS, meters=[{"name": "sum", "value": "=disc.x + t"}])
     for name in [*run.names(), "finger1.distal/disc.normal"]:
-        joined = np.concatenate([part[name] for part in run.parts(size)])
+        joined = np.concatenate([part[name] for part in (
+            run.part(first, first + size) for first in range(0, len(run), size))])
         if ".reaction_" in name:  # worked out anew; numpy's sine depends on an array's length
             assert joined == pytest.approx(run[name], rel=1e-12, nan_ok=True), name
             continue
@@ -114,7 +115,6 @@ def parsed(pieces):
     ("%", "percent"), ("1/s", "per_s"), ("N m s/rad", "N_m_s_per_rad"),
 ])
 def test_units_are_spelled_for_columns(unit, spelled):
-    assert column_unit(unit) == spelled
     assert column("a.b", unit) == ("a.b_" + spelled if spelled else "a.b")
 
 

@@ -17,7 +17,6 @@ from sandbox.picture.elements.joints import made_stiffer
 from sandbox.picture.listing import Between, Number, Point, RunData, flat, short
 from sandbox.picture.scales import SLACK_FRACTION, round_up
 from sandbox.picture.subject import Subject
-from sandbox.samples.cables import off_wheels
 
 WOUND = 1.5  # length of a tendon that is shown on the wheel on which it ends [rad]
 CREEP, MIN_SLIP = 1e-3, 1e-6  # minimum slip: per sample [largest one], of that [m]
@@ -65,7 +64,7 @@ def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int],
 
 def add_cables(s: Subject) -> None:
     """Every tendon with its eyes, and collars where guides have friction."""
-    off, slip = off_wheels(s.run.arrays), s.run.arrays["guide_slip"]
+    off, slip = s.run.arrays["guide_lifted"] > 0, s.run.arrays["guide_slip"]
     slid = np.abs(np.diff(slip, axis=0, prepend=slip[:1]))
     slips = slid > CREEP * np.maximum(slid.max(axis=0, initial=0.0), MIN_SLIP)
     for k, spec in enumerate(s.run.mechanism.tendons):

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import reduce
 from operator import getitem
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
@@ -49,6 +49,7 @@ from sandbox.wording import kind_of, quoted
 
 MAX_EXPLAINED = 5_000  # number of invalid values that are explained
 LISTS = (*MECHANISM_LISTS, "parts")
+Valid = TypeVar("Valid", Scene, Mechanism)
 
 
 @dataclass(frozen=True)
@@ -336,14 +337,22 @@ def sound(scene: Scene | Mechanism) -> Mechanism:
         raise SceneError([Problem(
             "bad-argument", f"{quoted(scene)} is no scene", "scene", allowed="a scene from "
             "sandbox.load_scene, a path, the name of a shipped scene, or a mapping")])
-    kind, data = type(scene), _plain(
-        scene.model_dump(by_alias=True, warnings=False), (), sys.maxsize, [])
+    validated(type(scene), _plain(
+        scene.model_dump(by_alias=True, warnings=False), (), sys.maxsize, []))
+    return checked(expand(scene) if isinstance(scene, Scene) else scene)
+
+
+def validated(kind: type[Valid], data: dict[str, Any]) -> Valid:
+    """Data as a scene or a mechanism."""
     try:
-        kind.model_validate(data, context={
+        return kind.model_validate(data, context={
             "parameters": resolved_tables(data.get("tables"), {})})
     except ValidationError as error:
         raise SceneError(explain(error, data, kind)) from None
-    mechanism = expand(scene) if isinstance(scene, Scene) else scene
+
+
+def checked(mechanism: Mechanism) -> Mechanism:
+    """The mechanism, if its units, names and ranges are right."""
     if problems := [*check_units(mechanism), *check_references(mechanism),
                     *check_ranges(mechanism)]:
         raise SceneError(problems)
