@@ -142,7 +142,6 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         return self._last.copy(), reward, stop is not None, over and stop is None, info
 
     def _seen(self) -> Array:
-        """The current observation."""
         simulation = self.simulation
         found: Array = np.array([simulation[name] for name in self.task.observe])
         if not np.isfinite(found).all():
