@@ -11,7 +11,7 @@ import platform
 import sys
 import tempfile
 import webbrowser
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -46,34 +46,27 @@ def view(scene: Source, port: int, no_browser: bool) -> int:
                     f"{server.port}:127.0.0.1:{server.port} {getpass.getuser()}@{platform.node()}",
                     "Ctrl-C ends it")
         sys.stdout.flush()
-        if not no_browser and _has_browser():
-            webbrowser.open(opened.enter_context(redirect_to(server.address)).as_uri())
+        if not no_browser and has_window and not os.environ.get("SSH_CONNECTION"):
+            folder = opened.enter_context(tempfile.TemporaryDirectory(prefix="sandbox-"))
+            webbrowser.open(_redirection(Path(folder, "view.html"), server.address).as_uri())
 
+    has_window = sys.platform in ("win32", "darwin") or bool(
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
     with contextlib.ExitStack() as opened:
         title = first.scene.title or first.scene.name
         Server(session, first, title=title, port=port).serve(ready)
     return Exit.INTERRUPTED
 
 
-@contextlib.contextmanager
-def redirect_to(address: str) -> Iterator[Path]:
-    """A temporary file, readable by its owner only, that redirects a browser to an address.
+def _redirection(file: Path, address: str) -> Path:
+    """Write a page, readable by its owner only, that redirects a browser to an address.
 
     An address in the browser's own arguments could be read by all who may list processes.
     """
     link = html.escape(address, quote=True)
-    with tempfile.TemporaryDirectory(prefix="sandbox-") as folder:
-        file = Path(folder, "view.html")
-        file.touch(0o600)
-        file.write_text(
-            '<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
-            f'<meta http-equiv="refresh" content="0; url={link}"><title>sandbox view</title>'
-            f'<a href="{link}">to the view</a>\n')
-        yield file
-
-
-def _has_browser() -> bool:
-    if os.environ.get("SSH_CONNECTION"):
-        return False
-    return sys.platform in ("win32", "darwin") or bool(
-        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    file.touch(0o600)
+    file.write_text(
+        '<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
+        f'<meta http-equiv="refresh" content="0; url={link}"><title>sandbox view</title>'
+        f'<a href="{link}">to the view</a>\n')
+    return file

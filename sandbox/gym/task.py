@@ -239,16 +239,14 @@ def _random(
         raise SceneError([Problem(
             "bad-argument", f"{randomise!r} names no range", "randomise",
             allowed='values by path: {"parameters.m": "normal(1 kg, 0.1 kg)"}')])
+    group = {"over": dict(randomise), "design": "random", "count": DRAWN}
     try:
-        plan = plan_of(study_data(
-            scene, vary=[{"over": dict(randomise), "design": "random", "count": DRAWN}],
-            set=set, keep={"t": "=0"}), limits)
+        spec = plan_of(study_data(scene, vary=[group], set=set, keep={"t": "=0"}), limits).spec
     except SceneError as error:
         raise SceneError([replace(each, path=re.sub(
             r"^\$(\.vary(\[0\](\.over)?)?)?", "randomise", each.path)) for each in error.problems],
             error.source) from None
-    group = plan.spec.vary[0].model_copy(update={"count": 1})
-    return plan.spec.model_copy(update={"vary": (group,)})
+    return spec.model_copy(update={"vary": (spec.vary[0].model_copy(update={"count": 1}),)})
 
 
 def drive_range(model: Model, drive: str) -> Span | None:
