@@ -186,8 +186,9 @@ def search(
     study = _study(scene, vary, "parameters.pull=2 N:8 N")
     own = study.data.get("search") if study else None
     if study:
-        written_there = own.get(kind) if isinstance(own, dict) else None
-        _refuse({"vary", "keep", "overrides", *(written_there or ()),
+        options_there = own.get(kind) if isinstance(own, dict) else None
+        _refuse({"vary", "keep", "overrides",
+                 *(options_there if isinstance(options_there, dict) else ()),
                  *({"seed"} & study.data.keys() if own else ())}, scene.word)
     if own is None and options.get("data", "") is None:
         raise click.BadParameter("name the file with the measured data.", param_hint="--data")

@@ -104,8 +104,10 @@ class Session:
         source = read_study(study, limits)
         self.source, self.kind, self.options = source, kind, dict(given or {})
         if isinstance(data := source.data, dict):
-            if (own := data.get("search", {kind: {}} if kind else None)) is None:
+            own = data.get("search")
+            if own is None and not kind:
                 raise RefusedError('the study has no key "search": add the kind of search')
+            own = {kind: {}} if own is None else own
             if isinstance(own, dict) and len(own) == 1 and isinstance(own[(*own,)[0]], dict):
                 (self.kind, written), = own.items()
                 if kind not in ("", self.kind):
