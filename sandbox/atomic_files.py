@@ -8,13 +8,11 @@ unlocked one is stale: the next write into the same directory removes it.
 from __future__ import annotations
 
 import contextlib
-import csv
 import errno
 import json
 import math
 import os
 import re
-import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -101,6 +99,8 @@ def _plain(value: Any) -> Any:
 
 def write_csv(path: Path, rows: Iterable[Iterable[Any]]) -> None:
     """Write rows as CSV in UTF-8, with the same bytes on every platform."""
+    import csv
+
     with atomic_file(path) as temporary, \
             temporary.open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows(rows)
@@ -122,6 +122,8 @@ def temporary_path(
 
 def _remove(path: Path) -> None:
     if path.is_dir() and not path.is_symlink():
+        import shutil  # slow to load
+
         shutil.rmtree(path, ignore_errors=True)
     else:
         with contextlib.suppress(OSError):

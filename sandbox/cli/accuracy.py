@@ -5,56 +5,32 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from sandbox.cli.console import (
-    Console,
-    Exit,
-    Progress,
-    compilation_notices,
-    first_of,
-    see,
-    shown,
-    table,
-)
-from sandbox.cli.options import (
-    OUTPUT,
-    SCENE,
-    Source,
-    file_option,
-    read_quantity,
-    refuse_blocking,
-    takes,
-)
+from sandbox.atomic_files import write_atomic
+from sandbox.audit.bounds import Interval, contact_bounds, push_limits
+from sandbox.audit.evidence import Evidence
+from sandbox.cli.console import Console, Exit, Progress, compilation_notices
+from sandbox.cli.options import Source, refuse_blocking
 from sandbox.cli.runs import open_run
-from sandbox.errors import Problem, SceneError
+from sandbox.cli.text import first_of, see, shown, table
+from sandbox.convergence.certificate import certify, refined, unfit
+from sandbox.engine.inspect import inspect, look_over
+from sandbox.errors import SceneError
+from sandbox.recording.new_run import BOUNDS, made
+from sandbox.recording.tables import bound_rows
+from sandbox.scene.read.limits import Limits, check_limits
+from sandbox.scene.read.load import Loaded
 from sandbox.wording import or_near
-
-if TYPE_CHECKING:
-    from sandbox.audit.bounds import Interval
-    from sandbox.audit.evidence import Evidence
-    from sandbox.scene.read.limits import Limits
-    from sandbox.scene.read.load import Loaded
 
 MAX_NAMED = 4  # forces outside their bounds that are named
 DIRECTIONS = 12  # directions of a push, evenly spaced
 
 
-@click.command()
-@takes(*SCENE, "json")
 def converge(scene: Source, console: Console) -> int:
-    """Check SCENE for convergence: run it at steps h, h/2, h/4.
-
-    Prints, for every expected quantity, its value at each step, the order of
-    convergence, the estimated and the allowed error, and the result; the
-    warnings of the consistency checks; and what to change. Exits 1 if the scene
-    has not converged, 3 if a run diverged. Writes no files.
-    """
-    from sandbox.convergence.certificate import certify
-    from sandbox.engine.inspect import inspect
-
+    """Print the verdicts on the expected quantities of a scene at three steps."""
     loaded = scene.load()
     refuse_blocking(inspect(loaded.mechanism), loaded)
     _refuse(loaded, scene.limits)
@@ -83,22 +59,14 @@ def converge(scene: Source, console: Console) -> int:
         "quantities": [{**asdict(trust), "certified": trust.certified}
                        for trust in found.quantities],
         "looks": [{"runs": look.runs, **vars(look.figure)} for look in found.looks],
-        "diverged": [asdict(each) for each in found.diverged],
+        "diverged": [each._asdict() for each in found.diverged],
     }, lines, Exit.DIVERGED if found.diverged else Exit.DONE if found.certified else Exit.FAILED)
 
 
 def _refuse(loaded: Loaded, limits: Limits) -> None:
-    """Refuse a scene whose convergence cannot be checked, before any run."""
-    from sandbox.convergence.certificate import refined, unfit
-    from sandbox.engine.inspect import look_over
-    from sandbox.scene.read.limits import check_limits
-
-    mechanism = loaded.mechanism
-    if reason := unfit(mechanism):
-        stops = any(event.stop for event in mechanism.events)
-        place = "$.expect" if not mechanism.expect else "$.events" if stops else "$.run"
-        raise SceneError([Problem("nothing-to-certify", reason, place)], loaded.name)
-    finest = refined(mechanism, 4)
+    if problems := unfit(loaded.mechanism):
+        raise SceneError(problems, loaded.name)
+    finest = refined(loaded.mechanism, 4)
     if problems := (check_limits(finest, limits)
                     or list(look_over(finest).estimate.beyond(limits))):
         raise SceneError([replace(
@@ -106,34 +74,11 @@ def _refuse(loaded: Loaded, limits: Limits) -> None:
             for problem in problems], loaded.name)
 
 
-@click.command()
-@click.argument("run")
-@click.option("--at", "instants", multiple=True, type=float, metavar="SECONDS",
-              help="Time of the sample; the last one by default. Repeatable.")
-@click.option("--near", metavar="LENGTH", callback=read_quantity("length"),
-              help="Maximum gap of a contact, as 10um; that of a step by default (docs/audit.md).")
-@click.option("--push", "pushed", metavar="BODY",
-              help="Also print the largest push at this body's centre of mass, in 12 directions.")
-@file_option((".csv",), "A .csv file; contact_bounds.csv in RUN by default. Repeatable.")
-@takes(*OUTPUT)
 def bounds(
     run: str, instants: tuple[float, ...], near: float | None, pushed: str | None,
     files: tuple[Path, ...], console: Console,
 ) -> int:
-    """Bound indeterminate contact forces of a saved run.
-
-    RUN is the directory of a run, or the name of a scene whose run lies in
-    renders/. With friction, single contact forces depend on the history of a
-    grasp. Balance, friction and unilateral contact leave an interval for each.
-    Contacts without force count, too. Exits 1 if a recorded force is outside
-    its interval.
-    """
-    from sandbox.atomic_files import write_atomic
-    from sandbox.audit.bounds import contact_bounds
-    from sandbox.audit.evidence import Evidence
-    from sandbox.recording.new_run import BOUNDS, made
-    from sandbox.recording.tables import bound_rows
-
+    """Print and write the intervals of contact forces, and the largest pushes of a body."""
     directory, recording = open_run(run, console)
     evidence = Evidence(recording)
     time, last = evidence.run.time, float(recording.time[-1])
@@ -182,8 +127,6 @@ def bounds(
 
 def _pushes(evidence: Evidence, body: str, sample: int) -> dict[str, Any]:
     """The largest push of a body in each direction [N] in a sample, as JSON data."""
-    from sandbox.audit.bounds import push_limits
-
     bodies = {each.name: each for each in evidence.run.mechanism.bodies}
     if body not in bodies or bodies[body].motion != "dynamic":
         why = f"{body!r} does not move freely: no push moves it" if body in bodies else \

@@ -1,21 +1,18 @@
 """Output of the commands: results to stdout, notices and errors to stderr; exit codes.
 
-Titles, reasons and file names may come from an untrusted scene: lines are printed with control
-characters escaped, so that no scene can move the cursor or forge a line. Exceptions become
-messages, never a traceback.
+Lines are printed with control characters escaped, so that no untrusted scene can move the cursor or
+forge a line. Exceptions become messages, never a traceback.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
-import math
 import os
-import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -23,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Self
 import click
 
 from sandbox.atomic_files import json_text
+from sandbox.cli.text import pages_line
 from sandbox.errors import (
     Interrupted,
     OutputError,
@@ -42,9 +40,6 @@ COMPILE_TIME = "10 to 30 s"  # time that compiling takes; the docs quote it
 COMPILING = f"Compiling the solver (first run of such a scene, {COMPILE_TIME}) …"
 NOT_CACHED = (f"Compiling the solver ({COMPILE_TIME}) in every run, since neither the installation "
               "nor the user's cache is writable. Set NUMBA_CACHE_DIR to a writable folder.")
-MAX_PAGES = 3  # codes, elements, and pages that one line names
-REFERENCE = re.compile(r"docs/(?:elements|parts)\.md#(\w+)")
-"""Places of the reference, which ``sandbox explain`` prints."""
 
 
 class Exit(IntEnum):
@@ -121,31 +116,6 @@ def _write(text: str, *, to_stderr: bool = False) -> None:
             raise StdoutError(f"cannot write to stdout: {error.strerror or error}") from None
 
 
-def table(
-    head: Sequence[str], rows: Sequence[Sequence[str]], *, right: str = "",
-) -> list[str]:
-    """Format rows as columns two spaces apart; ``right`` marks right-aligned columns by ``>``."""
-    lines = [[printable(cell) for cell in line] for line in ([head] if head else []) + [*rows]]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    sides = right.ljust(len(widths), "<")
-    return [
-        "  ".join(f"{cell:{side}{width}}" for cell, side, width
-                  in zip(line, sides, widths, strict=True)).rstrip()
-        for line in lines
-    ]
-
-
-def shown(value: float, how: str) -> str:
-    """A number as text, ``-`` if it is not finite."""
-    return format(value, how) if math.isfinite(value) else "-"
-
-
-def first_of(names: Sequence[str], most: int) -> str:
-    """The first names of a list, and the number of others."""
-    more = len(names) - most
-    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
-
-
 # -- exceptions ----------------------------------------------------------------------
 
 
@@ -154,9 +124,9 @@ def guard(work: Callable[[], int], console: Console) -> int:
     try:
         try:
             return work()
+        except StdoutError:
+            raise
         except (Exception, KeyboardInterrupt) as error:
-            if isinstance(error, StdoutError):
-                raise
             return report(error, console)
     except StdoutError as error:
         return report(error, Console())
@@ -180,15 +150,13 @@ def report(error: BaseException, console: Console, **more: Any) -> Exit:
 
 def _problems(error: BaseException) -> tuple[Exit, list[Problem]]:
     """The exit code of an error, and its problems."""
-    code, name, text = Exit.INPUT, "internal-error", ""
+    code = Exit.INPUT
     match error:
         case SceneError():
             return code, error.problems
         case SandboxError():
-            if isinstance(error, SimulationDiverged):
-                code = Exit.DIVERGED
-            elif isinstance(error, Interrupted):
-                code = Exit.INTERRUPTED
+            code = Exit.DIVERGED if isinstance(error, SimulationDiverged) else \
+                Exit.INTERRUPTED if isinstance(error, Interrupted) else code
             return code, [Problem(error.code, line, "") for line in str(error).splitlines() or [""]]
         case KeyboardInterrupt() | click.Abort():
             code, name, text = Exit.INTERRUPTED, "interrupted", "interrupted"
@@ -204,31 +172,18 @@ def _problems(error: BaseException) -> tuple[Exit, list[Problem]]:
             name, text = "limit-exceeded", "nested too deeply"
         case _:
             code, first = Exit.BUG, (str(error).splitlines() or [""])[0][:200]
+            name = "internal-error"
             text = (f"internal error ({type(error).__name__}: {first}); please report it with the "
                     "scene (SANDBOX_DEBUG=1 shows the traceback)")
     return code, [Problem(name, text, "")]
 
 
-def pages_line(problems: Sequence[Problem]) -> list[str]:
-    """The line that names the explanations of some problems, or none."""
-    return see(*(each.code for each in problems), fields=[each.fields for each in problems])
-
-
-def see(*codes: str, fields: Iterable[str] = ()) -> list[str]:
-    """The line that names the explanations of some codes and fields, or none."""
-    words, pages = [*dict.fromkeys(codes)][:MAX_PAGES], list[str]()
-    for page in [*filter(None, dict.fromkeys(fields))][:MAX_PAGES]:
-        match = REFERENCE.fullmatch(page)
-        (words if match else pages).append(match[1] if match else page)
-    return [", ".join([f"see 'sandbox explain {' '.join(words)}'", *pages])] if words else []
-
-
 def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
     """A problem as JSON data, without empty values."""
-    data = {"code": problem.code, "file": problem.file or source, "path": problem.path,
-            "line": problem.line, "column": problem.column, "element": problem.element,
-            "allowed": problem.allowed, "hint": problem.hint, "fields": problem.fields}
-    return {"message": problem.text, **{key: value for key, value in data.items() if value}}
+    placed = replace(problem, file=problem.file or source)
+    names = ("code", "file", "path", "line", "column", "element", "allowed", "hint", "fields")
+    return {"message": problem.text,
+            **{name: value for name in names if (value := getattr(placed, name))}}
 
 
 # -- progress ------------------------------------------------------------------------
@@ -293,31 +248,19 @@ def compilation_notices(console: Console) -> Iterator[None]:
 
     def ended(seconds: float) -> None:
         bar.clear()
-        _compiled(seconds, console)
+        console.warn(f"Compiled in {seconds:{'.0f' if seconds >= 1 else '.1g'}} s")
 
-    with (_worker_notices(console), Progress("Compiling", console) as bar,
-          on_compiling(began, ended, bar)):
+    with Progress("Compiling", console) as bar, on_compiling(began, ended, bar), \
+            on_compiling(lambda: console.warn(COMPILING), ended, in_workers=True):
         yield
 
 
 @contextlib.contextmanager
 def many_runs(folder: Path, console: Console) -> Iterator[None]:
-    """Print notices about compilation in workers, and after Ctrl-C how to resume."""
+    """Print notices about compilation, and after Ctrl-C how to resume."""
     try:
-        with _worker_notices(console):
+        with compilation_notices(console):
             yield
     except KeyboardInterrupt:
         console.warn(f"stopped; finished runs are kept in {folder}, and the same command resumes")
         raise
-
-
-def _worker_notices(console: Console) -> contextlib.AbstractContextManager[None]:
-    """Print the same lines for worker processes, without loading the solver here."""
-    from sandbox.engine.compiling import on_compiling
-
-    return on_compiling(lambda: console.warn(COMPILING),
-                        lambda seconds: _compiled(seconds, console), in_workers=True)
-
-
-def _compiled(seconds: float, console: Console) -> None:
-    console.warn(f"Compiled in {seconds:{'.0f' if seconds >= 1 else '.1g'}} s")

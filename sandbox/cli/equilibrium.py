@@ -3,127 +3,39 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 import math
-import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 import click
+import numpy as np
 
-from sandbox.cli.console import (
-    Console,
-    Exit,
-    Progress,
-    compilation_notices,
-    first_of,
-    table,
-)
-from sandbox.cli.options import (
-    OUT,
-    OUTPUT,
-    RENDERS,
-    SCENE,
-    Source,
-    prepare,
-    read_pairs,
-    refuse_blocking,
-    safe_name,
-    takes,
-)
+from sandbox.atomic_files import json_text, write_atomic, write_csv
+from sandbox.cli.console import Console, Exit, Progress, compilation_notices
+from sandbox.cli.options import RENDERS, Source, prepare, refuse_blocking, safe_name
+from sandbox.cli.text import first_of, table
+from sandbox.engine.inspect import inspect
+from sandbox.engine.inspect_control import Checked
+from sandbox.equilibria.branches import rest_along
+from sandbox.equilibria.rest import AtRest, RestFound, known_body, places, quantities, rest, verdict
+from sandbox.model.catalogue import Catalogue, UnknownQuantityError
+from sandbox.recording.recording import Recording
+from sandbox.scene.mechanism import Mechanism
 
-if TYPE_CHECKING:
-    from sandbox.equilibria.rest import AtRest, RestFound
-    from sandbox.recording.recording import Recording
-    from sandbox.scene.mechanism import Mechanism
-
-MAX_STARTS = 200  # combinations of the values of ``--from``
 MAX_COLUMNS = 5  # equilibria side by side in the terminal; files have all
 MAX_STICKING = 4  # sticking contacts that are named
 DIGITS = 10  # decimal places in the terminal [m, rad, N]
 STIFFNESS = {"x": "N/m", "y": "N/m", "turn": "N m/rad", "least": "N/m"}
-_NUMBER = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.:][^:]*?)?\s*"
-_ALONG = re.compile(rf"\s*([^=]+?)\s*={_NUMBER}:{_NUMBER}:\s*(\d+)\s*")
+Answer = tuple[dict[str, Any], list[list[str]], list[Path], list[str]]
+"""Data for JSON, rows for CSV with the header first, pictures, and lines for the terminal."""
 
 
-class _Answer(NamedTuple):
-    """Results of the command."""
-
-    data: dict[str, Any]  # for JSON
-    rows: list[list[str]]  # for CSV, the header first
-    pictures: list[Path]
-    lines: list[str]  # for the terminal
-
-
-def _read_starts(
-    ctx: click.Context, param: click.Parameter, words: tuple[str, ...],
-) -> list[dict[str, float]]:
-    """All combinations of the values of ``--from``."""
-    from sandbox.values.numbers import number_from
-    from sandbox.wording import WrongValueError
-
-    given: dict[str, list[float]] = {}
-    for path, text in read_pairs(ctx, param, words).items():
-        dimension = "angle" if path.endswith(".angle") else "length"
-        try:
-            given[path] = [number_from(each.strip(), dimension, {}) for each in text.split(",")]
-        except WrongValueError as error:
-            raise click.BadParameter(f"'{path}={text}': {error}", ctx, param) from None
-    if math.prod(map(len, given.values())) > MAX_STARTS:
-        raise click.BadParameter(f"more than {MAX_STARTS} combinations", ctx, param)
-    return [dict(zip(given, each, strict=True))
-            for each in itertools.product(*given.values())] if given else []
-
-
-def _read_range(
-    ctx: click.Context, param: click.Parameter, word: str | None,
-) -> tuple[str, float, float, str, int] | None:
-    """Path, first and last value, their unit and the count of ``PATH=FROM:TO:COUNT``."""
-    if word is None:
-        return None
-    if (match := _ALONG.fullmatch(word)) is None:
-        raise click.BadParameter(f"{word!r} is not of the form PATH=FROM:TO:COUNT, as in "
-                                 "parameters.pull=0:10:21 or 'parameters.pull=0 N:10 N:21'",
-                                 ctx, param)
-    path, begin, one, end, other, count = match.groups()
-    if one and other and one != other:
-        raise click.BadParameter(f"{one!r} and {other!r} are two units", ctx, param)
-    return path, float(begin), float(end), one or other or "", int(count)
-
-
-@click.command()
-@click.option("--from", "starts", multiple=True, metavar="PATH=VALUES", callback=_read_starts,
-              help="Start there: values of JOINT.angle, BODY.x, BODY.y or BODY.angle, as in "
-                   "'arm.angle=-30 deg,0,30 deg'; by default the scene's pose. Several options: "
-                   "all combinations.")
-@click.option("--at", type=float, metavar="SECONDS",
-              help="Time of the drives' values; the end of the scene by default.")
-@click.option("--stages", type=click.IntRange(min=1), metavar="N",
-              help="Steps of the slow load; by default 40, with dry friction 200.")
-@click.option("--along", metavar="PATH=FROM:TO:COUNT", callback=_read_range,
-              help="Follow equilibria along a value, as in 'parameters.pull=0:10:21'.")
-@click.option("--plot", "quantity", metavar="QUANTITY",
-              help="Quantity in the figure of --along; by default the one that changes most.")
-@click.option("--body", metavar="NAME",
-              help="Body whose stiffness is printed; by default the one free 'object'.")
-@click.option("--out", type=OUT, metavar="DIR",
-              help="Directory of rest.json, rest.csv and rest.png; renders/rest/SCENE by default.")
-@takes(*SCENE, *OUTPUT)
 def equilibrium(
     scene: Source, starts: list[dict[str, float]], at: float | None, stages: int | None,
     along: tuple[str, float, float, str, int] | None, quantity: str | None, body: str | None,
     out: Path | None, console: Console,
 ) -> int:
-    """Find static equilibria of SCENE and their stability.
-
-    The drives go slowly to their values at the end of the scene, or with --from
-    have these values from the start. Prints poses, tensions, contact forces,
-    residual forces and stability, and the stiffness of a held object. Scenes
-    that have no equilibrium are refused, with the reason.
-    """
-    from sandbox.atomic_files import json_text, write_atomic, write_csv
-    from sandbox.engine.inspect import inspect
-
+    """Find equilibria, or follow them along a value; write and print them."""
     for wrong, why in (
             (along and starts, "--along starts from the scene's pose; omit --from."),
             (along and body, "--body is for one equilibrium; omit --along or --body."),
@@ -136,13 +48,14 @@ def equilibrium(
     folder = out or RENDERS / "rest" / safe_name(name)
     prepare(folder)
     how = {"at": at, "stages": stages}
-    found = _find(loaded.mechanism, starts, body, folder, console, how) if along is None else \
+    data, rows, pictures, lines = \
+        _find(loaded.mechanism, starts, body, folder, console, how) if along is None else \
         _follow(scene, along, quantity, folder, console, how)
-    whole = {"status": "done", "exit_code": int(Exit.DONE), "scene": name, **found.data}
+    whole = {"status": "done", "exit_code": int(Exit.DONE), "scene": name, **data}
     write_atomic(folder / "rest.json", json_text(whole, indent=1) + "\n")
-    write_csv(folder / "rest.csv", found.rows)
-    files = [folder / "rest.json", folder / "rest.csv", *found.pictures]
-    return console.finish({"scene": name, **found.data, "files": files}, [*found.lines, *files])
+    write_csv(folder / "rest.csv", rows)
+    files = [folder / "rest.json", folder / "rest.csv", *pictures]
+    return console.finish({"scene": name, **data, "files": files}, [*lines, *files])
 
 
 # -- equilibria ----------------------------------------------------------------------
@@ -151,10 +64,7 @@ def equilibrium(
 def _find(
     mechanism: Mechanism, starts: list[dict[str, float]], body: str | None, folder: Path,
     console: Console, how: dict[str, Any],
-) -> _Answer:
-    """The equilibria of a scene."""
-    from sandbox.engine.inspect_control import Checked
-    from sandbox.equilibria.rest import known_body, rest
+) -> Answer:
     from sandbox.picture.film import save_picture
 
     if body is None:
@@ -185,22 +95,16 @@ def _find(
                 lines.append(f"stiffness of {body}{of}: {x} along x, {y} along y, {turn} in turn; "
                              f"{least} at least")
     lines += [*found.remarks, *(f"no rest{start}: {why}" for start, why in found.failed)]
-    return _Answer({
-        "rests": data,
-        "failed": [{"from": start.removeprefix(" from "), "reason": why}
-                   for start, why in found.failed],
-        "remarks": found.remarks}, rows, pictures, lines)
+    failed = [{"from": start.removeprefix(" from "), "reason": why} for start, why in found.failed]
+    return {"rests": data, "failed": failed, "remarks": found.remarks}, rows, pictures, lines
 
 
 def _units(rests: tuple[AtRest, ...] | list[AtRest]) -> dict[str, str]:
     """The quantities that equilibria are described by, with their units."""
-    from sandbox.equilibria.rest import quantities
-
     return {name: unit for each in rests for name, unit in quantities(each.recording).items()}
 
 
 def _data(rest: AtRest) -> dict[str, Any]:
-    """An equilibrium as JSON data."""
     return {"from": rest.start, "stability": rest.stability, "untold": rest.untold,
             "modes": rest.modes.tolist(), "loose": rest.loose, "sticking": rest.sticking,
             "left": rest.left, "steps": rest.steps,
@@ -211,7 +115,7 @@ def _data(rest: AtRest) -> dict[str, Any]:
 def _titled(rest: AtRest, number: int) -> Recording:
     """A recording whose title has the number of several equilibria, and the stability."""
     run, mechanism = rest.recording, rest.recording.mechanism
-    stability = rest.stability if rest.stability != "unknown" else ""
+    stability = "" if rest.stability == "unknown" else rest.stability
     if not number and stability != "unstable":
         return run
     words = ", ".join(filter(None, (f"rest {number}" if number else "", stability))).capitalize()
@@ -221,8 +125,6 @@ def _titled(rest: AtRest, number: int) -> Recording:
 
 def _lines(found: RestFound) -> list[str]:
     """The stability of each equilibrium, then the numbers of all side by side."""
-    from sandbox.equilibria.rest import verdict
-
     rests, lines = found.rests, []
     for i, each in enumerate(rests, 1):
         name = f"rest {i}" if len(rests) > 1 else "at rest"
@@ -253,14 +155,9 @@ def _shown(value: float) -> str:
 def _follow(
     scene: Source, along: tuple[str, float, float, str, int], quantity: str | None, folder: Path,
     console: Console, how: dict[str, Any],
-) -> _Answer:
+) -> Answer:
     """The equilibria along a value of a scene."""
-    import numpy as np
-
-    from sandbox.equilibria.branches import rest_along
     from sandbox.figure.sweeps import BranchCurve, save_branches
-    from sandbox.model.catalogue import Catalogue, UnknownQuantityError
-
     path, begin, end, unit, count = along
     label = f"{path} [{unit}]" if unit else path
 
@@ -299,14 +196,12 @@ def _follow(
                   *table([label, f"{quantity} [{of}]", ""], shown, right=">>"), ""]
     save_branches(folder / "rest.png", curves, along=label, quantity=quantity, unit=of,
                   title=f"Rest along {path}: {mechanism.title or mechanism.name}")
-    return _Answer({"along": label, "quantity": quantity, "unit": of, "branches": data}, rows,
-                   [folder / "rest.png"], lines)
+    return ({"along": label, "quantity": quantity, "unit": of, "branches": data}, rows,
+            [folder / "rest.png"], lines)
 
 
 def _moving_most(rests: list[AtRest]) -> str:
     """The angle or position that changes most; angles times the size of the mechanism."""
-    from sandbox.equilibria.rest import places
-
     def change(name: str) -> float:
         values = [rest[name] for rest in rests]
         scale = rests[0].size if rests[0].recording.unit(name) == "rad" else 1.0

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import Any, NamedTuple, get_args
 
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.options import takes, title_of
+from sandbox.cli.options import title_of
 from sandbox.codes import CODES
+from sandbox.elements.element import NAMED, tag_of
+from sandbox.scene import reference
+from sandbox.scene.document import Scene, registered
+from sandbox.scene.layers import LAYERS
+from sandbox.scene.library import shipped_scenes
+from sandbox.scene.read.limits import Limits
+from sandbox.values.expressions import CONSTANTS, FUNCTIONS
+from sandbox.values.spec import Spec
 from sandbox.wording import meant
-
-if TYPE_CHECKING:
-    from sandbox.values.spec import Spec
 
 WIDTH = 100  # of the text, in characters, or that of the terminal if it is narrower
 ONE_LINE = 90  # characters of an example on one line
@@ -38,45 +43,29 @@ class _Element(NamedTuple):
     model: type[Spec]
 
     def names(self) -> set[str]:
-        """Names of it, or of its list."""
         parts = self.name.split(".")
         ends = {".".join(parts[i:]) for i in range(len(parts))}
         return (ends | {self.key, self.model.__name__.lower()}) - {""}
 
     def field_names(self) -> set[str]:
-        """Its fields."""
         return {field.alias or key for key, field in self.model.model_fields.items()}
 
 
-@click.command()
-@click.argument("names", nargs=-1, metavar="[NAME]...")
-@takes("elements")
 def explain(names: tuple[str, ...]) -> None:
-    """Explain an element, a field, a quantity or a message.
-
-    NAME is an element such as pin or drives.motor, a list such as joints, a
-    block such as run, expect or finger, a field, a quantity such as tension, the code
-    of a message, a shipped scene, or limits, layers or functions. Prints fields with
-    units and defaults, an example, and the recorded quantities. Without NAME lists
-    all by topic.
-    """
+    """Print the explanations of names, or all names by topic."""
     blocks = [_explained(name) for name in names] or [_overview()]
     Console().say(*[line for block in blocks for line in ("", *block)][1:])
 
 
 def _explained(name: str) -> list[str]:
     """The text about a name: all things that have it."""
-    from sandbox.scene.library import shipped_scenes
-    from sandbox.scene.reference import quantity_rows, summary
-    from sandbox.values.expressions import FUNCTIONS
-
     word = name.strip().lower()
     word = EVERYDAY.get(word, word)
-    all_elements, all_rows, scenes = [*elements()], [*quantity_rows()], shipped_scenes()
+    all_elements, all_rows, scenes = [*elements()], [*reference.quantity_rows()], shipped_scenes()
     found = [each for each in all_elements if word in each.names()]
     found = [each for each in found if each.name == word] or found
     blocks = [_element_lines(found[0]) if len(found) == 1 else
-              _definitions([(each.name, summary(each.model)) for each in found])]
+              _definitions([(each.name, reference.summary(each.model)) for each in found])]
     blocks.append(_quantities([(row.name, row.unit, f"{row.about} ({row.owner})")
                                for row in all_rows
                                if word in (row.name, f"{row.element}.{row.name}")]))
@@ -101,29 +90,22 @@ def _explained(name: str) -> list[str]:
 
 
 def _overview() -> list[str]:
-    """All elements and quantities by topic."""
-    from sandbox.scene.reference import quantity_rows
+    def grouped(pairs: Iterable[tuple[str, str]]) -> list[str]:
+        found: dict[str, list[str]] = {}
+        for group, name in pairs:
+            found.setdefault(group, []).append(name)
+        return _definitions([(group, ", ".join(names)) for group, names in found.items()])
 
-    topics: dict[str, list[str]] = {}
-    for each in elements():
-        topics.setdefault(each.topic, []).append(each.name)
-    quantities: dict[str, list[str]] = {}
-    for row in quantity_rows():
-        owner = row.owner if row.owner == "object" else row.element or "released connection"
-        quantities.setdefault(f"  {owner}", []).append(row.name)
-    return [*_definitions([(topic, ", ".join(names)) for topic, names in topics.items()]),
-            "", "Quantities",
-            *_definitions([(owner, ", ".join(names)) for owner, names in quantities.items()]),
+    owners = ((row.owner if row.owner == "object" else row.element or "released connection",
+               row.name) for row in reference.quantity_rows())
+    return [*grouped((each.topic, each.name) for each in elements()), "", "Quantities",
+            *grouped((f"  {owner}", name) for owner, name in owners),
             "", f"Also: {', '.join(TABLES)}, fields, scenes and codes of messages. "
             "'sandbox explain NAME' prints one."]
 
 
 def elements() -> Iterator[_Element]:
     """All elements, in the order of the reference."""
-    from sandbox.elements.element import tag_of
-    from sandbox.scene.document import Scene, registered
-    from sandbox.scene.reference import ELEMENTS, PARTS, VALUES
-
     places: dict[type[Spec], tuple[str, str]] = {Scene: ("scene", "")}
     waiting: list[type[Spec]] = [Scene]
     for model in waiting:  # the outermost place of each model
@@ -134,17 +116,16 @@ def elements() -> Iterator[_Element]:
                 if used not in places:
                     places[used] = (f"{above}{key}.{tag_of(used)}".rstrip("."), key)
                     waiting.append(used)
-    for topic, models in {**ELEMENTS, **PARTS, "Your own": registered()}.items():
+    topics = {**reference.ELEMENTS, **reference.PARTS, "Your own": registered()}
+    for topic, models in topics.items():
         for model in models:
             place = (re.sub(r"(?<=[a-z])(?=[A-Z])", "_", model.__name__).lower(), "")
-            if topic != VALUES:
+            if topic != reference.VALUES:
                 place = places.get(model, place)
             yield _Element(topic, *place, tag_of(model), model)
 
 
 def _models(annotation: Any) -> Iterator[type[Spec]]:
-    from sandbox.values.spec import Spec
-
     if isinstance(annotation, type) and issubclass(annotation, Spec):
         yield annotation
     for inner in get_args(annotation):
@@ -153,15 +134,12 @@ def _models(annotation: Any) -> Iterator[type[Spec]]:
 
 def _element_lines(each: _Element) -> list[str]:
     """Description, fields, example and quantities of an element."""
-    from sandbox.elements.element import NAMED
-    from sandbox.scene.reference import about, field_rows, kinds_of, quantity_rows, recorded_by
-
     lines = []
-    for paragraph in f"{each.name}: {about(each.model)}".split("\n\n"):
+    for paragraph in f"{each.name}: {reference.about(each.model)}".split("\n\n"):
         lines += [*click.formatting.wrap_text(
             _plain(paragraph), click.HelpFormatter(max_width=WIDTH).width).splitlines(), ""]
     rows = []
-    for row in field_rows(each.model):
+    for row in reference.field_rows(each.model):
         default = row.default if row.default in ("", "required", "as below") else \
             f"default {row.default}"
         rows.append((f"  {row.key}", f"{'; '.join(filter(None, (row.type, default)))}. "
@@ -171,9 +149,9 @@ def _element_lines(each: _Element) -> list[str]:
         lines += ["", "Example", *(f"  {line}" for line in text.splitlines())]
     one = NAMED[each.key].one if each.key in NAMED and each.name.startswith(each.key) else ""
     recorded = []
-    for quantity in quantity_rows():
-        if one and quantity.element == one and (not kinds_of(one) or any(
-                kind.split()[0] == each.tag for kind in recorded_by(one, quantity.name))):
+    for quantity in reference.quantity_rows():
+        if one and quantity.element == one and (not reference.kinds_of(one) or any(
+                kind.split()[0] == each.tag for kind in reference.recorded_by(one, quantity.name))):
             # of units such as ``N m (pin); N (slot)`` that of this kind
             unit = next((unit for unit, kinds in re.findall(r"([^;(]+) \(([^)]*)\)", quantity.unit)
                          if each.tag in kinds.split(", ")), quantity.unit).strip()
@@ -184,8 +162,6 @@ def _element_lines(each: _Element) -> list[str]:
 
 def example(each: _Element) -> str:
     """The longest entry of the shipped scenes on one line, or the shortest; empty for none."""
-    from sandbox.scene.library import shipped_scenes
-
     keys = each.field_names()
     found: list[dict[str, Any]] = []
     waiting = [json.loads(path.read_text(encoding="utf-8"))
@@ -207,28 +183,23 @@ def example(each: _Element) -> str:
 
 
 def _table(word: str) -> list[str]:
-    """The limits of scenes, the layers of pictures, or the functions of expressions."""
-    from sandbox.scene.layers import LAYERS
-    from sandbox.scene.read.limits import Limits
-    from sandbox.scene.reference import docstrings
-    from sandbox.values.expressions import CONSTANTS, FUNCTIONS
-
     if word == "limits":
-        described = docstrings(Limits)
-        return ["Limits of a scene; --limit NAME=VALUE changes one.", "", *_definitions([
-            (f"  {each.name}", f"{each.default}. {' '.join(described[each.name].split())}")
-            for each in fields(Limits)])]
-    if word == "layers":
-        return ["Layers of pictures; --show of 'sandbox render' and view.show select them.", "",
-                *_definitions([(f"  {name}", ("" if layer.default else "(not by default) ")
-                                + layer.about) for name, layer in LAYERS.items()])]
-    arguments = {1: "x", 2: "y, x", 3: "x, low, high", None: "a, b, …"}
-    return ["Functions of expressions, as in '=2 * sin(pi * t)'; scenes add tables.", "",
-            *_definitions([
-                ("  functions", ", ".join(f"{name}({arguments[each.arguments]})"
-                                          for name, each in FUNCTIONS.items())),
-                ("  constants", ", ".join(CONSTANTS)),
-                ("  choice", "a if condition else b; and, or, not, <, <=, >, >=, ==, !=")])]
+        described = reference.docstrings(Limits)
+        title, rows = "Limits of a scene; --limit NAME=VALUE changes one.", [
+            (each.name, f"{each.default}. {' '.join(described[each.name].split())}")
+            for each in fields(Limits)]
+    elif word == "layers":
+        title = "Layers of pictures; --show of 'sandbox render' and view.show select them."
+        rows = [(name, ("" if layer.default else "(not by default) ") + layer.about)
+                for name, layer in LAYERS.items()]
+    else:
+        arguments = {1: "x", 2: "y, x", 3: "x, low, high", None: "a, b, …"}
+        title = "Functions of expressions, as in '=2 * sin(pi * t)'; scenes add tables."
+        rows = [("functions", ", ".join(f"{name}({arguments[each.arguments]})"
+                                        for name, each in FUNCTIONS.items())),
+                ("constants", ", ".join(CONSTANTS)),
+                ("choice", "a if condition else b; and, or, not, <, <=, >, >=, ==, !=")]
+    return [title, "", *_definitions([(f"  {name}", text) for name, text in rows])]
 
 
 def _quantities(rows: list[tuple[str, str, str]]) -> list[str]:
@@ -237,7 +208,6 @@ def _quantities(rows: list[tuple[str, str, str]]) -> list[str]:
 
 
 def _definitions(rows: list[tuple[str, str]]) -> list[str]:
-    """Terms with wrapped texts beside them."""
     formatter = click.HelpFormatter(max_width=WIDTH)
     if rows:
         formatter.write_dl([(term, _plain(text)) for term, text in rows], col_max=26)

@@ -7,66 +7,39 @@ import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from sandbox.cli.console import Console, first_of, table
-from sandbox.cli.options import OUTPUT, file_option, read_pairs, read_quantity, takes
+from sandbox.atomic_files import write_csv
+from sandbox.cli.console import Console
+from sandbox.cli.options import PICTURES
 from sandbox.cli.runs import matching, open_run, run_with
+from sandbox.cli.text import first_of, table
+from sandbox.elements.quantities import about
+from sandbox.figure.signals import Plotted, Window, draw
+from sandbox.figure.style import number, save_figure, shown_as
+from sandbox.recording.new_run import made
+from sandbox.recording.recording import Recording
+from sandbox.samples.targets import controlled, effort, ending, initial, responses, tracked
+from sandbox.samples.targets import targets as targets_of
+from sandbox.values.units import UNITS, normal_unit, parse_quantity
 
-if TYPE_CHECKING:
-    from sandbox.figure.signals import Plotted
-    from sandbox.recording.recording import Recording
-
-PICTURES = (".png", ".svg", ".pdf")  # suffixes of figures
 KINDS = {"meter": "meters", "drive": "drives", "tendon": "tendons", "joint": "joints",
          "spring": "springs", "load": "loads", "line": "lines", "valve": "valves",
          "group": "groups", "body": "bodies"}
 """Kinds of element, in the order in which they are listed."""
 MAX_NAMES, MAX_PAIRS, MAX_TRIED = 8, 6, 200
 """Listed elements of a kind; listed pairs of bodies that touched, and pairs that are examined."""
-MAX_CURVES = 12  # curves of the pattern in an example
 Records = list[dict[str, Any]]
 
 
-@click.command()
-@click.argument("run")
-@click.argument("quantities", nargs=-1, metavar="[QUANTITY]...")
-@click.option("--with", "others", multiple=True, metavar="RUN",
-              help="Another run in the same figure, in another colour. Repeatable.")
-@click.option("--target", "targets", multiple=True, metavar="QUANTITY=VALUE", callback=read_pairs,
-              help="Target, as in 'finger.mcp.angle=5deg'; by default the controller's. "
-                   "Repeatable.")
-@click.option("--x", "across", metavar="QUANTITY", default="", help="Horizontal axis, not time.")
-@click.option("--from", "begin", metavar="TIME", callback=read_quantity("time"),
-              help="Start of the plot, as in '0.5s'; that of the run by default.")
-@click.option("--to", "end", metavar="TIME", callback=read_quantity("time"), help="End, likewise.")
-@click.option("--width", metavar="LENGTH", callback=read_quantity("length"),
-              help="Width of the figure on paper, as in '85mm'; 120 mm by default.")
-@click.option("--no-title", "untitled", is_flag=True, help="Omit the scene's title.")
-@file_option((*PICTURES, ".csv"), "A figure (.png, .svg, .pdf) or the table of responses (.csv); "
-             "plot.png in RUN by default. Repeatable.")
-@takes(*OUTPUT)
 def plot(
     run: str, quantities: tuple[str, ...], others: tuple[str, ...], targets: dict[str, str],
     across: str, begin: float | None, end: float | None, width: float | None, untitled: bool,
     files: tuple[Path, ...], console: Console,
 ) -> int:
-    """List or plot the quantities of a saved run, or compare runs.
-
-    RUN is the directory of a run, or the name of a scene whose run lies in
-    renders/. A QUANTITY is a name such as finger.mcp.angle, or a pattern such as
-    'finger.*.angle'; without any, the quantities of the run are listed. --with
-    compares runs, by default in the quantities that controllers lead to targets,
-    and prints overshoot, settling time, errors and effort. Nothing is simulated.
-    """
-    from sandbox.atomic_files import write_csv
-    from sandbox.figure.signals import Plotted, Window, draw
-    from sandbox.figure.style import save_figure
-    from sandbox.recording.new_run import made
-    from sandbox.samples.targets import targets as targets_of
-
+    """List the quantities of a run, or plot and compare those of some runs."""
     opened = [open_run(word, console) for word in (run, *others)]
     directory, first = opened[0]
     recordings = [recording for _, recording in opened]
@@ -114,8 +87,6 @@ def plot(
 
 def _target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str, float]:
     """Targets in SI, read in the unit of their quantity."""
-    from sandbox.values.units import UNITS, normal_unit, parse_quantity
-
     found = {}
     for name, text in texts.items():
         run = run_with(name, runs, option="--target")
@@ -128,9 +99,6 @@ def _target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str
 
 
 def _targeted(recordings: Sequence[Recording], given: dict[str, float]) -> list[str]:
-    """The quantities with a target, and the drives of their controllers."""
-    from sandbox.samples.targets import controlled, tracked
-
     names = [*(name for run in recordings for name in tracked(run)), *given]
     if not names:
         raise click.UsageError("no controller of these runs has a target: "
@@ -141,8 +109,6 @@ def _targeted(recordings: Sequence[Recording], given: dict[str, float]) -> list[
 
 def _responses(plotted: Sequence[Plotted], names: Sequence[str]) -> Records:
     """How quantities follow their targets in each run, and their mean at its end; SI."""
-    from sandbox.samples.targets import controlled, ending, responses
-
     drives = {f"{name}.value" for one in plotted for name in controlled(one.run)}
     found = []
     for name in names:
@@ -160,9 +126,6 @@ def _responses(plotted: Sequence[Plotted], names: Sequence[str]) -> Records:
 
 
 def _efforts(plotted: Sequence[Plotted]) -> Records:
-    """The effort of controlled drives in each run."""
-    from sandbox.samples.targets import controlled, effort, initial
-
     drives = dict.fromkeys(name for one in plotted for name in controlled(one.run))
     return [{"run": one.label, "drive": drive, "unit": one.run.unit(f"{drive}.value"),
              **asdict(effort(one.run.time, one.run[f"{drive}.value"], initial(one.run, drive)))}
@@ -171,8 +134,6 @@ def _efforts(plotted: Sequence[Plotted]) -> Records:
 
 def _tables(responses: Records, efforts: Records) -> list[str]:
     """A row for each run and quantity, angles in degrees; and for each run and controlled drive."""
-    from sandbox.figure.style import number, shown_as
-
     lines, rows = list[str](), []
     for row in responses:
         shown, r = shown_as(row["unit"]), row["response"]
@@ -209,7 +170,6 @@ def _csv_rows(responses: Records, efforts: Records) -> Iterator[tuple[str, ...]]
 
 
 def _described(run: Recording) -> Records:
-    """Every quantity with its unit and description, as JSON data."""
     found = []
     for name, unit in run.catalogue.units.items():
         source = run.catalogue.find(name)
@@ -251,20 +211,12 @@ def _listing(run: Recording, word: str) -> list[str]:
 
 
 def _examples(run: Recording, pairs: list[str]) -> Iterator[list[str]]:
-    """Words that plot one quantity, a pattern, one quantity against another, a contact force."""
-    from sandbox.elements.quantities import USUAL
-    from sandbox.samples.targets import tracked
-
+    """Words that plot one quantity, one quantity against another, a contact force."""
     units, usual = run.catalogue.units, run.catalogue.usual
     wanted = list(dict.fromkeys([
         *tracked(run), *(name for names in usual.values() for name in names), *units]))
     one = wanted[0]
     yield [one]
-    patterns = (pattern for tail in filter(None, USUAL.values()) for pattern in (
-        f"*.{tail}", f"{one.partition('.')[0]}.*.{tail}"))
-    if several := next((pattern for pattern in patterns
-                        if 1 < len(run.match(pattern)) <= MAX_CURVES), ""):
-        yield [several, "--from", f"{0.5 * run.time[-1]:.1g}s"]
     if other := next((name for name in wanted if units[name] != units[one]), ""):
         yield [other, "--x", one]
     if pairs:
@@ -277,6 +229,4 @@ def _rows(rows: list[tuple[str, str, str]]) -> list[str]:
 
 
 def _about(kind: str, quantity: str) -> str:
-    from sandbox.elements.quantities import about
-
     return about(kind, quantity).replace("`", "'")

@@ -1,82 +1,41 @@
-"""``sandbox run`` and ``sandbox view``: simulate a scene, or play with it in the browser."""
+"""``sandbox run``: simulate a scene."""
 
 from __future__ import annotations
 
 import contextlib
 import dataclasses
-import html
-import os
-import sys
-import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import click
-
-from sandbox.cli.console import (
-    Console,
-    Exit,
-    Progress,
-    compilation_notices,
-    pages_line,
-    report,
-    see,
-    shown,
-    table,
-)
-from sandbox.cli.options import (
-    OUT,
-    OUTPUT,
-    RENDERS,
-    SCENE,
-    Source,
-    refuse_blocking,
-    safe_name,
-    takes,
-)
-from sandbox.cli.runs import files_of, write_page
-from sandbox.cli.scenes import inspection_data, inspection_lines
+from sandbox.audit.audit import CHECKS, advice_on, audit
+from sandbox.audit.figures import Figure, figure_data
+from sandbox.cli.check import inspection_data, inspection_lines
+from sandbox.cli.console import Console, Exit, Progress, compilation_notices, report
+from sandbox.cli.options import RENDERS, Source, refuse_blocking, safe_name
+from sandbox.cli.runs import files_of
+from sandbox.cli.text import pages_line, see, shown, table
+from sandbox.engine.inspect_control import Checked
+from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, RunEnded, SimulationDiverged
-
-if TYPE_CHECKING:
-    from sandbox.audit.audit import Figure
-    from sandbox.recording.new_run import NewRun
-    from sandbox.recording.recording import Recording
-    from sandbox.samples.expectations import Verdict
-    from sandbox.scene.read.load import Loaded
-    from sandbox.web.server import Server
+from sandbox.recording.new_run import PAGE, NewRun, writing
+from sandbox.recording.recording import Recording
+from sandbox.recording.store import save_data, save_summary, unfinished
+from sandbox.samples.expectations import Verdict, verdicts
+from sandbox.samples.outcome import INTERRUPTED, outcome_data
+from sandbox.scene.read.load import Loaded
 
 MAX_ROWS = 12  # expectations that are all listed; of more, those that passed are only counted
 AUDIT_PAGE = "docs/audit.md"  # explanation of the consistency checks
 
 
-@click.command()
-@click.option("--out", type=OUT, metavar="DIR", help="Directory; renders/NAME by default.")
-@click.option("--solver", type=click.Choice(["direct", "pymunk"]), help="By default the scene's.")
-@click.option("--no-render", is_flag=True, help="Numbers only, no pictures.")
-@click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
-              show_default=True, help="Of the animation.")
-@click.option("--report", "writes_page", is_flag=True, help="Also write report.html.")
-@click.option("--audit", "lists_checks", is_flag=True, help="List all consistency checks.")
-@takes(*SCENE, *OUTPUT)
 def run(
     scene: Source, out: Path | None, solver: str | None, no_render: bool, animation: str,
     writes_page: bool, lists_checks: bool, console: Console,
 ) -> int:
-    """Simulate SCENE, write results, check expectations.
-
-    SCENE is a JSON file, or the name of a scene that 'sandbox list' shows.
-    Writes run.json, run.npz, the CSV logs and animation.gif into DIR. Prints the
-    expectations of the scene that passed and failed, and the warnings of the
-    consistency checks. Exits 1 if an expectation failed.
-    """
-    from sandbox.engine.inspect_control import Checked
-    from sandbox.engine.simulate import simulate
-    from sandbox.recording.new_run import writing
-
+    """Simulate a scene, write the results, and print the verdicts on its expectations."""
     loaded = scene.load({} if solver is None else {"run.solver": solver})
     problems = scene.inspect(loaded).problems
     refuse_blocking(problems, loaded)
@@ -108,8 +67,6 @@ class _Job:
 
     def keep(self, error: RunEnded) -> int:
         """Save what was recorded before a run ended early, marked incomplete; its exit code."""
-        from sandbox.recording.store import save_data
-
         recording = error.recording
         more: dict[str, Any] = {"directory": str(self.new.directory), "complete": False,
                                 "files": []}
@@ -125,10 +82,6 @@ class _Job:
 
     def write(self, recording: Recording, animation: str, writes_page: bool) -> None:
         """Save and draw in parallel, then put all files in place."""
-        from sandbox.recording.new_run import PAGE
-        from sandbox.recording.store import save_data, unfinished
-        from sandbox.samples.outcome import INTERRUPTED
-
         def save() -> None:
             with self._timed("save"):
                 save_data(recording, self.new.aside)
@@ -146,6 +99,7 @@ class _Job:
                 with self._timed("audit"):
                     self._judge(recording)
                 if writes_page:
+                    from sandbox.cli.page import write_page
                     from sandbox.web.page import FoundOut
 
                     with self._timed("report"):
@@ -171,15 +125,10 @@ class _Job:
         self.wall_s[phase] = time.perf_counter() - began
 
     def _judge(self, recording: Recording) -> None:
-        from sandbox.audit.audit import audit
-        from sandbox.samples.expectations import verdicts
-
         self.judged = verdicts(recording)
         self.checks = audit(recording)
 
     def _save_summary(self, recording: Recording) -> None:
-        from sandbox.recording.store import save_summary
-
         save_summary(recording, self.new.aside, parameters=self.loaded.scene.parameters,
                      derived=self.loaded.derived, verdicts=self.judged, wall_s=self.wall_s,
                      figures=self.checks)
@@ -194,10 +143,6 @@ class _Job:
 
 
 def _finish(job: _Job, recording: Recording, problems: list[Problem], lists_checks: bool) -> int:
-    """Print the results of a run; its exit code."""
-    from sandbox.audit.figures import figure_data
-    from sandbox.samples.outcome import outcome_data
-
     mechanism, info, directory = job.loaded.mechanism, recording.info, job.new.directory
     files, outcome = files_of(directory), outcome_data(info)
     lines = [f"event {each.event} at t = {each.time:.6g} s" for each in info.events]
@@ -238,8 +183,6 @@ def _expectation_lines(judged: Sequence[Verdict]) -> list[str]:
 
 def _check_lines(checks: Sequence[Figure], solver: str, *, whole: bool) -> list[str]:
     """The count of consistency checks that passed, and the warnings; all as a table if wanted."""
-    from sandbox.audit.audit import CHECKS, advice_on
-
     computed = [f for f in checks if f.verdict != "not computed"]
     warnings = [f for f in computed if f.verdict != "pass"]
     lines = []
@@ -262,81 +205,3 @@ def _check_lines(checks: Sequence[Figure], solver: str, *, whole: bool) -> list[
                   f"    meaning: {advice.means}",
                   f"    what to do: {advice.do}"]
     return [*lines, *([f"{AUDIT_PAGE} explains them"] if whole or warnings else [])]
-
-
-# -- in the browser ------------------------------------------------------------------
-
-
-@click.command()
-@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N",
-              help="Port of the page; by default a free one.")
-@click.option("--no-browser", is_flag=True, help="Only print the address.")
-@takes(*SCENE)
-def view(scene: Source, port: int, no_browser: bool) -> int:
-    """Open SCENE in the browser: run, pause, pull bodies, move sliders.
-
-    Serves a page on this machine only, until Ctrl-C. The scene is reloaded when
-    its file is saved. A session can be saved as a scene that reproduces it
-    exactly. Needs the extra 'view'.
-    """
-    import getpass
-    import platform
-
-    from sandbox.web.server import Server, needed
-    from sandbox.web.session import Found, Session
-
-    needed()
-    console = Console()
-
-    def read(changed: Mapping[str, Any]) -> Found:
-        loaded = dataclasses.replace(scene, overrides=changed).load()
-        problems = scene.inspect(loaded).problems
-        refuse_blocking(problems, loaded)
-        return Found(loaded, [*inspection_lines(problems, loaded), *pages_line(problems)])
-
-    def session() -> Session:
-        return Session(read, dict(scene.overrides), lambda name: RENDERS / safe_name(name))
-
-    with compilation_notices(console):
-        first = session()
-    console.warn(*first.warnings)
-
-    def ready(server: Server) -> None:
-        console.say(server.address, "from another machine: ssh -N -L "
-                    f"{server.port}:127.0.0.1:{server.port} {getpass.getuser()}@{platform.node()}",
-                    "Ctrl-C ends it")
-        sys.stdout.flush()
-        if not no_browser and _has_browser():
-            import webbrowser
-
-            webbrowser.open(opened.enter_context(redirect_to(server.address)).as_uri())
-
-    with contextlib.ExitStack() as opened:
-        title = first.scene.title or first.scene.name
-        Server(session, first, title=title, port=port).serve(ready)
-    return Exit.INTERRUPTED
-
-
-@contextlib.contextmanager
-def redirect_to(address: str) -> Iterator[Path]:
-    """A temporary file, readable by its owner only, that redirects a browser to an address.
-
-    An address in the browser's own arguments could be read by all who may list processes.
-    """
-    link = html.escape(address, quote=True)
-    with tempfile.TemporaryDirectory(prefix="sandbox-") as folder:
-        file = Path(folder, "view.html")
-        file.touch(0o600)
-        file.write_text(
-            '<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
-            f'<meta http-equiv="refresh" content="0; url={link}"><title>sandbox view</title>'
-            f'<a href="{link}">to the view</a>\n')
-        yield file
-
-
-def _has_browser() -> bool:
-    """Whether a browser window can be opened."""
-    if os.environ.get("SSH_CONNECTION"):
-        return False
-    return sys.platform in ("win32", "darwin") or bool(
-        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -1,49 +1,40 @@
-"""Saved runs: how RUN arguments are found, ``sandbox render`` and ``sandbox report``."""
+"""Saved runs: how RUN arguments and names of quantities are found."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.console import Console, Progress
-from sandbox.cli.options import OUT, OUTPUT, RENDERS, safe_name, takes, written
+from sandbox.cli.console import Console
+from sandbox.cli.options import RENDERS, safe_name, written
 from sandbox.errors import OutputError
+from sandbox.recording.new_run import ARCHIVE, FILES, FILMS, FRAMES, PAGE
+from sandbox.recording.recording import Recording
+from sandbox.recording.store import EDITED
+from sandbox.sweeps import CSV, SPEC
 from sandbox.wording import is_pattern, listed, or_near
-
-if TYPE_CHECKING:
-    from sandbox.recording.recording import Recording
-    from sandbox.scene.read.limits import Limits
-    from sandbox.web.page import FoundOut
 
 
 def files_of(directory: Path) -> list[str]:
     """The files of a run that exist, ``run.json`` first."""
-    from sandbox.recording.new_run import FILES, FILMS, FRAMES, PAGE
-
     names = written(directory, (*FILES, *FILMS, PAGE))
     return [*names, f"{FRAMES}/"] if (directory / FRAMES).is_dir() else names
 
 
 def run_directory(word: str) -> Path:
     """The directory of a run, given as such or as the name or file of its scene."""
-    from sandbox.recording.new_run import ARCHIVE
-    from sandbox.sweeps.table import CSV as TABLE
-    from sandbox.sweeps.table import SPEC as SWEEP
-
     path = Path(word)
     by_scene = RENDERS / safe_name(path.stem if path.suffix == ".json" else word)
     for candidate in (path, by_scene):
         if (candidate / ARCHIVE).is_file():
             return candidate
     for candidate in (path, by_scene):
-        if (candidate / SWEEP).is_file():
+        if (candidate / SPEC).is_file():
             raise OutputError(
                 f"{str(candidate)!r} is a sweep, not a single run: its table is "
-                f"{candidate / TABLE}; docs/howto/figure.md plots one", code="no-run")
+                f"{candidate / CSV}; docs/howto/figure.md plots one", code="no-run")
     kept = sorted(found.parent.name for found in RENDERS.glob(f"*/{ARCHIVE}"))
     raise OutputError(f"there is no run in {word!r} nor in {str(by_scene)!r}{or_near(word, kept)}; "
                       f"'sandbox run' makes one", code="no-run")
@@ -51,9 +42,6 @@ def run_directory(word: str) -> Path:
 
 def open_run(word: str, console: Console) -> tuple[Path, Recording]:
     """A run's directory and its recording; warns if the run is incomplete or was edited."""
-    from sandbox.recording.recording import Recording
-    from sandbox.recording.store import EDITED
-
     directory = run_directory(word)
     recording = Recording.load(directory)
     if len(recording) < 2:
@@ -91,152 +79,3 @@ def matching(patterns: Sequence[str], runs: Sequence[Recording], *, option: str)
             run_with(pattern, runs, option=option)
         found |= names
     return list(found)
-
-
-# -- pictures ------------------------------------------------------------------------
-
-
-def _read_size(
-    ctx: click.Context, param: click.Parameter, word: str | None,
-) -> tuple[int, int] | str | None:
-    """Read ``800x600`` as two integers; other sizes stay text."""
-    if word is None or re.search(r"[\d.]\s*[xX]\s*$|[a-z]{2}", word):
-        return word
-    if found := re.fullmatch(r"\s*(\d+)\s*[xX]\s*(\d+)\s*", word):
-        return int(found[1]), int(found[2])
-    raise click.BadParameter(
-        f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600, nor a factor, as in 2x, nor a "
-        "size on paper, as in 85mm or 85mmx70mm", ctx, param)
-
-
-@click.command()
-@click.argument("run", metavar="RUN")
-@click.option("--out", "outs", type=OUT, multiple=True, metavar="FILE",
-              help="A .gif or .mp4 film, a .png, .svg or .pdf still, or a directory for PNG "
-                   "frames; RUN/animation.gif by default. Repeatable.")
-@click.option("--format", "ending", type=click.Choice(["gif", "mp4", "png", "svg", "pdf"]),
-              help="Of the file in RUN that is written without --out; gif or png by default.")
-@click.option("--at", multiple=True, metavar="TIME",
-              help="Draw a still at a time: '0.8s', 'start' or 'end'. Repeatable.")
-@click.option("--strip", is_flag=False, flag_value=0, type=click.IntRange(min=0), metavar="[N]",
-              help="Draw N moments side by side (5 without N), or those of --at.")
-@click.option("--size", callback=_read_size, metavar="WxH",
-              help="Pixels of the picture; '2x' for twice the size of the scene's view; of a "
-                   "still on paper '85mm' or '85mmx70mm'.")
-@click.option("--labels", type=click.Choice(["all", "scales", "none"]), default="all",
-              show_default=True, help="All of title, time and legend, or only scales.")
-@click.option("--transparent", is_flag=True, help="Transparent background, except of MP4.")
-@click.option("--show", metavar="LAYERS",
-              help="More layers, as in 'traces,velocity'; '-contacts' hides one; 'all'.")
-@click.option("--follow", metavar="BODY", help="Body that the view follows.")
-@click.option("--fit", "bodies", multiple=True, metavar="BODY",
-              help="Bodies or groups that the view is fitted to, as in 'finger*'. Repeatable.")
-@click.option("--fps", type=click.Choice(["20", "25", "50"]),
-              help="Frames per second; the view's by default.")
-@click.option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
-              help="Seconds of motion per second of film; the view's by default.")
-@takes("limit", "quiet")
-def render(
-    run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...], strip: int | None,
-    labels: str, fps: str | None, bodies: tuple[str, ...], limits: Limits, console: Console,
-    **view: Any,
-) -> None:
-    """Draw a saved run as an animation or as stills.
-
-    RUN is the directory of a run, or the name of its scene. Nothing is simulated.
-    """
-    from sandbox.picture.film import is_still
-    from sandbox.picture.film import render as draw
-    from sandbox.recording.new_run import made
-    from sandbox.recording.recording import Recording
-
-    if outs and ending is not None:
-        raise click.UsageError("give --format or --out FILE, not both: the name of FILE already "
-                               "sets the format")
-    directory = run_directory(run)
-    recording = Recording.load(directory)
-    if strip is not None:
-        name = f"strip.{ending or 'png'}"
-    elif len(at) == 1:
-        name = f"still_{''.join(at[0].split())}.{ending or 'png'}"
-    elif at or ending in ("png", "svg", "pdf"):
-        name = f"still{'' if at else '_end'}.{ending or 'png'}"
-    else:
-        name = f"animation.{ending or 'gif'}"
-    paths, wrong = outs or (directory / name,), []
-    for path in paths:  # all are checked before the first is drawn
-        try:
-            is_still(path, at=bool(at), strip=strip is not None, size=view["size"],
-                     transparent=view["transparent"])
-        except OutputError as error:
-            wrong.append(str(error))
-    if wrong:
-        raise OutputError("\n".join(wrong), code="bad-picture")
-    for path in paths:
-        with Progress("Drawing", console) as progress:
-            files = draw(recording, path, at=at or None,
-                         strip=False if strip is None else strip or True, bare=labels == "none",
-                         scales=labels == "scales", fps=None if fps is None else int(fps),
-                         bodies=bodies or None, progress=progress, most_frames=limits.frames,
-                         **view)
-        for file in files:
-            made(file)
-            console.say(file)
-
-
-# -- pages ---------------------------------------------------------------------------
-
-
-@click.command("report")
-@click.argument("runs", nargs=-1, required=True, metavar="RUN...")
-@click.option("--out", type=OUT, metavar="FILE",
-              help="The page; report.html in the first run's directory by default.")
-@click.option("--plot", "plots", multiple=True, metavar="QUANTITY",
-              help="Quantities to plot first, as in 'finger.*.angle'; by default the meters, then "
-                   "the expected quantities. Repeatable.")
-@takes(*OUTPUT)
-def report_runs(
-    runs: tuple[str, ...], out: Path | None, plots: tuple[str, ...], console: Console,
-) -> int:
-    """Write one HTML page that plays up to four runs.
-
-    RUN is the directory of a run, or the name of a scene whose run lies in
-    renders/. The page works offline in any browser. Nothing is simulated.
-    """
-    from sandbox.recording.new_run import PAGE
-    from sandbox.recording.store import saved_audit
-    from sandbox.web.page import MAX_RUNS, FoundOut
-
-    if len(runs) > MAX_RUNS:
-        raise click.UsageError(f"a page shows up to {MAX_RUNS} runs, {len(runs)} were given")
-    directories, recordings = zip(*(open_run(word, console) for word in runs), strict=True)
-    for k, directory in enumerate(directories):
-        if directory.resolve() in [each.resolve() for each in directories[:k]]:
-            raise click.UsageError(f"the run in {str(directory)!r} is given twice")
-    path = out or directories[0]
-    path = path / PAGE if path.is_dir() else path
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise click.BadParameter(f"{str(path)!r} does not end in .html", param_hint="--out")
-    size = write_page(recordings, path, [
-        FoundOut(figures=saved_audit(directory), source=str(directory))
-        for directory in directories],
-        matching(plots, recordings, option="--plot"))
-    return console.finish({"file": path, "bytes": size, "runs": directories},
-                          [f"{path}  ({size / 1e6:.1f} MB)"])
-
-
-def write_page(
-    recordings: Sequence[Recording], path: Path, found: Sequence[FoundOut],
-    plots: Sequence[str] = (),
-) -> int:
-    """Write the page of some runs; its size in bytes."""
-    from sandbox.atomic_files import write_atomic
-    from sandbox.recording.new_run import made
-    from sandbox.web.page import report as page_of_runs
-
-    text = page_of_runs(recordings, found, plots)
-    if not path.parent.is_dir():
-        raise OutputError(f"there is no directory {path.parent}")
-    write_atomic(path, text)
-    made(path)
-    return len(text.encode())

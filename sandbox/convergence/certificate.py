@@ -12,7 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache
 from multiprocessing import get_context
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from sandbox.convergence.judgement import Kind, Sizes, Trust, judge
 from sandbox.elements.controllers.controller import every
 from sandbox.engine.inputs import make_clock
 from sandbox.engine.simulate import simulate
-from sandbox.errors import SimulationDiverged
+from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import Verdict, among, number_of, verdicts, window
@@ -90,16 +90,14 @@ CAUSES = ("light bodies that carry heavy ones, springs too stiff for their masse
           "motion ('sandbox check' finds some causes)")
 
 
-@dataclass(frozen=True)
-class Look:
+class Look(NamedTuple):
     """A warning of the audit."""
 
     runs: tuple[str, ...]  # that have it, of LABELS
     figure: Figure  # of the run that exceeds the threshold most
 
 
-@dataclass(frozen=True)
-class Diverged:
+class Diverged(NamedTuple):
     """A run that diverged."""
 
     run: str
@@ -138,13 +136,11 @@ class Certificate:
         total, settled = len(self.quantities), sum(t.settled for t in self.quantities)
         if self.certified:
             names = ", ".join(look.figure.name for look in self.looks)
-            also = f" The consistency checks warn of {names}." if names else ""
-            base = f"Certified at h = {1e3 * self.steps[0]:g} ms:"
-            if settled == total:
-                return f"{base} all {total} expected quantities have converged.{also}"
-            rest = ("one depends on the step but stays in its range" if total - settled == 1 else
-                    f"{total - settled} depend on the step but stay in their ranges")
-            return f"{base} {settled} of {total} expected quantities have converged; {rest}.{also}"
+            which, rest = (f"all {total}", "") if settled == total else (
+                f"{settled} of {total}", "; the others depend on the step but stay in their ranges")
+            return (f"Certified at h = {1e3 * self.steps[0]:g} ms: {which} expected quantities "
+                    f"have converged{rest}."
+                    + (f" The consistency checks warn of {names}." if names else ""))
         why = []
         if self.diverged:
             why.append(f"the simulation diverged at {', '.join(e.run for e in self.diverged)}")
@@ -153,37 +149,73 @@ class Certificate:
             why.append(f"{len(self.doubtful)} of {total} expectations cannot be relied on at this "
                        f"step: {named}")
         if self.objections:
-            so_far = "" if self.doubtful else "the expectations would hold, but "
-            why.append(f"{so_far}the consistency checks at h warn of {', '.join(self.objections)}")
+            why.append(f"the consistency checks at h warn of {', '.join(self.objections)}")
         return f"Not certified: {'; '.join(why)}."
 
     @property
     def advice(self) -> tuple[str, ...]:
         """What to change, a sentence each; empty if it is certified."""
-        return tuple(_advice(self))
+        return tuple(self._advice())
+
+    def _advice(self) -> Iterator[str]:
+        times, finest = {each.run: each.time for each in self.diverged}, _at(self.steps[2])
+        if times and "h/4" not in times:
+            yield f"The run at h/4 is complete: check convergence from there, {finest}."
+        elif times:
+            sooner = times["h/4"] < times.get("h/2", -math.inf) < times.get("h", math.inf)
+            yield ("Finer steps diverge sooner, so no step converges. " if sooner else "") + \
+                f"Look for {CAUSES}."
+        valued = [t for t in self.doubtful if not math.isnan(t.error)]
+        grown = [t for t in valued if t.kind is Kind.DIVERGES]
+        unsettled = [t for t in valued if t.kind is Kind.OPEN or (
+            t.kind is Kind.FAILS and t.low <= t.values[2] <= t.high)]
+        if grown and not self.objections and all(
+                t.unit == "N" and t.statistic in (*PEAKS, "std") for t in grown):
+            yield ("The peak force of an impact has no limit, because one step takes its momentum. "
+                   f"If that of {grown[0].quantity} is one, expect a mean over a window instead.")
+        elif grown:
+            yield (f"Values that change more at finer steps point to {CAUSES}. Check a shorter "
+                   f"time, or start from h/4, {finest}. If they grow there too, no step converges.")
+        elif unsettled and all(t.finer for t in unsettled):
+            finer = max(t.finer for t in unsettled)
+            yield f"At these orders h/{finer} is sufficient: {_at(self.steps[0] / finer)}."
+        elif unsettled:
+            yield f"These three steps do not show which step would do. Start from h/4, {finest}."
+        if any(t.kind is Kind.STEP for t in valued):
+            yield ("Where a quantity tends to a value outside its range, no step helps: the range "
+                   "or the mechanism has to change.")
+        if self.objections and not self.diverged:
+            yield ("docs/audit.md explains the warnings. A scene is certified only if its run has "
+                   "none.")
 
 
-def unfit(mechanism: Mechanism) -> str:
-    """Why the convergence of a mechanism cannot be checked; empty if it can."""
+def _at(step: float) -> str:
+    return f"--set run.step={step:.6g}"
+
+
+def unfit(mechanism: Mechanism) -> list[Problem]:
+    """Why the convergence of a mechanism cannot be checked, if it cannot."""
     run = mechanism.run
     if not mechanism.expect:
-        return "the scene expects nothing, so there is nothing to certify"
-    if any(event.stop for event in mechanism.events):
-        return "an event may stop the run, at another time for every step"
-    if run.duration < 4 * run.step:
-        return f"a run of {run.duration:g} s has fewer than four steps of {run.step:g} s"
-    return ""
+        place, why = "$.expect", "the scene expects nothing, so there is nothing to certify"
+    elif any(event.stop for event in mechanism.events):
+        place, why = "$.events", "an event may stop the run, at another time for every step"
+    elif run.duration < 4 * run.step:
+        place = "$.run"
+        why = f"a run of {run.duration:g} s has fewer than four steps of {run.step:g} s"
+    else:
+        return []
+    return [Problem("nothing-to-certify", why, place)]
 
 
 def certify(mechanism: Mechanism, *, progress: Progress | None = None) -> Certificate:
     """Simulate a mechanism at h, h/2 and h/4 and judge each of its expectations.
 
-    ``progress`` is called with the fraction done, 0 to 1. ValueError if :func:`unfit` has a reason.
+    ``progress`` is called with the fraction done, 0 to 1. SceneError if :func:`unfit` has a reason.
     """
-    if reason := unfit(mechanism):
-        raise ValueError(reason)
-    report = progress or (lambda share: None)
-    step, began = mechanism.run.step, time.perf_counter()
+    if problems := unfit(mechanism):
+        raise SceneError(problems)
+    report, step, began = progress or (lambda share: None), mechanism.run.step, time.perf_counter()
     first, half, quarter = (refined(mechanism, parts) for parts in (1, 2, 4))
     found = [_run(first, lambda share: report(share / 7))]
     if time.perf_counter() - began > LONG:
@@ -203,15 +235,13 @@ def certify(mechanism: Mechanism, *, progress: Progress | None = None) -> Certif
 
 
 def _looks(figures: Sequence[Sequence[Figure]]) -> Iterator[Look]:
-    """Each audit figure with a warning: the run where it is worst, and the runs it is in."""
-    warned: dict[str, dict[str, Figure]] = {}
-    for label, each in zip(LABELS, figures, strict=True):
-        for figure in each:
-            if figure.verdict == "look":
-                warned.setdefault(figure.name, {})[label] = figure
-    for by_run in warned.values():
-        yield Look(tuple(by_run), max(by_run.values(), key=lambda figure: (
-            figure.value / figure.threshold if figure.threshold else math.inf)))
+    """Each audit figure with a warning: the runs it is in, and the run where it is worst."""
+    for kind in zip(*figures, strict=True):
+        warned = {label: figure for label, figure in zip(LABELS, kind, strict=True)
+                  if figure.verdict == "look"}
+        if warned:
+            yield Look(tuple(warned), max(warned.values(), key=lambda figure: (
+                figure.value / figure.threshold if figure.threshold else math.inf)))
 
 
 def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
@@ -287,41 +317,3 @@ def mean_size(values: Array) -> float:
     """Mean absolute value of the finite values; 0 if there is none."""
     sizes = np.abs(values[np.isfinite(values)])
     return float(sizes.mean()) if len(sizes) else 0.0
-
-
-def _advice(found: Certificate) -> Iterator[str]:
-    times = {each.run: each.time for each in found.diverged}
-    if times and "h/4" not in times:
-        yield f"The run at h/4 is complete: check convergence from there, {_at(found.steps[2])}."
-    elif times:
-        sooner = times["h/4"] < times.get("h/2", -math.inf) < times.get("h", math.inf)
-        yield ("Finer steps diverge sooner, so no step converges. " if sooner else "") + \
-            f"Look for {CAUSES}."
-    valued = [t for t in found.doubtful if not math.isnan(t.error)]
-    grown = [t for t in valued if t.kind is Kind.DIVERGES]
-    unsettled = [t for t in valued if t.kind is Kind.OPEN or (
-        t.kind is Kind.FAILS and t.low <= t.values[2] <= t.high)]
-    if grown and not found.objections and all(
-            t.unit == "N" and t.statistic in (*PEAKS, "std") for t in grown):
-        yield ("The peak force of an impact has no limit, because one step takes its momentum. If "
-               f"that of {grown[0].quantity} is one, expect a mean over a window instead.")
-    elif grown:
-        yield (f"Values that change more at finer steps point to {CAUSES}. Check a shorter time, "
-               f"or start from h/4, {_at(found.steps[2])}. If they grow there too, no step "
-               "converges.")
-    elif unsettled and all(t.finer for t in unsettled):
-        finer = max(t.finer for t in unsettled)
-        yield f"At these orders h/{finer} is sufficient: {_at(found.steps[0] / finer)}."
-    elif unsettled:
-        yield ("These three steps do not show which step would do. Start from h/4, "
-               f"{_at(found.steps[2])}.")
-    if any(t.kind is Kind.STEP for t in valued):
-        yield ("Where a quantity tends to a value outside its range, no step helps: the range or "
-               "the mechanism has to change.")
-    if found.objections and not found.diverged:
-        yield ("docs/audit.md explains the warnings. A scene is certified only if its run has "
-               "none.")
-
-
-def _at(step: float) -> str:
-    return f"--set run.step={step:.6g}"

@@ -174,20 +174,18 @@ def _reason(trust: Trust) -> str:
     def text(value: float) -> str:
         return f"{value:.2g}{'' if trust.unit in ('', '1') else f' {trust.unit}'}"
 
-    coarse, fine = (text(each) for each in trust.differences)
-    halved = f"halving the step changes it by {coarse}, then by {fine}"
+    halved = "halving the step changes it by {}, then by {}".format(*map(text, trust.differences))
     allowed = f"{text(trust.allowed)} is allowed"
     low, high = f"{trust.low:.6g}", f"{trust.high:.6g}"
     range_ = (f"at most {high}" if math.isinf(trust.low) else
               f"at least {low}" if math.isinf(trust.high) else f"{low} to {high}")
     match trust.kind:
         case Kind.WITHIN:
-            return (f"{halved}, inside its range; to have converged at most {text(trust.allowed)} "
-                    "may be left")
-        case Kind.STEP if trust.margin(*trust.values) >= 0:
-            return f"it tends to {trust.limit:.6g}, outside its range"
-        case Kind.STEP:
+            return f"{halved}, inside its range, but not by less than {text(trust.allowed)}"
+        case Kind.STEP if trust.margin(*trust.values) < 0:
             return f"at h/4 it is {trust.values[2]:.6g}, outside its range"
+        case Kind.STEP:
+            return f"it tends to {trust.limit:.6g}, outside its range"
         case Kind.OPEN if math.isfinite(trust.order):
             return (f"{text(trust.error)} is left of its error and falls with order "
                     f"{trust.order:.1f}; {allowed}")
@@ -197,8 +195,7 @@ def _reason(trust: Trust) -> str:
             return f"{halved}: the finer the step, the more; {allowed}"
         case Kind.FAILS if trust.margin(trust.values[2]) >= 0:
             return "it is outside its range at h, but not at h/4"
-        case Kind.FAILS if math.isfinite(trust.limit):
-            return f"it tends to {trust.limit:.6g}, outside {range_}"
         case Kind.FAILS:
-            return f"it is outside {range_}"
+            tends = f"it tends to {trust.limit:.6g}, " if math.isfinite(trust.limit) else "it is "
+            return f"{tends}outside {range_}"
     return ""

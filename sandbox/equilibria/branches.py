@@ -53,8 +53,7 @@ class Branch:
     """Connected equilibria, in order along the branch."""
 
     stops: list[BranchRest] = field(default_factory=list)
-    ends: str = ""
-    """Why it ends within the range; empty if it does not."""
+    ends: str = ""  # Why it ends within the range; empty if it does not
 
     def __repr__(self) -> str:
         return f"<Branch: {len(self.stops)} at rest, {len(self.folds)} folds>"
@@ -149,7 +148,7 @@ class _Follower:
         """The mechanism of a value; of the last few they are kept."""
         if value not in self._made:
             mechanism = self._make(float(value))
-            while len(self._made) > 2:
+            if len(self._made) > 2:
                 del self._made[next(iter(self._made))]
             self._made[value] = Settler(
                 mechanism, mechanism.run.duration if self._time is None else self._time)
@@ -240,20 +239,16 @@ class _Follower:
         return None
 
     def _along(self, point: _Point, value: float, pose: Array) -> float:
-        """The length along the tangent of a point to a pose and a value."""
         motion = point.balance.motion_between(point.pose, pose) / point.balance.size
         return float(point.way @ np.append(motion, (value - point.value) / self._span))
 
     # -- branches --------------------------------------------------------------------
 
     def follow_all(self, first: PoseBalance) -> list[Branch]:
-        """All branches, from an equilibrium of the first value."""
         passed, branch = self._follow(self._begin, first, self._sense)
         self._branches.append(branch)
-        while not passed and len(self._branches) < MAX_BRANCHES:
-            found = self._release(branch)
-            if found is None:
-                break
+        while not passed and len(self._branches) < MAX_BRANCHES and (
+                found := self._release(branch)) is not None:
             _, before = self._follow(*found, -self._sense)
             passed, branch = self._follow(*found, self._sense)
             self._branches.append(Branch([*before.stops[:0:-1], *branch.stops],

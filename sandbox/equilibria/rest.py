@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from sandbox.engine.inspect_control import Runnable, checked
 from sandbox.equilibria.balance import PoseBalance
-from sandbox.equilibria.settle import Settler, Start, Unsettled, place_start
+from sandbox.equilibria.settle import PARTS, Settler, Start, Unsettled, place_start
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array
@@ -19,6 +19,7 @@ from sandbox.samples.contacts import TOUCH
 from sandbox.samples.yielding import Yield, Yielding
 from sandbox.scene.geometry import centre_of, reach_of
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.settings import Event
 from sandbox.wording import listed, near, quoted
 
 SAME = 1e-6  # difference, relative to the size, of poses that count as one
@@ -216,22 +217,19 @@ def known_body(mechanism: Mechanism, body: str) -> None:
 
 def check_options(mechanism: Mechanism, at: float | None, stages: int | None) -> None:
     """Refuse what has no static equilibrium, times beyond the run, and too many stages."""
-    found = [Problem("no-rest",
-                     f"the controller {quoted(each.name)} needs time, and an equilibrium has "
-                     "none", f"$.controllers[{i}]",
-                     allowed="drives with the values that the controller reaches: remove the "
-                             "controller and set these")
-             for i, each in enumerate(mechanism.controllers)]
-    found += [Problem("no-rest",
-                      f"the event {quoted(each.name)} acts at t = {each.at:g} s, and rest has no "
-                      "time", f"$.events[{i}]", allowed="a scene in which it has happened")
-              for i, each in enumerate(mechanism.events)
-              if each.at is not None and each.at <= mechanism.run.duration
-              and (each.set or each.release or each.take_up)]
-    duration = mechanism.run.duration
-    if at is not None and not 0 <= at <= duration:
+    run, acting = mechanism.run, [each for each in mechanism.events if _acts(each)]
+    found = [Problem(
+        "no-rest", f"the controller {quoted(each.name)} needs time, and an equilibrium has none",
+        f"$.controllers[{i}]", allowed="drives with the values that the controller reaches: remove "
+                                       "the controller and set these")
+        for i, each in enumerate(mechanism.controllers)]
+    found += [Problem(
+        "no-rest", f"the event {quoted(each.name)} acts at t = {each.at:g} s, and rest has no time",
+        f"$.events[{mechanism.events.index(each)}]", allowed="a scene in which it has happened")
+        for each in acting if each.at is not None and each.at <= run.duration]
+    if at is not None and not 0 <= at <= run.duration:
         found.append(Problem("bad-time", f"{at:g} s is not within the run", "at",
-                             allowed=f"0 to {duration:g} s"))
+                             allowed=f"0 to {run.duration:g} s"))
     if stages is not None and not 1 <= stages <= MAX_STAGES:
         found.append(Problem("bad-argument", f"{stages} is no number of stages", "stages",
                              allowed=f"1 to {MAX_STAGES}"))
@@ -239,10 +237,13 @@ def check_options(mechanism: Mechanism, at: float | None, stages: int | None) ->
         raise SceneError(found)
 
 
+def _acts(event: Event) -> bool:
+    return bool(event.set or event.release or event.take_up)
+
+
 def _remarks(mechanism: Mechanism, settler: Settler, at: float | None) -> Iterator[str]:
-    """Drives that still change, and events that are left out."""
     for event in mechanism.events:
-        if event.when is not None and (event.set or event.release or event.take_up):
+        if event.when is not None and _acts(event):
             yield f"the event {quoted(event.name)} is ignored: it depends on time"
     if settler.remark:
         yield settler.remark
@@ -274,14 +275,13 @@ def verdict(rest: AtRest) -> str:
 
 def quantities(run: Recording) -> dict[str, str]:
     """Names and units of the quantities that describe an equilibrium."""
-    model = run.model
+    model, contacts = run.model, run.contacts
     hinged = set(model.joints.bodies[model.joints.pivots, 1].tolist())
-    names = [*_angles(model), *(f"{name}.length" for name in model.joints.name)]
-    names += [name for i, each in _positions(model) if i not in hinged for name in each]
+    names = [*_angles(model), *(f"{name}.length" for name in model.joints.name),
+             *_positions(model, hinged)]
     for of, parts in ((model.tendons, ["tension"]), (model.springs, ["force", "torque"]),
                       (model.lines, ["pressure"])):
         names += [f"{name}.{part}" for name in of.name for part in parts]
-    contacts = run.contacts
     for row, friction in enumerate(contacts.tangential.tolist()):
         pair = "/".join(model.bodies.name[each[row]] for each in (contacts.body, contacts.other))
         names += [f"{pair}.normal", *[f"{pair}.tangential"] * (abs(friction) > TOUCH)]
@@ -290,15 +290,13 @@ def quantities(run: Recording) -> dict[str, str]:
 
 def places(run: Recording) -> list[str]:
     """Names of all angles of hinges and positions of bodies."""
-    names = [*_angles(run.model), *(name for _, each in _positions(run.model) for name in each)]
-    return [name for name in names if name in run]
+    return [name for name in [*_angles(run.model), *_positions(run.model)] if name in run]
 
 
 def _angles(model: Model) -> list[str]:
     return [f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()]
 
 
-def _positions(model: Model) -> Iterator[tuple[int, list[str]]]:
-    """The index of each free body, and names of its position."""
-    for i in np.flatnonzero(model.bodies.free).tolist():
-        yield i, [f"{model.bodies.name[i]}.{part}" for part in ("x", "y", "angle")]
+def _positions(model: Model, without: Collection[int] = ()) -> list[str]:
+    return [f"{model.bodies.name[i]}.{part}" for i in np.flatnonzero(model.bodies.free).tolist()
+            if i not in without for part in PARTS]

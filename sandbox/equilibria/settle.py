@@ -195,7 +195,6 @@ class Settler:
         return f"{name} still moves after {self.steps} steps"
 
     def _push(self, places: Array, drive: Array) -> None:
-        """Move scheduled bodies to their places in small steps."""
         on = self.still.scheduled
         if not len(on):
             return
@@ -215,12 +214,10 @@ class Settler:
 
 
 def _grips(model: Model) -> bool:
-    """Whether tendons have friction at guides."""
     return any(len(model.tendons.gripped(k)) for k in range(len(model.tendons.name)))
 
 
 def _has_friction(model: Model) -> bool:
-    """Whether anything that may touch or slide has dry friction."""
     shaped = [i for i, body in enumerate(model.mechanism.bodies) if body.shapes]
     return bool(
         len(model.joints.frictional) or _grips(model)

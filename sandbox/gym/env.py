@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import gymnasium
@@ -87,8 +88,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         if values == self._values:
             self.simulation.restart()
         else:
-            self.simulation = Simulation(Checked(self.task.loaded(values)))
-            self._values = values
+            self.simulation, self._values = Simulation(Checked(self.task.loaded(values))), values
         self._actions, self._over = [], ""
         self._last = self._seen()
         return self._last.copy(), {"time": 0.0, "set": dict(values)}
@@ -109,11 +109,9 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         """
         if self._over:
             raise SandboxError(f"{self._over}: reset() begins one", code="run-ended")
-        simulation = self.simulation
-        try:
+        simulation, chosen = self.simulation, np.empty(0)
+        with suppress(TypeError, ValueError):
             chosen = np.asarray(action, dtype=np.float64)
-        except (TypeError, ValueError):
-            chosen = np.empty(0)
         if chosen.shape != self._half.shape or not np.isfinite(chosen).all():
             raise SandboxError(f"{quoted(action)} is no action; allowed: {len(self._half)} finite "
                                f"numbers, -1 to 1, for {listed(tuple(self.task.act))}")
@@ -142,14 +140,12 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         return self._last.copy(), reward, stop is not None, over and stop is None, info
 
     def _seen(self) -> Array:
-        """The current observation."""
         simulation = self.simulation
         found: Array = np.array([simulation[name] for name in self.task.observe])
-        if not np.isfinite(found).all():
-            bad = next(name for name, value in zip(self.task.observe, found, strict=True)
-                       if not np.isfinite(value))
-            raise SandboxError(f"{bad!r} has no value at t = {simulation.time:.6g} s",
-                               code="diverged")
+        for name, value in zip(self.task.observe, found, strict=True):
+            if not np.isfinite(value):
+                raise SandboxError(f"{name!r} has no value at t = {simulation.time:.6g} s",
+                                   code="diverged")
         return np.clip(found, self._low, self._high)
 
     def render(self) -> NDArray[np.uint8] | None:

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.elements.quantities import is_yes_no
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
@@ -38,9 +37,6 @@ Scene = str | os.PathLike[str] | Mapping[str, Any]
 ROUNDING = 1e-6  # tolerance of a whole number of steps, relative to a step
 DRAWN = 64  # samples that are checked when the environment is made
 INSTANTS = 1001  # instants at which the range of a signal is determined
-NOT_NEGATIVE = {("tendon", "tension"), ("tendon", "length"), ("body", "contact.normal"),
-                ("group", "contact.normal"), ("group", "contact.count"), ("pair", "normal"),
-                ("joint", "reaction"), ("joint", "length"), ("line", "volume")}
 FRACTIONS = ("hold", "opening")  # quantities of drives from 0 to 1
 
 
@@ -98,13 +94,12 @@ def read_task(
         SceneError: every problem of these and of the scene.
     """
     limits = limits or Limits()
-    base: Loaded = read_scene(scene, overrides=set, limits=limits)
-    random = None if not randomise else _random(scene, randomise, set or {}, limits)
+    base = read_scene(scene, overrides=set, limits=limits)
+    random = _random(scene, randomise, set or {}, limits) if randomise else None
     reading = _TaskReader(base)
-    act_spans = reading.acted(act)
-    task = Task(scene, dict(set or {}), limits, base.mechanism,
-                reading.observed(observe, act_spans), act_spans,
-                reading.reward(reward), reading.every(every), reading.number(lost, "lost"), random)
+    task = Task(scene, dict(set or {}), limits, base.mechanism, reading.observed(observe),
+                reading.acted(act), reading.reward(reward), reading.every(every),
+                reading.number(lost, "lost"), random)
     if reading.problems:
         raise SceneError(reading.problems, base.name)
     return task
@@ -120,7 +115,6 @@ class _TaskReader:
         self.problems = base.placed(control_problems(self.mechanism))
 
     def acted(self, wanted: Wanted) -> dict[str, Span]:
-        """Ranges of the drives."""
         drives = [drive.name for drive in self.mechanism.drives]
         actions: dict[str, Span] = {}
         writers = {drive: event.name for event in self.mechanism.events for drive in event.set}
@@ -137,23 +131,21 @@ class _TaskReader:
                                 path, "a drive that no controller and no event sets")
                 span = drive_range(self.model, drive) if given is None else self._span(
                     given, path, self.known.find(f"{drive}.value").unit)
-                if span is None and given is None:
-                    self._wrong("the scene gives no range for "
-                                f"{quoted(drive)}", path, f"act={{{drive!r}: (lowest, highest)}}")
+                if span is None:
+                    self._wrong(f"the scene gives no range for {quoted(drive)}", path,
+                                f"act={{{drive!r}: (lowest, highest)}}")
                 actions[drive] = span or (0.0, 1.0)
         if not actions and not self.problems:
             self._wrong("nothing acts", "act", "at least one drive")
         return actions
 
-    def observed(self, wanted: Wanted, actions: Mapping[str, Span]) -> dict[str, Span]:
-        """Ranges of the observed quantities."""
+    def observed(self, wanted: Wanted) -> dict[str, Span]:
         found: dict[str, Span] = {}
         for path, text, given in self._each(wanted, "observe"):
             for name in self._quantities(text, path):
-                span = quantity_range(self.model, self.known, name, actions) if given is None else \
+                found[name] = quantity_range(self.model, self.known, name) if given is None else \
                     self._span(given, path, self.known.find(name).unit if name in self.known
                                else "")
-                found[name] = span or (0.0, 1.0)
         if not found and not self.problems:
             self._wrong("nothing is observed", "observe", "at least one quantity")
         return found
@@ -163,8 +155,9 @@ class _TaskReader:
             return [text] if self._readable(text, path) else []
         names = [name for name in self.known.match(text) if not self.known.late([name])]
         if not names:
+            close = self.known.near(text)
             self._wrong(f"no quantity that can be read while it runs fits {quoted(text)}", path,
-                        hint=quoted(near_name) if (near_name := self.known.near(text)) else "")
+                        hint=quoted(close) if close else "")
         return names
 
     def _readable(self, text: str, path: str) -> bool:
@@ -176,7 +169,6 @@ class _TaskReader:
         return len(self.problems) == before
 
     def reward(self, wanted: object) -> str | Reward:
-        """The reward: a function, a quantity or an expression."""
         if callable(wanted):
             return wanted
         text = wanted.strip() if isinstance(wanted, str) else ""
@@ -189,7 +181,6 @@ class _TaskReader:
         return text
 
     def every(self, wanted: object) -> int:
-        """Time steps for each action."""
         step, duration = self.mechanism.run.step, self.mechanism.run.duration
         seconds = self.number(wanted, "every", "time", default=step)
         steps = round(seconds / step)
@@ -203,22 +194,20 @@ class _TaskReader:
     def number(
         self, wanted: object, path: str, dimension: str | None = None, default: float = 0.0,
     ) -> float:
-        """A finite number, SI."""
         try:
             return float(number_from(wanted, dimension, {}))
         except WrongValueError as error:
             self._wrong(error.message, path, error.allowed, error.hint)
             return default
 
-    def _span(self, given: object, path: str, unit: str) -> Span | None:
-        """A range that was given, in an SI unit."""
+    def _span(self, given: object, path: str, unit: str) -> Span:
         try:
             low, high = (number_from(one, None, {}) for one in given)  # type: ignore[attr-defined]
         except (TypeError, ValueError):
             low, high = 0.0, 0.0
         if not low < high:
             self._wrong(f"{quoted(given)} is no range", path, "(lowest, highest), in SI")
-            return None
+            return 0.0, 1.0
         for each in (low, high):
             if wrong := unfit(each, unit):
                 self._wrong(f"{wrong}, and this is in {unit}", path)
@@ -247,20 +236,17 @@ def _random(
 ) -> SweepSpec:
     """Check the distributions with :data:`DRAWN` samples of the scene."""
     if not isinstance(randomise, Mapping):
-        raise SceneError([Problem("bad-argument",
-                                  f"{randomise!r} names no range", "randomise",
-                                  allowed='values by path: {"parameters.m": "normal(1 kg, 0.1 kg)"}'
-                                  )])
+        raise SceneError([Problem(
+            "bad-argument", f"{randomise!r} names no range", "randomise",
+            allowed='values by path: {"parameters.m": "normal(1 kg, 0.1 kg)"}')])
+    group = {"over": dict(randomise), "design": "random", "count": DRAWN}
     try:
-        plan = plan_of(study_data(
-            scene, vary=[{"over": dict(randomise), "design": "random", "count": DRAWN}],
-            set=set, keep={"t": "=0"}), limits)
+        spec = plan_of(study_data(scene, vary=[group], set=set, keep={"t": "=0"}), limits).spec
     except SceneError as error:
         raise SceneError([replace(each, path=re.sub(
             r"^\$(\.vary(\[0\](\.over)?)?)?", "randomise", each.path)) for each in error.problems],
             error.source) from None
-    group = plan.spec.vary[0].model_copy(update={"count": 1})
-    return plan.spec.model_copy(update={"vary": (group,)})
+    return spec.model_copy(update={"vary": (spec.vary[0].model_copy(update={"count": 1}),)})
 
 
 def drive_range(model: Model, drive: str) -> Span | None:
@@ -271,7 +257,7 @@ def drive_range(model: Model, drive: str) -> Span | None:
         return 0.0, 1.0
     if kind.places:
         joint = int(model.drives.target[index])
-        return _whole(*(model.joints.stops if kind.dimension == "angle" else model.joints.reach)
+        return _finite(*(model.joints.stops if kind.dimension == "angle" else model.joints.reach)
                       [joint].tolist())
     if (no_load := getattr(spec, "no_load", None)) is not None:
         return -float(no_load), float(no_load)
@@ -282,33 +268,21 @@ def drive_range(model: Model, drive: str) -> Span | None:
     except (ValueError, SceneError):
         return None
     low, high = min(0.0, float(found.min())), max(0.0, float(found.max()))
-    return _whole(max(low, kind.floor), high)
+    return _finite(max(low, kind.floor), high)
 
 
-def quantity_range(model: Model, known: Catalogue, name: str, actions: Mapping[str, Span]) -> Span:
-    """The range of a quantity in the scene, or else of all numbers with its unit."""
-    if name.startswith("=") or name not in known:
-        return -_most(""), _most("")
-    source, joints, span = known.find(name), model.joints, None
-    kind, quantity = source.kind, source.quantity
-    if is_yes_no(kind, quantity):
-        return 0.0, 1.0
-    if (kind, quantity) == ("drive", "value"):
-        drive = model.drives.name[source.index]
-        span = actions.get(drive) or drive_range(model, drive)
-    elif kind == "joint" and quantity in ("angle", "length"):
-        ends = joints.stops if quantity == "angle" else joints.reach
-        span = _whole(*ends[source.index].tolist())
-    elif (kind, quantity) == ("spring", "angle"):
-        span = _whole(*joints.stops[int(model.springs.joint[source.index])].tolist())
-    most = _most(source.unit)
-    return span or (0.0 if (kind, quantity) in NOT_NEGATIVE else -most, most)
+def quantity_range(model: Model, known: Catalogue, name: str) -> Span:
+    """Between the stops of a joint, or else that of all numbers with the quantity's unit."""
+    span, unit = None, ""
+    if name in known:
+        source, joints = known.find(name), model.joints
+        unit = source.unit
+        if source.kind == "joint" and source.quantity in ("angle", "length"):
+            ends = joints.stops if source.quantity == "angle" else joints.reach
+            span = _finite(*ends[source.index].tolist())
+    most = range_of(UNITS[unit][1] if unit in UNITS else None).most
+    return span or (-most, most)
 
 
-def _most(unit: str) -> float:
-    """The largest number with a unit that a scene accepts."""
-    return range_of(UNITS[unit][1] if unit in UNITS else None).most
-
-
-def _whole(low: float, high: float) -> Span | None:
+def _finite(low: float, high: float) -> Span | None:
     return (low, high) if math.isfinite(low) and math.isfinite(high) and low < high else None

@@ -28,7 +28,7 @@ from sandbox.numeric import Array, Integers
 from sandbox.scene.settings import Looked
 from sandbox.search.session import FOUND, RefusedError, Result, Session, results
 from sandbox.sweeps.spec import FitSearch
-from sandbox.sweeps.vary import Range
+from sandbox.sweeps.vary import Distribution
 from sandbox.values.units import factor_of
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
@@ -46,8 +46,7 @@ TOLERANCE = 1e-8  # relative decrease of the sum of squares at which the optimis
 RANK = 1e-9  # relative singular value of the Jacobian below which a direction is not determined
 UNCERTAIN = 0.5
 """Half of a 95 % interval, in ranges, beyond which data do not determine a direction."""
-CORRELATED = 3.0
-"""Standard errors of the correlation of neighbouring residuals that are no noise."""
+CORRELATED = 3.0  # Standard errors of the correlation of neighbouring residuals that are no noise
 SAME = 0.25  # of half an interval: change of the parameters at half the step that is accepted
 _UNIT = re.compile(r"\s*(.*?)\s*\[([^\[\]]+)\]\s*")
 Model = Callable[[Array], Array]  # quantiles [n, p] to predicted numbers [n, m]
@@ -78,11 +77,6 @@ class Fitted(Result):
     share of each path, in its range."""
     count: int
     """Measured numbers."""
-    runs: int
-    certified: bool
-    """Whether the result is the same at half the step."""
-    certificate: str
-    """Details of this check."""
     remarks: tuple[str, ...] = ()
 
     def __getitem__(self, path: str) -> Parameter:
@@ -134,8 +128,7 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
     except (OSError, UnicodeDecodeError) as error:
         why = getattr(error, "strerror", "") or "it is not UTF-8 text"
         raise bad(f"cannot be read: {why}") from None
-    head, *rows = [row for row in csv.reader(io.StringIO(text))
-                   if any(cell.strip() for cell in row)] or [[]]
+    head, *rows = [row for row in csv.reader(io.StringIO(text)) if any(map(str.strip, row))] or [[]]
     if not rows:
         raise bad("has no measurements: expected a line of names, then numbers")
     names, factors = [], []
@@ -151,36 +144,34 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
         raise bad(f"has no column of times (allowed: {', '.join(TIMES)}; it has {listed(names)})")
     if len(set(names)) < len(names):
         raise bad("has two columns with the same name")
-    cells = np.empty((len(rows), len(names)))
-    for number, row in enumerate(rows, 2):
+    cells = np.full((len(rows), len(names)), np.nan)
+    for number, row in enumerate(rows):
         if len(row) != len(names):
-            raise bad(f"{len(row)} cells under {len(names)} names", number)
+            raise bad(f"{len(row)} cells under {len(names)} names", number + 2)
         for k, cell in enumerate(row):
             try:
-                value = factors[k] * float(cell) if cell.strip() else math.nan
+                cells[number, k] = factors[k] * float(cell.strip() or "nan")
             except ValueError:
-                value = math.inf
-            if math.isinf(value):
-                raise bad(f"{quoted(cell)} is no number", number)
-            cells[number - 2, k] = value
+                cells[number, k] = math.inf
+            if math.isinf(cells[number, k]):
+                raise bad(f"{quoted(cell)} is no number", number + 2)
     if np.isnan(cells[:, time]).any():
         raise bad("has a row without a time")
     return cells[:, time], {name: cells[:, k] for k, name in enumerate(names) if k != time}
 
 
 def _measurement(session: Session, path: Path, match: Mapping[str, str] | None) -> Measurement:
-    """The numbers of a file that a run predicts."""
     time, columns = read_columns(path)
     mechanism = session.plan.loaded.mechanism
     catalogue = Catalogue(mechanism)
     pairs = match if match is not None else {name: name for name in columns if name in catalogue}
     if not pairs:
         raise RefusedError(f"no column of {path} has the name of a quantity: assign one, as in "
-                           f"x=puck.x (columns: {listed(list(columns))})")
+                           f"x=puck.x (columns: {listed(columns)})")
     for name, quantity in pairs.items():
         if name not in columns:
             raise BadDataError(f"{path} has no column {quoted(name)}{or_near(name, columns)} (it "
-                               f"has {listed(list(columns))})")
+                               f"has {listed(columns)})")
         if quantity not in catalogue:
             hint = catalogue.near(quantity)
             raise RefusedError(f"no run has the quantity {quoted(quantity)}"
@@ -188,7 +179,7 @@ def _measurement(session: Session, path: Path, match: Mapping[str, str] | None) 
     values = np.stack([columns[name] for name in pairs])
     places, rows = np.nonzero(np.isfinite(values))
     if not len(rows):
-        raise BadDataError(f"{path} has no number in {listed(list(pairs))}")
+        raise BadDataError(f"{path} has no number in {listed(pairs)}")
     if len(rows) > MAX_NUMBERS:
         raise BadDataError(f"{path} has {len(rows)} numbers to be compared (allowed: at most "
                            f"{MAX_NUMBERS}); leave every other line out, or more")
@@ -294,13 +285,13 @@ def _spreads(data: Array, columns: Integers) -> Array:
 def find_fit(session: Session, options: FitSearch) -> Fitted:
     """The values of paths with which the scene reproduces a measurement, and their uncertainty."""
     noise = options.noise
-    if others := [path for path, each in session.over.items() if not isinstance(each, Range)]:
+    if others := session.of_kind(tuple, Distribution):
         raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "
                            f"{quoted(others[0])} has none")
     measured = _measurement(session, Path(options.data), options.match)
     if noise is not None and set(noise) != set(measured.units):
         raise RefusedError("give the noise of each column, or of none: "
-                           f"{listed(list(measured.units))}", "noise")
+                           f"{listed(measured.units)}", "noise")
     for name, size in (noise or {}).items():
         session.check_unit(size, measured.units[name], f"the noise of {name}", "noise")
     sizes = None if noise is None else np.array([noise[name] for name in measured.units])
@@ -321,7 +312,6 @@ def find_fit(session: Session, options: FitSearch) -> Fitted:
 
 
 def _start(model: Model, session: Session, measured: Measurement) -> Array:
-    """The best of some points spread over the ranges."""
     from scipy.stats import qmc
 
     count = len(session.paths)
@@ -341,7 +331,7 @@ def _fitted(session: Session, measured: Measurement, found: Estimate, again: Est
     low, high = session.numbers(ends)
     halves = np.abs((high - low) / (ends[1] - ends[0]) * found.halves).tolist()
     parameters = tuple(Parameter(
-        path, session.unit(path), values[k], values[k] - halves[k], values[k] + halves[k],
+        path, session.units[path], values[k], values[k] - halves[k], values[k] + halves[k],
         min(found.quantiles[k], 1 - found.quantiles[k]) < 1e-6, halved[k])
         for k, path in enumerate(session.paths))
     known = np.isfinite(found.halves)
@@ -361,12 +351,12 @@ def _fitted(session: Session, measured: Measurement, found: Estimate, again: Est
         parameters, dict(zip(measured.units, found.noise.tolist(), strict=True)),
         tuple((half, dict(zip(session.paths, row.tolist(), strict=True)))
               for half, row in found.blind),
-        len(measured.data), session.count, bool(known.any()) and worst <= SAME,
-        f"no parameter moves by more than {worst:.2g} of half its interval", tuple(remarks))
+        len(measured.data), tuple(remarks), runs=session.count,
+        certified=bool(known.any()) and worst <= SAME,
+        certificate=f"no parameter moves by more than {worst:.2g} of half its interval")
 
 
 def _write_comparison(directory: Path, measured: Measurement, residuals: Array) -> None:
-    """Write measured and fitted numbers as a table and a figure."""
     table = np.stack([measured.time, measured.data, measured.data + residuals], axis=1)
     columns = {name: table[measured.columns == k] for k, name in enumerate(measured.units)}
     write_csv(directory / COMPARED, [

@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -55,13 +56,8 @@ class Sensitivity(Result):
     method: str
     influences: Mapping[str, tuple[Influence, ...]]
     """By result, the most influential path first; empty for a result that never changes."""
-    runs: int
     left_out: int
     """Runs that could not be used, since one of their group had no answer."""
-    certified: bool
-    """Whether the result is the same at half the step."""
-    certificate: str
-    """Details of this check."""
 
     def _lines(self) -> list[str]:
         lines = []
@@ -79,7 +75,7 @@ class Sensitivity(Result):
 
 def find_sensitivity(session: Session, options: SensitivitySearch) -> Sensitivity:
     """The influence of each path on each result."""
-    method, count, paths, names = options.method, options.count, session.paths, list(session.kept)
+    method, count, paths, names = options.method, options.count, session.paths, [*session.job.keep]
     if len(paths) < 2:
         raise RefusedError("influences need two paths or more")
     if not names:
@@ -124,18 +120,18 @@ def find_sensitivity(session: Session, options: SensitivitySearch) -> Sensitivit
                  for word, (_, half) in MEASURES[method].items() if half})
                 for k, path in enumerate(paths)),
                 key=lambda each: -each.values[RANKED[method]]))
-    found = Sensitivity(method, influences, len(values), int((~sound).sum()),
-                        *_check(session, quantiles, values))
+    same, detail = _check(session, quantiles, values)
+    found = Sensitivity(method, influences, int((~sound).sum()), runs=len(values), certified=same,
+                        certificate=detail)
     session.write(found)
     if session.out:
-        _draw(session, found)
+        _draw(session.out, session, found)
     return found
 
 
 def _check(session: Session, quantiles: Array, values: Array) -> tuple[bool, str]:
-    """Whether results are the same at half the step, and details."""
     places = np.unique(np.linspace(0, len(quantiles) - 1, CHECKED).astype(int))
-    again = results(session.rows(quantiles[places], halved=True), session.kept)
+    again = results(session.rows(quantiles[places], halved=True), session.job.keep)
     before, spread = values[places], np.nanstd(values, axis=0)
     both = np.isfinite(before) & np.isfinite(again)
     change = np.sqrt(np.mean(np.where(
@@ -147,14 +143,12 @@ def _check(session: Session, quantiles: Array, values: Array) -> tuple[bool, str
         + ("" if alike else ", and some have an answer at one step only"))
 
 
-def _draw(session: Session, found: Sensitivity) -> None:
-    """Draw bars with their intervals, a panel for each result."""
-    assert session.out is not None
+def _draw(folder: Path, session: Session, found: Sensitivity) -> None:
     measures, panels = MEASURES[found.method], []
     for name, many in found.influences.items():
         factor, label = 1.0, "share of the variance"
         if found.method == "morris":
-            how = shown_as(session.kept[name],
+            how = shown_as(session.units[name],
                            np.array([each.values["mu_star"] for each in many]))
             factor, label = how.factor, f"change over a path's range [{how.unit or '1'}]"
         panels.append(InfluenceBars(
@@ -162,5 +156,5 @@ def _draw(session: Session, found: Sensitivity) -> None:
             {word: factor * np.array([each.values[word] for each in many]) for word in measures},
             {word: factor * np.array([each.halves[word] for each in many])
              for word, (_, half) in measures.items() if many and half}, label))
-    draw_influences(session.out / FOUND, panels, {word: WORDS[word] for word in measures},
+    draw_influences(folder / FOUND, panels, {word: WORDS[word] for word in measures},
                     f"{session.plan.name}: influence of the paths")

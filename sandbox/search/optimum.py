@@ -30,7 +30,7 @@ from sandbox.search.session import (
 )
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.spec import BestSearch
-from sandbox.sweeps.vary import Distribution, number_of
+from sandbox.sweeps.vary import Distribution, Values, number_of
 from sandbox.wording import quoted
 
 PACKAGES = {"cmaes": "cmaes", "gp": "torch"}  # what a sampler needs besides optuna
@@ -65,13 +65,8 @@ class Chosen(Result):
     """``least`` or ``most``, by result."""
     units: Mapping[str, str]
     """SI, of paths and objectives."""
-    runs: int
     failed: int
     """Runs without an answer."""
-    certified: bool
-    """Whether the result is the same at half the step."""
-    certificate: str
-    """Details of this check."""
     history: Array
     """Objectives of all runs in their order, [n, objectives]; nan where a condition or a run
     failed."""
@@ -113,17 +108,16 @@ def find_best(session: Session, options: BestSearch) -> Chosen:
     if sampler == "cmaes" and (len(goals) > 1 or lists):
         raise RefusedError("cmaes optimises one goal over ranges; nsga2, tpe, gp, random take "
                            + ("several" if len(goals) > 1 else "lists"))
-    trials = _Trials(session, goals, wanted, _study(sampler, len(goals), options.seed),
-                     ranked=sampler == "cmaes")
     session.check_runs(options.runs)
-    trials.run(options.runs)
+    trials = _Trials(session, goals, wanted)
+    trials.run(_study(sampler, len(goals), options.seed), options.runs, ranked=sampler == "cmaes")
     found = trials.chosen()
     session.write(found, wanted=wanted)
     if session.out and len(goals) > 1:
         front = np.array([[*each.objectives.values()] for each in found.best])
         draw_front(
             session.out / FOUND,
-            [SweepColumn(name, session.kept[name], found.history[:, k])
+            [SweepColumn(name, session.units[name], found.history[:, k])
              for k, name in enumerate(goals)], goals,
             (found.history[:, None] == front[None]).all(axis=2).any(axis=1),
             f"{session.plan.name}: {len(found.best)} of {found.runs} runs of which none is "
@@ -132,7 +126,6 @@ def find_best(session: Session, options: BestSearch) -> Chosen:
 
 
 def _study(sampler: str, goals: int, seed: int) -> Any:
-    """Optuna's study."""
     try:
         optuna: Any = import_module("optuna")
         if sampler in PACKAGES:
@@ -153,100 +146,100 @@ def _study(sampler: str, goals: int, seed: int) -> Any:
         return optuna.create_study(directions=["minimize"] * goals, sampler=make[sampler]())
 
 
+@dataclass
 class _Trials:
-    """Optuna's trials and their runs; goals to maximise have their sign changed."""
+    """The points of an optimisation and their runs; goals to maximise have their sign changed."""
 
-    def __init__(
-        self, session: Session, goals: Mapping[str, str], wanted: Sequence[Condition], study: Any,
-        *, ranked: bool,
-    ) -> None:
-        self._session, self._goals, self._wanted = session, goals, wanted
-        self._study, self._ranked = study, ranked
-        self._signs = np.array([1.0 if goal == "least" else -1.0 for goal in goals.values()])
-        self._quantiles = np.empty((0, len(session.paths)))
-        self._costs = np.empty((0, len(goals)))  # less is better; nan for a run without an answer
-        self._excess = np.empty(0)
-        self._failed: list[SweepRow] = []
+    session: Session
+    goals: Mapping[str, str]
+    wanted: Sequence[Condition]
 
-    def run(self, runs: int) -> None:
-        """Suggest points, run them and report the results to Optuna, until there are so many."""
+    def __post_init__(self) -> None:
+        self.signs = np.array([1.0 if goal == "least" else -1.0 for goal in self.goals.values()])
+        self.quantiles = np.empty((0, len(self.session.paths)))
+        self.costs = np.empty((0, len(self.goals)))  # nan for a run without an answer
+        self.excess = np.empty(0)
+        self.failed: list[SweepRow] = []
+
+    def run(self, study: Any, runs: int, *, ranked: bool) -> None:
         failed = import_module("optuna").trial.TrialState.FAIL
-        while len(self._costs) < runs:
+        while len(self.costs) < runs:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                trials = [self._study.ask() for _ in range(min(BATCH, runs - len(self._costs)))]
-                quantiles = np.array([[self._suggest(trial, path) for path in self._session.paths]
-                                      for trial in trials])
-            rows = self._session.rows(quantiles)
-            costs, excess = self._judge(rows)
-            self._quantiles = np.vstack([self._quantiles, quantiles])
-            self._costs = np.vstack([self._costs, costs])
-            self._excess = np.append(self._excess, excess)
-            worst = np.nanmax(np.where(self._excess[:, None] <= 0, self._costs, np.nan),
-                              initial=0.0) if self._ranked else 0.0
+                trials = [study.ask() for _ in range(min(BATCH, runs - len(self.costs)))]
+                quantiles = np.array([[_suggest(trial, path, values) for path, values
+                                       in self.session.over.items()] for trial in trials])
+            rows = self.session.rows(quantiles)
+            costs, excess = self.judge(rows)
+            self.quantiles = np.vstack([self.quantiles, quantiles])
+            self.costs = np.vstack([self.costs, costs])
+            self.excess = np.append(self.excess, excess)
+            worst = np.max(self.costs[self.excess <= 0], initial=0.0)
             for trial, row, cost, beyond in zip(trials, rows, costs, excess, strict=True):
                 if np.isnan(cost).any():
-                    self._failed.append(row)
-                    self._study.tell(trial, state=failed)
-                elif self._ranked:  # behind all that hold, ordered by the distance (Deb, 2000)
-                    self._study.tell(trial, float(cost[0]) if beyond <= 0 else
-                                     float(worst) + 1.0 + float(beyond))
+                    self.failed.append(row)
+                    study.tell(trial, state=failed)
+                elif ranked:  # behind all that hold, ordered by the distance (Deb, 2000)
+                    study.tell(trial, float(cost[0]) if beyond <= 0 else
+                               float(worst) + 1.0 + float(beyond))
                 else:
-                    if self._wanted:
+                    if self.wanted:
                         trial.set_constraint("conditions", float(beyond))
-                    self._study.tell(trial, cost.tolist())
+                    study.tell(trial, cost.tolist())
 
-    def _suggest(self, trial: Any, path: str) -> float:
-        values = self._session.over[path]
-        if not isinstance(values, tuple):
-            return float(trial.suggest_float(path, 0.0, 1.0))
-        place = trial.suggest_categorical(path, list(range(len(values))))
-        return (int(place) + 0.5) / len(values)
-
-    def _judge(self, rows: Sequence[SweepRow]) -> tuple[Array, Array]:
+    def judge(self, rows: Sequence[SweepRow]) -> tuple[Array, Array]:
         """Costs [n, goals], and relative distances beyond the conditions [n]."""
-        costs = results(rows, self._goals)
-        excess = np.zeros(len(rows)) if not self._wanted else np.max([
-            each.excess(results(rows, [each.name])[:, 0]) / (abs(each.limit) or 1.0)
-            for each in self._wanted], axis=0)
+        costs, excess = results(rows, self.goals), np.zeros(len(rows))
+        if self.wanted:
+            excess = np.max([
+                each.excess(results(rows, [each.name])[:, 0]) / (abs(each.limit) or 1.0)
+                for each in self.wanted], axis=0)
         bad = np.array([row.status != DONE for row in rows]) | np.isnan(costs).any(axis=1) | \
             np.isnan(excess)
         costs[bad], excess[bad] = np.nan, np.inf
-        return costs * self._signs, excess
+        return costs * self.signs, excess
 
     def chosen(self) -> Chosen:
         """The best runs, repeated at half the step."""
-        sound = np.flatnonzero(self._excess <= 0)
+        sound = np.flatnonzero(self.excess <= 0)
         if not len(sound):
-            beyond = float(self._excess.min())
+            beyond = float(self.excess.min())
             raise SandboxError(
-                f"no run of {len(self._excess)} meets all conditions; the nearest is beyond one by "
+                f"no run of {len(self.excess)} meets all conditions; the nearest is beyond one by "
                 f"{100 * beyond:.3g} % of its limit" if math.isfinite(beyond) else
-                f"no run of {len(self._excess)} has an answer{main_failure(self._failed)}",
+                f"no run of {len(self.excess)} has an answer{main_failure(self.failed)}",
                 code="no-answer")
-        single, session = len(self._goals) == 1, self._session
-        order = sound[np.argsort(self._costs[sound, 0], kind="stable")]
-        _, first = np.unique(self._quantiles[order], axis=0, return_index=True)
+        single, session = len(self.goals) == 1, self.session
+        order = sound[np.argsort(self.costs[sound, 0], kind="stable")]
+        _, first = np.unique(self.quantiles[order], axis=0, return_index=True)
         order = order[np.sort(first)]
-        best = order[:1] if single else order[_front(self._costs[order])]
+        best = order[:1] if single else order[_front(self.costs[order])]
         again = order[:CHECKED] if single else best
-        costs, excess = self._judge(session.rows(self._quantiles[again], halved=True))
+        costs, excess = self.judge(session.rows(self.quantiles[again], halved=True))
         spread = np.maximum(np.maximum(
-            np.std(self._costs[sound], axis=0),
-            ROUNDING * np.abs(self._costs[sound]).max(axis=0)), 1e-300)
-        same, detail = _compare(self._costs[again] / spread, costs / spread, excess, single=single)
+            np.std(self.costs[sound], axis=0),
+            ROUNDING * np.abs(self.costs[sound]).max(axis=0)), 1e-300)
+        same, detail = _compare(self.costs[again] / spread, costs / spread, excess, single=single)
+
+        def named(values: Array) -> dict[str, float]:
+            return dict(zip(self.goals, (values * self.signs).tolist(), strict=True))
+
         choices = tuple(Choice(
             {path: value if isinstance(value := number_of(written), float) else str(value)
              for path, written in point.items()},
-            dict(zip(self._goals, (self._costs[run] * self._signs).tolist(), strict=True)),
-            float(self._excess[run]),
-            dict(zip(self._goals, (cost * self._signs).tolist(), strict=True)))
-            for run, point, cost in zip(best, session.points(self._quantiles[best]), costs,
+            named(self.costs[run]), float(self.excess[run]), named(cost))
+            for run, point, cost in zip(best, session.points(self.quantiles[best]), costs,
                                         strict=False))
-        history = np.where(self._excess[:, None] <= 0, self._costs * self._signs, np.nan)
-        units = {path: session.unit(path) for path in session.paths} | session.kept
-        return Chosen(choices, dict(self._goals), units, len(self._costs), len(self._failed), same,
-                      detail, history)
+        history = np.where(self.excess[:, None] <= 0, self.costs * self.signs, np.nan)
+        return Chosen(choices, dict(self.goals), session.units, len(self.failed), history,
+                      runs=len(self.costs), certified=same, certificate=detail)
+
+
+def _suggest(trial: Any, path: str, values: Values) -> float:
+    """The quantile of a path in a trial; the middle of its part for one of a list."""
+    if not isinstance(values, tuple):
+        return float(trial.suggest_float(path, 0.0, 1.0))
+    return float(trial.suggest_categorical(path, range(len(values))) + 0.5) / len(values)
 
 
 def _front(costs: Array) -> Array:
@@ -266,10 +259,8 @@ def _compare(before: Array, after: Array, excess: Array, *, single: bool) -> tup
                        "or have no answer there")
     change = float(np.abs(after - before).max())
     if single:
-        first = int(np.argmin(after[:, 0]))
-        best = float(after[0, 0] - after[first, 0]) <= ALIKE
-        which = f"of the best {len(before)} " + (
-            "the first is best there, too" if best else f"the {first + 1}. is best there")
+        best = float(after[0, 0] - after.min()) <= ALIKE
+        which = f"of the best {len(before)} the first is {'' if best else 'not '}the best there"
     else:
         kept = len(_front(after))
         best, which = kept == len(before), f"{kept} of {len(before)} are such there, too"

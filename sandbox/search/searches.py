@@ -11,9 +11,10 @@ from sandbox.scene.read.limits import Limits
 from sandbox.search.fitting import Fitted, find_fit
 from sandbox.search.influences import Sensitivity, find_sensitivity
 from sandbox.search.optimum import Chosen, find_best
-from sandbox.search.session import RefusedError, Scene, Session, make_session, read_session
+from sandbox.search.session import RefusedError, Session, make_session
 from sandbox.search.thresholds import ThresholdFound, find_threshold
 from sandbox.sweeps.job import SweepRow
+from sandbox.sweeps.plan import Study
 
 Found = ThresholdFound | Fitted | Chosen | Sensitivity
 FINDERS: Mapping[str, Callable[[Session, Any], Found]] = {
@@ -60,7 +61,7 @@ class Shared(TypedDict, total=False):
 
 
 def study(
-    file: Scene, *, out: str | os.PathLike[str] | None = None, workers: int | str = 0,
+    file: Study, *, out: str | os.PathLike[str] | None = None, workers: int | str = 0,
     limits: Limits | None = None,
 ) -> Found:
     """The search in a study file, under its key ``search`` (docs/searches.md).
@@ -77,15 +78,11 @@ def study(
         SandboxError: the study has no search; as the search itself.
         OutputError: the directory cannot be written.
     """
-    session = read_session(file, limits)
-    if not session.kind:
-        raise RefusedError('the study has no key "search": add the kind of search')
-    session.choose(session.kind)
-    return run_search(session, out, workers)
+    return run_search(Session(file, limits), out, workers)
 
 
 def threshold(
-    scene: Scene, *, where: Sequence[str] | str = (), within: float | str | None = None,
+    scene: Study, *, where: Sequence[str] | str = (), within: float | str | None = None,
     **shared: Unpack[Shared],
 ) -> ThresholdFound:
     """The value of one path at which a condition begins or ceases to hold (docs/searches.md).
@@ -104,7 +101,7 @@ def threshold(
 
 
 def fit(
-    scene: Scene, data: str | os.PathLike[str], *, match: Mapping[str, str] | None = None,
+    scene: Study, data: str | os.PathLike[str], *, match: Mapping[str, str] | None = None,
     noise: Mapping[str, float | str] | None = None, **shared: Unpack[Shared],
 ) -> Fitted:
     """The values of paths with which a scene reproduces a measurement (docs/searches.md).
@@ -120,12 +117,12 @@ def fit(
     Raises:
         SandboxError: data that cannot be used, a run without an answer.
     """
-    return cast("Fitted", _run(scene, "fit", {"keep": [], **shared}, data=data,
+    return cast("Fitted", _run(scene, "fit", {"keep": [], **shared}, data=os.fspath(data),
                                match=match, noise=noise))
 
 
 def best(
-    scene: Scene, *, least: Sequence[str] | str = (), most: Sequence[str] | str = (),
+    scene: Study, *, least: Sequence[str] | str = (), most: Sequence[str] | str = (),
     where: Sequence[str] | str = (), sampler: str | None = None, runs: int = 200, seed: int = 0,
     **shared: Unpack[Shared],
 ) -> Chosen:
@@ -150,7 +147,7 @@ def best(
 
 
 def sensitivity(
-    scene: Scene, *, method: str = "sobol", count: int = 64, seed: int = 0,
+    scene: Study, *, method: str = "sobol", count: int = 64, seed: int = 0,
     **shared: Unpack[Shared],
 ) -> Sensitivity:
     """The influence of each path on each result (docs/searches.md).
@@ -170,11 +167,10 @@ def sensitivity(
                                     seed=seed))
 
 
-def _run(scene: Scene, kind: str, shared: Shared, **options: Any) -> Found:
-    given: dict[str, Any] = dict(shared)
-    out, workers = given.pop("out", None), given.pop("workers", 0)
-    session = make_session(scene, **given)
-    if session.in_file:
+def _run(scene: Study, kind: str, shared: Shared, **options: Any) -> Found:
+    words: dict[str, Any] = dict(shared)
+    out, workers = words.pop("out", None), words.pop("workers", 0)
+    session = make_session(scene, kind, options, **words)
+    if "search" in session.source.data:
         raise RefusedError("the study already defines its search: use sandbox.search.study")
-    session.choose(kind, **options)
     return run_search(session, out, workers)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import tempfile
 from collections import Counter
@@ -15,7 +14,6 @@ from textwrap import shorten
 from typing import Any, TypeVar
 
 import numpy as np
-from pydantic import ValidationError
 
 from sandbox import __version__
 from sandbox.atomic_files import json_text, write_atomic
@@ -23,22 +21,19 @@ from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.figure.sweeps import FoundLine
 from sandbox.numeric import Array
 from sandbox.scene.read.limits import Limits, over
-from sandbox.scene.read.source import SceneSource, read_source
-from sandbox.sweeps.job import STEP, Log, Point, SweepRow, run_id
-from sandbox.sweeps.plan import make_plan
+from sandbox.sweeps.job import DONE, STEP, Log, Point, SweepRow, run_id
+from sandbox.sweeps.plan import Study, make_plan, read_study
 from sandbox.sweeps.processes import check_workers
-from sandbox.sweeps.spec import SearchSpec
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.table import draw_table, make_table
 from sandbox.sweeps.vary import Points, Range, number_of, values_at
 from sandbox.sweeps.workers import make_workers
-from sandbox.values.messages import explain
 from sandbox.values.paths import JsonPath, path_text
 from sandbox.values.units import parse_quantity, unfit
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 RESULT, FIGURE, FOUND = "search.json", "search.png", "found.png"
-Scene = str | os.PathLike[str] | Mapping[str, Any]
+SEEDED = ("best", "sensitivity")  # searches whose seed may be that of the study
 Quantiles = Array | Sequence[Sequence[float]]
 Number = TypeVar("Number", float, Array)
 _RELATION = re.compile(r"\s*(.+?)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
@@ -54,11 +49,13 @@ class RefusedError(SandboxError):
         self.path: JsonPath = path
 
 
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Result:
     """The result of a search."""
 
-    certified: bool
-    certificate: str
+    runs: int
+    certified: bool  # Whether the result is the same at half the step
+    certificate: str  # Details of this check
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {shorten(self.lines[0], 100, placeholder='…')}>"
@@ -92,74 +89,63 @@ class Session:
 
     A point is given by a quantile from 0 to 1 of the values of each path. Nothing is written before
     the first run.
+
+    Args:
+        study: a study file, or its data.
+        limits: of the scene.
+        kind: the search; by default that of the study.
+        given: options that the study does not define.
     """
 
     def __init__(
-        self, source: SceneSource, limits: Limits | None, folder: Path = Path(), name: str = "",
+        self, study: Study, limits: Limits | None = None, kind: str = "",
+        given: Mapping[str, Any] | None = None,
     ) -> None:
-        if isinstance(source.data, dict):
-            source = replace(source, data={"audit": False, **source.data})
-        self.source = source
-        self.plan = make_plan(source, limits, folder=folder, name=name, search=True)
+        source = read_study(study, limits)
+        self.source, self.kind, self.options = source, kind, dict(given or {})
+        if isinstance(data := source.data, dict):
+            own = data.get("search")
+            if own is None and not kind:
+                raise RefusedError('the study has no key "search": add the kind of search')
+            own = {kind: {}} if own is None else own
+            if isinstance(own, dict) and len(own) == 1 and isinstance(own[(*own,)[0]], dict):
+                (self.kind, written), = own.items()
+                if kind not in ("", self.kind):
+                    raise self.wrong(RefusedError(f"the study is a search of the kind {self.kind}, "
+                                                  f"not {kind}"), key=True)
+                if "seed" in data and self.kind in SEEDED:
+                    self.options["seed"] = data["seed"]
+                self.options |= written
+                if source.path and isinstance(written.get("data"), str):
+                    self.options["data"] = str(source.path.parent / written["data"])
+                own = {self.kind: self.options}
+            source = replace(source, data={"audit": False, **data, "search": own})
+        self.plan = make_plan(source, limits, search=True)
         if STEP in self.plan.points.axes:
             raise SceneError([Problem("bad-search",
                                       f"a search does not vary {STEP}: it is halved to see whether "
                                       "the result depends on it")], source.name)
+        self.spec = getattr(self.plan.spec.search, self.kind)
         self.job = self.plan.job
         self.over = self.plan.spec.over
         self.paths = tuple(self.over)
-        self.kept = {name: self.plan.units.get(name, "") for name in self.job.keep}
-        """SI units of the results, by name."""
-        self.kind, self.options = "", dict[str, Any]()
-        """Of the search; at first those of the study file."""
-        if spec := self.plan.spec.search:
-            self.kind, own = spec.kind, getattr(spec, spec.kind)
-            self.options = {name: getattr(own, name) for name in own.model_fields_set}
-            if "seed" in type(own).model_fields and "seed" in source.data:
-                self.options.setdefault("seed", self.plan.spec.seed)
-            if "data" in self.options:
-                self.options["data"] = str(folder / self.options["data"])
-        self.in_file = self.kind
-        self.out: Path | None = None
-        """Directory of the rows, which are not run again, and of the table."""
+        self.units = self.plan.units  # SI, of paths and results; empty for none
+        self.out: Path | None = None  # of the rows, which are not run again, and of the table
         self.workers: int | str = 0
         self.on_row: Callable[[SweepRow], None] = lambda row: None
         self.stack = ExitStack()
         self._visited: dict[str, Point] = {}
         self._halved: set[str] = set()
 
-    def choose(self, kind: str, **options: Any) -> None:
-        """Set the kind of the search, and options that its file does not give."""
-        if self.in_file not in ("", kind):
-            raise self.wrong(RefusedError(
-                f"the study is a search of the kind {self.in_file}, not {kind}"), key=True)
-        self.kind = kind
-        self.options = {name: os.fspath(each) if isinstance(each, os.PathLike) else each
-                        for name, each in {**options, **self.options}.items()}
-        written = {kind: self.options}
-        try:
-            self.spec = getattr(SearchSpec.model_validate(written), kind)
-        except ValidationError as error:
-            raise RefusedError("; ".join(
-                str(each).removeprefix(f"$.{kind}").lstrip(".: ")
-                for each in explain(error, written, SearchSpec))) from None
-
-    def wrong(self, error: RefusedError, *, key: bool = False) -> SandboxError:
-        """The error with its place in the study file, if the search is defined there."""
-        if not self.in_file:
-            return error
-        path: JsonPath = ("search", self.in_file, *error.path)
-        if len(error.path) == 2 and not isinstance(
-                self.source.data["search"][self.in_file][error.path[0]], list):
+    def wrong(self, error: RefusedError, *, key: bool = False) -> SceneError:
+        """The error with its place in the study."""
+        path: JsonPath = ("search", self.kind, *error.path)
+        if len(error.path) == 2 and isinstance(self.options[str(error.path[0])], str):
             path = path[:-1]  # one text in place of a list
         return SceneError([Problem(error.code, str(error), path_text(path),
                                    *self.source.where(path, key=key))], self.source.name)
 
     # -- values and results
-
-    def unit(self, path: str) -> str:
-        """The SI unit of a path; empty for none."""
-        return self.plan.units.get(path, "")
 
     def of_kind(self, *kinds: type[Any]) -> list[str]:
         """Paths with ranges, distributions or lists (tuples)."""
@@ -185,9 +171,9 @@ class Session:
 
     def check_result(self, name: str, *path: str | int) -> None:
         """Refuse a name that is no result."""
-        if name not in self.kept:
-            raise RefusedError(f"no run keeps {quoted(name)}{or_near(name, self.kept)} "
-                               f"(kept: {listed(list(self.kept)) or 'nothing'})", *path)
+        if name not in self.job.keep:
+            raise RefusedError(f"no run keeps {quoted(name)}{or_near(name, self.job.keep)} "
+                               f"(kept: {listed(self.job.keep) or 'nothing'})", *path)
 
     def conditions(self, texts: Iterable[str]) -> tuple[Condition, ...]:
         """Conditions of texts such as ``"moved < 1 mm"``."""
@@ -203,7 +189,7 @@ class Session:
                 limit = parse_quantity(written, None)
             except WrongValueError as error:
                 raise RefusedError(f"{quoted(text)}: {error}", *path) from None
-            self.check_unit(limit, self.kept[name], f"{quoted(text)}: {name}", *path)
+            self.check_unit(limit, self.units[name], f"{quoted(text)}: {name}", *path)
             found.append(Condition(name, relation in ("<", "<="), float(limit), text))
         return tuple(found)
 
@@ -268,13 +254,11 @@ class Session:
         plan = replace(self.plan, job=self.job, points=Points([
             {path: [point[path] for point in points] for path in self.paths}]))
         table = make_table(plan, self._log.rows())
-        held = table.holds
         if wanted:
-            worst = np.max([each.excess(table.kept[each.name]) for each in wanted], axis=0)
-            held = table.met = np.where(table.done & np.isfinite(worst), worst <= 0, np.nan)
+            table.met = held([self._known[id] for id in self._visited], wanted)
         table.write(self.out)
         if self.kind != "fit":  # it keeps whole curves, and has a figure of its own
-            draw_table(table, self.out / FIGURE, held=held, found=line,
+            draw_table(table, self.out / FIGURE, held=table.met, found=line,
                        condition=" and ".join(each.text for each in wanted))
         given = {name: option for name, option in self.spec.model_dump().items()
                  if option not in (None, (), {}, "")}
@@ -282,18 +266,18 @@ class Session:
             "search": self.kind,
             "study": {**self.plan.written, "search": {self.kind: given}},
             "versions": {"sandbox": __version__}, "units": plan.units,
-            "found": asdict(found) | more}, indent=2) + "\n")  # type: ignore[call-overload]
+            "found": asdict(found) | more}, indent=2) + "\n")
 
 
 def make_session(
-    scene: Scene, *, vary: Mapping[str, Any] | None = None,
+    scene: Study, kind: str, options: Mapping[str, Any], *, vary: Mapping[str, Any] | None = None,
     keep: Mapping[str, Any] | list[str] | None = None, set: Mapping[str, Any] | None = None,
     limits: Limits | None = None,
 ) -> Session:
     """The session of a scene and the arguments of a sweep; without ``vary``, of a study file."""
     if vary is None and not isinstance(scene, Mapping):
-        return read_session(scene, limits)
-    found = Session(SceneSource(study_data(scene, vary=vary or {}, keep=keep, set=set)), limits)
+        return Session(scene, limits, kind, options)
+    found = Session(study_data(scene, vary=vary or {}, keep=keep, set=set), limits, kind, options)
     if problems := [Problem(
             "bad-study",
             f"{quoted(path)} has a count, {each.count}, and a search chooses its points itself",
@@ -303,17 +287,18 @@ def make_session(
     return found
 
 
-def read_session(study: Scene, limits: Limits | None = None) -> Session:
-    """The session of a study: a file or data."""
-    if isinstance(study, Mapping):
-        return Session(SceneSource(dict(study)), limits)
-    file = Path(study)
-    return Session(read_source(file, limits=limits), limits, file.parent, file.stem)
-
-
 def results(rows: Sequence[SweepRow], names: Iterable[str]) -> Array:
     """Results by name, [n, names]; nan for no value."""
     return np.array([[row.kept.get(name) for name in names] for row in rows], dtype=float)
+
+
+def held(rows: Sequence[SweepRow], wanted: Sequence[Condition]) -> Array:
+    """1 where all conditions, or without any the scene's expectations, hold, 0 or nan, [n]."""
+    if not wanted:
+        return np.array([row.holds for row in rows], dtype=float)
+    worst = np.max([each.excess(results(rows, [each.name])[:, 0]) for each in wanted], axis=0)
+    known = np.array([row.status == DONE for row in rows]) & np.isfinite(worst)
+    return np.where(known, worst <= 0, np.nan)
 
 
 def main_failure(rows: Iterable[SweepRow]) -> str:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from sandbox.errors import SandboxError
 from sandbox.figure.sweeps import FoundLine
-from sandbox.search.session import RefusedError, Result, Session
-from sandbox.sweeps.job import DONE
+from sandbox.search.session import RefusedError, Result, Session, held
 from sandbox.sweeps.spec import ThresholdSearch
 from sandbox.sweeps.vary import Range
 
@@ -31,11 +31,6 @@ class ThresholdFound(Result):
     holds_below: bool
     """Whether the condition holds below the threshold."""
     condition: str
-    runs: int
-    certified: bool
-    """Whether the result is the same at half the step."""
-    certificate: str
-    """Details of this check."""
     remarks: tuple[str, ...] = ()
 
     @property
@@ -80,36 +75,22 @@ def find_threshold(session: Session, options: ThresholdSearch) -> ThresholdFound
                            f"'2 N:8 N', not {len(session.paths)} paths with ranges, lists or "
                            "distributions")
     path, = session.paths
-    unit = session.unit(path)
-    wanted = session.conditions(options.where)
+    unit, wanted = session.units[path], session.conditions(options.where)
     if not wanted and not session.plan.loaded.mechanism.expect:
         raise RefusedError('the scene has no expectations: give a condition, as "moved < 1 mm"')
     condition = " and ".join(each.text for each in wanted) or "every expectation"
 
-    def numbers(*fractions: float) -> list[float]:
-        """Values of the path at fractions of its range, SI."""
-        found: list[float] = session.numbers([[each] for each in fractions])[:, 0].tolist()
-        return found
-
     def holds_at(fractions: Sequence[float], *, halved: bool = False) -> list[bool]:
-        """Whether the conditions hold at fractions of the range."""
         quantiles = [[each] for each in fractions]
-        found = []
-        for row, point in zip(session.rows(quantiles, halved=halved), session.points(quantiles),
-                              strict=True):
-            holds = row.holds
-            if row.status == DONE and wanted:
-                values = [row.kept.get(each.name) for each in wanted]
-                holds = None if None in values else all(
-                    each.excess(value) <= 0 for each, value in zip(wanted, values, strict=True)
-                    if value is not None)
-            if holds is None:
+        rows = session.rows(quantiles, halved=halved)
+        found = held(rows, wanted)
+        for row, holds, point in zip(rows, found, session.points(quantiles), strict=True):
+            if np.isnan(holds):
                 raise SandboxError(f"with {path} = {point[path]} the run does not decide "
                                    f"{condition}: {row.failure}", code="no-answer")
-            found.append(holds)
-        return found
+        return [bool(holds) for holds in found]
 
-    begin, end = numbers(0.0, 1.0)
+    begin, end = session.numbers([[0.0], [1.0]])[:, 0].tolist()
     narrow = WITHIN
     if options.within is not None:
         session.check_unit(options.within, unit, f"'within' of {path}", "within")
@@ -124,11 +105,11 @@ def find_threshold(session: Session, options: ThresholdSearch) -> ThresholdFound
             f"the verdict on the expectations does not change ({'' if below else 'not '}all hold)"
         raise SandboxError(f"{path} from {begin:.6g} to {end:.6g} {unit} has no threshold at its "
                            f"ends: {why}", code="no-threshold")
-    low, high = numbers(first, last)
+    low, high = session.numbers([[first], [last]])[:, 0].tolist()
     same, detail = True, "both ends of the bracket answer as before"
     if holds_at([first, last], halved=True) != [below, not below]:
-        again, other, answers = bisect(lambda each: holds_at(each, halved=True), narrow)
-        least, most = numbers(again, other)
+        again, other, answers = bisect(partial(holds_at, halved=True), narrow)
+        least, most = session.numbers([[again], [other]])[:, 0]
         same, detail = False, f"there it is between {least:.8g} and {most:.8g} {unit}".rstrip()
         if answers[again] == answers[other]:
             detail = (f"there it {'holds' if answers[again] else 'does not hold'} at both ends of "
@@ -136,8 +117,8 @@ def find_threshold(session: Session, options: ThresholdSearch) -> ThresholdFound
     turns = int(np.diff([known[at] for at in sorted(known)]).sum())
     remarks = (f"the answer changes {turns} times along the range: this is one of several "
                "thresholds",) if turns > 1 else ()
-    found = ThresholdFound(path, unit, low, high, below, condition, len(known), same, detail,
-                           remarks)
+    found = ThresholdFound(path, unit, low, high, below, condition, remarks, runs=len(known),
+                           certified=same, certificate=detail)
     at = f"{found.middle:.6g} {unit}".rstrip()
     session.write(found, wanted=wanted, middle=found.middle, line=FoundLine(
         path, low, found.middle, high,

@@ -1,1 +1,4 @@
-"""Many runs of one scene: what is varied, what is kept, where it runs, what came of it."""
+"""Many runs of one scene with values varied."""
+
+CSV, PARQUET, SPEC, FIGURE = "table.csv", "table.parquet", "sweep.json", "sweep.png"
+"""Files of a sweep."""

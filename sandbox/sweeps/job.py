@@ -38,11 +38,10 @@ DONE, DIED = "done", "died"
 """Status of a run that reached its end, and of one whose worker processes died."""
 ENDED: dict[type[SandboxError], str] = {
     SceneError: "refused", SimulationDiverged: "diverged", RecordingFull: "limited",
-    ControllerFailed: "failed"}
-"""Status of a run by the error that ended it."""
+    ControllerFailed: "failed"}  # Status of a run by the error that ended it
 STATUSES = (DONE, *ENDED.values(), DIED)
 STEP = "run.step"  # path of the time step, which searches halve to check their result
-FOLDER = "rows"  # folder of the rows in the directory of a sweep
+ROWS = Path("rows", "00000.jsonl")  # the rows in the directory of a sweep
 Override = str | float | int | bool | list[Any] | dict[str, Any] | None
 """A value as ``--set`` takes it."""
 Point = Mapping[str, Override]  # the values of the varied paths in a run
@@ -180,17 +179,18 @@ class Log:
     """The rows of a directory, as a context in which no other process adds to them."""
 
     def __init__(self, directory: Path) -> None:
-        self.folder = directory / FOLDER
+        self.path = directory / ROWS
         self._stack = contextlib.ExitStack()
         self._file: IO[bytes] | None = None
 
     def __enter__(self) -> Log:
-        with output_errors(self.folder):
-            self.folder.mkdir(parents=True, exist_ok=True)
-            mark = self.folder / ".lock"
+        folder = self.path.parent
+        with output_errors(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+            mark = folder / ".lock"
             mark.touch()
             if self._stack.enter_context(locked(mark)) is False:
-                raise OutputError(f"{self.folder.parent}: another process writes to this directory",
+                raise OutputError(f"{folder.parent}: another process writes to this directory",
                                   code="runs-in-use")
         return self
 
@@ -201,30 +201,20 @@ class Log:
             self._file.close()
         self._stack.close()
 
-    def rows(self) -> Iterator[SweepRow]:
-        """The rows so far, in the order in which they were finished."""
-        return read_rows(self.folder)
-
     def add(self, row: SweepRow) -> None:
         """Append a finished run."""
-        with output_errors(self.folder):
+        with output_errors(self.path):
             if self._file is None:
-                path = next(reversed(row_files(self.folder)), self.folder / "00000.jsonl")
-                if path.is_file():  # remove a line that was cut off
-                    os.truncate(path, path.read_bytes().rfind(b"\n") + 1)
-                self._file = path.open("ab", buffering=0)
+                self._file = self.path.open("ab", buffering=0)
+                # remove a line that was cut off
+                self._file.truncate(self.path.read_bytes().rfind(b"\n") + 1)
             self._file.write(row.to_json())
 
-
-def row_files(folder: Path) -> list[Path]:
-    """The files of rows, in their order."""
-    return sorted(path for path in folder.glob("*.jsonl") if path.stem.isdigit())
-
-
-def read_rows(folder: Path) -> Iterator[SweepRow]:
-    """The rows of a folder, in the order in which they were finished."""
-    for path in row_files(folder):
-        with output_errors(path), path.open("rb") as file:
+    def rows(self) -> Iterator[SweepRow]:
+        """The rows so far, in the order in which they were finished."""
+        if not self.path.is_file():
+            return
+        with output_errors(self.path), self.path.open("rb") as file:
             for number, line in enumerate(file, start=1):
                 if not line.endswith(b"\n"):
                     break  # being written, or cut off
@@ -237,7 +227,7 @@ def read_rows(folder: Path) -> Iterator[SweepRow]:
                     if row.status not in STATUSES:
                         raise ValueError(row.status)
                 except (KeyError, TypeError, ValueError, AttributeError):
-                    raise OutputError(f"{path}:{number}: this line is no row of a sweep; take it "
-                                      "away, and its run is done again",
+                    raise OutputError(f"{self.path}:{number}: this line is no row of a sweep; "
+                                      "take it away, and its run is done again",
                                       code="run-damaged") from None
                 yield row

@@ -28,6 +28,7 @@ from sandbox.values.paths import parse_path
 from sandbox.values.units import unit_in
 from sandbox.wording import WrongValueError, is_pattern, kind_of, listed, near, quoted
 
+Study = str | os.PathLike[str] | Mapping[str, Any]
 COLUMNS = ("run", "id", "status", "reason", "met", "holds", "failed", "looks", "seed")
 """Columns of a table besides values and results."""
 MAX_TRIED_TEXTS = 20
@@ -81,27 +82,24 @@ class Plan:
         return found
 
 
-def read_plan(source: str | os.PathLike[str], limits: Limits | None = None) -> Plan:
-    """The plan of a study file."""
-    path = Path(source)
-    return make_plan(read_source(path, limits=limits), limits, folder=path.parent, name=path.stem)
+def read_study(study: Study, limits: Limits | None) -> SceneSource:
+    """A study file, or the data of a study, whose files are relative to the working directory."""
+    return SceneSource(dict(study)) if isinstance(study, Mapping) else \
+        read_source(Path(study), limits=limits)
 
 
-def plan_of(data: Mapping[str, Any], limits: Limits | None = None) -> Plan:
-    """The plan of a study given as data; files are relative to the working directory."""
-    return make_plan(SceneSource(dict(data)), limits)
+def plan_of(study: Study, limits: Limits | None = None) -> Plan:
+    """The plan of a study file, or of the data of a study."""
+    return make_plan(read_study(study, limits), limits)
 
 
-def make_plan(
-    found: SceneSource, limits: Limits | None, *, folder: Path = Path(), name: str = "",
-    search: bool = False,
-) -> Plan:
+def make_plan(found: SceneSource, limits: Limits | None, *, search: bool = False) -> Plan:
     """The plan of a study; of a search only the ends of all values are checked."""
     if not isinstance(found.data, dict):
         raise SceneError([Problem("bad-study",
                                   f"a study is an object {{…}}, not {kind_of(found.data)}", "$",
                                   *found.where(()))], found.name)
-    return _Checks(found, limits or Limits(), search).plan(folder, name)
+    return _Checks(found, limits or Limits(), search).plan()
 
 
 class _Checks:
@@ -111,12 +109,20 @@ class _Checks:
         self.found, self.data, self.limits, self.search = found, found.data, limits, search
         self.problems: list[Problem] = []
 
-    def plan(self, folder: Path, name: str) -> Plan:
-        scene = self._scene(folder)
-        overrides = self.data.get("set", {})
+    def plan(self) -> Plan:
+        scene, overrides = self._scene(), self.data.get("set", {})
         base = read_scene(scene, overrides=overrides if isinstance(overrides, dict) else {},
                           limits=self.limits)
-        spec = self._spec(base)
+        try:
+            spec = SweepSpec.model_validate(self.data, context={
+                "parameters": base.scene.parameters, "search": self.search})
+        except ValidationError as error:
+            if "search" in self.data and all(each["type"] == UNCOUNTED for each in error.errors()):
+                self._refuse(Problem("bad-study",
+                                     "the study is a search, whose ranges have no points of "
+                                     "their own: 'sandbox search' runs it", "$.search", key=True))
+            self._refuse(*explain(error, self.data, SweepSpec))
+            raise
         points = spec.ends() if self.search else spec.points()
         self._refuse(*over(self.limits, "runs", len(points), "$.vary",
                            "the sweep has {count} runs"))
@@ -127,47 +133,32 @@ class _Checks:
                 if isinstance(each, Looked) and (beyond := each.past_end(max(durations)))]
         keep = self._results(spec, base, points)
         self._refuse()
-        bundle, base = make_bundle(scene, spec.set, self.limits,
-                                   also=points.axes.values())
+        bundle, base = make_bundle(scene, spec.set, self.limits, also=points.axes.values())
         job = SweepJob(bundle, spec.set, keep, audited=spec.audit, limits=self.limits)
-        return Plan(spec.model_copy(update={"name": spec.name or name}), job, points, base,
-                    self.data)
+        name = spec.name or (self.found.path.stem if self.found.path else "")
+        return Plan(spec.model_copy(update={"name": name}), job, points, base, self.data)
 
     def _refuse(self, *problems: Problem) -> None:
-        """Report all problems so far, with their places."""
         if found := [*self.problems, *problems]:
             raise SceneError([each if each.file else replace(
                 each, line=line, column=column) for each in found
                 for line, column in [self.found.where(parse_path(each.path), key=each.key)]],
                 self.found.name) from None
 
-    def _scene(self, folder: Path) -> Path | dict[str, Any]:
-        """The file of the scene, or its data."""
+    def _scene(self) -> Path | dict[str, Any]:
         named = self.data.get("scene")
         if isinstance(named, dict):
             return named
         if not isinstance(named, str) or not named.strip():
             self._refuse(Problem(
-                "missing-key",
-                "the study names no scene", "$.scene" if named else "$",
+                "missing-key", "the study names no scene", "$.scene" if named else "$",
                 allowed='"scene": a file in the same folder, the name of a shipped scene, or a '
                         "scene"))
+        folder = self.found.path.parent if self.found.path else Path()
         try:
             return find_scene(folder / str(named) if str(named).endswith(".json") else str(named))
         except SceneError as error:
             self._refuse(*(replace(each, path="$.scene") for each in error.problems))
-            raise
-
-    def _spec(self, base: Loaded) -> SweepSpec:
-        try:
-            return SweepSpec.model_validate(self.data, context={
-                "parameters": base.scene.parameters, "search": self.search})
-        except ValidationError as error:
-            if "search" in self.data and all(each["type"] == UNCOUNTED for each in error.errors()):
-                self._refuse(Problem("bad-study",
-                                     "the study is a search, whose ranges have no points of "
-                                     "their own: 'sandbox search' runs it", "$.search", key=True))
-            self._refuse(*explain(error, self.data, SweepSpec))
             raise
 
     def _read_extremes(
@@ -207,26 +198,22 @@ class _Checks:
             problem = Problem("bad-study", f"with {here} the scene is wrong: {problem}")
         return replace(problem, path=place, line=0, column=0, file="")
 
-    def _results(
-        self, spec: SweepSpec, base: Loaded, points: Points,
-    ) -> dict[str, Looked | str]:
+    def _results(self, spec: SweepSpec, base: Loaded, points: Points) -> dict[str, Looked | str]:
         """Results by name, patterns expanded; by default those of the scene's expectations."""
         catalogue, parameters = Catalogue(base.mechanism), base.scene.parameters
-        fields = set(Looked.model_fields)
         expected: dict[str, Looked | str] = {
-            f"{each.statistic} {each.quantity}": Looked.model_validate(
-                each.model_dump(include=fields, exclude_defaults=True))
+            f"{each.statistic} {each.quantity}": Looked.model_validate(each.model_dump(
+                include={*Looked.model_fields}, exclude_defaults=True))
             for each in base.mechanism.expect if isinstance(each, Expect)}
         found: dict[str, Looked | str] = {}
         for name, each in (spec.keep or expected).items():
             path = f'$.keep["{name}"]'
             if isinstance(each, str):
+                known, unknown = sorted({*parameters, *found}), frozenset[str]()
                 try:
-                    unknown = parse_expression(each).names - {*parameters, *found}
+                    unknown = parse_expression(each).names - {*known}
                 except WrongValueError as error:
                     self.problems.append(Problem.of(error, path))
-                    unknown = frozenset()
-                known = sorted({*parameters, *found})
                 self.problems += [Problem(
                     "name-not-found", f"unknown name {quoted(one)} in an expression", path,
                     hint=near(one, known),
@@ -254,12 +241,12 @@ class _Checks:
         return found
 
 
-def study_file(word: str, limits: Limits | None = None) -> Path | None:
+def study_file(word: str, limits: Limits | None = None) -> SceneSource | None:
     """The study file that a word names; None for a scene, whose ``scene`` is no name."""
     path = Path(word)
     if path.suffix != ".json" or not path.is_file():
         return None
-    data = read_source(path, limits=limits).data
-    is_study = isinstance(data, dict) and (
-        {"vary", "search"} & data.keys() or isinstance(data.get("scene"), str))
-    return path if is_study else None
+    found = read_source(path, limits=limits)
+    is_study = isinstance(found.data, dict) and (
+        {"vary", "search"} & found.data.keys() or isinstance(found.data.get("scene"), str))
+    return found if is_study else None

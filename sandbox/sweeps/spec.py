@@ -14,7 +14,6 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
 
 from sandbox.scene.settings import STATISTICS, Looked
 from sandbox.sweeps.vary import (
@@ -214,11 +213,6 @@ class SearchSpec(Spec):
                               allowed=", ".join(known))
         return self
 
-    @property
-    def kind(self) -> str:
-        """Its name."""
-        return next(name for name in type(self).model_fields if getattr(self, name) is not None)
-
 
 # -- sweeps --------------------------------------------------------------------------
 
@@ -249,31 +243,30 @@ class Varying(Spec):
         if (info.context or {}).get("search"):  # it chooses its points itself
             return self
         design, lengths = self.chosen_design, dict[str, int]()
-        explicit = design in EXPLICIT
+        explicit, words = design in EXPLICIT, {"design": quoted(design), "count": self.count}
         if explicit and self.count is not None:
             raise wrong_study("a design {design} has no count: its lists and spans give the number "
-                              "of points", design=quoted(design))
+                              "of points", **words)
         if not explicit and self.count is None:
-            raise wrong_study("a design {design} needs a count of points", design=quoted(design))
+            raise wrong_study("a design {design} needs a count of points", **words)
         for path, each in self.over.items():
-            own, named = each.count if isinstance(each, Range) else None, quoted(path)
+            own = each.count if isinstance(each, Range) else None
+            words |= {"path": quoted(path), "own": own}
             if not explicit and own is not None:
                 raise wrong_study(
                     "{path} has its own count {own}, but a design {design} chooses {count} points "
-                    "for all paths together", path=named, own=own, design=quoted(design),
-                    count=self.count,
+                    "for all paths together", **words,
                     allowed='the range without its count; or a group in a study file: '
                             '"vary": [{"over": {…}}, {"over": {…}, "count": …}]')
             if explicit and isinstance(each, Distribution):
                 raise wrong_study(
                     "{path} has a distribution, whose numbers a design {design} cannot choose",
-                    path=named, design=quoted(design),
+                    **words,
                     allowed=", ".join(each for each in get_args(Design) if each not in EXPLICIT))
             if explicit and isinstance(each, Range) and own is None:
-                raise PydanticCustomError(
-                    UNCOUNTED, "{path} has no count: give it a count, or give a design and a count "
-                               "for all paths", {"path": named})
-            lengths[named] = len(each) if isinstance(each, tuple) else own or 0
+                raise wrong_study("{path} has no count: give it a count, or give a design and a "
+                                  "count for all paths", UNCOUNTED, **words)
+            lengths[quoted(path)] = len(each) if isinstance(each, tuple) else own or 0
         if design == "paired" and len({*lengths.values()}) > 1:
             raise wrong_study("paired paths have as many values each: {lengths}",
                               lengths=", ".join(f"{path} {n}" for path, n in lengths.items()))

@@ -14,8 +14,8 @@ from typing import Any
 from sandbox.atomic_files import output_path
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
-from sandbox.sweeps.job import DONE, Log, row_files
-from sandbox.sweeps.plan import Plan, plan_of, read_plan
+from sandbox.sweeps.job import DONE, Log
+from sandbox.sweeps.plan import Plan, Study, plan_of
 from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import parse_result
 from sandbox.sweeps.table import SweepTable, make_table, write_spec
@@ -59,8 +59,7 @@ def run_plan(
     job = replace(plan.job, recordings=str(recordings)) if recorded else plan.job
     with Log(directory) as log:
         if again:
-            for path in row_files(log.folder):
-                path.unlink()
+            log.path.unlink(missing_ok=True)
         done = {row.id for row in log.rows() if not recorded or row.status != DONE
                 or (recordings / row.id).is_dir()}
         runs = dict(zip(plan.ids, range(len(plan)), strict=True))
@@ -86,7 +85,7 @@ def run_plan(
 
 
 def sweep(
-    scene: str | os.PathLike[str] | Mapping[str, Any], *,
+    scene: Study, *,
     vary: Mapping[str, Any] | list[Mapping[str, Any]] | None = None,
     keep: Mapping[str, Any] | list[str] | None = None,
     set: Mapping[str, Any] | None = None,
@@ -126,17 +125,15 @@ def sweep(
         SandboxError: workers cannot start, or the cluster cannot be used.
     """
     directory = None if out is None else output_path(out, "a sweep")
-    if vary is None and not isinstance(scene, Mapping):
-        plan = read_plan(scene, limits)
-    else:
-        plan = plan_of(study_data(
-            scene, vary=vary, keep=keep, set=set, design=design, count=count, seed=seed,
-            audit=audit, recordings=recordings), limits)
-    return run_plan(plan, directory, workers=workers, again=again, progress=progress)
+    study = scene if vary is None and not isinstance(scene, Mapping) else study_data(
+        scene, vary=vary, keep=keep, set=set, design=design, count=count, seed=seed, audit=audit,
+        recordings=recordings)
+    return run_plan(plan_of(study, limits), directory, workers=workers, again=again,
+                    progress=progress)
 
 
 def study_data(
-    scene: str | os.PathLike[str] | Mapping[str, Any], *, vary: Any, keep: Any = None,
+    scene: Study, *, vary: Any, keep: Any = None,
     set: Any = None, design: str | None = None, count: int | None = None, **settings: Any,
 ) -> dict[str, Any]:
     """The data of a study file from the arguments of :func:`sweep`."""

@@ -21,12 +21,12 @@ from sandbox.errors import SandboxError
 from sandbox.figure import style
 from sandbox.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 from sandbox.numeric import Array, Flags
+from sandbox.sweeps import CSV, PARQUET, SPEC
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.plan import Plan
 from sandbox.sweeps.vary import Distribution, Range, Values, number_of
 from sandbox.wording import counted, listed, or_near
 
-CSV, PARQUET, SPEC, FIGURE = "table.csv", "table.parquet", "sweep.json", "sweep.png"
 MET = "met"  # column of a search: whether its condition holds
 MISSING = ""  # status of a run that was not done yet
 
@@ -36,40 +36,53 @@ class SweepTable:
     """Columns of a sweep, [n] for n planned runs."""
 
     plan: Plan
-    kept: dict[str, Array]
-    """Results by name, SI; nan for no value."""
-    ids: list[str]
-    status: list[str]
-    """Empty for a run that was not done yet."""
-    holds: Array
-    """1 or 0, or nan for a run without expectations."""
-    reason: list[str]
-    failed: list[tuple[str, ...]]
-    looks: list[tuple[str, ...]]
+    rows: list[SweepRow]
+    """The outcome of each run; its status is empty if it was not done yet."""
     met: Array | None = None
     """Of a search with a condition: 1 or 0, or nan where it is unknown."""
 
     def __len__(self) -> int:
-        return len(self.ids)
+        return len(self.rows)
 
     def __repr__(self) -> str:
         return (f"<SweepTable of {self.plan.name!r}: {counted(len(self), 'run')}, "
                 f"{len(self.kept)} kept, {self.count} done>")
 
+    @cached_property
+    def kept(self) -> dict[str, Array]:
+        """Results by name, SI; nan for no value."""
+        return {name: np.array([row.kept.get(name) for row in self.rows], dtype=float)
+                for name in self.plan.job.keep}
+
+    @property
+    def ids(self) -> list[str]:
+        """Ids of the runs, [n]."""
+        return self.plan.ids
+
+    @property
+    def status(self) -> list[str]:
+        """Status of each run, [n]; empty for one that was not done yet."""
+        return [row.status for row in self.rows]
+
+    @property
+    def holds(self) -> Array:
+        """Whether all expectations hold: 1 or 0, or nan for a run without expectations, [n]."""
+        return np.array([row.holds for row in self.rows], dtype=float)
+
     @property
     def count(self) -> int:
         """Runs that are finished, however they ended."""
-        return sum(status != MISSING for status in self.status)
+        return sum(row.status != MISSING for row in self.rows)
 
     @property
     def done(self) -> Flags:
         """Whether each run reached its end, [n]."""
-        return np.array([each == DONE for each in self.status], dtype=bool)
+        return np.array([row.status == DONE for row in self.rows], dtype=bool)
 
     @property
     def doubtful(self) -> Flags:
         """Whether the audit of each run has warnings, [n]."""
-        return np.array([bool(each) for each in self.looks], dtype=bool)
+        return np.array([bool(row.looks) for row in self.rows], dtype=bool)
 
     @cached_property
     def varied(self) -> dict[str, list[float | str]]:
@@ -99,16 +112,16 @@ class SweepTable:
 
     def columns(self) -> dict[str, list[Any]]:
         """All columns in their order, as plain lists; None for no value."""
+        rows = self.rows
         return {
             "run": list(range(len(self))), "id": self.ids, **self.varied,
-            **{name: [None if math.isnan(value) else value for value in values.tolist()]
-               for name, values in self.kept.items()},
-            "status": self.status,
-            "reason": self.reason,
-            **({} if self.met is None else {MET: _flags(self.met)}),
-            "holds": _flags(self.holds),
-            "failed": list(map(" ".join, self.failed)),
-            "looks": list(map(" ".join, self.looks)),
+            **{name: [row.kept.get(name) for row in rows] for name in self.kept},
+            "status": self.status, "reason": [row.reason for row in rows],
+            **({} if self.met is None else {
+                MET: [None if math.isnan(value) else bool(value) for value in self.met]}),
+            "holds": [row.holds for row in rows],
+            "failed": [" ".join(row.failed) for row in rows],
+            "looks": [" ".join(row.looks or ()) for row in rows],
             "seed": [self.plan.spec.seed] * len(self),
         }
 
@@ -153,10 +166,6 @@ def preload() -> None:
         import_module("pyarrow.parquet")
 
 
-def _flags(values: Array) -> list[bool | None]:
-    return [None if math.isnan(value) else bool(value) for value in values]
-
-
 def _cell(value: Any) -> Any:
     if isinstance(value, bool):
         return str(value).lower()
@@ -165,21 +174,8 @@ def _cell(value: Any) -> Any:
 
 def make_table(plan: Plan, rows: Iterable[SweepRow]) -> SweepTable:
     """The table of a plan from rows in any order; rows of other plans are ignored."""
-    n = len(plan)
-    runs: dict[str, list[int]] = {}
-    for run, id in enumerate(plan.ids):
-        runs.setdefault(id, []).append(run)  # equal points have equal ids
-    table = SweepTable(plan, {name: np.full(n, np.nan) for name in plan.job.keep}, plan.ids,
-                       [MISSING] * n, np.full(n, np.nan), [""] * n, [()] * n, [()] * n)
-    for row in rows:
-        for run in runs.get(row.id, ()):
-            table.status[run], table.reason[run] = row.status, row.reason
-            table.holds[run] = np.nan if row.holds is None else row.holds
-            table.failed[run], table.looks[run] = row.failed, row.looks or ()
-            for name, number in row.kept.items():
-                if number is not None and name in table.kept:
-                    table.kept[name][run] = number
-    return table
+    found = {row.id: row for row in rows}
+    return SweepTable(plan, [found.get(id) or SweepRow(id, MISSING) for id in plan.ids])
 
 
 def write_spec(plan: Plan, directory: Path, **progress: Any) -> None:
@@ -207,7 +203,7 @@ def draw_table(
     plan, over = table.plan, table.plan.spec.over
     grid = plan.points.is_grid and not any(
         isinstance(values, Distribution) for values in over.values())
-    here = np.array([status != MISSING for status in table.status], dtype=bool)
+    here = np.array([row.status != MISSING for row in table.rows], dtype=bool)
     kept = [SweepColumn(name, plan.units.get(name, ""), values[here])
             for name, values in table.kept.items()]
     map_of_holds = grid and len(over) == 2 and {0.0, 1.0} <= {*table.holds.tolist()}

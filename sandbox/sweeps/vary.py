@@ -10,7 +10,7 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
@@ -36,19 +36,25 @@ MAX_VALUES = 1_000_000  # values of one path
 TEXTS = ('"2:8:60" (from:to:count), "1:100:20:log", "1, 2, 5", "[1, 2, 5]", '
          '"normal(3 N, 0.2 N)", "2:8" with a count of points')
 """Examples of the texts that :func:`parse_values` reads."""
-DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "uniform": (("from", "to"), ()), "log_uniform": (("from", "to"), ()),
-    "normal": (("mean", "std"), ("from", "to")), "log_normal": (("median", "sigma"), ()),
-    "triangular": (("from", "peak", "to"), ()), "exponential": (("mean",), ()),
-    "scipy": (("name",), ("shapes", "loc", "scale")),
+DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], tuple[str, ...], Callable[..., Any]]] = {
+    "uniform": (("from", "to"), (), lambda x, low, high: x.uniform(low, high - low)),
+    "log_uniform": (("from", "to"), (), lambda x, low, high: x.loguniform(low, high)),
+    "normal": (("mean", "std"), ("from", "to"), lambda x, mean, std, low=-np.inf, high=np.inf: (
+        x.norm(mean, std) if np.isinf([low, high]).all() else
+        x.truncnorm((low - mean) / std, (high - mean) / std, mean, std))),
+    "log_normal": (("median", "sigma"), (), lambda x, median, sigma: x.lognorm(sigma, 0, median)),
+    "triangular": (("from", "peak", "to"), (), lambda x, low, peak, high: x.triang(
+        (peak - low) / (high - low), low, high - low)),
+    "exponential": (("mean",), (), lambda x, mean: x.expon(0, mean)),
+    "scipy": (("name",), ("shapes", "loc", "scale"), lambda x, name, **more: _scipy(
+        x, name, **more)),
 }
-"""Required and optional arguments of each distribution."""
+"""Required and optional arguments of each distribution, and its definition by ``scipy.stats``."""
+ENDS = {"from": "low", "to": "high"}
 _CALL = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*\(([^()]*)\)\s*")
 
 
-def wrong_study(
-    message: str, *, code: Literal["bad-study", "bad-search"] = "bad-study", **context: Any,
-) -> PydanticCustomError:
+def wrong_study(message: str, code: Any = "bad-study", **context: Any) -> PydanticCustomError:
     """The error of a study that is wrong."""
     return PydanticCustomError(code, message, context)
 
@@ -141,7 +147,7 @@ class Distribution(Spec):
     @model_validator(mode="after")
     def _check(self) -> Self:
         kind, arguments = self.distribution, self._arguments
-        required, optional = DISTRIBUTIONS[kind]
+        required, optional, _ = DISTRIBUTIONS[kind]
         if missing := [quoted(key) for key in required if key not in arguments]:
             raise wrong_study("a {kind} distribution needs {keys}", kind=kind,
                               keys=" and ".join(missing))
@@ -165,7 +171,7 @@ class Distribution(Spec):
 
     @property
     def unit(self) -> str:
-        """The unit in which it was written; empty for none."""
+        """As of a range."""
         return common_unit([value for key, value in self._arguments.items()
                             if isinstance(value, float) and key != "sigma"])
 
@@ -174,28 +180,10 @@ class Distribution(Spec):
         from scipy import stats
 
         unit = self.unit
-        known: Any = {key: np.float64(in_unit(value, unit))
-                      if isinstance(value, float) and key != "sigma" else value
-                      for key, value in self._arguments.items()}
-        low, high = known.get("from", -math.inf), known.get("to", math.inf)
-        match self.distribution:
-            case "uniform":
-                found = stats.uniform(low, high - low)
-            case "log_uniform":
-                found = stats.loguniform(low, high)
-            case "normal" if math.isinf(low) and math.isinf(high):
-                found = stats.norm(known["mean"], known["std"])
-            case "normal":
-                mean, std = known["mean"], known["std"]
-                found = stats.truncnorm((low - mean) / std, (high - mean) / std, mean, std)
-            case "log_normal":
-                found = stats.lognorm(known["sigma"], 0, known["median"])
-            case "triangular":
-                found = stats.triang((known["peak"] - low) / (high - low), low, high - low)
-            case "exponential":
-                found = stats.expon(0, known["mean"])
-            case "scipy":
-                found = _scipy(stats, **known)
+        known = {ENDS.get(key, key): np.float64(in_unit(value, unit))
+                 if isinstance(value, float) and key != "sigma" else value
+                 for key, value in self._arguments.items()}
+        found = DISTRIBUTIONS[self.distribution][2](stats, **known)
         inside = np.finfo(float).eps / 2
         return np.asarray(found.ppf(np.clip(quantiles, inside, 1 - inside)), dtype=float)
 
@@ -278,14 +266,14 @@ def parse_values(text: str) -> Any:
         return _parse_distribution(call[1], call[2])
     if text.startswith(("[", "{")):
         try:
-            return json.loads(text, parse_constant=_refuse_constant)
+            return json.loads(text)
         except ValueError as error:
             raise WrongValueError("invalid-json",
                                   f"{quoted(text)} is not JSON: {error}", allowed=TEXTS) from None
     if not text:
         raise WrongValueError("bad-study", "there are no values", allowed=TEXTS)
     if ":" not in text:
-        return [_parse_value(part) for part in text.split(",")]
+        return [*map(_parse_value, text.split(","))]
     first, last, *more = (part.strip() for part in text.split(":"))
     found: dict[str, Any] = {"from": _parse_value(first), "to": _parse_value(last)}
     if more and more[-1] in ("log", "linear"):
@@ -299,10 +287,11 @@ def parse_values(text: str) -> Any:
 
 
 def _parse_distribution(name: str, inside: str) -> dict[str, Any]:
+    """The object of a distribution that is written as a call."""
     if name not in DISTRIBUTIONS:
         raise WrongValueError("bad-study", f"there is no distribution {quoted(name)}",
                               allowed=", ".join(DISTRIBUTIONS), hint=near(name, DISTRIBUTIONS))
-    keys = [key for group in DISTRIBUTIONS[name] for key in group]
+    keys = [*DISTRIBUTIONS[name][0], *DISTRIBUTIONS[name][1]]
     found: dict[str, Any] = {"distribution": name}
     for place, part in enumerate(filter(None, (each.strip() for each in inside.split(",")))):
         key, equals, value = (each.strip() for each in part.partition("="))
@@ -315,15 +304,11 @@ def _parse_distribution(name: str, inside: str) -> dict[str, Any]:
 
 
 def _parse_value(text: str) -> Any:
-    """A number or word of the command line as a file would hold it."""
+    """A number or word of the command line as a file has it."""
     try:
-        return json.loads(text, parse_constant=_refuse_constant)
+        return json.loads(text)
     except ValueError:
         return text.strip()
-
-
-def _refuse_constant(word: str) -> float:
-    raise ValueError(f"{word} is no number")
 
 
 # -- points --------------------------------------------------------------------------
@@ -359,8 +344,7 @@ def group_points(
 ) -> list[dict[str, list[Override]]]:
     """The dimensions of a group of paths that vary by one design."""
     if design in ("grid", "paired"):
-        axes = {path: values_at(values, (np.arange(len(values)) + 0.5) / len(values))
-                if isinstance(values, tuple) else
+        axes = {path: [*map(_plain, values)] if isinstance(values, tuple) else
                 values_at(values, np.linspace(0.0, 1.0, getattr(values, "count", 1)), digits=15)
                 for path, values in over.items()}
         return [{path: axis} for path, axis in axes.items()] if design == "grid" else [axes]
@@ -395,11 +379,11 @@ def _plain(value: Any) -> Override:
 
 def number_of(written: Override) -> float | str:
     """A value of a path as a table has it: SI where it is a number, else text."""
-    if isinstance(written, bool) or written is None or isinstance(written, (list, dict)):
-        return json.dumps(written)
     if isinstance(written, str):
         try:
             return float(parse_quantity(written, None))
         except ValueError:
             return written
+    if written is None or isinstance(written, (bool, list, dict)):
+        return json.dumps(written)
     return float(written)

@@ -71,13 +71,12 @@ class Processes:
             if not pending:
                 return
             done = wait(pending, return_when=FIRST_COMPLETED).done
-            if any(_broken(future) for future in done):
+            if any(map(_broken, done)):
                 done = wait(pending).done  # a pool breaks as a whole
-            finished = [(pending.pop(future), future) for future in done]
-            for task, future in finished:
-                if not _broken(future):
-                    yield self._row_of(task, future)
-            if suspects := [task for task, future in finished if _broken(future)]:
+            suspects = [pending.pop(future) for future in done if _broken(future)]
+            for future in done & pending.keys():
+                yield self._row_of(pending.pop(future), future)
+            if suspects:
                 self._start(1)
                 for task in suspects:
                     again = self._submit(task)
@@ -149,7 +148,6 @@ def _exit_with_parent() -> None:
 
 
 def _prepare() -> None:
-    """Compile the kernels that the scene needs into the cache."""
     from sandbox.engine.simulation import Simulation
     from sandbox.sweeps.runner import load_scene  # loads the engine
 
@@ -209,13 +207,13 @@ class Cluster(Processes):
                                                   f"{error or type(error).__name__}")
 
 
+def _version() -> str:
+    return __version__
+
+
 def _run_remote(id: str, values: Point, job: SweepJob) -> SweepRow:
     from sandbox.sweeps.runner import run_point  # loads the engine
 
     job.bundle.register()
     with job.bundle.unpacked() as scene:
         return run_point(job, scene, id, values)
-
-
-def _version() -> str:
-    return __version__

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.cli.plot import PICTURES
+from sandbox.cli.options import PICTURES
 from sandbox.figure.style import SUFFIXES
 from sandbox.recording.recording import Recording
 from tests.samples.controlled import recording
@@ -71,7 +71,7 @@ def test_without_quantities_it_lists_them_and_commands_that_work(runs):
     assert "  .shortening  m " in output.out
     assert not Path("renders/controlled/plot.png").exists()
     commands = [shlex.split(line) for line in output.out.splitlines() if "sandbox plot" in line]
-    assert len(commands) == 3
+    assert len(commands) == 2
     for command in commands:
         assert runs(*command[1:]).code == 0, command
     message = json.loads(runs("plot", "controlled", "--json").out)["quantities"]

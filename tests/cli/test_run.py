@@ -117,7 +117,7 @@ def test_an_unwritable_directory_is_refused_before_simulating(
     def must_not_run(*arguments, **options):
         raise AssertionError("simulated before the directory was tried")
 
-    monkeypatch.setattr("sandbox.engine.simulate.simulate", must_not_run)
+    monkeypatch.setattr("sandbox.cli.run.simulate", must_not_run)
     (tmp_path / "file").write_text("in the way")
     (tmp_path / "link").symlink_to("nowhere")
     output = sandbox("run", scene(), "--out", place)
@@ -130,7 +130,7 @@ def test_a_fault_of_sandbox_is_one_line_and_exits_70(sandbox, scene, monkeypatch
     def broken(*arguments, **options):
         raise ZeroDivisionError("in the engine\nwith more lines")
 
-    monkeypatch.setattr("sandbox.engine.simulate.simulate", broken)
+    monkeypatch.setattr("sandbox.cli.run.simulate", broken)
     output = sandbox("run", scene(), "--no-render")
     assert output.code == 70
     assert "ZeroDivisionError: in the engine" in output.err
@@ -139,8 +139,8 @@ def test_a_fault_of_sandbox_is_one_line_and_exits_70(sandbox, scene, monkeypatch
 
 @pytest.mark.parametrize("where", [
     "sandbox.scene.read.load.read_scene", "sandbox.engine.inspect.look_over",
-    "sandbox.recording.store.save_data", "sandbox.picture.film.render",
-    "sandbox.recording.store.save_summary",
+    "sandbox.cli.run.save_data", "sandbox.picture.film.render",
+    "sandbox.cli.run.save_summary",
 ])
 def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
     sandbox, scene, monkeypatch, tmp_path, where,
@@ -157,7 +157,7 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
 
 @pytest.mark.parametrize(("where", "stop"), [
     ("sandbox.picture.film.render", KeyboardInterrupt),
-    ("sandbox.audit.audit.audit", KeyboardInterrupt),
+    ("sandbox.cli.run.audit", KeyboardInterrupt),
     ("sandbox.picture.film.render", MemoryError)])
 def test_a_stop_while_drawing_or_auditing_keeps_the_old_run(
     sandbox, scene, monkeypatch, tmp_path, where, stop,
@@ -210,7 +210,7 @@ def test_compilation_is_announced_once(monkeypatch, scene, capfd, tmp_path):
         report_began()
         return simulate(*arguments, **options)
 
-    monkeypatch.setattr("sandbox.engine.simulate.simulate", compiles)
+    monkeypatch.setattr("sandbox.cli.run.simulate", compiles)
     for words, announced in (([], 1), (["--json"], 1), (["--quiet"], 0)):
         capfd.readouterr()
         assert invoke(["run", str(scene()), "--no-render", *words]) == 0

@@ -60,7 +60,6 @@ def test_stills_and_strips(sandbox, saved):
     (["--format", "svg", "--out", "a.svg"], "give --format or --out FILE, not both"),
     (["--size", "2y"], "as in 2x"),
     (["--show", "velocty"], "did you mean 'velocity'"),
-    (["--max-frames", "9"], "Use --limit frames=VALUE."),
 ])
 def test_wrong_pictures(sandbox, saved, words, message):
     output = sandbox("render", saved, *words)

@@ -14,7 +14,7 @@ from sandbox.convergence.judgement import Kind
 from sandbox.elements.controllers.controller import every
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
-from sandbox.errors import SimulationDiverged
+from sandbox.errors import SceneError, SimulationDiverged
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Event
@@ -222,11 +222,11 @@ def test_side_by_side_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_scenes_that_cannot_be_certified_are_refused() -> None:
     stopped = spring([{"max": "load.x", "below": 1.0}])
     event = Event(name="near", when="=load.x < 0.055", stop="pass")
-    with pytest.raises(ValueError, match="an event may stop the run"):
+    with pytest.raises(SceneError, match="an event may stop the run"):
         certify(stopped.model_copy(update={"events": (event,)}))
-    with pytest.raises(ValueError, match="expects nothing"):
+    with pytest.raises(SceneError, match="expects nothing"):
         certify(spring([]))
-    with pytest.raises(ValueError, match="fewer than four steps"):
+    with pytest.raises(SceneError, match="fewer than four steps"):
         certify(spring([{"final": "load.x", "above": 0.0}], duration=2e-3))
 
 

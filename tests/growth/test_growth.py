@@ -12,9 +12,9 @@ from types import FrameType
 import pytest
 
 from sandbox import wording
+from sandbox.cli.check import report_of
 from sandbox.cli.console import Console
 from sandbox.cli.options import Source
-from sandbox.cli.scenes import report_of
 from sandbox.engine import inspect_elements
 from sandbox.errors import SceneError
 from sandbox.scene.read.limits import Limits

@@ -14,7 +14,7 @@ import sandbox
 from sandbox.errors import OutputError, SceneError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import read_scene
-from sandbox.sweeps.job import Log, SweepRow, make_bundle, read_rows
+from sandbox.sweeps.job import Log, SweepRow, make_bundle
 from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.sweep import run_plan, study_data
 from sandbox.sweeps.workers import Processes
@@ -91,7 +91,7 @@ def test_ctrl_c_keeps_finished_runs(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         run(study(), tmp_path, progress=stop)
     assert json.loads((tmp_path / "sweep.json").read_text())["ended"] == "interrupted"
-    assert len(list(read_rows(tmp_path / "rows"))) == 2
+    assert len(list(Log(tmp_path).rows())) == 2
     assert (tmp_path / "table.csv").read_text().count(",done,") == 2
     assert run(study(), tmp_path).count == 6
 
@@ -147,11 +147,11 @@ def test_a_line_that_was_cut_off_is_taken_away(tmp_path):
         log.add(row)
     path = tmp_path / "rows" / "00000.jsonl"
     path.write_bytes(path.read_bytes() + b'{"id": "12')
-    assert list(read_rows(tmp_path / "rows")) == [row]
+    assert list(Log(tmp_path).rows()) == [row]
     other = SweepRow("1" * 16, "died", reason="it did")
     with Log(tmp_path) as log:
         log.add(other)
-    assert list(read_rows(tmp_path / "rows")) == [row, other]
+    assert list(Log(tmp_path).rows()) == [row, other]
 
 
 def test_two_processes_do_not_write_one_sweep(tmp_path):
@@ -166,7 +166,7 @@ def test_a_corrupt_row_is_an_error(tmp_path, line):
     folder.mkdir()
     (folder / "00000.jsonl").write_bytes(line)
     with pytest.raises(OutputError, match=r"00000\.jsonl:1"):
-        list(read_rows(folder))
+        list(Log(tmp_path).rows())
 
 
 # -- files ---------------------------------------------------------------------------
