@@ -23,8 +23,6 @@ ENDING = 0.1  # last share of the run whose median counts, too: the end is looke
 REFERENCE, LONGEST = 0.085, 1.5
 """Reference arrow [picture widths]; longer arrows are cut at this multiple."""
 UNLOADED = 1e-3  # links below this are unloaded [tops of the scale]
-USUAL, SPIKE = 0.75, 2.0
-"""Quantile of loaded samples, and maximum ratio of the top of the scale to it."""
 SLACK_FRACTION, UNSEEN = 1e-6, 1e-5  # slack, and without colour [tops of the scale]
 PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
 
@@ -160,20 +158,15 @@ class PinnedBar(NamedTuple):
 
 def bars_of(run: RunData, bodies: Sequence[int]) -> list[PinnedBar]:
     """Those of ``bodies`` that move and that pins hold in exactly two places."""
-    joints, found = run.model.joints, dict[int, PinnedBar]()
+    joints, found = run.model.joints, dict[int, dict[tuple[float, float], list[int]]]()
     for k, kind in enumerate(joints.kind):
         for body, (x, y) in zip(joints.bodies[k].tolist(), joints.anchor[k].tolist(),
                                 strict=True) if kind.keeps == "point" else ():
-            bar = found.setdefault(body, PinnedBar(body, [], []))
-            near = next((own for at, own in zip(bar.ends, bar.joints, strict=True)
-                         if abs(at[0] - x) + abs(at[1] - y) <= 1e-9), None)
-            if near is None:
-                bar.ends.append((x, y))
-                bar.joints.append([k])
-            else:
-                near.append(k)
-    return [bar for body, bar in sorted(found.items()) if len(bar.ends) == 2
-            and body in bodies and not run.model.bodies.fixed[body]]
+            ends = found.setdefault(body, {})
+            near = next((at for at in ends if abs(at[0] - x) + abs(at[1] - y) <= 1e-9), (x, y))
+            ends.setdefault(near, []).append(k)
+    return [PinnedBar(body, [*ends], [*ends.values()]) for body, ends in sorted(found.items())
+            if len(ends) == 2 and body in bodies and not run.model.bodies.fixed[body]]
 
 
 def bar_tensions(run: RunData, bars: Sequence[PinnedBar]) -> Array:
@@ -237,7 +230,7 @@ def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
 def largest_tension(tension: Array) -> float:
     """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
 
-    The sharpest 0.5 % of samples may exceed it, more if the usual tensions would have no colour.
+    The sharpest 0.5 % of samples may exceed it, and what is above twice the upper quartile.
     """
     if not tension.size:
         return 0.0
@@ -246,5 +239,5 @@ def largest_tension(tension: Array) -> float:
     loaded = each[each > UNLOADED * peak]
     if not peak > 0 or not loaded.size:
         return 0.0
-    usual = SPIKE * float(np.quantile(loaded, USUAL))
+    usual = 2.0 * float(np.quantile(loaded, 0.75))
     return round_up(max(min(peak, usual), float(each[-1])))

@@ -123,14 +123,13 @@ def add_latches(s: Subject) -> None:
     at_joints = list(zip(joints.bodies[:, 0], joints.anchor[:, 0], strict=True))
     at_springs = [(springs.bodies[k, 0], springs.anchor[k, 0]) if straight
                   else at_joints[springs.joint[k]] for k, straight in enumerate(springs.straight)]
-    firsts = [tendons.guides(k).start for k in range(len(tendons.name))]
-    at_tendons = [(tendons.guide_body[k], tendons.guide_at[k]) for k in firsts]
-    for of, places in ((bonds.joint, at_joints), (bonds.spring, at_springs),
-                       (bonds.tendon, at_tendons)):
-        for bond, (body, at) in zip(of.tolist(), places, strict=True):
-            if bond != NONE:
-                s.add("latches", "mark", plane=s.plane(body), at=s.on(body, at),
-                      g=["gone", "holds"], state=s.steady(s.run.arrays["held"][:, bond] != 0))
+    at_tendons = [(tendons.guide_body[k], tendons.guide_at[k])
+                  for k in (tendons.guides(i).start for i in range(len(tendons.name)))]
+    for bond, (body, at) in zip(np.concatenate([bonds.joint, bonds.spring, bonds.tendon]).tolist(),
+                                [*at_joints, *at_springs, *at_tendons], strict=True):
+        if bond != NONE:
+            s.add("latches", "mark", plane=s.plane(body), at=s.on(body, at),
+                  g=["gone", "holds"], state=s.steady(s.run.arrays["held"][:, bond] != 0))
 
 
 def add_links(s: Subject) -> None:
