@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from sandbox.elements.drive import DriveKind, DriveSpec
+from sandbox.elements.drives import DriveKind, DriveSpec
 from sandbox.elements.element import (
     ATMOSPHERE,
     LINE,
@@ -28,9 +28,9 @@ from sandbox.elements.element import (
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.signals import FlowSignal, PressureSignal, ShareSignal
-from sandbox.values.spec import TYPE, Spec
+from sandbox.values.spec import TYPE, Spec, refuse_if
 from sandbox.values.units import size_fault
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import quoted
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
@@ -86,16 +86,9 @@ class Vane(Spec):
     type: Literal["vane"] = TYPE
     joint: HingeName
     """Name of the pin that it acts on."""
-    displacement: of.Displacement
+    displacement: Annotated[of.Displacement, of.NOT_ZERO]
     """Volume per angle of the hinge [m^3/rad], in the hinge's positive sense; the torque is this
     times the pressure. A negative value reverses it."""
-
-    @model_validator(mode="after")
-    def _something(self) -> Self:
-        if abs(self.displacement) < 1e-24:
-            raise WrongValueError("out-of-range", "must not be 0: give a volume per angle such as "
-                                  "2 ml/rad; a negative one reverses the direction")
-        return self
 
     @property
     def gain(self) -> float:
@@ -135,8 +128,7 @@ class Line(Element):
     relief: of.Pressure | None = None
     """Maximum pressure [Pa], at which a relief valve opens to the tank; none by default."""
 
-    @model_validator(mode="after")
-    def _in_order(self) -> Self:
+    def _verify(self) -> None:
         relief = math.inf if self.relief is None else self.relief
         for fault, what in (
                 (not -ATMOSPHERE <= self.least <= 0,
@@ -146,11 +138,9 @@ class Line(Element):
                  "the pressure at t = 0 must lie between least and relief"),
                 (self.gas is not None and self.pressure <= -ATMOSPHERE,
                  "a line with gas needs a pressure above a vacuum")):
-            if fault:
-                raise WrongValueError("out-of-range", what)
-        if self.gas is not None and self.modulus is not None:
-            raise WrongValueError("conflicting-keys", "'gas' and 'modulus' exclude each other")
-        return self
+            refuse_if(fault, what, "out-of-range")
+        refuse_if(self.gas is not None and self.modulus is not None,
+                  "'gas' and 'modulus' exclude each other")
 
     def volume_at(self, world: Callable[[str, Vec], Vec]) -> float:
         """Volume at t = 0 [m^3]; 0 where neither a field nor the cylinders give it."""
@@ -208,14 +198,10 @@ class Valve(Element):
     one_way: of.Flag = False
     """A check valve: it lets fluid from ``a`` to ``b`` and not back."""
 
-    @model_validator(mode="after")
-    def _between(self) -> Self:
-        if self.a == self.b:
-            raise WrongValueError("conflicting-keys", "a valve needs a line: give 'a', 'b' or both")
-        if self.resistance < 1e-12 and self.area is None:
-            raise WrongValueError("conflicting-keys", "a valve needs 'area', or a 'resistance' "
-                                  "greater than 0")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.a == self.b, "a valve needs a line: give 'a', 'b' or both")
+        refuse_if(self.resistance < 1e-12 and self.area is None,
+                  "a valve needs 'area', or a 'resistance' greater than 0")
 
     @property
     def orifice(self) -> float:

@@ -5,15 +5,15 @@ from __future__ import annotations
 import fnmatch
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
 from sandbox.elements.element import KEPT, NAMED, Element, Quantity, live, recorded
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
-from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError, quoted
+from sandbox.values.spec import TYPE, refuse_if
+from sandbox.wording import quoted
 
 if TYPE_CHECKING:
     from sandbox.scene.bodies import Body
@@ -116,15 +116,11 @@ class LawLoad(LoadSpec):
     """Axes of the two components: of the world, or of the body. ``vx``, ``vy``, ``ax``, ``ay`` are
     along the same axes; ``x``, ``y`` and ``angle`` are in the world."""
 
-    @model_validator(mode="after")
-    def _something(self) -> Self:
-        if self.force is not None and self.acceleration is not None:
-            raise WrongValueError("conflicting-keys", "give 'force' or 'acceleration', the force "
-                                  "per mass, not both")
-        if self.force is None and self.acceleration is None and self.torque is None:
-            raise WrongValueError("conflicting-keys", "give a 'force', an 'acceleration' or a "
-                                  "'torque'")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.force is not None and self.acceleration is not None,
+                  "give 'force' or 'acceleration', the force per mass, not both")
+        refuse_if(self.force is None and self.acceleration is None and self.torque is None,
+                  "give a 'force', an 'acceleration' or a 'torque'")
 
     def laws(self) -> tuple[str | None, str | None, str | None]:
         """The two components of the force and the torque, as expressions."""
@@ -156,11 +152,9 @@ class DragLoad(LoadSpec):
     flow: Annotated[of.Pair[of.Speed], KEPT] = (0.0, 0.0)
     """The velocity [x, y] of the medium in the world, such as wind [m/s]; none by default."""
 
-    @model_validator(mode="after")
-    def _something(self) -> Self:
-        if self.area is None and not self.linear and not self.turning:
-            raise WrongValueError("conflicting-keys", "give 'linear', 'area' or 'turning'")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.area is None and not self.linear and not self.turning,
+                  "give 'linear', 'area' or 'turning'")
 
     def laws(self) -> tuple[str | None, str | None, str | None]:
         """The two components of the force and the torque, as expressions."""

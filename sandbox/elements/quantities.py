@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from sandbox.elements import drive, fluids, joint, loads, springs, tendons
+from sandbox.elements import drives, fluids, joints, loads, springs, tendons
 from sandbox.elements.element import NAMED, RELEASABLE, Quantity, live
 from sandbox.elements.tendons import NUMBERED
 
@@ -30,9 +30,9 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "contact.fx": Quantity("N", "resultant of all contact forces on it"),
         "contact.fy": Quantity("N", "the same, upwards"),
     },
-    "joint": joint.QUANTITIES, "spring": springs.QUANTITIES, "tendon": tendons.QUANTITIES,
+    "joint": joints.QUANTITIES, "spring": springs.QUANTITIES, "tendon": tendons.QUANTITIES,
     "line": fluids.LINE_QUANTITIES, "valve": fluids.VALVE_QUANTITIES, "load": loads.QUANTITIES,
-    "drive": drive.QUANTITIES,
+    "drive": drives.QUANTITIES,
     "group": {
         "contact.count": Quantity("1", "number of its bodies with a contact from outside",
                                   live=True, count=True),

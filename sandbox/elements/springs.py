@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, live, recorded
 from sandbox.values import numbers as of
-from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError
+from sandbox.values.spec import TYPE, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
@@ -50,13 +49,9 @@ class SpringSpec(Element):
         text: str | None = getattr(self, self.LOCAL[0])
         return text
 
-    @model_validator(mode="after")
-    def _one_law(self) -> Self:
-        if (getattr(self, "stiffness", None) is None) == (self.law is None):
-            said = "not both" if self.law is not None else "one of them"
-            raise WrongValueError("conflicting-keys",
-                                  f"give 'stiffness' or '{self.LOCAL[0]}', {said}")
-        return self
+    def _verify(self) -> None:
+        refuse_if((getattr(self, "stiffness", None) is None) == (self.law is None),
+                  f"give either 'stiffness' or '{self.LOCAL[0]}'")
 
 
 def _read_law(cls: type[SpringSpec], text: str | None, info: ValidationInfo) -> str | None:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, live, recorded
 from sandbox.elements.springs import TakenUp
 from sandbox.values import numbers as of
-from sandbox.values.spec import Spec
-from sandbox.wording import WrongValueError
+from sandbox.values.spec import Spec, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
@@ -110,15 +109,11 @@ class Tendon(Element):
     """Rest length after it is engaged again: ``natural`` keeps it; ``as_is`` takes the current path
     length, so that it starts without tension."""
 
-    @model_validator(mode="after")
-    def _one_way(self) -> Self:
-        if self.pretension is not None and (self.rest_length is not None or self.slack):
-            raise WrongValueError("conflicting-keys", "a tendon has a pretension, or a rest_length "
-                                  "and slack, not both")
-        if self.closed and len(self.guides) == 2 and not any(g.radius for g in self.guides):
-            raise WrongValueError("bad-tendon-path", "a loop of two guides encloses nothing: give "
-                                  "one a radius")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.pretension is not None and (self.rest_length is not None or self.slack),
+                  "a tendon has a pretension, or a rest_length and slack, not both")
+        refuse_if(self.closed and len(self.guides) == 2 and not any(g.radius for g in self.guides),
+                  "a loop of two guides encloses nothing: give one a radius", "bad-tendon-path")
 
     @property
     def path(self) -> tuple[Guide, ...]:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.elements.element import ATMOSPHERE
-from sandbox.elements.joint import Keeps
+from sandbox.elements.joints import Keeps
 from sandbox.engine import records
 from sandbox.engine import stiffness as stiffnesses
 from sandbox.engine.tendons import measure

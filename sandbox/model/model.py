@@ -14,9 +14,9 @@ from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import numpy as np
 
-from sandbox.elements.drive import DriveKind, Gives
+from sandbox.elements.drives import DriveKind, Gives
 from sandbox.elements.element import NAMED, NO_POINT, RELEASABLE
-from sandbox.elements.joint import JointKind, Keeps
+from sandbox.elements.joints import JointKind, Keeps
 from sandbox.elements.springs import SpringKind
 from sandbox.model.laws import LoadLaw, SpringLaw
 from sandbox.numeric import Array, Flags, Integers
@@ -94,7 +94,8 @@ class Joints:
     stiffness: Number  # [nj] of its teeth [N/m]
     along: Point  # [nj, 2] pitch line of a rack in the frame of b, unit, the gear on its left
     friction: OrZero  # [nj] constant dry friction [N m of a pin, N of a slot]
-    coefficient: OrZero  # [nj] dry friction per reaction [m of a pin, 1 of a slot]
+    # [nj] dry friction per reaction [m of a pin, 1 of a slot]
+    coefficient: Annotated[Array, Column(0.0, ("coefficient", "friction_coefficient"))]
     static: Annotated[Array, Column(1.0)]  # [nj] static over sliding friction
     collide: Flag  # [nj] whether the two bodies may touch
     # numbers of those with an angle; of hinges about one point of both bodies; of slots; of those

@@ -193,6 +193,7 @@ def _bound(test: Callable[[float], bool], wanted: str) -> AfterValidator:
 
 POSITIVE = _bound(lambda v: v > 0, "greater than 0")
 NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
+NOT_ZERO = _bound(lambda v: abs(v) >= 1e-24, "other than 0")
 AT_MOST_ONE = _bound(lambda v: v <= 1, "at most 1")
 
 Quantity = Annotated[Float, Dimension()]

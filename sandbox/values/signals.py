@@ -5,7 +5,7 @@ from __future__ import annotations
 import numbers
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
@@ -15,7 +15,6 @@ from pydantic import (
     ValidationError,
     ValidationInfo,
     field_validator,
-    model_validator,
 )
 from pydantic_core import InitErrorDetails
 
@@ -23,10 +22,9 @@ from sandbox.numeric import Array
 from sandbox.values import numbers as of
 from sandbox.values.expressions import parse_expression, unknown_name
 from sandbox.values.marks import ReadMark
-from sandbox.values.spec import Spec
+from sandbox.values.spec import Spec, refuse_if
 from sandbox.values.tables import NONE, Tables
 from sandbox.values.units import units_of
-from sandbox.wording import WrongValueError
 
 
 class Ramp(Spec):
@@ -53,8 +51,8 @@ class Table(Spec):
     @field_validator("table")
     @classmethod
     def _in_order(cls, table: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        if any(b[0] <= a[0] for a, b in pairwise(table)):
-            raise WrongValueError("bad-table", "the times of a table must increase")
+        refuse_if(any(b[0] <= a[0] for a, b in pairwise(table)),
+                  "the times of a table must increase", "bad-table")
         return table
 
 
@@ -210,8 +208,6 @@ class Path(Spec):
     angle: AngleSignal | None = None
     """Turn of the body's frame against the world [rad], counter-clockwise."""
 
-    @model_validator(mode="after")
-    def _something(self) -> Self:
-        if self.x is None and self.y is None and self.angle is None:
-            raise WrongValueError("conflicting-keys", "a path needs 'x', 'y' or 'angle'")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.x is None and self.y is None and self.angle is None,
+                  "a path needs 'x', 'y' or 'angle'")

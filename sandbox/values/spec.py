@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Self, get_args
 
-from pydantic import ConfigDict, Field, ValidationError
+from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from sandbox.errors import SceneError
+from sandbox.wording import WrongValueError
 
 TYPE: Any = Field()  # the default of a field type: a file must have it, the constructor fills it in
 
@@ -47,3 +48,19 @@ class Spec(Model):
     )
     # fields that hold expressions of names of their own: no element is meant by them
     LOCAL: ClassVar[tuple[str, ...]] = ()
+
+    @model_validator(mode="after")
+    def _verified(self) -> Self:
+        self._verify()
+        return self
+
+    def _verify(self) -> None:
+        """Refuse fields that do not fit together, by :func:`refuse_if`."""
+
+
+def refuse_if(
+    fault: object, message: str, code: str = "conflicting-keys", *, allowed: str = "",
+) -> None:
+    """Raise a WrongValueError where ``fault`` is true."""
+    if fault:
+        raise WrongValueError(code, message, allowed=allowed)

@@ -16,15 +16,15 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator
 
 from sandbox.numeric import Array
 from sandbox.values.expressions import RESERVED, call
 from sandbox.values.numbers import Items, Pair, Quantity
-from sandbox.values.spec import Spec
+from sandbox.values.spec import Spec, refuse_if
 from sandbox.values.units import Measured, dimension_of
 from sandbox.wording import WrongValueError, quoted
 
@@ -128,28 +128,22 @@ class NamedTable(Spec):
                                       f"and here are {' and '.join(sorted(kinds))}")
         return points
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
+    def _verify(self) -> None:
         first, last = self.points[0][1], self.points[-1][1]
         values = [y for _, y in self.points]
         if self.beyond == "repeat":
-            if abs(last - first) > CLOSES * (max(values) - min(values)):
-                raise WrongValueError("bad-table", "the ends of a table that repeats must be "
-                                      f"equal: {first:g}, {last:g}")
-            if len(self.points) < 4 and self.between == "cubic":
-                raise WrongValueError("bad-table", "a cubic table that repeats needs at least 4 "
-                                      "points")
+            refuse_if(abs(last - first) > CLOSES * (max(values) - min(values)), "the ends of a "
+                      f"table that repeats must be equal: {first:g}, {last:g}", "bad-table")
+            refuse_if(len(self.points) < 4 and self.between == "cubic",
+                      "a cubic table that repeats needs at least 4 points", "bad-table")
         steepest = float(np.abs(function_of(self).pieces[:, 1]).max())
-        if not steepest <= STEEPEST:
-            raise WrongValueError("bad-table", f"the table is too steep: {steepest:.3g}; the "
-                                               f"maximum is {STEEPEST:g}")
-        return self
+        refuse_if(not steepest <= STEEPEST, f"the table is too steep: {steepest:.3g}; the maximum "
+                  f"is {STEEPEST:g}", "bad-table")
 
 
 def _free(name: str) -> str:
-    if name in RESERVED or "__" in name:
-        raise WrongValueError("invalid-name", f"a table cannot have the name {quoted(name)}, which "
-                              "expressions reserve")
+    refuse_if(name in RESERVED or "__" in name, f"a table cannot have the name {quoted(name)}, "
+              "which expressions reserve", "invalid-name")
     return name
 
 

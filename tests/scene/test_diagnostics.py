@@ -118,7 +118,7 @@ events = [{"name": "later", "at": 0.1, "stop": "fail", "lasts": 0.1}]
     | conflicting-keys | 'lasts' needs 'set' @ events[0].lasts
 [fluids]
 lines[0].chambers[0].area = "10 cm" | wrong-unit | 'cm' is a unit of length
-lines[0].chambers[1].displacement = 0 | out-of-range | 2 ml/rad @ lines[0].chambers[1]
+lines[0].chambers[1].displacement = 0 | out-of-range | other than 0
 lines[1].volume = | out-of-range | outside of
 lines[1].modulus = 1000000000.0 | conflicting-keys | exclude each other @ lines[1]
 lines[0].least = 1 | out-of-range | a vacuum, to 0 @ lines[0]

@@ -14,16 +14,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from sandbox.elements.controllers.controller import Law, Positive, Row, SeveralController
+from sandbox.elements.drives import StiffnessDrive
 from sandbox.elements.element import Vec
-from sandbox.elements.element_drives import StiffnessDrive
-from sandbox.elements.points import Pin
+from sandbox.elements.joints import Pin
 from sandbox.elements.springs import LinearSpring
 from sandbox.elements.tendons import Guide
 from sandbox.errors import Problem
@@ -31,8 +31,8 @@ from sandbox.mechanics.springs import SpringSet, spring_set
 from sandbox.mechanics.tendon import TendonRoute, route
 from sandbox.values.numbers import Angle, Instant, Items, Length, Name, Point, Quantity
 from sandbox.values.signals import AngleSignal
-from sandbox.values.spec import TYPE, Spec
-from sandbox.wording import NearMisses, WrongValueError, listed, quoted
+from sandbox.values.spec import TYPE, Spec, refuse_if
+from sandbox.wording import NearMisses, listed, quoted
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
@@ -50,15 +50,12 @@ class FingerGeometry(Spec):
     on_phalanx: Annotated[Items[Point], Field(alias="to")]
     """M' of each spring, in the frame of the body after the hinge [m]."""
 
-    @model_validator(mode="after")
-    def _counts(self) -> Self:
+    def _verify(self) -> None:
         n = len(self.lengths)
         for key, given, wanted in (("guides", self.guides, n + 1), ("from", self.on_previous, n),
                                    ("to", self.on_phalanx, n)):
-            if len(given) != wanted:
-                raise WrongValueError("wrong-type", f"'{key}': a finger of {n} phalanges has "
-                                      f"{wanted}, got {len(given)}")
-        return self
+            refuse_if(len(given) != wanted, f"'{key}': a finger of {n} phalanges has {wanted}, "
+                      f"got {len(given)}", "wrong-type")
 
 
 class EquilibriumController(SeveralController):
@@ -96,13 +93,12 @@ class EquilibriumController(SeveralController):
     geometry: FingerGeometry | None = None
     """Finger geometry that the law uses; by default the finger's own."""
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
-        n = len(self.writes)
-        if self.geometry is not None and len(self.geometry.lengths) != n:
-            raise WrongValueError("wrong-type", f"'geometry': expected {n} entries, one a drive, "
-                                  f"got {len(self.geometry.lengths)}")
-        return self
+    def _verify(self) -> None:
+        super()._verify()
+        if self.geometry is not None:
+            n, given = len(self.writes), len(self.geometry.lengths)
+            refuse_if(given != n, f"'geometry': expected {n} entries, one a drive, got {given}",
+                      "wrong-type")
 
     @property
     def readings(self) -> tuple[str, ...]:

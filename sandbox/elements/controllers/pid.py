@@ -15,15 +15,14 @@ as in D. E. Seborg, T. F. Edgar and D. A. Mellichamp, Process Dynamics and Contr
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field
 
 from sandbox.elements.controllers.controller import Law, ReadingController, Row
-from sandbox.values.numbers import Duration, Flag, Instant, Quantity
+from sandbox.values.numbers import NOT_ZERO, Duration, Flag, Instant, Quantity
 from sandbox.values.signals import Signal
-from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError
+from sandbox.values.spec import TYPE, refuse_if
 
 
 class Pid(Law):
@@ -125,12 +124,9 @@ class PidController(ReadingController):
     tracking: Duration | None = None
     """Time constant of the back-calculation [s]; by default |kp / ki|, and at once if kp is 0."""
 
-    @model_validator(mode="after")
-    def _tracking_is_used(self) -> Self:
-        if self.tracking is not None and self.anti_windup != "back_calculation":
-            raise WrongValueError("conflicting-keys", "'tracking' is for \"anti_windup\": "
-                                  "\"back_calculation\"")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.tracking is not None and self.anti_windup != "back_calculation",
+                  "'tracking' is for \"anti_windup\": \"back_calculation\"")
 
 
 # kp / Ku, integral time / Tu, derivative time / Tu of each rule
@@ -252,7 +248,7 @@ class RelayController(ReadingController):
     type: Literal["relay"] = TYPE
     target: Signal
     """Target of the reading over time, in its unit; first the reading oscillates about it."""
-    amplitude: Quantity
+    amplitude: Annotated[Quantity, NOT_ZERO]
     """Amplitude of the switching, in the drive's unit, not 0; negative if input lowers reading."""
     hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
     """How far the reading passes the target before the relay switches, in the reading's unit."""
@@ -263,10 +259,3 @@ class RelayController(ReadingController):
     """Tuning rule that gives the gains from the ultimate gain and period."""
     bias: Quantity | None = None
     """Mean of the switching, in the drive's unit; by default the drive's value at the start."""
-
-    @field_validator("amplitude")
-    @classmethod
-    def _switches(cls, amplitude: float) -> float:
-        if amplitude == 0:
-            raise WrongValueError("out-of-range", "must not be 0: the relay would not switch")
-        return amplitude

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from operator import add, mul, sub
-from typing import Literal, Self
+from typing import Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from sandbox.elements.controllers.controller import Law, Matrix, Reading, Row, SeveralController
 from sandbox.values.numbers import Items, Quantity
 from sandbox.values.signals import Signal
-from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError
+from sandbox.values.spec import TYPE, refuse_if
 
 
 class StateFeedback(Law):
@@ -98,16 +97,12 @@ class StateFeedbackController(SeveralController):
     bias: Items[Quantity] | None = None
     """Added for each drive, in its unit; by default the drives' values at the beginning."""
 
-    @model_validator(mode="after")
-    def _shapes(self) -> Self:
-        rows, columns = len(self.writes), len(self.reads)
-        wrong = [key for key in ("gains", "integral_gains")
-                 if (given := getattr(self, key)) is not None
-                 and (len(given) != rows or any(len(row) != columns for row in given))]
-        if wrong:
-            raise WrongValueError("wrong-type", f"'{wrong[0]}': expected {rows} rows (drives) and "
-                                  f"{columns} columns")
-        if len(self.targets) != columns:
-            raise WrongValueError("wrong-type", f"'targets': expected {columns} entries, one a "
-                                  "reading")
-        return self
+    def _verify(self) -> None:
+        super()._verify()
+        columns = len(self.reads)
+        for key, gains in ("gains", self.gains), ("integral_gains", self.integral_gains):
+            refuse_if(gains is not None and list(map(len, gains)) != [columns] * len(self.writes),
+                      f"'{key}': expected {len(self.writes)} rows (drives) and {columns} columns",
+                      "wrong-type")
+        refuse_if(len(self.targets) != columns,
+                  f"'targets': expected {columns} entries, one a reading", "wrong-type")

@@ -17,7 +17,7 @@ from sandbox.elements.element import (
     references,
     tag_of,
 )
-from sandbox.elements.joint import JointSpec
+from sandbox.elements.joints import JointSpec
 from sandbox.elements.quantities import GRASP, reserved
 from sandbox.elements.registry import KINDS, kind_of
 from sandbox.errors import Problem

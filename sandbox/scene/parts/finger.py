@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from sandbox.elements.element import Turn
-from sandbox.elements.points import Pin
+from sandbox.elements.joints import Pin
 from sandbox.elements.registry import Joint
 from sandbox.elements.springs import LinearSpring, Spring
 from sandbox.elements.tendons import RIGID, Guide, Tendon

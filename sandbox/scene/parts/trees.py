@@ -10,7 +10,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.points import Rope, Slot
+from sandbox.elements.joints import Rope, Slot
 from sandbox.elements.tendons import RIGID, Guide, Tendon
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Body, Capsule, Circle, Shape
