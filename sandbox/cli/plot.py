@@ -277,6 +277,6 @@ def _rows(rows: list[tuple[str, str, str]]) -> list[str]:
 
 
 def _about(kind: str, quantity: str) -> str:
-    from sandbox.elements.quantities import about
+    from sandbox.elements.quantities import row_of
 
-    return about(kind, quantity).replace("`", "'")
+    return row_of(kind, quantity).about.replace("`", "'")

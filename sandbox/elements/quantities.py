@@ -95,6 +95,7 @@ GRASP: Mapping[str, Quantity] = {
 LIVE: Mapping[str, tuple[str, ...]] = {
     element: tuple(name for name, quantity in rows.items() if quantity.live)
     for element, rows in QUANTITIES.items()} | {"meter": ("",)}
+METER = Quantity("", "", live=True)
 # columns of ``contacts.csv`` and ``impacts.csv`` with their units
 CONTACT_COLUMNS: Mapping[str, str] = {
     "x": "m", "y": "m", "fx": "N", "fy": "N", "normal": "N", "tangential": "N"}
@@ -108,36 +109,14 @@ def numbered(element: str, quantity: str) -> tuple[str, int] | None:
         number.isdecimal()) else None
 
 
-def row_of(element: str, quantity: str) -> Quantity | None:
-    """The row of a quantity of a ``body``, ``joint``, ...; None for what it has not."""
+def row_of(element: str, quantity: str) -> Quantity:
+    """The row of a quantity of a ``body``, ``joint``, ...; of a meter one that can be read."""
+    if element == "meter":
+        return METER
     if found := numbered(element, quantity):
         return NUMBERED[found[0]]
-    return QUANTITIES.get(element, {}).get(quantity) or (
-        GRASP if element == "body" else BOND_QUANTITIES).get(quantity)
-
-
-def about(element: str, quantity: str) -> str:
-    """The sentence on a quantity of a ``body``, ``joint``, ..., without its last number."""
-    row = row_of(element, quantity)
-    return row.about if row else ""
-
-
-def is_yes_no(element: str, quantity: str) -> bool:
-    """Whether an element's quantity is only 1 or 0."""
-    row = row_of(element, quantity)
-    return row is not None and row.yes_no
-
-
-def is_count(element: str, quantity: str) -> bool:
-    """Whether an element's quantity is a whole number of things."""
-    row = row_of(element, quantity)
-    return row is not None and row.count
-
-
-def is_live(element: str, quantity: str) -> bool:
-    """Whether an element's quantity can be read while a run goes on."""
-    row = row_of(element, quantity)
-    return row.live if row is not None else element == "meter"
+    return QUANTITIES[element].get(quantity) or (
+        GRASP if element == "body" else BOND_QUANTITIES)[quantity]
 
 
 def reserved(kind: str) -> frozenset[str]:

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from sandbox.elements.controllers.custom import Custom
-from sandbox.elements.quantities import LIVE, is_live
+from sandbox.elements.quantities import LIVE, row_of
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import misread, names_read, order, rings
@@ -111,7 +111,7 @@ class LiveCatalogue(Catalogue):
             source = self.find(name)
             if source.kind == "meter":
                 found.update(self._late_of_meters.get(source.index, ()))
-            elif not is_live(source.kind, source.quantity):
+            elif not row_of(source.kind, source.quantity).live:
                 found.add(name)
         return sorted(found)
 

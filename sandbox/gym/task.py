@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.elements.quantities import is_yes_no
+from sandbox.elements.quantities import row_of
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
@@ -291,7 +291,7 @@ def quantity_range(model: Model, known: Catalogue, name: str, actions: Mapping[s
         return -_most(""), _most("")
     source, joints, span = known.find(name), model.joints, None
     kind, quantity = source.kind, source.quantity
-    if is_yes_no(kind, quantity):
+    if row_of(kind, quantity).yes_no:
         return 0.0, 1.0
     if (kind, quantity) == ("drive", "value"):
         drive = model.drives.name[source.index]

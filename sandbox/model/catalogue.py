@@ -1,9 +1,7 @@
 """The catalogue: every quantity of a run of a mechanism, with its unit.
 
-A name is ``<element>.<quantity>``; the element is the longest element name
-that leaves a quantity which that element has. Pairs are ``<body>/<body>.normal``
-and are not listed, since there are too many; a pattern with ``/`` finds them.
-Needs a mechanism only, no run.
+A name is ``<element>.<quantity>``; the element is the longest element name that leaves a quantity
+which that element has. Pairs, ``<body>/<body>.normal``, are found but not listed.
 """
 
 from __future__ import annotations
@@ -109,11 +107,7 @@ class Catalogue:
                 for kind, quantity in USUAL.items()}
 
     def find(self, name: str) -> Source:
-        """Where the quantity ``name`` comes from.
-
-        Raises:
-            UnknownQuantityError: not in the catalogue; with a near miss where there is one.
-        """
+        """Where a quantity comes from; UnknownQuantityError if it is not in the catalogue."""
         source = self._pair(name) if "/" in name else self._plain(name)
         if source is None:
             raise UnknownQuantityError(name, self.near(name), self.lacking(name))
@@ -125,9 +119,7 @@ class Catalogue:
     def match(self, pattern: str) -> list[str]:
         """The names that fit a pattern (:mod:`fnmatch`, case matters), in catalogue order.
 
-        A name without a wildcard fits itself. Pairs are found by a pattern
-        with ``/`` only: each pair that can touch once, spelled moving body
-        first, or the other way round if only that fits.
+        A pattern with ``/`` finds each pair that can touch once, if possible moving body first.
         """
         return list(self._matching(pattern))
 
@@ -289,11 +281,7 @@ class MixedUnitsError(SandboxError, ValueError):
 
 
 def unit_of(catalogue: Catalogue, names: Sequence[str], pattern: str) -> str:
-    """The one unit of the quantities that a pattern fits.
-
-    Raises:
-        MixedUnitsError: they have several.
-    """
+    """The one unit of the quantities that a pattern fits; MixedUnitsError if they have several."""
     units: dict[str, str] = {}
     for name in names:
         units.setdefault(catalogue.find(name).unit, name)

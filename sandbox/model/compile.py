@@ -34,11 +34,7 @@ from sandbox.values.signals import values
 
 
 def compile_mechanism(mechanism: Mechanism) -> Model:
-    """The model of a mechanism whose references are right.
-
-    Raises:
-        KeyError: a name that leads nowhere.
-    """
+    """The model of a mechanism whose references are right."""
     names = Names(*({element.name: i for i, element in enumerate(kind)} for kind in (
         mechanism.bodies, mechanism.joints, mechanism.springs, mechanism.tendons,
         mechanism.lines, mechanism.valves, mechanism.drives)))

@@ -59,13 +59,7 @@ class SpringLaw:
 
 
 def law_of(spring: Spring, order: Sequence[str], tables: Tables) -> SpringLaw | None:
-    """The law of a spring; None of one that is linear either way.
-
-    Args:
-        spring: as the scene has it.
-        order: names of the scene's tables, in the order in which programs number them.
-        tables: the same by their calls.
-    """
+    """The law of a spring, None of a linear one; programs number tables in their ``order``."""
     text, names, damping = spring.law, spring.OWN, float(spring.damping)
     if text is None and spring.only is None:
         return None
@@ -90,8 +84,8 @@ MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}  # these change in a step, 
 class LoadLaw:
     """The law of one load: components of its force, and its torque; None for 0."""
 
-    parts: tuple[Expression | None, Expression | None, Expression | None]
-    programs: tuple[Program | None, Program | None, Program | None]
+    parts: tuple[Expression | None, ...]  # [3]
+    programs: tuple[Program | None, ...]  # [3]
     tables: Tables
 
     @property
@@ -101,8 +95,7 @@ class LoadLaw:
 
     def at(self, motion: Mapping[str, Array]) -> Array:
         """Its three numbers [3, n] for a motion [n] under each of its names; nan for no value."""
-        count = np.shape(motion["x"])
-        found = np.zeros((3, *count))
+        found = np.zeros((3, *np.shape(motion["x"])))
         for row, part in zip(found, self.parts, strict=True):
             if part is not None:
                 try:
@@ -113,11 +106,9 @@ class LoadLaw:
 
 
 def law_of_load(load: LoadSpec, order: Sequence[str], tables: Tables) -> LoadLaw | None:
-    """The law of a load; None of one without. Arguments as of :func:`law_of`."""
-    texts = load.laws()
-    if texts is None:
+    """The law of a load, None of one without; programs number tables in their ``order``."""
+    if (texts := load.laws()) is None:
         return None
-    x, y, turn = (None if text is None else parse_expression(text) for text in texts)
-    a, b, c = (None if part is None else compile_expression(part, MOTION, order)
-               for part in (x, y, turn))
-    return LoadLaw((x, y, turn), (a, b, c), tables)
+    parts = tuple(None if text is None else parse_expression(text) for text in texts)
+    return LoadLaw(parts, tuple(None if part is None else compile_expression(part, MOTION, order)
+                                for part in parts), tables)

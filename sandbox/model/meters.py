@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from sandbox.elements.quantities import is_live
+from sandbox.elements.quantities import row_of
 from sandbox.errors import Problem
 from sandbox.model.catalogue import PAIR, Catalogue
 from sandbox.numeric import Array
@@ -33,14 +33,11 @@ def names_read(meter: Meter) -> frozenset[str]:
 
 
 def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
-    """The order in which to evaluate meters, and the cycles among them, as indices.
+    """Indices of the meters after those that they read, and the cycles among them.
 
-    A meter comes after those that it reads. Meters of a cycle, and those that read them, are not in
-    the order. There is one cycle for every set of meters that depend on each other.
+    Meters of a cycle, and those that read them, are not in the order.
     """
-    place: dict[str, int] = {}
-    for index, meter in enumerate(mechanism.meters):
-        place.setdefault(meter.name, index)
+    place = {meter.name: i for i, meter in reversed([*enumerate(mechanism.meters)])}
     reads = {index: sorted(place[name] for name in names_read(meter) & place.keys())
              for index, meter in enumerate(mechanism.meters)}
     sorter, done = TopologicalSorter(reads), list[int]()
@@ -80,22 +77,16 @@ def rings(
 def evaluate(
     mechanism: Mechanism, *, read: Callable[[str], Array], time: Array
 ) -> tuple[Array, list[str]]:
-    """All meters over a run, shape [n, number of meters], and notes on those without a value.
-
-    ``read`` gives a recorded quantity, shape [n], or raises ``KeyError``.
-    """
+    """All meters over a run, [n, nm], and notes on those without a value; ``read`` as of a run."""
     result = np.full((len(time), len(mechanism.meters)), np.nan)
     notes: dict[int, str] = {}
-    known: dict[str, Array] = {}
+    known: dict[str, Array] = {"t": time}
     ordered, circles = order(mechanism)
-    tables = mechanism.functions
     for index in ordered:
         meter = mechanism.meters[index]
         try:
-            expression = parse_expression(meter.value)
-            values = {name: known[name] if name in known else time if name == "t" else read(name)
-                      for name in sorted(expression.names)}
-            result[:, index] = expression.evaluate({**tables, **values}, finite=False)
+            result[:, index] = worked_out(
+                meter.value, mechanism, lambda name: known[name] if name in known else read(name))
         except (KeyError, ValueError) as error:
             notes[index] = f"meter {meter.name!r} has no value: {error}"
         column = known[meter.name] = result[:, index]
@@ -128,8 +119,7 @@ def worked_out(word: str, mechanism: Mechanism, read: Callable[[str], Array]) ->
     """Values of an expression, nan without one; ``read`` gives quantities and ``t``."""
     expression = parse_expression(word)
     known = {name: read(name) for name in sorted(expression.names)}
-    value = expression.evaluate({**mechanism.functions, **known}, finite=False)
-    return np.asarray(value, dtype=float)
+    return np.asarray(expression.evaluate({**mechanism.functions, **known}, finite=False))
 
 
 def check_shown(mechanism: Mechanism) -> list[Problem]:
@@ -185,10 +175,7 @@ def misread(
 
 
 def unknown(known: Catalogue, name: str, path: str, *, live: bool = False) -> Problem:
-    """The problem of an unknown quantity; with ``live`` only those of a run are listed.
-
-    Only the first problems of a catalogue have suggestions.
-    """
+    """The problem of an unknown quantity; with ``live`` only those of a run are listed."""
     what = f"{'no quantity fits' if is_pattern(name) else 'unknown quantity'} {quoted(name)}"
     if lacking := known.lacking(name):
         return Problem("unknown-quantity", f"{what}: {lacking}", path)
@@ -197,7 +184,7 @@ def unknown(known: Catalogue, name: str, path: str, *, live: bool = False) -> Pr
     near, allowed = known.near(name) if few else "", ""
     if live:
         allowed = next((f"of this {element.kind}: " + listed(
-            key for key in element.quantities if is_live(element.kind, key))
+            key for key in element.quantities if row_of(element.kind, key).live)
             for head in (name, name.rpartition(".")[0])
             if (element := known.elements.get(head)) is not None), "")
     elif few:
@@ -244,10 +231,7 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
 def _check_units(
     known: Catalogue, expect: Expect, path: str, units: dict[str, list[str]],
 ) -> Iterator[Problem]:
-    """Numbers of an expectation in a unit of another dimension than its quantities.
-
-    ``units`` caches the units of patterns; of instants it is the second.
-    """
+    """Numbers in a unit of another dimension than the quantities; ``units`` is a cache."""
     name = expect.quantity
     numbers: list[tuple[str, object]] = [
         ("is", expect.value), ("within", expect.within), ("above", expect.above),

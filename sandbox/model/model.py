@@ -298,6 +298,15 @@ class Bonds:
         return bool(number < 0 or self.held[number])
 
 
+def held_of(bonds: int | Integers, held: Array | Integers) -> Flags:
+    """Whether elements, by their numbers in Bonds or -1, are engaged in samples, [..., n].
+
+    ``held`` is as recorded, [n, nr]; an element that was not recorded is engaged.
+    """
+    found: Flags = np.vstack([held.T != 0.0, np.ones(len(held), dtype=bool)])[bonds]
+    return found
+
+
 @dataclass(frozen=True)
 class Model:
     """A mechanism that is ready to be run, checked or drawn; all arrays are read-only."""
@@ -353,13 +362,7 @@ def _columns(part: type) -> dict[str, Column]:
 def columns_of(
     part: type, elements: Sequence[Any], rows: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
-    """The columns of a part of the model that are marked by :class:`Column`.
-
-    Args:
-        part: its class.
-        elements: a row each.
-        rows: by element, what takes the place of its attributes.
-    """
+    """The columns of a part that are marked by :class:`Column`; ``rows`` replace attributes."""
     columns = {}
     for name, (default, attributes) in _columns(part).items():
         found = [row[name] if name in row else next(

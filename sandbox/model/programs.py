@@ -1,7 +1,6 @@
 """Expressions as programs of a stack machine, which the compiled step runs (engine/formulas.py).
 
-A program is a list of steps, each an operation and a number that goes with it. What an expression
-computes with Python's and numpy's functions its program computes too, in the same order.
+A program computes the same as the expression in the same order.
 """
 
 from __future__ import annotations
@@ -58,11 +57,7 @@ class Program(NamedTuple):
 def compile_expression(
     expression: Expression, names: Sequence[str], tables: Sequence[str],
 ) -> Program:
-    """The program of an expression that reads ``names`` and calls ``tables``.
-
-    Raises:
-        WrongValueError: it reads or calls something else.
-    """
+    """The program of an expression; WrongValueError if it has other ``names`` or ``tables``."""
     expression.check_tables({f"{name}()": None for name in tables})
     for name in sorted(expression.names):
         if name not in names:

@@ -32,10 +32,7 @@ class Shared(NamedTuple):
 
 
 def shared_joints(model: Model, pose: Array) -> Shared:
-    """Joints whose reactions statics does not determine in a pose of the frames [nb, 3].
-
-    Unilateral ones, ropes and the ends of grooves, are left out.
-    """
+    """Joints, ropes left out, whose reactions statics does not determine in a pose [nb, 3]."""
     found: set[int] = set()
     examined = False
     for joints in together(model):
@@ -51,10 +48,7 @@ def shared_joints(model: Model, pose: Array) -> Shared:
 
 
 def parting_wheels(model: Model, pose: Array) -> set[int]:
-    """Gears and racks whose distance no joint keeps, in a pose of the bodies' frames [nb, 3].
-
-    The distance is kept if joints, with teeth, allow no motion of the bodies that changes it.
-    """
+    """Gears and racks whose distance joints, with teeth, let change in a pose [nb, 3]."""
     found: set[int] = set()
     for joints in together(model):
         toothed = [j for j in joints if model.joints.kind[j].teeth]
@@ -130,14 +124,10 @@ def together(model: Model) -> list[list[int]]:
     return list(found.values())
 
 
-def joint_rows(
-    model: Model, pose: Array, joint: int, *, flank: int = 0,
-) -> list[Parts]:
-    """Rows of a joint: its two bodies with the coefficients of x, y and angle of each.
+def joint_rows(model: Model, pose: Array, joint: int, *, flank: int = 0) -> list[Parts]:
+    """Rows of a joint: its two bodies with coefficients about their frames' origins.
 
-    Coefficients of angles refer to the frames' origins. As loads they are a unit force on the
-    bodies and its moments [m]. Teeth are elastic: they have a row only for a given ``flank``, +1
-    or -1.
+    Teeth are elastic: they have a row only for a given ``flank``, +1 or -1.
     """
     joints = model.joints
     a, b = joints.bodies[joint].tolist()
@@ -172,8 +162,7 @@ def joint_rows(
 def about_centre(model: Model, pose: Array, body: int, wrench: Array) -> Array:
     """A force x, y and a moment about a body's frame, [3], with the moment about its centre."""
     x, y = _arm(pose[body], model.bodies.centre[body])
-    moved: Array = wrench - np.array([0.0, 0.0, x * wrench[1] - y * wrench[0]])
-    return moved
+    return np.subtract(wrench, [0.0, 0.0, x * wrench[1] - y * wrench[0]])
 
 
 def _arm(pose: Array, point: Array) -> tuple[float, float]:

@@ -21,10 +21,9 @@ from sandbox.elements.arrays import (
 from sandbox.elements.element import NAMED
 from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, QUANTITIES, numbered
 from sandbox.model import meters
-from sandbox.model.bonds import held_one
 from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, unit_of
 from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels, slot_length
-from sandbox.model.model import Model
+from sandbox.model.model import Model, held_of
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cables import Frames, piece_tensions, wound_up
 from sandbox.samples.contacts import Contacts, mean_arrays, mean_contact_rows
@@ -291,7 +290,7 @@ class Samples(Stored):
         rate = a["joint_speed" if kind.gives == "push" else "joint_rate"][:, joint]
         if kind.limited:
             return np.asarray(a["drive_torque"][:, drive] * rate)
-        holds = held_one(self.model.bonds.joint[joint], a["held"])
+        holds = held_of(self.model.bonds.joint[joint], a["held"])
         return np.asarray(holds * a["drive_value"][:, drive] * rate)
 
 

@@ -309,15 +309,8 @@ def _check(node: ast.expr, names: set[str], depth: int) -> None:
         for part in found[0]:
             _check(part, names, depth + 1)
     else:
-        what = f"{type(node).__name__.lower()} of Python"
-        if isinstance(node, ast.Compare):
-            what = "'is' or 'in'"
-        elif isinstance(node, ast.BinOp):
-            what = "'//'" if isinstance(node.op, ast.FloorDiv) else "this operator"
-        elif isinstance(node, ast.Call):
-            what = "a call of anything but a plain function"
-        raise WrongValueError("bad-expression",
-                              f"{what} has no place in an expression", allowed=_GRAMMAR)
+        raise WrongValueError("bad-expression", f"{quoted(ast.unparse(node))} has no place in an "
+                              "expression", allowed=_GRAMMAR)
 
 
 def _check_call(name: str, count: int, names: set[str]) -> None:
@@ -334,7 +327,7 @@ def _check_call(name: str, count: int, names: set[str]) -> None:
 
 
 def _unknown_function(name: str, values: Mapping[str, Any]) -> WrongValueError:
-    """The refusal of a name that is neither a function nor a table among ``values``."""
+    """The error of a name that is neither a function nor a table among ``values``."""
     known = [*FUNCTIONS, *(each[:-2] for each in values if each.endswith("()"))]
     return WrongValueError("bad-expression", f"unknown function {quoted(name)}",
                            allowed=", ".join(known), hint=near(name, known))

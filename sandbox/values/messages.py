@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from functools import reduce
 from operator import getitem
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
@@ -78,9 +78,9 @@ def locate(data: Any, loc: tuple[int | str, ...], value: Any, kind: str) -> Json
     A key of the data may have the same name: ``{"to": 3, "over": "1 N", "ramp": 3}``.
     """
     if kind == "missing":
-        loc = loc[:-1]
+        return written(data, loc[:-1])
     path = written(data, loc)
-    if kind == "missing" or reduce(getitem, path, data) is value:
+    if reduce(getitem, path, data) is value:
         return path
     for i, step in enumerate(loc):
         other = written(data, loc[:i] + loc[i + 1:])
@@ -95,11 +95,9 @@ def written(data: Any, loc: Iterable[int | str]) -> JsonPath:
     path: JsonPath = ()
     tagged = False
     for step in loc:
-        names_type = isinstance(data, dict) and data.get("type") == step and not tagged
-        if names_type or not holds(data, step):
-            tagged = names_type
-            continue
-        path, data, tagged = (*path, step), data[step], False
+        tagged = isinstance(data, dict) and data.get("type") == step and not tagged
+        if not tagged and holds(data, step):
+            path, data = (*path, step), data[step]
     return path
 
 
@@ -109,9 +107,9 @@ def _unknown_key(
     key, kind = str(error["loc"][-1]), type_at(model, error["loc"][:-1])
     keys = [field.alias or name for name, field in kind.model_fields.items()] \
         if _is_model(kind) else []
-    allowed, more = ", ".join(keys[:MAX_NAMED]), len(keys) - MAX_NAMED
-    if more > 0:
-        allowed += f" and {more} more ({fields_page(kind)})"
+    more = len(keys) - MAX_NAMED
+    allowed = ", ".join(keys[:MAX_NAMED]) + (
+        f" and {more} more ({fields_page(kind)})" if more > 0 else "")
     words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()
     return Problem("unknown-key", f"unknown key {quoted(key)}", path_text(path),
                    allowed=allowed, hint=near(key, [*keys, *words]), key=True)
@@ -204,43 +202,33 @@ def _is_model(kind: Any) -> bool:
 
 def type_at(kind: Any, loc: tuple[int | str, ...]) -> Any:
     """The model, or union of models, at a pydantic location; None if there is none."""
-    kind, _ = _bare(kind)
+    while get_origin(kind) is Annotated:
+        kind = get_args(kind)[0]
     origin, arguments = get_origin(kind), get_args(kind)
     if origin in (Union, UnionType):
         arguments = tuple(member for member in arguments if member is not NoneType)
         if len(arguments) == 1:
             return type_at(arguments[0], loc)
-        if not loc:
-            return kind
-        chosen = _members(kind).get(loc[0])
-        return None if chosen is None else type_at(chosen, loc[1:])
-    if not loc:
+    if not loc or kind is None:
         return kind
-    if _is_model(kind):
-        for name, field in kind.model_fields.items():
-            if loc[0] in (name, field.alias):
-                return type_at(field.annotation, loc[1:])
-    if origin in (tuple, list, dict) and arguments:
-        return type_at(arguments[1 if origin is dict else 0], loc[1:])
-    return None
-
-
-def _bare(kind: Any) -> tuple[Any, list[str]]:
-    """A type without its annotations, and the union tags among them."""
-    tags: list[str] = []
-    while get_origin(kind) is Annotated:
-        kind, *extras = get_args(kind)
-        tags += [extra.tag for extra in extras if isinstance(extra, Tag)]
-    return kind, tags
+    inner: Any = None
+    if origin in (Union, UnionType):
+        inner = _members(kind).get(loc[0])
+    elif _is_model(kind):
+        inner = next((field.annotation for name, field in kind.model_fields.items()
+                      if loc[0] in (name, field.alias)), None)
+    elif origin in (tuple, list, dict) and arguments:
+        inner = arguments[1 if origin is dict else 0]
+    return type_at(inner, loc[1:])
 
 
 def _members(union: Any) -> dict[int | str, Any]:
     """The members of a union by their tags: its own, or the values of their ``type``."""
     found: dict[int | str, Any] = {}
     for member in get_args(union):
-        model, tags = _bare(member)
-        field = model.model_fields.get("type") if _is_model(model) else None
-        if field is not None and get_origin(field.annotation) is Literal:
-            tags = [*tags, *get_args(field.annotation)]
+        model = type_at(member, ())
+        tags = [mark.tag for mark in get_args(member) if isinstance(mark, Tag)]
+        if _is_model(model) and "type" in model.model_fields:
+            tags += get_args(model.model_fields["type"].annotation)
         found |= dict.fromkeys(tags, model)
     return found

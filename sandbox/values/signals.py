@@ -137,23 +137,24 @@ class OverTime(ReadMark):
         inside = ("ramp",) if isinstance(written, dict) and value is not written else ()
         if not isinstance(value, dict) or self.dimension is None:
             return value
-        value = {key: [list(row) if isinstance(row, (list, tuple)) else row for row in entry]
-                 if isinstance(entry, (list, tuple)) else entry for key, entry in value.items()}
-        table = value["table"] if isinstance(value.get("table"), list) else ()
-        quantities: list[tuple[tuple[str | int, ...], Any, Any]] = [
-            ((key,), value, key) for key in ("constant", "from", "to") if key in value]
-        quantities += [(("table", i, 1), row, 1) for i, row in enumerate(table)
-                       if isinstance(row, list) and len(row) == 2]
         errors: list[InitErrorDetails] = []
-        for place, holder, key in quantities:
-            quantity = holder[key]
+
+        def number(quantity: Any, *place: str | int) -> Any:
             if not isinstance(quantity, str) or quantity.lstrip().startswith("="):
-                continue
+                return quantity
             try:
-                holder[key] = of.number_from(quantity, self.dimension, of.parameters_of(info))
+                return of.number_from(quantity, self.dimension, of.parameters_of(info))
             except ValueError as error:
                 errors.append({"type": of.refusal(error), "loc": (*inside, *place),
-                              "input": quantity})
+                               "input": quantity})
+
+        value = value | {key: number(value[key], key) for key in ("constant", "from", "to")
+                         if key in value}
+        if isinstance(value.get("table"), (list, tuple)):
+            value["table"] = [
+                (row[0], number(row[1], "table", i, 1))
+                if isinstance(row, (list, tuple)) and len(row) == 2 else row
+                for i, row in enumerate(value["table"])]
         if errors:
             raise ValidationError.from_exception_data("signal", errors)
         return value

@@ -219,8 +219,8 @@ joints[1].inside = true & joints[1].radius_b = 0.02 | out-of-range | must differ
 joints[1].backlash = -0.001 | out-of-range | must be 0 or more
 joints[1] = {"type": "rack", "name": "mesh", "a": "wall", "b": "disc", "radius": 0.02, "along": [0,
     0]} | out-of-range | [0, 0] is no direction @ joints[1].along
-springs[0].force = | conflicting-keys | give 'stiffness' or 'force', one of them @ springs[0]
-springs[0].stiffness = 1 | conflicting-keys | not both @ springs[0]
+springs[0].force = | conflicting-keys | give either 'stiffness' or 'force' @ springs[0]
+springs[0].stiffness = 1 | conflicting-keys | give either @ springs[0]
 springs[0].force = "=twist" | name-not-found | unknown name 'twist'
 springs[0].force = "=play(stretch)" | bad-expression | unknown function 'play'
 drives = [{"type": "stiffness", "name": "d", "spring": "band", "value": 200}] | not-settable |

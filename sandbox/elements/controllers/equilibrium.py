@@ -22,7 +22,7 @@ from pydantic import Field
 
 from sandbox.elements.controllers.controller import Law, Positive, Row, SeveralController
 from sandbox.elements.drives import StiffnessDrive
-from sandbox.elements.element import Vec
+from sandbox.elements.element import TENDON, HingeName, Vec
 from sandbox.elements.joints import Pin
 from sandbox.elements.springs import LinearSpring
 from sandbox.elements.tendons import Guide
@@ -32,7 +32,7 @@ from sandbox.mechanics.tendon import TendonRoute, route
 from sandbox.values.numbers import Angle, Instant, Items, Length, Name, Point, Quantity
 from sandbox.values.signals import AngleSignal
 from sandbox.values.spec import TYPE, Spec, refuse_if
-from sandbox.wording import NearMisses, listed, quoted
+from sandbox.wording import quoted
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
@@ -71,9 +71,9 @@ class EquilibriumController(SeveralController):
     target_key = "targets"
 
     type: Literal["equilibrium"] = TYPE
-    tendon: Name
+    tendon: Annotated[Name, TENDON]
     """Name of the tendon that turns the joints."""
-    joints: Items[Name] = Field(min_length=1, max_length=32)
+    joints: Items[HingeName] = Field(min_length=1, max_length=32)
     """Names of the hinges, in the order of ``writes``, the stiffness drives of their springs."""
     targets: Items[AngleSignal]
     """Of the joints' rotations over time [rad], each in its hinge's sense."""
@@ -107,31 +107,19 @@ class EquilibriumController(SeveralController):
         return (*motion, *([f"{self.tendon}.tension"] if self.pull is None else []))
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """Joints, tendon and springs that are not there, or do not belong to each other."""
-        near, drives = NearMisses(), {drive.name for drive in mechanism.drives}
-        tendons = [tendon.name for tendon in mechanism.tendons]
-        pins = [joint.name for joint in mechanism.joints if isinstance(joint, Pin)]
-        if self.tendon not in tendons:
-            yield Problem("name-not-found",
-                          f"there is no tendon named {quoted(self.tendon)}", f"{path}.tendon",
-                          allowed=listed(tendons) or "none: the scene has no tendons",
-                          hint=near(self.tendon, tendons))
+        """A tendon or springs that do not act on its joints."""
+        drives = {drive.name for drive in mechanism.drives}
+        known = any(tendon.name == self.tendon for tendon in mechanism.tendons)
         for i, (pin, guides, spring) in enumerate(crossings(self, mechanism)):
-            name, drive = self.joints[i], self.writes[i]
-            if pin is None:
-                yield Problem("name-not-found",
-                              f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
-                              allowed=listed(pins) or "none: the scene has no hinges",
-                              hint=near(name, pins))
-                continue
-            if self.tendon in tendons and (guides is None or guides[0].radius or guides[1].radius):
+            name, drive = quoted(self.joints[i]), self.writes[i]
+            if known and pin and (guides is None or guides[0].radius or guides[1].radius):
                 yield Problem("bad-control-law", f"the tendon {quoted(self.tendon)} does not run "
-                              f"straight from a guide on one side of {quoted(name)} to a guide on "
-                              "the other", f"{path}.joints[{i}]")
-            if drive in drives and (
+                              f"straight from a guide on one side of {name} to a guide on the "
+                              "other", f"{path}.joints[{i}]")
+            if pin and drive in drives and (
                     spring is None or {spring.a, spring.b} != {pin.a, pin.b}):
                 yield Problem("bad-control-law", f"{quoted(drive)} does not set the stiffness of a "
-                              f"linear spring across {quoted(name)}", f"{path}.writes[{i}]",
+                              f"linear spring across {name}", f"{path}.writes[{i}]",
                               allowed="a stiffness drive for each joint, in the joints' order")
 
     def law_problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
