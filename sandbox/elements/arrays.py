@@ -1,11 +1,9 @@
 """The arrays of a recording, one row each: axes, unit, one sentence. SI.
 
-Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves,
-nd drives, nm meters (each in the mechanism's order), nk pairs of a load and a body,
-nf guides that hold a tendon by friction, nw wheels that one can lift off, nr
-joints, springs and tendons that can be released, m contact rows, p rows of means, each of nc
-forces, q rows of mean contacts and k impacts. Layout and size of recordings and the table in
-docs/files.md follow from it.
+Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves, nd drives, nm
+meters, nk pairs of a load and a body, nf guides with friction, nw wheels that a tendon can lift
+off, nr elements that can be released, m contact rows, p rows of means, each of nc forces, q rows
+of mean contacts, k impacts.
 """
 
 from __future__ import annotations

@@ -39,6 +39,7 @@ from sandbox.values import numbers as of
 from sandbox.values import signals
 from sandbox.values.expressions import parse_expression
 from sandbox.values.spec import TYPE, refuse_if
+from sandbox.values.units import si_unit
 from sandbox.wording import MAX_NAMED, quoted
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
     from sandbox.scene.parts.placement import Mover
 
+SMALLEST_RADIUS = 1e-9  # of a circle whose radius a drive sets [m]
 Gives = Literal["force", "torque", "push", "tension", "radius", "stiffness", "flow", "pressure",
                 "opening", "surface", "hold"]
 QUANTITIES: Mapping[str, Quantity] = {
@@ -68,8 +70,7 @@ class DriveKind:
     # a force on a body, a torque between the two bodies of a hinge, a push between the two points
     # of an actuator, and so on
     gives: Gives
-    unit: str  # of its value; empty for that of its spring
-    dimension: str
+    dimension: str  # of its value; empty for that of its spring
     records: tuple[str, ...] = ("value", "work")
     floor: float = -math.inf  # smaller values count as this
     sole: str = ""  # what only one drive may set of a target; empty where several add up
@@ -81,6 +82,11 @@ class DriveKind:
     twin: str = ""  # the same drive of an actuator for one of a hinge, and the other way round
     mujoco: str = ""  # why MuJoCo has no counterpart; empty where it has one
     mujoco_varied: str = ""  # why MuJoCo has no counterpart if the value varies
+
+    @property
+    def unit(self) -> str:
+        """The unit of its value."""
+        return si_unit(self.dimension)
 
 
 class DriveSpec(Element):
@@ -110,10 +116,6 @@ class DriveSpec(Element):
         """What no other drive may set."""
         return self.kind.sole, self.target[1]
 
-    def unit(self, mechanism: Mechanism) -> str:
-        """The unit of its value."""
-        return self.kind.unit
-
     def dimension(self, mechanism: Mechanism) -> str | None:
         """The dimension of its value; None where no element has the name of its target."""
         return self.kind.dimension
@@ -125,7 +127,7 @@ class DriveSpec(Element):
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
-        own = self.unit(mechanism)
+        own = si_unit(self.dimension(mechanism) or "")
         return {name: QUANTITIES[name].unit or own for name in self.kind.records}
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
@@ -140,13 +142,10 @@ class DriveSpec(Element):
         raise NotImplementedError
 
 
-SMALLEST_RADIUS = 1e-9  # of a circle whose radius a drive sets [m]
-
-
 class ForceDrive(DriveSpec):
     """A force on a point of a body, along a fixed direction."""
 
-    facts = DriveKind(BODY, "force", "N", "force")
+    facts = DriveKind(BODY, "force", "force")
 
     type: Literal["force"] = TYPE
     body: BodyName
@@ -193,7 +192,7 @@ class RadiusDrive(DriveSpec):
     """Sets the radius of a body's circle over time: an object that swells or shrinks."""
 
     facts = DriveKind(
-        BODY, "radius", "m", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
+        BODY, "radius", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
         positive=True, mujoco="a changing radius")
 
     type: Literal["radius"] = TYPE
@@ -219,17 +218,12 @@ class RadiusDrive(DriveSpec):
         body = next((each for each in mechanism.bodies if each.name == self.body), None)
         if body is None:
             return
-        kinds = [shape.type for shape in body.shapes]
-        if self.shape >= len(kinds):
-            what = f"{quoted(self.body)} has no shape {self.shape} (they count from 0)"
-        elif kinds[self.shape] != "circle":
-            what = (f"shape {self.shape} of {quoted(self.body)} is a {kinds[self.shape]}; only a "
-                    "circle has a radius to set")
-        else:
-            return
-        circles = [str(i) for i, kind in enumerate(kinds) if kind == "circle"][:MAX_NAMED]
-        yield Problem("not-settable", what, f"{path}.shape", allowed=", ".join(circles)
-                      or f"none: {quoted(self.body)} has no circle")
+        circles = [i for i, shape in enumerate(body.shapes) if shape.type == "circle"]
+        if self.shape not in circles:
+            yield Problem("not-settable", f"shape {self.shape} of {quoted(self.body)} (they count "
+                          "from 0) is no circle, which has a radius to set", f"{path}.shape",
+                          allowed=", ".join(map(str, circles[:MAX_NAMED]))
+                          or f"none: {quoted(self.body)} has no circle")
 
 
 class SurfaceDrive(DriveSpec):
@@ -240,7 +234,7 @@ class SurfaceDrive(DriveSpec):
 
     PYMUNK = "a conveyor surface: its shapes have one surface velocity, not one along an outline"
     facts = DriveKind(
-        BODY, "surface", "m/s", "speed", ("value", "work", "power"), sole="surface", timely="end",
+        BODY, "surface", "speed", ("value", "work", "power"), sole="surface", timely="end",
         mujoco="a conveyor surface")
 
     type: Literal["surface"] = TYPE
@@ -260,7 +254,7 @@ class SurfaceDrive(DriveSpec):
 class PullDrive(DriveSpec):
     """Sets the tension of a tendon: an actuator at its last guide. Below 0 counts as 0."""
 
-    facts = DriveKind(TENDON, "tension", "N", "force", floor=0.0, sole="tension")
+    facts = DriveKind(TENDON, "tension", "force", floor=0.0, sole="tension")
 
     type: Literal["pull"] = TYPE
     tendon: Annotated[of.Name, TENDON]
@@ -282,11 +276,9 @@ class PullDrive(DriveSpec):
 class StiffnessDrive(DriveSpec):
     """Sets the stiffness of a spring or of a tendon over time. Below 0 counts as 0."""
 
-    facts = DriveKind(
-        SPRING, "stiffness", "", "", ("value",), floor=0.0, sole="stiffness",
-        mujoco="a stiffness drive")
-    on_tendon: ClassVar[DriveKind] = replace(
-        facts, target=TENDON, unit="N/m", dimension="stiffness")
+    facts = DriveKind(SPRING, "stiffness", "", ("value",), floor=0.0, sole="stiffness",
+                      mujoco="a stiffness drive")
+    on_tendon: ClassVar[DriveKind] = replace(facts, target=TENDON, dimension="stiffness")
 
     type: Literal["stiffness"] = TYPE
     spring: Annotated[of.Name | None, SPRING] = None
@@ -313,10 +305,6 @@ class StiffnessDrive(DriveSpec):
         return next((each for each in (*mechanism.springs, *mechanism.tendons)
                      if each.name == (self.spring or self.tendon)), None)
 
-    def unit(self, mechanism: Mechanism) -> str:
-        """The unit of its value."""
-        return self.kind.unit or str(self._spring(mechanism).facts.unit)
-
     def dimension(self, mechanism: Mechanism) -> str | None:
         """The dimension of its value; None where no element has the name."""
         if self.tendon is not None:
@@ -340,25 +328,22 @@ class StiffnessDrive(DriveSpec):
         pull = next((each.name for each in mechanism.drives if each.kind.gives == "tension"
                      and each.target[1] == self.tendon), None)
         if pull is not None:
-            fault, allowed = (f"{name} has no stiffness to set: {quoted(pull)} pulls it, which "
-                              "sets its tension", "a tendon that no drive pulls")
+            why, allowed = (f"{quoted(pull)} pulls it, which sets its tension",
+                            "a tendon that no drive pulls")
         elif found is None:
             return
         elif found.stiffness is None:
-            fault, allowed = (f"{name} follows a law and has no stiffness to set",
-                              "a spring with a 'stiffness'")
+            why, allowed = "it follows a law", "a spring with a 'stiffness'"
         elif self.tendon is not None and found.gripping:
-            fault, allowed = (f"the stiffness of {name} cannot be set: its guide "
-                              f"{found.gripping[0]} has friction, so each span has its own tension",
-                              "a tendon whose guides have no 'friction'")
+            why, allowed = (f"its guide {found.gripping[0]} has friction, so each span has its own "
+                            "tension", "a tendon whose guides have no 'friction'")
         elif self.tendon is not None and found.stiffness >= RIGID:
-            fault, allowed = (f"{name} has no stiffness to set: with {found.stiffness:g} N/m it "
-                              "counts as inextensible", f"a tendon with a 'stiffness' below "
-                              f"{RIGID:g} N/m, which it has until the drive sets another")
+            why, allowed = (f"with {found.stiffness:g} N/m it counts as inextensible", "a tendon "
+                            f"with a 'stiffness' below {RIGID:g} N/m, which it has at first")
         else:
             return
-        yield Problem("not-settable", fault, f"{path}.{'spring' if self.spring else 'tendon'}",
-                      allowed=allowed)
+        yield Problem("not-settable", f"{name} has no stiffness to set: {why}",
+                      f"{path}.{'spring' if self.spring else 'tendon'}", allowed=allowed)
 
 
 class HoldDrive(DriveSpec):
@@ -369,7 +354,7 @@ class HoldDrive(DriveSpec):
     """
 
     PYMUNK = RELEASED
-    facts = DriveKind(HELD, "hold", "1", "ratio", ("value",), sole="hold", mujoco=RELEASED)
+    facts = DriveKind(HELD, "hold", "ratio", ("value",), sole="hold", mujoco=RELEASED)
 
     type: Literal["hold"] = TYPE
     element: Annotated[of.Name, HELD]
@@ -401,7 +386,7 @@ class ActuatorDrive(DriveSpec):
 class TorqueDrive(HingeDrive):
     """A torque between the two bodies of a hinge, positive as the hinge turns."""
 
-    facts = DriveKind(HINGE, "torque", "N m", "torque", ("value", "work", "power"), twin="push")
+    facts = DriveKind(HINGE, "torque", "torque", ("value", "work", "power"), twin="push")
 
     type: Literal["torque"] = TYPE
     value: signals.TorqueSignal
@@ -426,7 +411,7 @@ class MotorDrive(HingeDrive):
     """
 
     facts = DriveKind(
-        HINGE, "torque", "rad/s", "angular speed", ("value", "work", "torque", "power"),
+        HINGE, "torque", "angular speed", ("value", "work", "torque", "power"),
         sole="motor", limited=True, timely="end", twin="extend",
         mujoco="a motor with a set speed or a torque-speed line")
 
@@ -485,7 +470,7 @@ class BrakeDrive(HingeDrive):
     """
 
     facts = DriveKind(
-        HINGE, "torque", "N m", "torque", ("value", "work", "torque", "power"), floor=0.0,
+        HINGE, "torque", "torque", ("value", "work", "torque", "power"), floor=0.0,
         sole="brake", limited=True, mujoco_varied="a changing brake")
 
     type: Literal["brake"] = TYPE
@@ -538,7 +523,7 @@ class ServoDrive(HingeDrive, PlaceDrive):
     """
 
     facts = DriveKind(
-        HINGE, "torque", "rad", "angle", ("value", "work", "torque", "power"), sole="motor",
+        HINGE, "torque", "angle", ("value", "work", "torque", "power"), sole="motor",
         limited=True, places=True, twin="length")
 
     type: Literal["servo"] = TYPE
@@ -571,7 +556,7 @@ class ServoDrive(HingeDrive, PlaceDrive):
 class PushDrive(ActuatorDrive):
     """A force between the two points of an actuator, along the line through them."""
 
-    facts = DriveKind(ACTUATOR, "push", "N", "force", ("value", "work", "power"), twin="torque")
+    facts = DriveKind(ACTUATOR, "push", "force", ("value", "work", "power"), twin="torque")
 
     type: Literal["push"] = TYPE
     value: signals.ForceSignal
@@ -592,7 +577,7 @@ class ExtendDrive(ActuatorDrive):
     """Extends an actuator at a set speed with a maximum force."""
 
     facts = DriveKind(
-        ACTUATOR, "push", "m/s", "speed", ("value", "work", "force", "power"), sole="length",
+        ACTUATOR, "push", "speed", ("value", "work", "force", "power"), sole="length",
         limited=True, timely="end", twin="motor", mujoco="an actuator with a set speed")
 
     type: Literal["extend"] = TYPE
@@ -618,7 +603,7 @@ class LengthDrive(ActuatorDrive, PlaceDrive):
     """
 
     facts = DriveKind(
-        ACTUATOR, "push", "m", "length", ("value", "work", "force", "power"), sole="length",
+        ACTUATOR, "push", "length", ("value", "work", "force", "power"), sole="length",
         limited=True, places=True, twin="servo")
 
     type: Literal["length"] = TYPE

@@ -1,8 +1,4 @@
-"""Fluid under pressure: lines with their chambers, valves between lines, and their drives.
-
-A line is to pressure and volume what a tendon is to tension and length: one pressure in all of
-its chambers, which grow as the fluid pushes.
-"""
+"""Fluid under pressure: lines with their chambers, valves between lines, and their drives."""
 
 from __future__ import annotations
 
@@ -174,8 +170,7 @@ class Line(Element):
 class Valve(Element):
     """Lets fluid from one line into another, or out of and into the tank.
 
-    p_a - p_b = resistance * Q + density / 2 * (Q / (discharge * area))^2, of Q / opening where a
-    drive has it partly open.
+    p_a - p_b = resistance * Q + density / 2 * (Q / (discharge * area))^2; partly open Q / opening.
     """
 
     PYMUNK = FLUID
@@ -215,7 +210,7 @@ class FlowDrive(DriveSpec):
     """Pumps fluid into a line, however high the pressure: the line's ``relief`` bounds it."""
 
     PYMUNK = FLUID
-    facts = DriveKind(LINE, "flow", "m^3/s", "flow", ("value", "work", "flow"), mujoco=FLUID)
+    facts = DriveKind(LINE, "flow", "flow", ("value", "work", "flow"), mujoco=FLUID)
 
     type: Literal["flow"] = TYPE
     line: LineName
@@ -229,7 +224,7 @@ class PressureDrive(DriveSpec):
 
     PYMUNK = FLUID
     facts = DriveKind(
-        LINE, "pressure", "Pa", "pressure", ("value", "work", "flow"), sole="pressure",
+        LINE, "pressure", "pressure", ("value", "work", "flow"), sole="pressure",
         mujoco=FLUID)
 
     type: Literal["pressure"] = TYPE
@@ -247,7 +242,7 @@ class OpeningDrive(DriveSpec):
 
     PYMUNK = FLUID
     facts = DriveKind(
-        VALVE, "opening", "1", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
+        VALVE, "opening", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
 
     type: Literal["opening"] = TYPE
     valve: Annotated[of.Name, VALVE]

@@ -166,8 +166,7 @@ class ClosingJoint(JointSpec):
     """A joint that closes its gap when it is engaged again."""
 
     takes_up_in: of.Duration = 0.01
-    """Time in which most of the gap closes once the joint is engaged again [s], smoothly, with a
-    force of about m * gap / takes_up_in^2."""
+    """Time in which its gap closes when it is engaged again [s]; force m * gap / takes_up_in^2."""
 
 
 class FrictionJoint(ClosingJoint):
@@ -243,11 +242,7 @@ class Pin(FrictionJoint):
         return self.friction_coefficient * (self.pin_radius or 0.0)
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
-        """Keep the angle at t = 0 of a hinge between an assembly and the scene around it.
-
-        From sense (b - a) - zero, with s a + g for the angle of a body of the assembly and
-        s sense for the sense.
-        """
+        """Keep the angle at t = 0, sense (b - a) - zero, of a hinge between inside and outside."""
         inner = [name in mover.own for name in (self.a, self.b)]
         if all(inner) or not any(inner):
             return {}
@@ -285,10 +280,8 @@ class Slot(FrictionJoint):
     end: of.Point | None = None
     """Other end of the groove, in the frame of ``a`` [m]; both ends are hard stops."""
     path: Annotated[of.Items[of.Point], Field(min_length=3, max_length=1000)] | None = None
-    """In place of ``start`` and ``end``: points of a curved groove in the frame of ``a`` [m].
-
-    The groove is the smooth curve through them in this order, a quintic spline; its ends are hard
-    stops."""
+    """In place of ``start`` and ``end``: points of a curved groove in the frame of ``a`` [m], a
+    quintic spline through them in this order; its ends are hard stops."""
     closed: of.Flag = False
     """Whether the path continues from its last point to the first; then it has no ends."""
     turns: of.Flag = True
@@ -399,8 +392,7 @@ class Rope(RangeJoint):
     """Keeps the distance of two points between a minimum and a maximum.
 
     With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod. It does not stretch, and it
-    becomes taut without rebound: both ends then have the same speed along it, at any step. A tendon
-    is elastic.
+    becomes taut without rebound. A tendon is elastic.
     """
 
     facts = JointKind("range", (*REACTION, "tension"))
@@ -472,10 +464,9 @@ class ToothedJoint(JointSpec):
 class Gear(CircleJoint, ToothedJoint):
     """Two gears that mesh, with involute teeth, outside or one inside the other.
 
-    What holds their centres is up to other joints: pins on the ground or on a carrier. Teeth mesh
-    as they stand at t = 0. They push along the line of action, which makes the pressure angle with
-    the common tangent of the pitch circles; so beside the tangential force there is a radial one,
-    which the bearings carry.
+    Other joints hold their centres: pins on the ground or on a carrier. Teeth mesh as they stand at
+    t = 0. They push along the line of action, at the pressure angle to the common tangent of the
+    pitch circles, so the bearings carry a radial force too.
     """
 
     facts = JointKind("gear", MESH, more={"backlash": ("gap",)}, mujoco=TEETH)

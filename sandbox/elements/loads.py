@@ -96,8 +96,7 @@ class LawLoad(LoadSpec):
     """A force or a torque on bodies, by an expression of each body's own motion.
 
     An expression may read ``x``, ``y``, ``vx``, ``vy``, ``speed``, ``ax``, ``ay`` of the point
-    ``at``, ``angle``, ``omega``, ``alpha``, ``mass``, ``inertia`` of the body, the time ``t``,
-    parameters and tables.
+    ``at``, ``angle``, ``omega``, ``alpha``, ``mass``, ``inertia``, ``t``, parameters and tables.
     """
 
     LOCAL = ("force", "acceleration", "torque")
@@ -110,8 +109,7 @@ class LawLoad(LoadSpec):
     torque: TorqueLaw | None = None
     """An additional torque on the body [N m], positive counter-clockwise: ``"=-0.01 * omega"``."""
     at: of.Point | None = None
-    """Point of application, in the frame of each body [m]; by default its centre of mass. The
-    expressions read its position and motion."""
+    """Point that the force acts on, in each body's frame [m]; by default its centre of mass."""
     frame: Literal["world", "body"] = "world"
     """Axes of the two components: of the world, or of the body. ``vx``, ``vy``, ``ax``, ``ay`` are
     along the same axes; ``x``, ``y`` and ``angle`` are in the world."""
@@ -168,14 +166,11 @@ class DragLoad(LoadSpec):
 
 
 class BuoyancyLoad(LoadSpec):
-    """What a liquid at rest lifts bodies by, as far as their shapes are below its level.
-
-    A body that ``displaces`` more than its shapes, an open bin, is lifted by that instead.
+    """Buoyancy of bodies, as far as their shapes, or what they ``displace``, are below a level.
 
     F = density * thickness * (area below the level) * g, upwards, at the centroid of that area,
     with the ``thickness`` of the body and the scene's gravity, which has to point downwards. It is
-    exact of every shape; shapes that overlap count twice, as they do in a body's mass. It takes no
-    energy; a ``drag`` beside it does.
+    exact; shapes that overlap count twice, as in a body's mass. Only a ``drag`` takes energy.
     """
 
     type: Literal["buoyancy"] = TYPE

@@ -30,8 +30,7 @@ QUANTITIES: Mapping[str, Quantity] = {
 class SpringKind:
     """How springs of a kind act."""
 
-    unit: str  # of its stiffness
-    dimension: str
+    dimension: str  # of its stiffness
     records: tuple[str, ...]
     straight: bool  # between two points; otherwise about a hinge
 
@@ -61,7 +60,7 @@ def _read_law(cls: type[SpringSpec], text: str | None, info: ValidationInfo) -> 
 class LinearSpring(SpringSpec):
     """A straight spring and damper from a point of ``a`` to a point of ``b``; pulls and pushes."""
 
-    facts = SpringKind("N/m", "stiffness", ("length", "force", "work"), straight=True)
+    facts = SpringKind("stiffness", ("length", "force", "work"), straight=True)
 
     LACKS = dict.fromkeys(("force", "only"), LACKS_LAW)
     LOCAL = ("force",)
@@ -110,7 +109,7 @@ class LinearSpring(SpringSpec):
 class RotarySpring(SpringSpec):
     """A torsion spring and damper on a hinge, in the hinge's positive sense."""
 
-    facts = SpringKind("N m/rad", "rotary stiffness", ("angle", "torque", "work"), straight=False)
+    facts = SpringKind("rotary stiffness", ("angle", "torque", "work"), straight=False)
 
     LACKS = dict.fromkeys(("torque", "only"), LACKS_LAW)
     LOCAL = ("torque",)

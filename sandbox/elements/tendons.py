@@ -40,10 +40,9 @@ NUMBERED: Mapping[str, Quantity] = {
 class Guide(Spec):
     """A point or a wheel on a body that a tendon passes.
 
-    At either end of a tendon, the tendon is tied to its guide; a wheel (``radius``) there winds it
-    up as the body turns, as in equations (1)-(3). Between the ends it slides through, without
-    friction by default. It lifts off a wheel without friction and whole turns where it would have
-    to stick, and lands on it again.
+    At its ends a tendon is fixed to its guide; a wheel (``radius``) there winds it up as the body
+    turns, as in equations (1)-(3). Between the ends it slides, without friction by default. It
+    lifts off a wheel without friction and whole turns, and lands on it again.
     """
 
     body: BodyName
@@ -66,8 +65,7 @@ class Guide(Spec):
     ``friction`` or ``turns``, the first guide of a loop, and at the ends."""
     friction: of.Ratio = 0.0
     """Coefficient of friction between tendon and guide: over a wrap angle φ the tension may grow by
-    up to e^(friction φ) before the tendon slides (Euler, Eytelwein). On a rotating wheel this is
-    its grip. Without effect at the ends."""
+    up to e^(friction φ) before the tendon slides (Euler, Eytelwein). Without effect at the ends."""
 
 
 class Tendon(Element):
@@ -89,15 +87,13 @@ class Tendon(Element):
     closed: of.Flag = False
     """True: a loop, such as a belt, from the last guide on to the first, without ends."""
     stiffness: of.Stiffness = Field(default=RIGID, gt=0)
-    """Tension per stretch of the whole tendon [N/m]; from 100 kN/m on, the default, it is solved
-    implicitly and counts as inextensible."""
+    """Tension per stretch of the whole tendon [N/m]; from 100 kN/m, the default, inextensible."""
     damping: of.Damping = 0.0
     """Tension per rate of stretch [N s/m]; from 100 kN/m on, plus step * stiffness."""
     rest_length: of.Length | None = None
     """Rest length [m]; by default that of its path at t = 0. ``slack`` is added."""
     slack: of.Distance = 0.0
-    """Added to the rest length [m], 0 or more: the path has to grow by this before the tendon
-    pulls. The opposite is a ``pretension``."""
+    """Added to the rest length [m]: the path grows by this before the tendon pulls."""
     pretension: Annotated[of.Force, of.NOT_NEGATIVE] | None = None
     """Tension along the whole tendon at t = 0 [N], in place of ``rest_length`` and ``slack``."""
     breaks_at: Annotated[of.Force, of.POSITIVE] | None = None
@@ -152,11 +148,7 @@ class Tendon(Element):
             if any(self.guides[k].begins == "off" for k in self.lifting) else ""
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """Forces on its guides, set before each step.
-
-        Between two points a SlideJoint would do. But it has no force as long as it is a little too
-        short, so that in a tree of rockers it alternates from step to step.
-        """
+        """Forces on its guides, set before each step; a SlideJoint alternates in trees."""
         path = draft.model.tendons.guides(index)
         law = {"stiffness": self.stiffness, "damping": self.damping, "rest": self.rest_length,
                "slack": self.slack - (self.pretension or 0.0) / self.stiffness}

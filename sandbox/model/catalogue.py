@@ -142,10 +142,9 @@ class Catalogue:
     def near(self, name: str) -> str:
         """A quantity or a pattern that fits, with one word corrected."""
         if "/" in name and not is_pattern(name):
-            first, _, rest = name.partition("/")
-            second, _, quantity = rest.rpartition(".")
-            one, other, last = (word if word in known else nearest(word, known) for word, known in (
-                (first, self._bodies), (second, self._bodies), (quantity, PAIR)))
+            one, other, last = (
+                word if word in known else nearest(word, known) for word, known in zip(
+                    pair_parts(name), (self._bodies, self._bodies, PAIR), strict=True))
             return pair if (pair := f"{one}/{other}.{last}") in self else ""
         for head, element in () if is_pattern(name) else self._prefixes(name):
             if close := nearest(name[len(head) + 1:], element.quantities):
@@ -211,8 +210,7 @@ class Catalogue:
         return None
 
     def _pair(self, name: str) -> Source | None:
-        first, _, rest = name.partition("/")
-        second, _, quantity = rest.rpartition(".")
+        first, second, quantity = pair_parts(name)
         body, other = self._bodies.get(first), self._bodies.get(second)
         if body is None or other is None or body == other or quantity not in PAIR:
             return None
@@ -227,20 +225,20 @@ class Catalogue:
         begins = {body.name for body in bodies if first(body.name)}
         ends = {(body.name, quantity) for body in bodies for quantity in PAIR
                 if second(f"{body.name}.{quantity}")}
-        if not begins or not ends:
-            return
-        names = begins | {name for name, _ in ends}
-        some = [body for body in bodies if body.name in names]
-        for place, a in enumerate(some):
-            for b in some[place + 1:]:
-                if "dynamic" not in (a.motion, b.motion):
-                    continue
+        for a, b in itertools.combinations(bodies, 2) if begins and ends else ():
+            if "dynamic" in (a.motion, b.motion):
                 pair = (b.name, a.name) if a.motion == "fixed" else (a.name, b.name)
                 for quantity in PAIR:
-                    for one, other in (pair, pair[::-1]):
-                        if one in begins and (other, quantity) in ends:
-                            yield f"{one}/{other}.{quantity}"
-                            break
+                    fits = [f"{one}/{other}.{quantity}" for one, other in (pair, pair[::-1])
+                            if one in begins and (other, quantity) in ends]
+                    yield from fits[:1]
+
+
+def pair_parts(pair: str) -> tuple[str, str, str]:
+    """The two bodies and the quantity in the name of one of a pair."""
+    first, _, rest = pair.partition("/")
+    second, _, quantity = rest.rpartition(".")
+    return first, second, quantity
 
 
 def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
@@ -287,8 +285,8 @@ def unit_of(catalogue: Catalogue, names: Sequence[str], pattern: str) -> str:
         units.setdefault(catalogue.find(name).unit, name)
     if len(units) == 1:
         return next(iter(units))
-    shown = [f"{name} in {unit}" for unit, name in itertools.islice(units.items(), MAX_SHOWN)]
+    shown = [f"{name} in {unit}" for unit, name in [*units.items()][:MAX_SHOWN]]
     raise MixedUnitsError(
         f"{pattern!r} fits quantities of {len(units)} units ({', '.join(shown)}"
-        f"{', …' if len(units) > MAX_SHOWN else ''}), which make no array: ask for those of one "
-        "unit, such as '*.angle', or for a table with to_pandas()")
+        f"{', …' if len(units) > MAX_SHOWN else ''}), which make no array: read those of one unit, "
+        "such as '*.angle', or a table with to_pandas()")

@@ -12,7 +12,7 @@ import numpy as np
 
 from sandbox.elements.quantities import row_of
 from sandbox.errors import Problem
-from sandbox.model.catalogue import PAIR, Catalogue
+from sandbox.model.catalogue import PAIR, Catalogue, pair_parts
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Expect, Meter, ShownMeter, View
@@ -162,9 +162,8 @@ def misread(
     pairs = [pair for pair in sorted({
         f"{one}/{other}" for one, other in _QUOTIENT.findall(text)}) if pair in known]
     for pair in pairs:
-        first, _, rest = pair.partition("/")
-        second, _, quantity = rest.rpartition(".")
-        sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in (first, second))
+        *bodies, quantity = pair_parts(pair)
+        sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in bodies)
         yield Problem("bad-quantity", f"'/' divides in an expression, so that {quoted(pair)} is no "
                       "pair there", path, allowed=f"{sums}, the sums of all that touches one of "
                       f"them; {itself.format(quoted(pair))}")

@@ -1,9 +1,8 @@
 """Redundant joints, whose loads statics does not determine: more rows than degrees of freedom.
 
-A joint constrains rows J of the velocities of its bodies, and its forces are the multipliers of
-these rows. Where rows depend on one another, J^T p = 0 has nonzero solutions, and the reactions of
-each joint with a part in one of them are not unique. The engine finds the minimum sum of squares,
-weighted by the masses.
+The forces of joints are the multipliers of their rows J of the velocities of bodies. Where rows
+depend on one another, J^T p = 0 has nonzero solutions, and the reactions of each joint with a part
+in one of them are not unique; the engine finds the minimum sum of squares, weighted by the masses.
 """
 
 from __future__ import annotations

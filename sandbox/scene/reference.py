@@ -27,8 +27,7 @@ from sandbox.scene import bodies, layers, settings
 from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.parts import expansion, finger, section, trees
 from sandbox.values import appearance, numbers, signals, tables
-from sandbox.values.marks import mark_of
-from sandbox.values.spec import Spec
+from sandbox.values.spec import Spec, mark_of
 from sandbox.values.units import units_of
 
 VALUES = "Values over time"  # topic of the models of numbers and values over time

@@ -22,9 +22,8 @@ from sandbox.elements.element import BODY, BodyName
 from sandbox.scene.bodies import STATIC_OF_NOTHING
 from sandbox.scene.layers import ShownLayers
 from sandbox.values import numbers as of
-from sandbox.values.marks import TextFor
 from sandbox.values.numbers import Instant, Items, Name, Pair, Quantity, number_from
-from sandbox.values.spec import Spec
+from sandbox.values.spec import Spec, TextFor
 from sandbox.wording import WrongValueError
 
 RETIRED = ("iterations", "slop")  # settings of Run in older scenes and recordings; they are ignored

@@ -1,8 +1,7 @@
 """The number types of scene fields: SI floats inside.
 
 A JSON number is SI; a string is a quantity (``"12 mm"``) or an expression of the scene's parameters
-(``"=pitch / 2"``). The parameters arrive as pydantic's validation context,
-``{"parameters": {name: value}}``.
+(``"=pitch / 2"``), which pydantic's validation context has, ``{"parameters": {name: value}}``.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
-from sandbox.values.marks import ReadMark
+from sandbox.values.spec import ReadMark
 from sandbox.values.units import Measured, in_range, parse_quantity, range_of, units_of, with_unit
 from sandbox.wording import WrongValueError, kind_of, quoted
 

@@ -1,11 +1,9 @@
 """Tables that a scene names, and that expressions call like functions: ``"=profile(x)"``.
 
 A table is a curve in pieces, each y = y0 + t (b + t (c + t d)) of the distance t from its start,
-with one more piece before the first and after the last point.
-
-Smooth curves are cubic splines: with the second derivatives M, the distances h and the slopes d of
-the chords, h_i M_i + 2 (h_i + h_j) M_j + h_j M_k = 6 (d_j - d_i) at each point. A periodic one has
-no ends; a natural one has M = 0 there.
+with one more piece before the first and after the last point. Smooth curves are cubic splines: with
+second derivatives M, distances h and slopes d of the chords, h_i M_i + 2 (h_i + h_j) M_j + h_j M_k
+= 6 (d_j - d_i) at each point. A periodic one has no ends; a natural one has M = 0 there.
 """
 
 from __future__ import annotations

@@ -99,6 +99,11 @@ def units_of(dimension: str) -> list[str]:
     return list(_DIMENSIONS[dimension][2]) if dimension in _DIMENSIONS else []
 
 
+def si_unit(dimension: str) -> str:
+    """The SI unit of a dimension, ``1`` of a ratio; empty if it is unknown."""
+    return "1" if dimension == "ratio" else next(iter(units_of(dimension)), "")
+
+
 def dimension_of(unit: str) -> str:
     """The dimension of a unit, such as ``"length"``."""
     return UNITS[unit][1]

@@ -224,7 +224,7 @@ springs[0].stiffness = 1 | conflicting-keys | give either @ springs[0]
 springs[0].force = "=twist" | name-not-found | unknown name 'twist'
 springs[0].force = "=play(stretch)" | bad-expression | unknown function 'play'
 drives = [{"type": "stiffness", "name": "d", "spring": "band", "value": 200}] | not-settable |
-    follows a law and has no stiffness to set @ drives[0].spring
+    has no stiffness to set: it follows a law @ drives[0].spring
 drives = [{"type": "stiffness", "name": "k", "spring": "band", "tendon": "cord"}] & tendons =
     [{"name": "cord", "guides": [{"body": "wall", "at": [0, 1]}, {"body": "disc"}]}] |
     conflicting-keys | needs either 'spring' or 'tendon' @ drives[0]

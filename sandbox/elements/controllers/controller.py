@@ -1,12 +1,9 @@
 """The base of controllers and of their laws; controllers without dynamics.
 
-A controller acts at its own rate. An act after step k reads the quantities of step k, and its
-values hold from step k + 1 to the next act; the first act is before the first step. The value of
-a drive that a controller writes is its initial value.
-
-Limits and rate limits are applied outside of the laws, which get the applied values against
-windup. Readings, targets and drive values are in the order of ``reads`` and ``writes``, SI. Laws
-are plain Python on floats, which is faster than arrays of so few numbers.
+An act after step k reads the quantities of step k, and its values hold from step k + 1 to the next
+act; the first act is before the first step. Limits and rate limits are applied outside of the laws,
+which get the applied values against windup. Laws are plain Python on floats, which is faster than
+arrays of so few numbers.
 """
 
 from __future__ import annotations
@@ -62,14 +59,10 @@ class Law:
         """Begin, or begin anew after being switched on during a run, from the drives' values."""
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """A value for each drive, in its unit, until the next act.
+        """A value for each drive, in its unit, until the next act; ``t`` is the time [s].
 
-        Args:
-            t: time [s]; one period after the last act.
-            readings: as in :meth:`begin`; at the first act after it the same.
-            targets: as in :meth:`begin`.
-            applied: values in force since the last act. They equal those that the law returned,
-                to the last bit, unless a limit or a rate limit cut them.
+        ``applied`` are the values since the last act: those that the law returned, to the last
+        bit, unless a limit or a rate limit cut them.
         """
         raise NotImplementedError
 
@@ -221,11 +214,7 @@ class FeedbackController(SingleController):
 
 
 class Switch(Law):
-    """One value from the moment the reading is below a threshold, another once it is above one.
-
-    Between the thresholds it keeps its value. During a run it begins with the drive's value, at
-    the start of one with ``value_below``.
-    """
+    """On/off with hysteresis; during a run it begins with the drive's value."""
 
     def __init__(self, spec: SwitchController, period: float) -> None:
         self._spec, self._value, self._keeps = spec, spec.value_below, not spec.active

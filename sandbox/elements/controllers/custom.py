@@ -40,11 +40,7 @@ class StopRun(Exception):
 
 
 def customs(given: object) -> tuple[Custom, ...]:
-    """The callables that were passed as ``controllers``.
-
-    Raises:
-        SandboxError: they are none.
-    """
+    """The callables that were passed as ``controllers``."""
     found = tuple(given) if isinstance(given, Iterable) else (None,)
     if not all(isinstance(one, Custom) for one in found):
         raise SandboxError(f"controllers: {quoted(given)} are no controllers; "
@@ -59,12 +55,7 @@ class CustomLaw(Law):
         self._act, self._name, self._count = spec.act, spec.name, len(spec.writes)
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """The result of the function.
-
-        Raises:
-            StopRun: the function raised it.
-            ControllerFailed: it raised something else, or did not return a number for each drive.
-        """
+        """The result of the function; ControllerFailed unless it has a number for each drive."""
         try:
             result: Any = self._act(t, readings)
         except StopRun:

@@ -82,8 +82,7 @@ class EquilibriumController(SeveralController):
     kp: Items[Quantity]
     """Torque per error of rotation, one for each joint [N m/rad]."""
     ki: Items[Quantity] | None = None
-    """Torque per integral of the error, one for each joint [N m/(rad s)]; none by default. The
-    integral begins once ``rise`` is over."""
+    """Torque per integral of the error, which begins after ``rise``, one each [N m/(rad s)]."""
     kd: Items[Quantity] | None = None
     """Torque per rate of rotation, one for each joint [N m s/rad]; none by default."""
     rise: Instant = 0.0
@@ -230,11 +229,9 @@ def _joints(tendon: TendonRoute, springs: SpringSet, rest: ArrayLike) -> list[Jo
 class Equilibrium(Law):
     """k = T h / s at the target + (kp e + kd rate + I) / s, with e = rotation - reference.
 
-    - The reference moves linearly from the joint's first rotation to the target within
-      ``rise``; the feedforward is that of the target itself.
-    - I, a torque, integrates ki e over straight lines between acts once the reference has
-      arrived: before, the lag of the joint is no error of the model. It stops while its
-      drive's value is cut and it would increase the cut.
+    - The reference moves linearly from the joint's first rotation to the target within ``rise``.
+    - I integrates ki e over straight lines between acts once the reference has arrived. It stops
+      while its drive's value is cut and it would increase the cut.
     - s is at least that at the guard's rotation, and so never 0.
     """
 
@@ -254,11 +251,7 @@ class Equilibrium(Law):
         self._balancing: list[float] = []
 
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Start the reference at the joints' rotations.
-
-        During a run the integrals take up the difference to the drives' values; without an
-        integral gain the difference would stay, so these joints begin at 0.
-        """
+        """Start the reference; during a run integrals begin at the drives' values, if they act."""
         n = len(self._joints)
         self._starts = list(readings[:n])
         self._since, self._arrived = None, False

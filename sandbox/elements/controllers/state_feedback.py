@@ -17,10 +17,9 @@ from sandbox.values.spec import TYPE, refuse_if
 class StateFeedback(Law):
     """u = bias + K e + I with e = targets - readings, and for each drive an integral of its own.
 
-    I is the integral of the row of ``integral_gains`` times e over straight lines
-    between acts. It stops while its drive's output is cut, by limits or the rate limit, and
-    would increase the cut. Columns without an integral gain are left out of the integrals.
-    Rows are lists: numpy needs as long for 4 x 6 numbers.
+    I is the integral of the row of ``integral_gains`` times e over straight lines between acts. It
+    stops while its drive's output is cut and it would increase the cut. Rows are lists: numpy takes
+    as long for 4 x 6 numbers.
     """
 
     def __init__(self, spec: StateFeedbackController, period: float) -> None:
@@ -38,11 +37,7 @@ class StateFeedback(Law):
         self._resumes, self._fresh = not spec.active, True
 
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Set bias and integrals.
-
-        During a run the rows with integral gains take up the difference to their drives' values;
-        others keep to their bias.
-        """
+        """Set bias and integrals; during a run integrals begin at their drives' values."""
         self._bias = tuple(inputs) if self._given is None else self._given
         self._integrals = [0.0] * len(self._bias)
         if self._resumes and self._kept:

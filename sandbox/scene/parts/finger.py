@@ -28,8 +28,7 @@ from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
 from sandbox.values import numbers as of
 from sandbox.values.appearance import Planes
-from sandbox.values.marks import ReadMark
-from sandbox.values.spec import TYPE, Spec
+from sandbox.values.spec import TYPE, ReadMark, Spec
 from sandbox.wording import WrongValueError
 
 ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]

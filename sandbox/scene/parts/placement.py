@@ -32,10 +32,9 @@ from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_body, to_world
 from sandbox.scene.outlines.curves import Node
 from sandbox.scene.parts.expansion import PartError
-from sandbox.values.marks import mark_of
 from sandbox.values.numbers import Dimension, Point
 from sandbox.values.signals import AnySignal, Constant, Formula, OverTime, Ramp, Table, values
-from sandbox.values.spec import Spec
+from sandbox.values.spec import Spec, mark_of
 from sandbox.wording import WrongValueError, near
 
 Mirror = Literal["left-right", "up-down"]

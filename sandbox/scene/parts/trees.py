@@ -17,9 +17,8 @@ from sandbox.scene.bodies import Body, Capsule, Circle, Shape
 from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, Known, Leaf, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
-from sandbox.values.marks import TextFor
 from sandbox.values.numbers import Angle, Damping, Items, Length, Mass, Name, Ratio, Stiffness
-from sandbox.values.spec import TYPE
+from sandbox.values.spec import TYPE, TextFor
 from sandbox.wording import NearMisses, WrongValueError
 
 MIN_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
