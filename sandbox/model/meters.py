@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Hashable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from graphlib import CycleError, TopologicalSorter
 from typing import TypeVar
@@ -41,7 +41,7 @@ def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
     reads = {index: sorted(place[name] for name in names_read(meter) & place.keys())
              for index, meter in enumerate(mechanism.meters)}
     sorter, done = TopologicalSorter(reads), list[int]()
-    circles = list(rings(reads, reads.__getitem__))
+    circles = [ring[(at := ring.index(min(ring))):] + ring[:at] for ring in rings(reads)]
     with suppress(CycleError):  # it goes on as far as there is no cycle
         sorter.prepare()
     while ready := sorted(sorter.get_ready()):
@@ -50,28 +50,15 @@ def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
     return done, circles
 
 
-def rings(
-    starts: Iterable[_Node], nexts: Callable[[_Node], Iterable[_Node]],
-) -> Iterator[list[_Node]]:
-    """Cycles of a graph; every node is visited once."""
-    done: set[_Node] = set()
-    for start in starts:
-        chain: dict[_Node, Iterator[_Node]] = {} if start in done else {start: iter(nexts(start))}
-        while chain:
-            node = next(reversed(chain))
-            following = next(chain[node], None)
-            if following is None:
-                done.add(node)
-                del chain[node]
-            elif following in chain:
-                nodes = list(chain)
-                ring = nodes[nodes.index(following):]
-                yield ring
-                done.update(ring)
-                for member in ring:
-                    del chain[member]
-            elif following not in done:
-                chain[following] = iter(nexts(following))
+def rings(nexts: Mapping[_Node, Sequence[_Node]]) -> Iterator[list[_Node]]:
+    """Cycles of a graph, which has the next ones of each node; none has a node of another."""
+    while True:
+        try:
+            return TopologicalSorter(nexts).prepare()
+        except CycleError as error:
+            yield (ring := error.args[1][:0:-1])
+            nexts = {node: [each for each in following if each not in ring]
+                     for node, following in nexts.items() if node not in ring}
 
 
 def evaluate(

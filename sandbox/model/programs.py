@@ -12,7 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.numeric import Array, Integers, Records
-from sandbox.values.expressions import CONSTANTS, MAX_EXPONENT, Expression, dotted, unknown_name
+from sandbox.values.expressions import (
+    CONSTANTS,
+    MAX_EXPONENT,
+    Expression,
+    dotted,
+    split,
+    unknown_name,
+)
 from sandbox.values.tables import Function
 
 # operations; NAME and TABLE have the index of a name or table; NEXT_LT and so on are the second
@@ -21,10 +28,10 @@ from sandbox.values.tables import Function
  GE, EQ, NE, NEXT_LT, NEXT_LE, NEXT_GT, NEXT_GE, NEXT_EQ, NEXT_NE, SIN, COS, TAN, ASIN, ACOS, ATAN,
  ATAN2, SQRT, EXP, LOG, TANH, ABS, HYPOT, SIGN, FLOOR, CEIL, MIN, MAX) = range(45)
 
-_BINARY: dict[type[ast.operator], int] = {
-    ast.Add: ADD, ast.Sub: SUB, ast.Mult: MUL, ast.Div: DIV, ast.Mod: MOD, ast.Pow: POW}
-_COMPARE: dict[type[ast.cmpop], int] = {ast.Lt: LT, ast.LtE: LE, ast.Gt: GT, ast.GtE: GE,
-                                       ast.Eq: EQ, ast.NotEq: NE}
+_CODES: dict[type[ast.AST], int] = {
+    ast.Add: ADD, ast.Sub: SUB, ast.Mult: MUL, ast.Div: DIV, ast.Mod: MOD, ast.Pow: POW,
+    ast.USub: NEG, ast.Not: NOT, ast.And: AND, ast.Or: OR, ast.IfExp: SELECT, ast.Lt: LT,
+    ast.LtE: LE, ast.Gt: GT, ast.GtE: GE, ast.Eq: EQ, ast.NotEq: NE}
 _FUNCTIONS: dict[str, int] = {
     "sin": SIN, "cos": COS, "tan": TAN, "asin": ASIN, "acos": ACOS, "atan": ATAN, "atan2": ATAN2,
     "sqrt": SQRT, "exp": EXP, "log": LOG, "tanh": TANH, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
@@ -80,51 +87,31 @@ _GROWS = {NUMBER: 1, NAME: 1, SELECT: -2, DROP: -1} | dict.fromkeys(
 def _steps(
     node: ast.expr, names: Mapping[str, int], tables: Mapping[str, int],
 ) -> Iterator[Step]:
-    def of(*parts: ast.expr) -> Iterator[Step]:
-        for part in parts:
-            yield from _steps(part, names, tables)
-
-    name = dotted(node)
-    if name is not None:
+    if (name := dotted(node)) is not None:
         yield (NAME, names[name]) if name in names else (NUMBER, CONSTANTS[name])
-    elif isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
-        yield NUMBER, float(node.value)
-    elif isinstance(node, ast.BinOp):
-        yield from of(node.left, node.right)
-        yield _BINARY[type(node.op)], 0.0
-    elif isinstance(node, ast.UnaryOp):
-        yield from of(node.operand)
-        if isinstance(node.op, (ast.USub, ast.Not)):
-            yield (NEG if isinstance(node.op, ast.USub) else NOT), 0.0
-    elif isinstance(node, ast.IfExp):
-        yield from of(node.test, node.body, node.orelse)
-        yield SELECT, 0.0
-    elif isinstance(node, ast.BoolOp):
-        yield from of(node.values[0])
-        for part in node.values[1:]:
-            yield from of(part)
-            yield (AND if isinstance(node.op, ast.And) else OR), 0.0
+        return
+    if isinstance(node, ast.Constant):
+        yield NUMBER, float(node.value)  # type: ignore[arg-type]
+        return
+    operands, operators = split(node) or ((), ())
+    codes = [_CODES.get(type(operator), 0) for operator in operators]
+    last = 0.0
+    if isinstance(node, ast.Call):
+        called = node.func.id  # type: ignore[attr-defined]
+        codes, last = [_FUNCTIONS.get(called, TABLE)], tables.get(called, 0.0)
+        if called == "clip":
+            codes = [MAX, MIN]
     elif isinstance(node, ast.Compare):
-        yield from of(node.left)
-        for i, (op, right) in enumerate(zip(node.ops, node.comparators, strict=True)):
-            yield from of(right)
-            yield _COMPARE[type(op)] + (NEXT_LT - LT if i else 0), 0.0
+        codes = [code + (NEXT_LT - LT if i else 0) for i, code in enumerate(codes)]
+    between = codes * (len(operands) - 1) if len(codes) == 1 else codes
+    for i, operand in enumerate(operands):
+        yield from _steps(operand, names, tables)
+        if i and not isinstance(node, ast.IfExp):
+            yield between[i - 1], 0.0
+    if isinstance(node, ast.Compare):
         yield DROP, 0.0
-    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-        first, *others = node.args
-        yield from of(first)
-        if node.func.id == "clip":
-            low, high = others
-            yield from (*of(low), (MAX, 0.0), *of(high), (MIN, 0.0))
-        elif node.func.id not in _FUNCTIONS:
-            yield TABLE, tables[node.func.id]
-        elif not others:
-            yield _FUNCTIONS[node.func.id], 0.0
-        else:
-            for part in others:
-                yield from (*of(part), (_FUNCTIONS[node.func.id], 0.0))
-    else:
-        raise TypeError(f"{type(node).__name__} has no place in a checked expression")
+    elif (len(operands) == 1 and codes[0]) or isinstance(node, ast.IfExp):
+        yield codes[0], last
 
 
 def curve_tables(functions: Sequence[Function]) -> tuple[Records, Records]:

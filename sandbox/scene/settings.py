@@ -115,7 +115,7 @@ class Meter(Spec):
 
 def _bound_text(text: str, info: ValidationInfo) -> str:
     """An expression with the scene's parameters replaced by their values."""
-    return f"={of.checked_expression(text, info).bind(of.parameters_of(info)).text}"
+    return f"={of.bound_expression(text, info).text}"
 
 
 def _window(value: object, info: ValidationInfo) -> object:

@@ -107,6 +107,7 @@ _FLOATS: Operators = {
     ast.Or: lambda *parts: float(any(part() for part in parts)),
     ast.IfExp: lambda test, body, other: body() if test() else other(),
 }
+_NAME = re.compile(r"(?<![\w.])(?<!\. )([A-Za-z_]\w*)(?![\w.])(?! *\.)( *\()?")  # or a function
 _STRANGE = re.compile(r"[^A-Za-z0-9_.+\-*/%()<>=!, \t]")
 _UNIT_INSIDE = re.compile(
     rf"(?<![\w.])[0-9.]+(?:[eE][+-]?[0-9]+)? *(?!(?:{'|'.join(sorted(KEYWORDS))})\b)([A-Za-z]\w*)")
@@ -149,8 +150,14 @@ class Expression:
         self, values: Mapping[str, float], tables: Mapping[str, str] | None = None,
     ) -> Expression:
         """The same expression with names replaced by their values, tables by others' names."""
-        bound = _Binder(values, tables or {}).visit(_tree_of(self.text))
-        return _expression(ast.unparse(bound), bound)
+        def bound(found: re.Match[str]) -> str:
+            name, call = found.groups(default="")
+            if call:
+                return (tables or {}).get(name, name) + call
+            return f"({float(values[name])!r})" if name in values else name
+
+        tree = _tree_of(_NAME.sub(bound, self.text))
+        return _expression(ast.unparse(tree), tree)
 
     def check_tables(self, values: Mapping[str, Any]) -> None:
         """Check that every table that it calls is among ``values``."""
@@ -160,29 +167,6 @@ class Expression:
 
     def __str__(self) -> str:
         return quoted(f"={self.text}")
-
-
-class _Binder(ast.NodeTransformer):
-    """Replaces names by numbers and renames tables; a dotted name is one name."""
-
-    def __init__(self, values: Mapping[str, float], tables: Mapping[str, str]) -> None:
-        self.values, self.tables = values, tables
-
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        if node.id not in self.values:
-            return node
-        value = float(self.values[node.id])
-        constant = ast.Constant(abs(value))
-        return constant if value >= 0 else ast.UnaryOp(ast.USub(), constant)
-
-    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        return node
-
-    def visit_Call(self, node: ast.Call) -> ast.expr:
-        node.args = [self.visit(arg) for arg in node.args]
-        if isinstance(node.func, ast.Name) and node.func.id in self.tables:
-            node.func = ast.Name(self.tables[node.func.id])
-        return node
 
 
 def call(table: str) -> str:
@@ -267,7 +251,7 @@ def dotted(node: ast.expr) -> str | None:
     return ".".join([node.id, *reversed(attributes)]) if isinstance(node, ast.Name) else None
 
 
-def _split(node: ast.expr) -> tuple[Sequence[ast.expr], Sequence[ast.AST]] | None:
+def split(node: ast.expr) -> tuple[Sequence[ast.expr], Sequence[ast.AST]] | None:
     """The operands and operators of a node; None of one that no expression may have."""
     parts: Sequence[ast.expr]
     ops: Sequence[ast.AST] = ()
@@ -303,7 +287,7 @@ def _check(node: ast.expr, names: set[str], depth: int) -> None:
             raise WrongValueError("bad-expression", f"{quoted(node.value)} is not a number")
         if not abs(node.value) <= sys.float_info.max:
             raise WrongValueError("out-of-range", "a number of the expression is too large")
-    elif (found := _split(node)) is not None:
+    elif (found := split(node)) is not None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             _check_call(node.func.id, len(node.args), names)
         for part in found[0]:
@@ -343,7 +327,7 @@ def _compiled(
     if isinstance(node, ast.Constant):
         number = float(node.value)  # type: ignore[arg-type]
         return lambda: number
-    operands, ops = _split(node) or ((), ())
+    operands, ops = split(node) or ((), ())
     parts = [_compiled(operand, on, read, tables) for operand in operands]
     if isinstance(node, ast.Call):
         name = node.func.id  # type: ignore[attr-defined]

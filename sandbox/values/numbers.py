@@ -100,24 +100,20 @@ def parameters_of(info: ValidationInfo) -> Mapping[str, float]:
     return (info.context or {}).get("parameters") or {}
 
 
-def checked_expression(text: str, info: ValidationInfo) -> Expression:
-    """The expression of a text, whose tables are checked if there is a validation context."""
+def bound_expression(text: str, info: ValidationInfo) -> Expression:
+    """The expression of a text with the scene's parameters put in; tables have to be known."""
     expression = parse_expression(text)
     if info.context is not None:
         expression.check_tables(parameters_of(info))
-    return expression
+    return expression.bind(parameters_of(info))
 
 
 def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> str:
     """A law, ``"=..."``, with all names replaced except those of its element, ``own``."""
-    parameters = parameters_of(info)
-    expression = checked_expression(text, info)
-    for name in sorted(expression.names.intersection(own)):
-        if name in parameters:
-            raise WrongValueError("duplicate-name", f"{quoted(name)} is a parameter, and here "
-                                  f"it would mean the {whose}'s own", allowed="another name "
-                                  "for the parameter")
-    bound = expression.bind(parameters)
+    parameters, bound = parameters_of(info), bound_expression(text, info)
+    for name in sorted(parse_expression(text).names.intersection(own, parameters)):
+        raise WrongValueError("duplicate-name", f"{quoted(name)} is a parameter, and here it would "
+                              f"mean the {whose}'s own", allowed="another name for the parameter")
     for name in sorted(bound.names.difference(own)):
         raise unknown_name(name, {**dict.fromkeys(own), **parameters})
     return f"={bound.text}"

@@ -64,10 +64,9 @@ class Formula(Spec):
     @field_validator("expression")
     @classmethod
     def _bind(cls, text: str, info: ValidationInfo) -> str:
-        parameters = of.parameters_of(info)
-        bound = of.checked_expression(text, info).bind(parameters)
-        if unknown := sorted(bound.names - {"t"}):
-            raise unknown_name(unknown[0], parameters, also="t")
+        bound = of.bound_expression(text, info)
+        for unknown in sorted(bound.names - {"t"}):
+            raise unknown_name(unknown, of.parameters_of(info), also="t")
         return f"={bound.text}"
 
 

@@ -27,7 +27,7 @@ RATE = 1000.0  # default rate of acts [Hz]; the nearest whole number of steps is
 
 def bound(text: str, info: ValidationInfo) -> str:
     """An expression of quantities with the scene's parameters put in; a plain name stays."""
-    expression = of.checked_expression(text, info).bind(of.parameters_of(info))
+    expression = of.bound_expression(text, info)
     return f"={expression.text}" if text.lstrip().startswith("=") else text.strip()
 
 
