@@ -93,7 +93,6 @@ class DriveSpec(Element):
     """The base of all drives."""
 
     facts: ClassVar[DriveKind]
-
     type: str
     name: of.Name
     """Its name; quantities are ``<name>.value`` and so on."""
@@ -146,7 +145,6 @@ class ForceDrive(DriveSpec):
     """A force on a point of a body, along a fixed direction."""
 
     facts = DriveKind(BODY, "force", "force")
-
     type: Literal["force"] = TYPE
     body: BodyName
     """Name of the body that is pushed."""
@@ -194,7 +192,6 @@ class RadiusDrive(DriveSpec):
     facts = DriveKind(
         BODY, "radius", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
         positive=True, mujoco="a changing radius")
-
     type: Literal["radius"] = TYPE
     body: BodyName
     """Name of the body; mass and inertia stay as they are."""
@@ -236,7 +233,6 @@ class SurfaceDrive(DriveSpec):
     facts = DriveKind(
         BODY, "surface", "speed", ("value", "work", "power"), sole="surface", timely="end",
         mujoco="a conveyor surface")
-
     type: Literal["surface"] = TYPE
     body: BodyName
     """Name of the body, all of whose shapes run; its mass and pose are not changed by that."""
@@ -255,7 +251,6 @@ class PullDrive(DriveSpec):
     """Sets the tension of a tendon: an actuator at its last guide. Below 0 counts as 0."""
 
     facts = DriveKind(TENDON, "tension", "force", floor=0.0, sole="tension")
-
     type: Literal["pull"] = TYPE
     tendon: Annotated[of.Name, TENDON]
     """Name of a tendon, or of a finger or tree: then its own tendon is pulled."""
@@ -279,7 +274,6 @@ class StiffnessDrive(DriveSpec):
     facts = DriveKind(SPRING, "stiffness", "", ("value",), floor=0.0, sole="stiffness",
                       mujoco="a stiffness drive")
     on_tendon: ClassVar[DriveKind] = replace(facts, target=TENDON, dimension="stiffness")
-
     type: Literal["stiffness"] = TYPE
     spring: Annotated[of.Name | None, SPRING] = None
     """Name of the spring, linear or rotary; its damping stays as it is. This or ``tendon``."""
@@ -355,7 +349,6 @@ class HoldDrive(DriveSpec):
 
     PYMUNK = RELEASED
     facts = DriveKind(HELD, "hold", "ratio", ("value",), sole="hold", mujoco=RELEASED)
-
     type: Literal["hold"] = TYPE
     element: Annotated[of.Name, HELD]
     """Name of the joint, spring or tendon. A joint closes its gap in its ``takes_up_in``."""
@@ -387,7 +380,6 @@ class TorqueDrive(HingeDrive):
     """A torque between the two bodies of a hinge, positive as the hinge turns."""
 
     facts = DriveKind(HINGE, "torque", "torque", ("value", "work", "power"), twin="push")
-
     type: Literal["torque"] = TYPE
     value: signals.TorqueSignal
     """Torque on body ``b`` over time [N m], in the hinge's sense; the opposite acts on ``a``."""
@@ -414,7 +406,6 @@ class MotorDrive(HingeDrive):
         HINGE, "torque", "angular speed", ("value", "work", "torque", "power"),
         sole="motor", limited=True, timely="end", twin="extend",
         mujoco="a motor with a set speed or a torque-speed line")
-
     type: Literal["motor"] = TYPE
     value: Annotated[signals.SpeedSignal | None, KEPT] = None
     """Speed of ``b`` against ``a`` over time [rad/s], in the hinge's positive sense. Of a motor
@@ -472,7 +463,6 @@ class BrakeDrive(HingeDrive):
     facts = DriveKind(
         HINGE, "torque", "torque", ("value", "work", "torque", "power"), floor=0.0,
         sole="brake", limited=True, mujoco_varied="a changing brake")
-
     type: Literal["brake"] = TYPE
     value: signals.TorqueSignal
     """Maximum torque over time [N m]; 0 and less release the hinge."""
@@ -525,7 +515,6 @@ class ServoDrive(HingeDrive, PlaceDrive):
     facts = DriveKind(
         HINGE, "torque", "angle", ("value", "work", "torque", "power"), sole="motor",
         limited=True, places=True, twin="length")
-
     type: Literal["servo"] = TYPE
     value: signals.AngleSignal
     """Target angle over time [rad], in the hinge's sense from its ``zero``."""
@@ -557,7 +546,6 @@ class PushDrive(ActuatorDrive):
     """A force between the two points of an actuator, along the line through them."""
 
     facts = DriveKind(ACTUATOR, "push", "force", ("value", "work", "power"), twin="torque")
-
     type: Literal["push"] = TYPE
     value: signals.ForceSignal
     """The force over time [N]; positive pushes the points apart, negative pulls them together."""
@@ -579,7 +567,6 @@ class ExtendDrive(ActuatorDrive):
     facts = DriveKind(
         ACTUATOR, "push", "speed", ("value", "work", "force", "power"), sole="length",
         limited=True, timely="end", twin="motor", mujoco="an actuator with a set speed")
-
     type: Literal["extend"] = TYPE
     value: signals.RateSignal
     """The speed over time [m/s]; positive makes the actuator longer."""
@@ -605,7 +592,6 @@ class LengthDrive(ActuatorDrive, PlaceDrive):
     facts = DriveKind(
         ACTUATOR, "push", "length", ("value", "work", "force", "power"), sole="length",
         limited=True, places=True, twin="servo")
-
     type: Literal["length"] = TYPE
     value: signals.LengthSignal
     """The distance of the actuator's two points to go to over time [m]."""

@@ -211,7 +211,6 @@ class FlowDrive(DriveSpec):
 
     PYMUNK = FLUID
     facts = DriveKind(LINE, "flow", "flow", ("value", "work", "flow"), mujoco=FLUID)
-
     type: Literal["flow"] = TYPE
     line: LineName
     """Name of the line that it feeds."""
@@ -226,7 +225,6 @@ class PressureDrive(DriveSpec):
     facts = DriveKind(
         LINE, "pressure", "pressure", ("value", "work", "flow"), sole="pressure",
         mujoco=FLUID)
-
     type: Literal["pressure"] = TYPE
     line: LineName
     """Name of the line that it feeds."""
@@ -243,7 +241,6 @@ class OpeningDrive(DriveSpec):
     PYMUNK = FLUID
     facts = DriveKind(
         VALVE, "opening", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
-
     type: Literal["opening"] = TYPE
     valve: Annotated[of.Name, VALVE]
     """Name of the valve; one that no drive opens is fully open."""

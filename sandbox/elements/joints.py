@@ -206,7 +206,6 @@ class Pin(FrictionJoint):
     facts = JointKind(
         "point", ("angle", "rate", *REACTION, "damping", "damping_work"), angle=True,
         friction_unit="N m", more={"limits": ("stop",), "has_friction": FRICTION})
-
     type: Literal["pin"] = TYPE
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
     """Sense of rotation of ``b`` against ``a`` that counts as positive: for angle, rate, limits,
@@ -273,7 +272,6 @@ class Slot(FrictionJoint):
         mujoco_loop="a groove that closes a loop")
     LACKS: ClassVar[Mapping[str, str]] = {
         "path": "a groove along a path", "friction": "friction in a groove", **FrictionJoint.LACKS}
-
     type: Literal["slot"] = TYPE
     start: of.Point | None = None
     """One end of a straight groove, in the frame of ``a`` [m]."""
@@ -322,9 +320,7 @@ class Weld(ClosingJoint):
     """Two bodies held rigidly together."""
 
     facts = JointKind("point", REACTION)
-
     turns: ClassVar[bool] = False
-
     type: Literal["weld"] = TYPE
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
@@ -347,7 +343,6 @@ class Rod(BarJoint, ClosingJoint):
     """A massless rigid rod between two points."""
 
     facts = JointKind("distance", (*REACTION, "tension"))
-
     type: Literal["rod"] = TYPE
     length: of.Length | None = None
     """Distance between the two points [m]; by default that at t = 0."""
@@ -396,7 +391,6 @@ class Rope(RangeJoint):
     """
 
     facts = JointKind("range", (*REACTION, "tension"))
-
     type: Literal["rope"] = TYPE
     longest: of.Length
     """Largest distance of the two points [m]."""
@@ -412,7 +406,6 @@ class Actuator(RangeJoint):
     """
 
     facts = JointKind("range", ("length", "speed", *REACTION), line=True)
-
     type: Literal["actuator"] = TYPE
     shortest: of.Distance = 0.0
     """Distance of the two points with the rod drawn in [m]: a hard stop; none by default."""
@@ -470,7 +463,6 @@ class Gear(CircleJoint, ToothedJoint):
     """
 
     facts = JointKind("gear", MESH, more={"backlash": ("gap",)}, mujoco=TEETH)
-
     type: Literal["gear"] = TYPE
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
@@ -497,7 +489,6 @@ class Rack(ToothedJoint):
 
     PYMUNK = "a rack: its joints couple no rotation with a displacement"
     facts = JointKind("rack", MESH, more={"backlash": ("gap",)}, mujoco=TEETH)
-
     type: Literal["rack"] = TYPE
     radius: of.Length
     """Pitch radius of ``a``, whose centre is ``on_a``."""
@@ -536,5 +527,4 @@ class Roll(CircleJoint):
 
     PYMUNK = "rolling circles as a joint"
     facts = JointKind("roll", MESH, mujoco="rolling circles as a joint")
-
     type: Literal["roll"] = TYPE

@@ -62,7 +62,6 @@ class LoadSpec(Element):
 
     RECORDED = QUANTITIES
     PYMUNK = "a load by a law of a body's own motion"
-
     type: str
     name: of.Name
     """Its name; quantities are ``<name>.<body>.fx`` and so on."""
@@ -100,7 +99,6 @@ class LawLoad(LoadSpec):
     """
 
     LOCAL = ("force", "acceleration", "torque")
-
     type: Literal["law"] = TYPE
     force: of.Pair[ForceLaw] | None = None
     """The force [x, y] at the point ``at`` [N]: ``["=-0.2 * vx", "=-0.2 * vy"]``."""

@@ -79,11 +79,9 @@ GRASP: Mapping[str, Quantity] = {
     "stiffness": Quantity("N/m", "force per displacement for a small push at its centre of mass in "
                                  "the softest direction; inf if no push moves it, 0 without "
                                  "restoring force", nothing=_LIMP, of_free=True),
-    "stiffness_x": Quantity("N/m", "of a small push along x: force per displacement along x",
-                            nothing=_LIMP, of_free=True),
+    "stiffness_x": Quantity("N/m", "the same of a push along x", nothing=_LIMP, of_free=True),
     "stiffness_y": Quantity("N/m", "the same of a push upwards", nothing=_LIMP, of_free=True),
-    "stiffness_turn": Quantity("N m/rad", "of a small couple: moment per rotation",
-                               nothing=_LIMP, of_free=True),
+    "stiffness_turn": Quantity("N m/rad", "the same of a couple", nothing=_LIMP, of_free=True),
     "isotropy": Quantity("1", "minimum over maximum singular value of the grasp map: 1 if all "
                               "directions are alike", nothing=_NO_HAND),
     "spread": Quantity("1", "standard deviation over mean of the normal forces of the fingers on "

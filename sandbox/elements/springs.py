@@ -61,11 +61,9 @@ class LinearSpring(SpringSpec):
     """A straight spring and damper from a point of ``a`` to a point of ``b``; pulls and pushes."""
 
     facts = SpringKind("stiffness", ("length", "force", "work"), straight=True)
-
     LACKS = dict.fromkeys(("force", "only"), LACKS_LAW)
     LOCAL = ("force",)
     OWN = ("stretch", "rate")
-
     type: Literal["linear"] = TYPE
     name: of.Name
     """Its name; quantities are ``<name>.force`` and so on."""
@@ -110,11 +108,9 @@ class RotarySpring(SpringSpec):
     """A torsion spring and damper on a hinge, in the hinge's positive sense."""
 
     facts = SpringKind("rotary stiffness", ("angle", "torque", "work"), straight=False)
-
     LACKS = dict.fromkeys(("torque", "only"), LACKS_LAW)
     LOCAL = ("torque",)
     OWN = ("twist", "rate")
-
     type: Literal["rotary"] = TYPE
     name: of.Name
     """Its name; quantities are ``<name>.torque`` and so on."""

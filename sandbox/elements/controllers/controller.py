@@ -190,7 +190,6 @@ class ScheduleController(SingleController):
     LAW = Direct
     target_key = "value"
     sets_target = True
-
     type: Literal["schedule"] = TYPE
     value: Signal
     """Value of the drive over time, in its unit."""
@@ -201,7 +200,6 @@ class FeedbackController(SingleController):
 
     LAW = Direct
     reads_key = "value"
-
     type: Literal["feedback"] = TYPE
     value: Reading
     """Value of the drive, in its unit: an expression of quantities, of parameters and of the time
@@ -242,7 +240,6 @@ class SwitchController(ReadingController):
     LAW = Switch
     of_drive = ("value_below", "value_above")
     of_reading = ("below", "above")
-
     type: Literal["switch"] = TYPE
     below: of.Quantity
     """Below this reading ``value_below`` is set, in the reading's unit."""

@@ -69,7 +69,6 @@ class EquilibriumController(SeveralController):
     PER_DRIVE = ("limits", "slew", "joints", "targets", "kp", "ki", "kd")
     of_force = ("pull",)
     target_key = "targets"
-
     type: Literal["equilibrium"] = TYPE
     tendon: Annotated[Name, TENDON]
     """Name of the tendon that turns the joints."""
@@ -247,8 +246,6 @@ class Equilibrium(Law):
         self._integrals = [0.0] * n
         self._since: float | None = None
         self._arrived, self._resumes = False, not spec.active
-        self._balanced_at: tuple[float, list[float]] | None = None
-        self._balancing: list[float] = []
 
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Start the reference; during a run integrals begin at the drives' values, if they act."""
@@ -288,15 +285,10 @@ class Equilibrium(Law):
         return list(wanted)
 
     def _ahead(self, readings: Sequence[float], targets: Sequence[float]) -> list[float]:
-        """T h / s at the targets; computed anew when one of them or T has changed."""
+        """T h / s at the targets."""
         pull = readings[-1] if self._pull is None else self._pull
-        balanced_at = (pull, list(targets))
-        if balanced_at != self._balanced_at:
-            self._balanced_at = balanced_at
-            self._balancing = [
-                pull * joint.tendon_arm(target) / self._moment(i, target)
+        return [pull * joint.tendon_arm(target) / self._moment(i, target)
                 for i, (joint, target) in enumerate(zip(self._joints, targets, strict=True))]
-        return self._balancing
 
     def _moment(self, i: int, theta: float) -> float:
         """The spring moment s of a joint, no less than the guard's."""

@@ -91,7 +91,6 @@ class PidController(ReadingController):
 
     LAW = Pid
     of_drive = ("bias",)
-
     type: Literal["pid"] = TYPE
     target: Signal
     """Target of the reading over time, in its unit; an event may set ``<name>.target``."""
@@ -230,7 +229,6 @@ class RelayController(ReadingController):
     LAW = Relay
     of_drive = ("bias", "amplitude")
     of_reading = ("hysteresis",)
-
     type: Literal["relay"] = TYPE
     target: Signal
     """Target of the reading over time, in its unit; first the reading oscillates about it."""

@@ -78,7 +78,6 @@ class StateFeedbackController(SeveralController):
     PER_DRIVE = ("limits", "slew", "bias")
     of_drive = ("bias",)
     target_key = "targets"
-
     type: Literal["state_feedback"] = TYPE
     reads: Items[Reading] = Field(min_length=1, max_length=64)
     """Quantities, or expressions of them, in the order of the columns of ``gains``."""
