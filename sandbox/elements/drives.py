@@ -38,9 +38,9 @@ from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values import signals
 from sandbox.values.expressions import parse_expression
-from sandbox.values.spec import TYPE, refuse_if
+from sandbox.values.spec import TYPE
 from sandbox.values.units import si_unit
-from sandbox.wording import MAX_NAMED, quoted
+from sandbox.wording import MAX_NAMED, quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft

@@ -18,7 +18,7 @@ from sandbox.errors import Problem
 from sandbox.values.numbers import Name, Number, Pair
 from sandbox.values.spec import Spec
 from sandbox.values.units import size_fault
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
@@ -86,12 +86,10 @@ KEPT, OTHER_SIDE = Placed("kept"), Placed("other")
 
 
 def _with_length(direction: Vec) -> Vec:
-    if direction == (0.0, 0.0):
-        raise WrongValueError("out-of-range", "[0, 0] is no direction")
-    if fault := size_fault(math.hypot(*direction), "ratio"):
-        raise WrongValueError(
-            "out-of-range", f"as a direction its length is {fault}",
-            allowed="a direction such as [1, 0]; its length does not count")
+    refuse_if(direction == (0.0, 0.0), "[0, 0] is no direction", "out-of-range")
+    fault = size_fault(math.hypot(*direction), "ratio")
+    refuse_if(fault, f"as a direction its length is {fault}", "out-of-range",
+              allowed="a direction such as [1, 0]; its length does not count")
     return direction
 
 

@@ -24,9 +24,9 @@ from sandbox.elements.element import (
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.signals import FlowSignal, PressureSignal, ShareSignal
-from sandbox.values.spec import TYPE, Spec, refuse_if
+from sandbox.values.spec import TYPE, Spec
 from sandbox.values.units import size_fault
-from sandbox.wording import quoted
+from sandbox.wording import quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism

@@ -23,9 +23,9 @@ from sandbox.elements.element import (
 )
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
-from sandbox.values.spec import TYPE, refuse_if
+from sandbox.values.spec import TYPE
 from sandbox.values.tables import check_distinct
-from sandbox.wording import listed, quoted
+from sandbox.wording import listed, quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft

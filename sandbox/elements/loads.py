@@ -12,8 +12,8 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from sandbox.elements.element import KEPT, NAMED, Element, Quantity, live, recorded
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
-from sandbox.values.spec import TYPE, refuse_if
-from sandbox.wording import quoted
+from sandbox.values.spec import TYPE
+from sandbox.wording import quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.scene.bodies import Body

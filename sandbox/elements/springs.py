@@ -10,7 +10,8 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, live, recorded
 from sandbox.values import numbers as of
-from sandbox.values.spec import TYPE, refuse_if
+from sandbox.values.spec import TYPE
+from sandbox.wording import refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft

@@ -10,7 +10,8 @@ from pydantic import Field
 from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, live, recorded
 from sandbox.elements.springs import TakenUp
 from sandbox.values import numbers as of
-from sandbox.values.spec import Spec, refuse_if
+from sandbox.values.spec import Spec
+from sandbox.wording import refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft

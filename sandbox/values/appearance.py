@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, ValidationInfo, WithJsonSchema
 
 from sandbox.values.numbers import Items, number_from, parameters_of
-from sandbox.wording import WrongValueError, kind_of, near, quoted
+from sandbox.wording import WrongValueError, kind_of, near, quoted, refuse_if
 
 ALL: Literal["all"] = "all"
 HIGHEST = 1000  # maximum magnitude of a plane's number
@@ -27,9 +27,8 @@ def _read(value: Any, info: ValidationInfo) -> tuple[int, ...] | Literal["all"]:
     if value == ALL:
         return ALL
     numbers = tuple(value) if isinstance(value, (list, tuple)) else (value,)
-    if not 0 < len(numbers) <= MAX_PLANES:
-        raise WrongValueError("wrong-type",
-                              f"expected 1 to {MAX_PLANES} planes, got {len(numbers)}")
+    refuse_if(not 0 < len(numbers) <= MAX_PLANES,
+              f"expected 1 to {MAX_PLANES} planes, got {len(numbers)}", "wrong-type")
     return tuple(_plane(number, info) for number in numbers)
 
 

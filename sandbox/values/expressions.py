@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.values.units import parse_quantity
-from sandbox.wording import NearMisses, WrongValueError, listed, near, quoted
+from sandbox.wording import NearMisses, WrongValueError, listed, near, quoted, refuse_if
 
 MAX_LENGTH = 1000
 MAX_DEPTH = 60
@@ -69,8 +69,8 @@ RESERVED = frozenset({*CONSTANTS, *FUNCTIONS, *KEYWORDS, *keyword.kwlist, "t"})
 
 
 def _power(base: Any, exponent: Any) -> Any:
-    if np.any(np.abs(exponent) > MAX_EXPONENT):
-        raise WrongValueError("limit-exceeded", f"an exponent is at most {MAX_EXPONENT:g}")
+    refuse_if(np.any(np.abs(exponent) > MAX_EXPONENT), f"an exponent is at most {MAX_EXPONENT:g}",
+              "limit-exceeded")
     return np.power(base, exponent)
 
 
@@ -141,9 +141,8 @@ class Expression:
             raise
         except (TypeError, ValueError, OverflowError) as error:
             raise WrongValueError("bad-expression", f"{self} cannot be computed: {error}") from None
-        if finite and not np.all(np.isfinite(result)):
-            raise WrongValueError("bad-expression", f"{self} has no finite value (a division by "
-                                  "zero, or out of range)")
+        refuse_if(finite and not np.all(np.isfinite(result)), f"{self} has no finite value (a "
+                  "division by zero, or out of range)", "bad-expression")
         return float(result) if result.ndim == 0 else result
 
     def bind(
@@ -178,11 +177,9 @@ def call(table: str) -> str:
 def parse_expression(text: str) -> Expression:
     """Parse ``text`` (a leading ``=`` is dropped)."""
     body = text.strip().removeprefix("=").strip()
-    if len(body) > MAX_LENGTH:
-        raise WrongValueError("limit-exceeded", f"an expression has at most {MAX_LENGTH} "
-                              f"characters, this one has {len(body)}")
-    if not body:
-        raise WrongValueError("bad-expression", "the expression is empty", allowed=_GRAMMAR)
+    refuse_if(len(body) > MAX_LENGTH, f"an expression has at most {MAX_LENGTH} characters, this "
+              f"one has {len(body)}", "limit-exceeded")
+    refuse_if(not body, "the expression is empty", "bad-expression", allowed=_GRAMMAR)
     if strange := _STRANGE.search(body):
         raise WrongValueError("bad-expression", f"{quoted(strange.group())} has no place in the "
                               f"expression {quoted(body)}", allowed=_GRAMMAR)
@@ -275,18 +272,17 @@ def split(node: ast.expr) -> tuple[Sequence[ast.expr], Sequence[ast.AST]] | None
 
 def _check(node: ast.expr, names: set[str], depth: int) -> None:
     """Check a node and all below it; ``names`` collects what they read and call."""
-    if depth > MAX_DEPTH:
-        raise WrongValueError("limit-exceeded", f"an expression may nest at most {MAX_DEPTH} deep")
+    refuse_if(depth > MAX_DEPTH, f"an expression may nest at most {MAX_DEPTH} deep",
+              "limit-exceeded")
     if (name := dotted(node)) is not None:
-        if "__" in name:
-            raise WrongValueError("invalid-name",
-                                  f"{quoted(name)} is not a name that a scene can use")
+        refuse_if("__" in name, f"{quoted(name)} is not a name that a scene can use",
+                  "invalid-name")
         names.add(name)
     elif isinstance(node, ast.Constant):
         if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
             raise WrongValueError("bad-expression", f"{quoted(node.value)} is not a number")
-        if not abs(node.value) <= sys.float_info.max:
-            raise WrongValueError("out-of-range", "a number of the expression is too large")
+        refuse_if(not abs(node.value) <= sys.float_info.max,
+                  "a number of the expression is too large", "out-of-range")
     elif (found := split(node)) is not None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             _check_call(node.func.id, len(node.args), names)

@@ -26,7 +26,7 @@ from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_sc
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
 from sandbox.values.spec import ReadMark
 from sandbox.values.units import Measured, in_range, parse_quantity, range_of, units_of, with_unit
-from sandbox.wording import WrongValueError, kind_of, quoted
+from sandbox.wording import WrongValueError, kind_of, quoted, refuse_if
 
 T = TypeVar("T")
 if TYPE_CHECKING:  # validation accepts more than the type of its result: "50 g", lists, arrays
@@ -71,9 +71,8 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
         number = float(value)
     except (OverflowError, ValueError):
         number = math.inf
-    if not math.isfinite(number):
-        raise WrongValueError("out-of-range",
-                              "must be finite (NaN and infinity are not numbers here)")
+    refuse_if(not math.isfinite(number), "must be finite (NaN and infinity are not numbers here)",
+              "out-of-range")
     return number
 
 

@@ -21,9 +21,10 @@ from pydantic_core import InitErrorDetails
 from sandbox.numeric import Array
 from sandbox.values import numbers as of
 from sandbox.values.expressions import parse_expression, unknown_name
-from sandbox.values.spec import ReadMark, Spec, refuse_if
+from sandbox.values.spec import ReadMark, Spec
 from sandbox.values.tables import NONE, Tables
 from sandbox.values.units import units_of
+from sandbox.wording import refuse_if
 
 
 class Ramp(Spec):

@@ -18,7 +18,6 @@ from pydantic import (
 from pydantic_core import CoreSchema, core_schema
 
 from sandbox.errors import SceneError
-from sandbox.wording import WrongValueError
 
 TYPE: Any = Field()  # the default of a field type: a file must have it, the constructor fills it in
 
@@ -66,15 +65,7 @@ class Spec(Model):
         return self
 
     def _verify(self) -> None:
-        """Refuse fields that do not fit together, by :func:`refuse_if`."""
-
-
-def refuse_if(
-    fault: object, message: str, code: str = "conflicting-keys", *, allowed: str = "",
-) -> None:
-    """Raise a WrongValueError where ``fault`` is true."""
-    if fault:
-        raise WrongValueError(code, message, allowed=allowed)
+        """Refuse fields that do not fit together, by :func:`sandbox.wording.refuse_if`."""
 
 
 Mark = TypeVar("Mark")

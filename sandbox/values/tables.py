@@ -12,7 +12,6 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from itertools import pairwise
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
@@ -22,9 +21,9 @@ from pydantic import AfterValidator, Field, field_validator
 from sandbox.numeric import Array
 from sandbox.values.expressions import RESERVED, call
 from sandbox.values.numbers import Items, Pair, Quantity
-from sandbox.values.spec import Spec, refuse_if
+from sandbox.values.spec import Spec
 from sandbox.values.units import Measured, dimension_of
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import WrongValueError, quoted, refuse_if
 
 MAX_POINTS = 1000  # of one table
 CLOSEST = 1e-9  # the least distance of two points, as a share of the whole table
@@ -109,21 +108,17 @@ class NamedTable(Spec):
     @field_validator("points")
     @classmethod
     def _rising(cls, points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        span = abs(points[-1][0] - points[0][0])
-        for i, (one, two) in enumerate(pairwise(points)):
-            if two[0] <= one[0]:
-                raise WrongValueError("bad-table", f"the x of a table must increase: point {i + 1} "
-                                      f"has {two[0]:g} after {one[0]:g}")
-            if two[0] - one[0] < CLOSEST * span:
-                raise WrongValueError("bad-table", f"points {i} and {i + 1} are "
-                                      f"{two[0] - one[0]:g} apart, less than {CLOSEST * span:g}")
-        for axis in (0, 1):
-            numbers = (point[axis] for point in points)
-            kinds = {dimension_of(number.unit) for number in numbers
-                     if isinstance(number, Measured)}
-            if len(kinds) > 1:
-                raise WrongValueError("bad-table", f"all {'xy'[axis]} of a table are of one kind, "
-                                      f"and here are {' and '.join(sorted(kinds))}")
+        at = np.array([x for x, _ in points])
+        i = int(np.argmin(np.diff(at)))
+        gap, closest = at[i + 1] - at[i], CLOSEST * abs(at[-1] - at[0])
+        refuse_if(gap <= 0, f"the x of a table must increase: point {i + 1} has {at[i + 1]:g} "
+                  f"after {at[i]:g}", "bad-table")
+        refuse_if(gap < closest, f"points {i} and {i + 1} are {gap:g} apart, less than {closest:g}",
+                  "bad-table")
+        for axis, numbers in zip("xy", zip(*points, strict=True), strict=True):
+            kinds = {dimension_of(each.unit) for each in numbers if isinstance(each, Measured)}
+            refuse_if(len(kinds) > 1, f"all {axis} of a table are of one kind, and here are "
+                      f"{' and '.join(sorted(kinds))}", "bad-table")
         return points
 
     def _verify(self) -> None:

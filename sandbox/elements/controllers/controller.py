@@ -17,7 +17,8 @@ from sandbox.elements.element import Element
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.signals import AnySignal, Signal
-from sandbox.values.spec import TYPE, refuse_if
+from sandbox.values.spec import TYPE
+from sandbox.wording import refuse_if
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism

@@ -31,8 +31,8 @@ from sandbox.mechanics.springs import SpringSet, spring_set
 from sandbox.mechanics.tendon import TendonRoute, route
 from sandbox.values.numbers import Angle, Instant, Items, Length, Name, Point, Quantity
 from sandbox.values.signals import AngleSignal
-from sandbox.values.spec import TYPE, Spec, refuse_if
-from sandbox.wording import quoted
+from sandbox.values.spec import TYPE, Spec
+from sandbox.wording import quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism

@@ -18,7 +18,8 @@ from pydantic import Field
 from sandbox.elements.controllers.controller import Law, ReadingController, Row
 from sandbox.values.numbers import NOT_ZERO, Duration, Flag, Instant, Quantity
 from sandbox.values.signals import Signal
-from sandbox.values.spec import TYPE, refuse_if
+from sandbox.values.spec import TYPE
+from sandbox.wording import refuse_if
 
 
 class Pid(Law):

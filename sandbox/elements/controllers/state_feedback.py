@@ -11,7 +11,8 @@ from pydantic import Field
 from sandbox.elements.controllers.controller import Law, Matrix, Reading, Row, SeveralController
 from sandbox.values.numbers import Items, Quantity
 from sandbox.values.signals import Signal
-from sandbox.values.spec import TYPE, refuse_if
+from sandbox.values.spec import TYPE
+from sandbox.wording import refuse_if
 
 
 class StateFeedback(Law):
