@@ -15,9 +15,9 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Worst, check, lost_rate, peak, whole
-from sandbox.model.laws import SpringLaw
 from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
+from sandbox.model.programs import SpringLaw
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cables import rest_lengths
 

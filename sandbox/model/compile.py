@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from sandbox.elements.element import HELD_ABOVE, NAMED, NO_POINT, RELEASABLE, RELEASABLES
-from sandbox.model.laws import SpringLaw, law_of
 from sandbox.model.loads import compile_loads
 from sandbox.model.model import (
     NONE,
@@ -26,6 +25,7 @@ from sandbox.model.model import (
     Valves,
     columns_of,
 )
+from sandbox.model.programs import SpringLaw, law_of
 from sandbox.numeric import Integers
 from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.model.laws import law_of_load
 from sandbox.model.model import Bodies, BodyLoads, Model, columns_of
+from sandbox.model.programs import law_of_load
 from sandbox.numeric import Array
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Shape
 from sandbox.scene.geometry import corners

@@ -18,7 +18,7 @@ from sandbox.elements.drives import DriveKind, Gives
 from sandbox.elements.element import NAMED, NO_POINT, RELEASABLE
 from sandbox.elements.joints import JointKind, Keeps
 from sandbox.elements.springs import SpringKind
-from sandbox.model.laws import LoadLaw, SpringLaw
+from sandbox.model.programs import LoadLaw, SpringLaw
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.geometry import Vec, to_world
 from sandbox.scene.mechanism import Mechanism
