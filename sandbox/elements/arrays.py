@@ -163,6 +163,8 @@ ARRAYS: tuple[Recorded, ...] = (
 )
 METERS = "meter_value"  # optional: the meters, once they were evaluated
 FORCES = 5  # means of each joint
+ROWS = {"n": "time", "m": "contact_gap", "p": "mean_sample", "q": "mean_contact_sample",
+        "k": "impact_time"}  # axes with an array of one number a row
 LARGEST = 1e30  # larger than all simulated values; products of a few such numbers are finite
 _BY_NAME = {row.name: row for row in ARRAYS}
 
@@ -184,18 +186,14 @@ def dtype_of(key: str) -> type[np.float64] | type[np.int64]:
     return np.int64 if _BY_NAME[key].points else np.float64
 
 
-def sizes(
-    mechanism: Any, *, samples: int, contacts: int = 0, means: int = 0, mean_contacts: int = 0,
-    impacts: int = 0,
-) -> dict[str, int]:
-    """The length of every axis; ``mechanism`` has its elements in lists."""
+def sizes(mechanism: Any, **rows: int) -> dict[str, int]:
+    """The length of every axis; those of :data:`ROWS` are 0 by default."""
     counts = {kind.axis: len(getattr(mechanism, name)) for name, kind in NAMED.items() if kind.axis}
     grips = sum(len(tendon.gripping) for tendon in mechanism.tendons)
     wheels = sum(len(tendon.lifting) for tendon in mechanism.tendons)
     forces = FORCES * counts["nj"] + counts["nt"] + grips + counts["nd"]
-    return {"n": samples, "m": contacts, "p": means, "q": mean_contacts, "k": impacts,
-            "nc": forces, "nf": grips, "nw": wheels, **counts, "nk": len(mechanism.loaded),
-            "nr": len(mechanism.releasable)}
+    return {**dict.fromkeys(ROWS, 0), **rows, "nc": forces, "nf": grips, "nw": wheels, **counts,
+            "nk": len(mechanism.loaded), "nr": len(mechanism.releasable)}
 
 
 def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:
@@ -205,7 +203,7 @@ def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:
 
 def row_bytes(mechanism: Any, keys: Iterable[str]) -> int:
     """Bytes of one row of all these arrays together."""
-    size = sizes(mechanism, samples=1, contacts=1, means=1, mean_contacts=1, impacts=1)
+    size = sizes(mechanism, **dict.fromkeys(ROWS, 1))
     return 8 * sum(math.prod(shape_of(key, size)) for key in keys)
 
 
@@ -230,7 +228,7 @@ def faults(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> list[str]:
              for key in _required(arrays) if key in arrays and arrays[key].dtype != dtype_of(key)]
     if found:
         return found
-    size = sizes(mechanism, samples=arrays["time"].size)
+    size = sizes(mechanism, n=arrays["time"].size)
     for row in ARRAYS:
         array, last = arrays.get(row.name), size.get(row.points, 0) - 1
         if row.points and array is not None and any(
@@ -258,10 +256,8 @@ def _required(given: Mapping[str, Any]) -> list[str]:
 
 
 def _sizes_of(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, int]:
-    rows = {"samples": "time", "contacts": "contact_gap", "means": "mean_sample",
-            "mean_contacts": "mean_contact_sample", "impacts": "impact_time"}
     return sizes(mechanism, **{axis: math.prod(shapes.get(key, (0,)))
-                               for axis, key in rows.items()})
+                               for axis, key in ROWS.items()})
 
 
 def pieces(array: NDArray[Any]) -> Iterator[NDArray[Any]]:

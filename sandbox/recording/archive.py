@@ -229,7 +229,7 @@ class _Reading:
             raise ValueError(f"array {METERS!r} is missing")
         if found := misshapen(mechanism, {name: place.shape for name, place in places.items()}):
             raise ValueError("; ".join(found))
-        size = sizes(mechanism, samples=places["time"].shape[0])
+        size = sizes(mechanism, n=places["time"].shape[0])
         end = mechanism.run.duration + mechanism.run.step
         large = 8 * sum(math.prod(place.shape) for place in places.values()) > IN_MEMORY
         arrays = {name: self._array(place, size, end, mapped=large and math.prod(place.shape) > 0
