@@ -83,29 +83,24 @@ def _one_or_zero(true: Any) -> Any:
     return np.asarray(true, dtype=float)
 
 
-Operators = Mapping[type[ast.AST], Callable[..., Any]]
-"""A function for each operator; those of ``and``, ``or`` and ``if`` take functions as operands."""
-_ARRAYS: Operators = {
-    ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide,
-    ast.Mod: np.mod, ast.Pow: _power, ast.USub: np.negative, ast.UAdd: lambda x: x,
-    ast.Not: lambda x: _one_or_zero(np.logical_not(x)),
-    ast.Lt: np.less, ast.LtE: np.less_equal, ast.Gt: np.greater, ast.GtE: np.greater_equal,
-    ast.Eq: np.equal, ast.NotEq: np.not_equal,
-    ast.Compare: lambda found: _one_or_zero(reduce(np.logical_and, found)),
-    ast.And: lambda *parts: _one_or_zero(reduce(np.logical_and, [part() for part in parts])),
-    ast.Or: lambda *parts: _one_or_zero(reduce(np.logical_or, [part() for part in parts])),
-    ast.IfExp: lambda test, body, other: np.where(test(), body(), other()),
-}
-_FLOATS: Operators = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
-    ast.Div: operator.truediv, ast.Mod: operator.mod, ast.Pow: _float_power,
-    ast.USub: operator.neg, ast.UAdd: lambda x: x, ast.Not: lambda x: float(not x),
-    ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge,
-    ast.Eq: operator.eq, ast.NotEq: operator.ne,
-    ast.Compare: lambda found: float(all(found)),
-    ast.And: lambda *parts: float(all(part() for part in parts)),
-    ast.Or: lambda *parts: float(any(part() for part in parts)),
-    ast.IfExp: lambda test, body, other: body() if test() else other(),
+# Of arrays and of floats; those of "and", "or" and "if" take functions as operands.
+_OPERATORS: dict[type[ast.AST], tuple[Callable[..., Any], Callable[..., Any]]] = {
+    ast.Add: (np.add, operator.add), ast.Sub: (np.subtract, operator.sub),
+    ast.Mult: (np.multiply, operator.mul), ast.Div: (np.divide, operator.truediv),
+    ast.Mod: (np.mod, operator.mod), ast.Pow: (_power, _float_power),
+    ast.USub: (np.negative, operator.neg), ast.UAdd: (lambda x: x, lambda x: x),
+    ast.Not: (lambda x: _one_or_zero(np.logical_not(x)), lambda x: float(not x)),
+    ast.Lt: (np.less, operator.lt), ast.LtE: (np.less_equal, operator.le),
+    ast.Gt: (np.greater, operator.gt), ast.GtE: (np.greater_equal, operator.ge),
+    ast.Eq: (np.equal, operator.eq), ast.NotEq: (np.not_equal, operator.ne),
+    ast.Compare: (lambda found: _one_or_zero(reduce(np.logical_and, found)),
+                  lambda found: float(all(found))),
+    ast.And: (lambda *parts: _one_or_zero(reduce(np.logical_and, [part() for part in parts])),
+              lambda *parts: float(all(part() for part in parts))),
+    ast.Or: (lambda *parts: _one_or_zero(reduce(np.logical_or, [part() for part in parts])),
+             lambda *parts: float(any(part() for part in parts))),
+    ast.IfExp: (lambda test, body, other: np.where(test(), body(), other()),
+                lambda test, body, other: body() if test() else other()),
 }
 _NAME = re.compile(r"(?<![\w.])(?<!\. )([A-Za-z_]\w*)(?![\w.])(?! *\.)( *\()?")  # or a function
 _STRANGE = re.compile(r"[^A-Za-z0-9_.+\-*/%()<>=!, \t]")
@@ -135,7 +130,7 @@ class Expression:
         try:
             with np.errstate(all="ignore"):
                 self.check_tables(values)
-                computed = _compiled(self.tree, _ARRAYS, read, values)
+                computed = _compiled(self.tree, 0, read, values)
                 result = np.asarray(computed(), dtype=float)
         except WrongValueError:
             raise
@@ -200,7 +195,7 @@ def closure(text: str, read: Callable[[str], Read], tables: Mapping[str, Any]) -
 
     expression = parse_expression(text)
     expression.check_tables(tables)
-    inner = _compiled(expression.tree, _FLOATS, named,
+    inner = _compiled(expression.tree, 1, named,
                       {name: table.at for name, table in tables.items()})
 
     def value() -> float:
@@ -267,7 +262,7 @@ def split(node: ast.expr) -> tuple[Sequence[ast.expr], Sequence[ast.AST]] | None
             pass
         case _:
             return None
-    return (parts, ops) if all(type(op) in _ARRAYS for op in ops) else None
+    return (parts, ops) if all(type(op) in _OPERATORS for op in ops) else None
 
 
 def _check(node: ast.expr, names: set[str], depth: int) -> None:
@@ -314,10 +309,10 @@ def _unknown_function(name: str, values: Mapping[str, Any]) -> WrongValueError:
 
 
 def _compiled(
-    node: ast.expr, on: Operators, read: Callable[[str], Callable[[], Any]],
+    node: ast.expr, on: int, read: Callable[[str], Callable[[], Any]],
     tables: Mapping[str, Callable[..., Any]],
 ) -> Callable[[], Any]:
-    """A function that computes a checked node, of functions that compute its operands."""
+    """A function that computes a checked node on arrays (``on`` 0) or floats (1)."""
     if (name := dotted(node)) is not None:
         return read(name)
     if isinstance(node, ast.Constant):
@@ -328,11 +323,10 @@ def _compiled(
     if isinstance(node, ast.Call):
         name = node.func.id  # type: ignore[attr-defined]
         known = FUNCTIONS.get(name)
-        function = tables[call(name)] if known is None else \
-            known.floats if on is _FLOATS else known.arrays
+        function: Any = tables[call(name)] if known is None else known[on]
         return lambda: function(*[part() for part in parts])
     if isinstance(node, ast.Compare):
-        tests, every = [on[type(op)] for op in ops], on[ast.Compare]
+        tests, every = [_OPERATORS[type(op)][on] for op in ops], _OPERATORS[ast.Compare][on]
 
         def compared() -> Any:
             values = [part() for part in parts]
@@ -340,7 +334,7 @@ def _compiled(
                 tests, values, values[1:], strict=False)])
 
         return compared
-    compute = on[type(ops[0])]
+    compute = _OPERATORS[type(ops[0])][on]
     if isinstance(node, ast.BinOp):
         left, right = parts
         return lambda: compute(left(), right())
