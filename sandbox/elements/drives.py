@@ -282,8 +282,7 @@ class StiffnessDrive(DriveSpec):
     friction, or of a finger or tree for its own tendon. Damping and rest length do not change; a
     ``pretension`` sets the rest length by the tendon's own stiffness."""
     value: signals.StiffnessSignal | None = None
-    """Stiffness over time, [N/m] of a linear spring or a tendon, [N m/rad] of a rotary spring; by
-    default the element's own, which a controller may change."""
+    """Stiffness over time [N/m, of a rotary spring N m/rad]; by default the element's own."""
 
     def _verify(self) -> None:
         refuse_if((self.spring is None) == (self.tendon is None),
@@ -408,9 +407,8 @@ class MotorDrive(HingeDrive):
         mujoco="a motor with a set speed or a torque-speed line")
     type: Literal["motor"] = TYPE
     value: Annotated[signals.SpeedSignal | None, KEPT] = None
-    """Speed of ``b`` against ``a`` over time [rad/s], in the hinge's positive sense. Of a motor
-    with a line the speed without torque, ``no_load`` by default: half of it is half the voltage,
-    minus it the full voltage reversed."""
+    """Speed of ``b`` against ``a`` over time [rad/s], in the hinge's positive sense; with a line
+    the speed without torque, in proportion to the voltage, by default ``no_load``."""
     torque: of.Torque | None = Field(default=None, gt=0)
     """Maximum torque in both directions [N m]; optional for a motor with a line."""
     stall: of.Torque | None = Field(default=None, gt=0)

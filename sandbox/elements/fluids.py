@@ -63,8 +63,7 @@ class Cylinder(Spec):
     area: of.Area
     """Of the piston [m^2]; the force along the line through the points is area times pressure."""
     pulls: of.Flag = False
-    """Whether the fluid is on the rod side: its volume then grows as the points approach, and
-    pressure pulls them together, as in an artificial muscle."""
+    """True: the fluid is on the rod side and pulls the points together, as in a muscle."""
 
     def length(self, world: Callable[[str, Vec], Vec]) -> float:
         """Distance of its two points at t = 0 [m]; ``world`` gives points of bodies."""
@@ -83,8 +82,7 @@ class Vane(Spec):
     joint: HingeName
     """Name of the pin that it acts on."""
     displacement: Annotated[of.Displacement, of.NOT_ZERO]
-    """Volume per angle of the hinge [m^3/rad], in the hinge's positive sense; the torque is this
-    times the pressure. A negative value reverses it."""
+    """Volume per angle, torque per pressure [m^3/rad], in the hinge's sense; may be negative."""
 
     @property
     def gain(self) -> float:
@@ -112,8 +110,7 @@ class Line(Element):
     volume: of.Volume | None = None
     """Of all fluid at t = 0 [m^3], hoses included; by default that of the cylinders that push."""
     modulus: of.Modulus | None = None
-    """Pressure per share by which the fluid is pressed together, walls of hoses included [Pa]; by
-    default 1.4 GPa, that of oil. Not of a gas."""
+    """Pressure per relative compression, hoses included [Pa]; 1.4 GPa (oil) by default."""
     gas: of.Number | None = Field(default=None, ge=1, le=2)
     """The line contains gas: (pressure + 101325 Pa) * volume^gas is constant without flow. 1 is
     isothermal (slow), 1.4 is adiabatic air (fast). By default the line contains liquid."""
@@ -231,8 +228,7 @@ class PressureDrive(DriveSpec):
     value: PressureSignal
     """Gauge pressure over time [Pa], limited by the line's ``least`` and ``relief``."""
     resistance: of.FlowResistance = 0.0
-    """Pressure that is lost per flow between the source and the line [Pa s/m^3]; with 0, the
-    default, the line has the pressure of the source."""
+    """Pressure loss per flow between the source and the line [Pa s/m^3]; none by default."""
 
 
 class OpeningDrive(DriveSpec):

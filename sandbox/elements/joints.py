@@ -127,8 +127,7 @@ class JointSpec(Element):
     collide: of.Flag = False
     """Whether the two bodies may touch; by default they never do, even if the joint is released."""
     breaks_at: Annotated[of.Force, of.POSITIVE] | None = None
-    """Magnitude of its ``reaction`` above which it breaks [N]; it stays released unless an event
-    engages it again. By default it never breaks."""
+    """Its ``reaction`` above which it breaks [N], until an event engages it; never by default."""
     released: of.Flag = False
     """Whether it starts released, until an event engages it."""
 
@@ -208,8 +207,7 @@ class Pin(FrictionJoint):
         friction_unit="N m", more={"limits": ("stop",), "has_friction": FRICTION})
     type: Literal["pin"] = TYPE
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
-    """Sense of rotation of ``b`` against ``a`` that counts as positive: for angle, rate, limits,
-    springs, torques and motors of this hinge."""
+    """Positive sense of rotation of ``b`` against ``a``, for all quantities of this hinge."""
     zero: Annotated[of.Angle, KEPT] = 0.0
     """Subtracted from the angle between the frames, in the positive sense [rad]."""
     limits: Annotated[of.Pair[of.Angle] | None, KEPT] = None

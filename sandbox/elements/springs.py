@@ -89,13 +89,11 @@ class LinearSpring(SpringSpec):
     rest_length: of.Distance | None = None
     """Length without force [m], where ``stretch`` is 0; by default the length at t = 0."""
     breaks_at: Annotated[of.Force, of.POSITIVE] | None = None
-    """Magnitude of its force above which it breaks [N]; it stays released unless an event engages
-    it again. By default it never breaks."""
+    """Force above which it breaks [N], until an event engages it again; never by default."""
     released: of.Flag = False
     """Whether it starts released, until an event engages it."""
     taken_up: TakenUp = "natural"
-    """Rest length after it is engaged again: ``natural`` keeps it; ``as_is`` takes the current
-    distance of its points, so that it starts without force."""
+    """Rest length once it is engaged again: ``natural``, as before, or ``as_is``, without force."""
 
     _law = field_validator("force")(_read_law)
 
@@ -130,8 +128,7 @@ class RotarySpring(SpringSpec):
     rest_angle: Annotated[of.Angle, KEPT] = 0.0
     """Hinge angle without torque [rad], in the hinge's sense; 0 by default."""
     breaks_at: Annotated[of.Torque, of.POSITIVE] | None = None
-    """Magnitude of its torque without damping above which it breaks [N m]; it stays released unless
-    an event engages it again. By default it never breaks."""
+    """Torque above which it breaks [N m], without damping; never by default."""
     released: of.Flag = False
     """Whether it starts released, until an event engages it. Its damping is never released."""
 

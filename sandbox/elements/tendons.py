@@ -53,17 +53,15 @@ class Guide(Spec):
     radius: of.Distance = 0.0
     """Radius of the wheel [m]; 0, the default, is a point."""
     side: Annotated[Literal["left", "right"], OTHER_SIDE] = "left"
-    """Side of the wheel's centre, seen along the tendon from its first guide to its last: around a
-    wheel on its ``left`` the tendon bends counter-clockwise, around one on its ``right`` clockwise.
-    An end on the ``left`` is wound up by counter-clockwise rotation at the last guide, clockwise at
-    the first. Without effect on a point."""
+    """Side of the wheel's centre, seen along the tendon: around a wheel on its ``left`` it bends
+    counter-clockwise. An end on the ``left`` is wound up by counter-clockwise rotation at the last
+    guide, clockwise at the first. Without effect on a point."""
     turns: int = Field(default=0, ge=0, le=1000)
     """Additional whole turns around the wheel at t = 0; without effect on a point, at the ends."""
     begins: Literal["on", "off"] | None = None
-    """Whether the tendon lies on the wheel at t = 0 (``on``) or passes it straight (``off``), to
-    meet it later. By default it is off if the straight path clears the wheel with its centre on
-    ``side``; a loop is on. Without effect where a tendon cannot lift off: on a point, a wheel with
-    ``friction`` or ``turns``, the first guide of a loop, and at the ends."""
+    """Whether the tendon lies ``on`` the wheel at t = 0 or passes it straight, ``off``. By default
+    it is off if the straight path clears the wheel with its centre on ``side``; a loop is on.
+    Without effect on points, wheels with ``friction`` or ``turns``, a loop's first guide, ends."""
     friction: of.Ratio = 0.0
     """Coefficient of friction between tendon and guide: over a wrap angle φ the tension may grow by
     up to e^(friction φ) before the tendon slides (Euler, Eytelwein). Without effect at the ends."""
@@ -98,13 +96,11 @@ class Tendon(Element):
     pretension: Annotated[of.Force, of.NOT_NEGATIVE] | None = None
     """Tension along the whole tendon at t = 0 [N], in place of ``rest_length`` and ``slack``."""
     breaks_at: Annotated[of.Force, of.POSITIVE] | None = None
-    """Tension above which it breaks [N], anywhere along it; it stays released unless an event
-    engages it again. By default it never breaks."""
+    """Tension above which it breaks [N], until an event engages it again; never by default."""
     released: of.Flag = False
     """Whether it starts released, until an event engages it."""
     taken_up: TakenUp = "natural"
-    """Rest length after it is engaged again: ``natural`` keeps it; ``as_is`` takes the current path
-    length, so that it starts without tension."""
+    """Rest length once engaged again: ``natural``, as before, or ``as_is``, without tension."""
 
     def _verify(self) -> None:
         refuse_if(self.pretension is not None and (self.rest_length is not None or self.slack),

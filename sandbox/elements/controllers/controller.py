@@ -203,8 +203,7 @@ class FeedbackController(SingleController):
     reads_key = "value"
     type: Literal["feedback"] = TYPE
     value: Reading
-    """Value of the drive, in its unit: an expression of quantities, of parameters and of the time
-    ``t`` [s], such as ``"=0.2 * cos(axle.angle)"``."""
+    """An expression of quantities, parameters and the time ``t`` [s], in the drive's unit."""
 
     @property
     def immediate(self) -> str:

@@ -87,8 +87,7 @@ class StateFeedbackController(SeveralController):
     gains: Matrix
     """A row for each drive, a column for each reading [drive's unit per reading's unit]."""
     integral_gains: Matrix | None = None
-    """Gains of the errors' integrals, in the shape of ``gains``; none by default. The integral of a
-    row stops while its drive is at its limit."""
+    """Gains of the errors' integrals, in the shape of ``gains``; none by default."""
     bias: Items[Quantity] | None = None
     """Added for each drive, in its unit; by default the drives' values at the beginning."""
 
