@@ -275,7 +275,7 @@ def verdict(rest: AtRest) -> str:
 def quantities(run: Recording) -> dict[str, str]:
     """Names and units of the quantities that describe an equilibrium."""
     model = run.model
-    hinged = set(model.joints.bodies[model.joints.pivots, 1].tolist())
+    hinged = set(model.joints.bodies[model.joints.hinges, 1].tolist())
     names = [*_angles(model), *(f"{name}.length" for name in model.joints.name)]
     names += [name for i, each in _positions(model) if i not in hinged for name in each]
     for of, parts in ((model.tendons, ["tension"]), (model.springs, ["force", "torque"]),

@@ -101,14 +101,11 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
     kinds = tuple(joint.facts for joint in joints)
     paths = [(getattr(joint, "path", None), getattr(joint, "closed", False)) for joint in joints]
     angle = _flags(kind.angle for kind in kinds)
-    keeps = np.array([kind.keeps for kind in kinds], dtype=str)
     return Joints(
         name=_names(joints), kind=kinds, bodies=_ints(numbers, 2),
         anchor=_floats((anchors(joint, *pair) for joint, pair in zip(joints, ends, strict=True)),
                        2, 2),
         angle=angle, hinges=np.flatnonzero(angle),
-        pivots=np.flatnonzero(angle & (keeps == "point")),
-        grooved=np.flatnonzero(keeps == "groove"),
         stopped=np.flatnonzero(np.isfinite(columns["stops"]).all(axis=1)),
         frictional=np.flatnonzero((columns["friction"] > 0) | (columns["coefficient"] > 0)),
         unknowns=_ints(kind.forces for kind in kinds) + ~columns["turns"],

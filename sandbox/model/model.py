@@ -99,8 +99,6 @@ class Joints:
     static: Annotated[Array, Column(1.0)]  # [nj] static over sliding friction
     collide: Flag  # [nj] whether the two bodies may touch
     hinges: Integers  # numbers of those with an angle
-    pivots: Integers  # of these about one point of both bodies
-    grooved: Integers  # of slots
     stopped: Integers  # of those with stops
     frictional: Integers  # of those with dry friction
     unknowns: Integers  # [nj] number of unknown components of force and couple

@@ -19,7 +19,6 @@ from pydantic import (
     GetCoreSchemaHandler,
     StrictBool,
     ValidationInfo,
-    ValidatorFunctionWrapHandler,
 )
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
@@ -142,15 +141,9 @@ class Dimension(ReadMark):
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler,
     ) -> CoreSchema:
-        if self.name is not None:
-            return super().__get_pydantic_core_schema__(source, handler)
-
-        def read(value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> float:
-            number = number_from(value, None, parameters_of(info))
-            plain: float = check(number)  # pydantic's own check of a float drops the unit
-            return number if isinstance(number, Measured) else plain
-
-        return core_schema.with_info_wrap_validator_function(read, handler(source))
+        # pydantic's own check of a float drops the unit
+        inner = handler(source) if self.name else core_schema.any_schema()
+        return core_schema.with_info_before_validator_function(self.read, inner)
 
     def json_schema(self, schema: dict[str, Any]) -> dict[str, Any]:
         """A number or a text."""
