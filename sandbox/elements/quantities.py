@@ -103,8 +103,8 @@ IMPACT_COLUMNS: Mapping[str, str] = {"x": "m", "y": "m", "px": "N s", "py": "N s
 def numbered(element: str, quantity: str) -> tuple[str, int] | None:
     """``tension_3`` of a tendon as ``("tension", 3)``; None for what has no number."""
     word, _, number = quantity.rpartition("_")
-    return (word, int(number)) if element == "tendon" and word in NUMBERED and (
-        number.isdecimal()) else None
+    fits = element == "tendon" and word in NUMBERED and number.isdecimal()
+    return (word, int(number)) if fits else None
 
 
 def row_of(element: str, quantity: str) -> Quantity:
@@ -132,5 +132,4 @@ def quantities_of(element: str) -> dict[str, str]:
 
 def by_telling(quantities: Iterable[str]) -> list[str]:
     """Quantities of an element in the order in which they are shown."""
-    rank = {name: place for place, name in enumerate(TELLING)}
-    return sorted(quantities, key=lambda name: rank.get(name, len(rank)))
+    return sorted(quantities, key=lambda name: (*TELLING, name).index(name))

@@ -69,6 +69,10 @@ class Source:
     other: int = -1  # the other body of a pair
 
 
+def _full(name: str, quantity: str) -> str:
+    return f"{name}.{quantity}" if quantity else name
+
+
 class Catalogue:
     """All quantities of a mechanism; looking one up costs microseconds."""
 
@@ -83,27 +87,22 @@ class Catalogue:
     @cached_property
     def units(self) -> dict[str, str]:
         """Name to unit of every quantity except pairs, kind by kind in the mechanism's order."""
-        return {
-            f"{name}.{quantity}" if quantity else name: unit
-            for name, element in self.elements.items()
-            for quantity, unit in element.quantities.items()
-        }
+        return {_full(name, quantity): unit for name, element in self.elements.items()
+                for quantity, unit in element.quantities.items()}
 
     @cached_property
     def telling(self) -> list[str]:
         """The same names, the quantities of each element in the order in which they are shown."""
-        return [f"{name}.{quantity}" if quantity else name
-                for name, element in self.elements.items()
+        return [_full(name, quantity) for name, element in self.elements.items()
                 for quantity in by_telling(element.quantities)]
 
     @cached_property
     def usual(self) -> dict[str, list[str]]:
         """The quantities shown first, by kind: one of each meter, of each tendon, and so on."""
-        return {kind: [f"{name}.{quantity}" if quantity else name
-                       for name, element in self.elements.items()
+        bodies = self.mechanism.bodies
+        return {kind: [_full(name, quantity) for name, element in self.elements.items()
                        if element.kind == kind and quantity in element.quantities
-                       and not (kind == "body"
-                                and self.mechanism.bodies[element.index].motion == "fixed")]
+                       and not (kind == "body" and bodies[element.index].motion == "fixed")]
                 for kind, quantity in USUAL.items()}
 
     def find(self, name: str) -> Source:

@@ -45,10 +45,6 @@ _PRODUCT = re.compile(r"^([0-9.]+)\s*([A-Za-z_])")
 
 def number_from(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
     """The SI value of a literal, a quantity or an expression; any dimension if None."""
-    return in_range(_number(value, dimension, parameters), dimension)
-
-
-def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, str)):
         raise WrongValueError("wrong-type", f"expected {wanted(dimension)}, got {kind_of(value)}")
     if isinstance(value, str):
@@ -58,21 +54,21 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
             for name in sorted(expression.names):
                 if name not in parameters:
                     raise unknown_name(name, parameters)
-            return float(expression.evaluate(parameters))
+            return in_range(float(expression.evaluate(parameters)), dimension)
         try:
-            return parse_quantity(value, dimension)
+            return in_range(parse_quantity(value, dimension), dimension)
         except WrongValueError as error:
             raise WrongValueError(error.code, error.message, allowed=error.allowed, hint=_meant(
                 value, parameters) or error.hint) from None
     if isinstance(value, Measured) and dimension is None:  # read once already
-        return value
+        return in_range(value, None)
     try:
         number = float(value)
     except (OverflowError, ValueError):
         number = math.inf
     refuse_if(not math.isfinite(number), "must be finite (NaN and infinity are not numbers here)",
               "out-of-range")
-    return number
+    return in_range(number, dimension)
 
 
 def _meant(text: str, parameters: Mapping[str, float]) -> str:

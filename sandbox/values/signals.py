@@ -84,12 +84,8 @@ AnySignal = Ramp | Table | Formula | Constant
 def _kind(value: Any) -> str | None:
     if isinstance(value, Spec):
         return type(value).__name__.lower()
-    if isinstance(value, dict):
-        for key, tag in (("to", "ramp"), ("table", "table"), ("expression", "formula"),
-                         ("constant", "constant")):
-            if key in value:
-                return tag
-    return None
+    tags = {"to": "ramp", "table": "table", "expression": "formula", "constant": "constant"}
+    return next((tags[key] for key in tags if isinstance(value, dict) and key in value), None)
 
 
 def _as_object(value: Any) -> Any:

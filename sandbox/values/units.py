@@ -187,9 +187,8 @@ def _other_prefix(unit: str, other: str) -> bool:
         return whole
 
     ones, others = _WORDS.findall(unit), _WORDS.findall(other)
-    pairs = [("".join(ones), "".join(others))]
-    if len(ones) == len(others):
-        pairs += zip(ones, others, strict=True)
+    pairs = [("".join(ones), "".join(others)), *(zip(ones, others, strict=True)
+                                                 if len(ones) == len(others) else ())]
     return any(rest and rest == same and first != second
                for a, b in pairs for first, rest in cuts(a) for second, same in cuts(b))
 
