@@ -23,7 +23,7 @@ from sandbox.scene.bodies import STATIC_OF_NOTHING
 from sandbox.scene.layers import ShownLayers
 from sandbox.values import numbers as of
 from sandbox.values.numbers import Instant, Items, Name, Pair, Quantity, number_from
-from sandbox.values.spec import Spec, TextFor
+from sandbox.values.spec import Spec, text_for
 from sandbox.wording import WrongValueError
 
 RETIRED = ("iterations", "slop")  # settings of Run in older scenes and recordings; they are ignored
@@ -393,7 +393,8 @@ class View(Spec):
     """Time of the run at which the film begins [s]."""
     traces: Items[Trace] = Field(default=(), max_length=64)
     """Points whose paths are drawn, such as that of a coupler's point or of a projectile."""
-    meters: Items[Annotated[ShownMeter, TextFor("of")]] = Field(default=(), max_length=12)
+    meters: Items[Annotated[ShownMeter, text_for(ShownMeter, "of")]] = Field(
+        default=(), max_length=12)
     """Meters beside or below the motion: quantities, patterns, expressions, or objects."""
     show: ShownLayers = Field(default={})
     """Layers in addition to the default ones; a minus removes one, as in ``"-contacts"``, and

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, get_args
 
 from pydantic import (
+    BeforeValidator,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -98,16 +98,7 @@ class ReadMark:
         return self.json_schema(handler(schema))
 
 
-@dataclass(frozen=True)
-class TextFor(ReadMark):
-    """Marks a model for which a text may be given: the value of one of its fields."""
-
-    field: str
-
-    def read(self, value: Any, info: ValidationInfo) -> Any:
-        """An object in place of a text."""
-        return {self.field: value} if isinstance(value, str) else value
-
-    def json_schema(self, schema: dict[str, Any]) -> dict[str, Any]:
-        """A text or an object."""
-        return {"anyOf": [{"type": "string"}, schema]}
+def text_for(model: Any, field: str) -> BeforeValidator:
+    """For a model a text may be given: the value of one of its fields."""
+    return BeforeValidator(lambda value: {field: value} if isinstance(value, str) else value,
+                           json_schema_input_type=str | model)
