@@ -10,29 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from sandbox.elements.element import (
-    ACTUATOR,
-    BODY,
-    HELD,
-    HINGE,
-    KEPT,
-    OTHER_SIDE,
-    RELEASED,
-    SPRING,
-    TENDON,
-    BodyName,
-    Direction,
-    Element,
-    HingeName,
-    Quantity,
-    Reference,
-    Turn,
-    Vec,
-    live,
-    no_mesh,
-    recorded,
-    references,
-)
+from sandbox.elements import element as base
+from sandbox.elements.element import BodyName, Element, HingeName, Quantity, live, recorded
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
@@ -66,7 +45,7 @@ QUANTITIES: Mapping[str, Quantity] = {
 class DriveKind:
     """Facts about a kind of drive."""
 
-    target: Reference  # mark of the field that names its target
+    target: base.Reference  # mark of the field that names its target
     # a force on a body, a torque between the two bodies of a hinge, a push between the two points
     # of an actuator, and so on
     gives: Gives
@@ -106,9 +85,10 @@ class DriveSpec(Element):
         return self.facts
 
     @property
-    def target(self) -> tuple[Reference, str]:
+    def target(self) -> tuple[base.Reference, str]:
         """The element that it acts on: the mark of the field that names it, and the name."""
-        return next((reference, name) for _, reference, name in references(type(self), self, ""))
+        _, reference, name = next(base.references(type(self), self, ""))
+        return reference, name
 
     @property
     def owned(self) -> tuple[object, ...]:
@@ -144,13 +124,13 @@ class DriveSpec(Element):
 class ForceDrive(DriveSpec):
     """A force on a point of a body, along a fixed direction."""
 
-    facts = DriveKind(BODY, "force", "force")
+    facts = DriveKind(base.BODY, "force", "force")
     type: Literal["force"] = TYPE
     body: BodyName
     """Name of the body that is pushed."""
     at: of.Point = (0.0, 0.0)
     """The point that the force acts on, in the body's frame [m]; it moves with the body."""
-    direction: Direction
+    direction: base.Direction
     """[x, y] of any length except zero: only its direction counts; a negative value reverses it."""
     frame: Literal["world", "body"] = "world"
     """Whether the direction is fixed in the world or in the body."""
@@ -163,7 +143,7 @@ class ForceDrive(DriveSpec):
         return self.frame == "body"
 
     @property
-    def along(self) -> Vec:
+    def along(self) -> base.Vec:
         """Its direction, of length 1."""
         x, y = self.direction / np.hypot(*self.direction)
         return float(x), float(y)
@@ -190,7 +170,7 @@ class RadiusDrive(DriveSpec):
     """Sets the radius of a body's circle over time: an object that swells or shrinks."""
 
     facts = DriveKind(
-        BODY, "radius", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
+        base.BODY, "radius", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
         positive=True, mujoco="a changing radius")
     type: Literal["radius"] = TYPE
     body: BodyName
@@ -231,12 +211,12 @@ class SurfaceDrive(DriveSpec):
 
     PYMUNK = "a conveyor surface: its shapes have one surface velocity, not one along an outline"
     facts = DriveKind(
-        BODY, "surface", "speed", ("value", "work", "power"), sole="surface", timely="end",
+        base.BODY, "surface", "speed", ("value", "work", "power"), sole="surface", timely="end",
         mujoco="a conveyor surface")
     type: Literal["surface"] = TYPE
     body: BodyName
     """Name of the body, all of whose shapes run; its mass and pose are not changed by that."""
-    positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
+    positive: Annotated[base.Turn, base.OTHER_SIDE] = "counterclockwise"
     """Positive direction of the speed around the body: with ``clockwise`` its top moves right."""
     value: signals.RateSignal
     """The speed along the surface over time [m/s], seen from the body."""
@@ -250,9 +230,9 @@ class SurfaceDrive(DriveSpec):
 class PullDrive(DriveSpec):
     """Sets the tension of a tendon: an actuator at its last guide. Below 0 counts as 0."""
 
-    facts = DriveKind(TENDON, "tension", "force", floor=0.0, sole="tension")
+    facts = DriveKind(base.TENDON, "tension", "force", floor=0.0, sole="tension")
     type: Literal["pull"] = TYPE
-    tendon: Annotated[of.Name, TENDON]
+    tendon: Annotated[of.Name, base.TENDON]
     """Name of a tendon, or of a finger or tree: then its own tendon is pulled."""
     value: signals.ForceSignal
     """The tension over time [N]; below 0 counts as 0."""
@@ -271,13 +251,13 @@ class PullDrive(DriveSpec):
 class StiffnessDrive(DriveSpec):
     """Sets the stiffness of a spring or of a tendon over time. Below 0 counts as 0."""
 
-    facts = DriveKind(SPRING, "stiffness", "", ("value",), floor=0.0, sole="stiffness",
+    facts = DriveKind(base.SPRING, "stiffness", "", ("value",), floor=0.0, sole="stiffness",
                       mujoco="a stiffness drive")
-    on_tendon: ClassVar[DriveKind] = replace(facts, target=TENDON, dimension="stiffness")
+    on_tendon: ClassVar[DriveKind] = replace(facts, target=base.TENDON, dimension="stiffness")
     type: Literal["stiffness"] = TYPE
-    spring: Annotated[of.Name | None, SPRING] = None
+    spring: Annotated[of.Name | None, base.SPRING] = None
     """Name of the spring, linear or rotary; its damping stays as it is. This or ``tendon``."""
-    tendon: Annotated[of.Name | None, TENDON] = None
+    tendon: Annotated[of.Name | None, base.TENDON] = None
     """In place of ``spring``, the name of a tendon below 100 kN/m without pull drive and guide
     friction, or of a finger or tree for its own tendon. Damping and rest length do not change; a
     ``pretension`` sets the rest length by the tendon's own stiffness."""
@@ -346,10 +326,10 @@ class HoldDrive(DriveSpec):
     until the value has been 0.5 or less and rises again.
     """
 
-    PYMUNK = RELEASED
-    facts = DriveKind(HELD, "hold", "ratio", ("value",), sole="hold", mujoco=RELEASED)
+    PYMUNK = base.RELEASED
+    facts = DriveKind(base.HELD, "hold", "ratio", ("value",), sole="hold", mujoco=base.RELEASED)
     type: Literal["hold"] = TYPE
-    element: Annotated[of.Name, HELD]
+    element: Annotated[of.Name, base.HELD]
     """Name of the joint, spring or tendon. A joint closes its gap in its ``takes_up_in``."""
     value: signals.ShareSignal
     """Value over time: above 0.5 engages, otherwise releases. An event that releases or engages the
@@ -358,7 +338,7 @@ class HoldDrive(DriveSpec):
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """Wheels, which cannot be engaged again."""
         if any(joint.name == self.element and joint.facts.wheels for joint in mechanism.joints):
-            yield no_mesh(self.element, f"{path}.element")
+            yield base.no_mesh(self.element, f"{path}.element")
 
 
 class HingeDrive(DriveSpec):
@@ -371,14 +351,14 @@ class HingeDrive(DriveSpec):
 class ActuatorDrive(DriveSpec):
     """A drive of an actuator."""
 
-    joint: Annotated[of.Name, ACTUATOR]
+    joint: Annotated[of.Name, base.ACTUATOR]
     """Name of the actuator that it acts on."""
 
 
 class TorqueDrive(HingeDrive):
     """A torque between the two bodies of a hinge, positive as the hinge turns."""
 
-    facts = DriveKind(HINGE, "torque", "torque", ("value", "work", "power"), twin="push")
+    facts = DriveKind(base.HINGE, "torque", "torque", ("value", "work", "power"), twin="push")
     type: Literal["torque"] = TYPE
     value: signals.TorqueSignal
     """Torque on body ``b`` over time [N m], in the hinge's sense; the opposite acts on ``a``."""
@@ -402,11 +382,11 @@ class MotorDrive(HingeDrive):
     """
 
     facts = DriveKind(
-        HINGE, "torque", "angular speed", ("value", "work", "torque", "power"),
+        base.HINGE, "torque", "angular speed", ("value", "work", "torque", "power"),
         sole="motor", limited=True, timely="end", twin="extend",
         mujoco="a motor with a set speed or a torque-speed line")
     type: Literal["motor"] = TYPE
-    value: Annotated[signals.SpeedSignal | None, KEPT] = None
+    value: Annotated[signals.SpeedSignal | None, base.KEPT] = None
     """Speed of ``b`` against ``a`` over time [rad/s], in the hinge's positive sense; with a line
     the speed without torque, in proportion to the voltage, by default ``no_load``."""
     torque: of.Torque | None = Field(default=None, gt=0)
@@ -459,7 +439,7 @@ class BrakeDrive(HingeDrive):
     """
 
     facts = DriveKind(
-        HINGE, "torque", "torque", ("value", "work", "torque", "power"), floor=0.0,
+        base.HINGE, "torque", "torque", ("value", "work", "torque", "power"), floor=0.0,
         sole="brake", limited=True, mujoco_varied="a changing brake")
     type: Literal["brake"] = TYPE
     value: signals.TorqueSignal
@@ -511,7 +491,7 @@ class ServoDrive(HingeDrive, PlaceDrive):
     """
 
     facts = DriveKind(
-        HINGE, "torque", "angle", ("value", "work", "torque", "power"), sole="motor",
+        base.HINGE, "torque", "angle", ("value", "work", "torque", "power"), sole="motor",
         limited=True, places=True, twin="length")
     type: Literal["servo"] = TYPE
     value: signals.AngleSignal
@@ -543,7 +523,7 @@ class ServoDrive(HingeDrive, PlaceDrive):
 class PushDrive(ActuatorDrive):
     """A force between the two points of an actuator, along the line through them."""
 
-    facts = DriveKind(ACTUATOR, "push", "force", ("value", "work", "power"), twin="torque")
+    facts = DriveKind(base.ACTUATOR, "push", "force", ("value", "work", "power"), twin="torque")
     type: Literal["push"] = TYPE
     value: signals.ForceSignal
     """The force over time [N]; positive pushes the points apart, negative pulls them together."""
@@ -563,7 +543,7 @@ class ExtendDrive(ActuatorDrive):
     """Extends an actuator at a set speed with a maximum force."""
 
     facts = DriveKind(
-        ACTUATOR, "push", "speed", ("value", "work", "force", "power"), sole="length",
+        base.ACTUATOR, "push", "speed", ("value", "work", "force", "power"), sole="length",
         limited=True, timely="end", twin="motor", mujoco="an actuator with a set speed")
     type: Literal["extend"] = TYPE
     value: signals.RateSignal
@@ -588,7 +568,7 @@ class LengthDrive(ActuatorDrive, PlaceDrive):
     """
 
     facts = DriveKind(
-        ACTUATOR, "push", "length", ("value", "work", "force", "power"), sole="length",
+        base.ACTUATOR, "push", "length", ("value", "work", "force", "power"), sole="length",
         limited=True, places=True, twin="servo")
     type: Literal["length"] = TYPE
     value: signals.LengthSignal

@@ -161,9 +161,7 @@ class Element(Spec):
         raise NotImplementedError
 
 
-def references(
-    model: type[Spec], data: Any, path: str,
-) -> Iterator[tuple[str, Reference, str]]:
+def references(model: type[Spec], data: Any, path: str) -> Iterator[tuple[str, Reference, str]]:
     """All fields of an element, or of its JSON data, that name others: path, mark and name."""
     for field, key, mark, models in _marked(model):
         value = data.get(key) if isinstance(data, dict) else getattr(data, field)
@@ -180,9 +178,7 @@ def references(
 
 
 @cache
-def _marked(
-    model: type[Spec],
-) -> tuple[tuple[str, str, Reference | None, tuple[type[Spec], ...]], ...]:
+def _marked(model: type[Spec]) -> list[tuple[str, str, Reference | None, tuple[type[Spec], ...]]]:
     """Fields with references: name, key, mark, and classes of records with references."""
     found = []
     for name, field in model.model_fields.items():
@@ -192,7 +188,7 @@ def _marked(
                        and issubclass(part, Spec) and _marked(part))
         if mark is not None or models:
             found.append((name, field.alias or name, mark, models))
-    return tuple(found)
+    return found
 
 
 def _parts(annotation: Any) -> Iterator[Any]:

@@ -8,19 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
+from sandbox.elements import element as base
 from sandbox.elements.drives import DriveKind, DriveSpec
-from sandbox.elements.element import (
-    ATMOSPHERE,
-    LINE,
-    VALVE,
-    BodyName,
-    Element,
-    HingeName,
-    Quantity,
-    Vec,
-    live,
-    recorded,
-)
+from sandbox.elements.element import BodyName, Element, HingeName, Quantity, live, recorded
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.signals import FlowSignal, PressureSignal, ShareSignal
@@ -33,7 +23,7 @@ if TYPE_CHECKING:
 
 FLUID = "fluid under pressure in lines"  # why MuJoCo has none of these
 OIL = 1.4e9  # modulus of oil with a little air in it [Pa]
-LineName = Annotated[of.Name, LINE]
+LineName = Annotated[of.Name, base.LINE]
 LINE_QUANTITIES: Mapping[str, Quantity] = {
     "pressure": live("line_pressure", "Pa", "gauge pressure"),
     "volume": live("line_volume", "m^3", "of its chambers and hoses"),
@@ -65,7 +55,7 @@ class Cylinder(Spec):
     pulls: of.Flag = False
     """True: the fluid is on the rod side and pulls the points together, as in a muscle."""
 
-    def length(self, world: Callable[[str, Vec], Vec]) -> float:
+    def length(self, world: Callable[[str, base.Vec], base.Vec]) -> float:
         """Distance of its two points at t = 0 [m]; ``world`` gives points of bodies."""
         return math.dist(world(self.a, self.on_a), world(self.b, self.on_b))
 
@@ -116,7 +106,7 @@ class Line(Element):
     isothermal (slow), 1.4 is adiabatic air (fast). By default the line contains liquid."""
     pressure: of.Pressure = 0.0
     """At t = 0, above the surroundings [Pa]."""
-    least: of.Pressure = -ATMOSPHERE
+    least: of.Pressure = -base.ATMOSPHERE
     """Minimum pressure [Pa]; below it the line cavitates. By default -101325 Pa, a vacuum."""
     relief: of.Pressure | None = None
     """Maximum pressure [Pa], at which a relief valve opens to the tank; none by default."""
@@ -124,18 +114,18 @@ class Line(Element):
     def _verify(self) -> None:
         relief = math.inf if self.relief is None else self.relief
         for fault, what in (
-                (not -ATMOSPHERE <= self.least <= 0,
+                (not -base.ATMOSPHERE <= self.least <= 0,
                  "the least pressure must be from -101325 Pa, a vacuum, to 0"),
                 (relief <= 0, "the relief must open at more than 0 Pa"),
                 (not self.least <= self.pressure <= relief,
                  "the pressure at t = 0 must lie between least and relief"),
-                (self.gas is not None and self.pressure <= -ATMOSPHERE,
+                (self.gas is not None and self.pressure <= -base.ATMOSPHERE,
                  "a line with gas needs a pressure above a vacuum")):
             refuse_if(fault, what, "out-of-range")
         refuse_if(self.gas is not None and self.modulus is not None,
                   "'gas' and 'modulus' exclude each other")
 
-    def volume_at(self, world: Callable[[str, Vec], Vec]) -> float:
+    def volume_at(self, world: Callable[[str, base.Vec], base.Vec]) -> float:
         """Volume at t = 0 [m^3]; 0 where neither a field nor the cylinders give it."""
         if self.volume is not None:
             return self.volume
@@ -145,7 +135,7 @@ class Line(Element):
     def compliance(self, volume: float) -> float:
         """Volume per pressure of its fluid [m^3/Pa], for its volume at t = 0 [m^3]."""
         if self.gas is not None:
-            return volume / (self.gas * (self.pressure + ATMOSPHERE))
+            return volume / (self.gas * (self.pressure + base.ATMOSPHERE))
         return volume / (OIL if self.modulus is None else self.modulus)
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
@@ -175,9 +165,9 @@ class Valve(Element):
 
     name: of.Name
     """Its name; quantities are ``<name>.flow`` and ``<name>.loss``."""
-    a: Annotated[of.Name | None, LINE] = None
+    a: Annotated[of.Name | None, base.LINE] = None
     """The line at its one end; left out it is the tank, whose pressure is 0."""
-    b: Annotated[of.Name | None, LINE] = None
+    b: Annotated[of.Name | None, base.LINE] = None
     """The line at its other end; left out it is the tank."""
     resistance: of.FlowResistance = 0.0
     """Pressure per flow of a long narrow passage [Pa s/m^3]."""
@@ -207,7 +197,7 @@ class FlowDrive(DriveSpec):
     """Pumps fluid into a line, however high the pressure: the line's ``relief`` bounds it."""
 
     PYMUNK = FLUID
-    facts = DriveKind(LINE, "flow", "flow", ("value", "work", "flow"), mujoco=FLUID)
+    facts = DriveKind(base.LINE, "flow", "flow", ("value", "work", "flow"), mujoco=FLUID)
     type: Literal["flow"] = TYPE
     line: LineName
     """Name of the line that it feeds."""
@@ -220,7 +210,7 @@ class PressureDrive(DriveSpec):
 
     PYMUNK = FLUID
     facts = DriveKind(
-        LINE, "pressure", "pressure", ("value", "work", "flow"), sole="pressure",
+        base.LINE, "pressure", "pressure", ("value", "work", "flow"), sole="pressure",
         mujoco=FLUID)
     type: Literal["pressure"] = TYPE
     line: LineName
@@ -236,9 +226,9 @@ class OpeningDrive(DriveSpec):
 
     PYMUNK = FLUID
     facts = DriveKind(
-        VALVE, "opening", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
+        base.VALVE, "opening", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
     type: Literal["opening"] = TYPE
-    valve: Annotated[of.Name, VALVE]
+    valve: Annotated[of.Name, base.VALVE]
     """Name of the valve; one that no drive opens is fully open."""
     value: ShareSignal
     """How far it is open over time: 0 is shut, 1 fully open. Below 0 counts as 0."""

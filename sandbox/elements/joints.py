@@ -9,18 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from sandbox.elements.element import (
-    KEPT,
-    OTHER_SIDE,
-    BodyName,
-    Direction,
-    Element,
-    Quantity,
-    Turn,
-    live,
-    no_mesh,
-    recorded,
-)
+from sandbox.elements import element as base
+from sandbox.elements.element import KEPT, BodyName, Element, Quantity, live, recorded
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
@@ -158,7 +148,7 @@ class JointSpec(Element):
                           f"neither {quoted(self.a)} nor {quoted(self.b)} can move freely",
                           path, allowed="a joint of at least one dynamic body")
         if self.released and self.facts.wheels:
-            yield no_mesh(self.name, f"{path}.released")
+            yield base.no_mesh(self.name, f"{path}.released")
 
 
 class ClosingJoint(JointSpec):
@@ -206,7 +196,7 @@ class Pin(FrictionJoint):
         "point", ("angle", "rate", *REACTION, "damping", "damping_work"), angle=True,
         friction_unit="N m", more={"limits": ("stop",), "has_friction": FRICTION})
     type: Literal["pin"] = TYPE
-    positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
+    positive: Annotated[base.Turn, base.OTHER_SIDE] = "counterclockwise"
     """Positive sense of rotation of ``b`` against ``a``, for all quantities of this hinge."""
     zero: Annotated[of.Angle, KEPT] = 0.0
     """Subtracted from the angle between the frames, in the positive sense [rad]."""
@@ -490,7 +480,7 @@ class Rack(ToothedJoint):
     type: Literal["rack"] = TYPE
     radius: of.Length
     """Pitch radius of ``a``, whose centre is ``on_a``."""
-    along: Direction = (1.0, 0.0)
+    along: base.Direction = (1.0, 0.0)
     """Direction of the rack's pitch line in the frame of ``b``; any length."""
     on_a: of.Point = (0.0, 0.0)
     """Centre of the gear in the frame of ``a`` [m]."""

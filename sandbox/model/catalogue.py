@@ -15,14 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from sandbox.elements.element import NAMED, RELEASABLE, Element
-from sandbox.elements.quantities import (
-    BOND_QUANTITIES,
-    GRASP,
-    QUANTITIES,
-    USUAL,
-    by_telling,
-    quantities_of,
-)
+from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, USUAL, by_telling, quantities_of
 from sandbox.elements.registry import KINDS
 from sandbox.errors import SandboxError
 from sandbox.scene.bodies import Body
@@ -30,7 +23,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import MAX_COMPARED, is_pattern, listed, nearest, quoted
 
 PAIR = quantities_of("pair")
-MAX_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)  # in a message: all of an object
+MAX_QUANTITIES = len(quantities_of("body")) + len(GRASP)  # in a message: all of an object
 
 
 class UnknownQuantityError(SandboxError, KeyError):

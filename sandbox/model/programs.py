@@ -16,15 +16,7 @@ import numpy as np
 from sandbox.elements.loads import MOTION, LoadSpec
 from sandbox.elements.springs import Spring
 from sandbox.numeric import Array, Integers, Records
-from sandbox.values.expressions import (
-    CONSTANTS,
-    MAX_EXPONENT,
-    Expression,
-    dotted,
-    parse_expression,
-    split,
-    unknown_name,
-)
+from sandbox.values import expressions as ex
 from sandbox.values.tables import Function, Tables
 from sandbox.wording import WrongValueError
 
@@ -43,11 +35,8 @@ _FUNCTIONS: dict[str, int] = {
     "sqrt": SQRT, "exp": EXP, "log": LOG, "tanh": TANH, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
     "floor": FLOOR, "ceil": CEIL, "min": MIN, "max": MAX}
 
-LARGEST_EXPONENT = MAX_EXPONENT  # of expressions, for compiled code
-STEP = np.dtype([
-    ("op", np.int64),
-    ("value", float),
-])
+LARGEST_EXPONENT = ex.MAX_EXPONENT  # of expressions, for compiled code
+STEP = np.dtype([("op", np.int64), ("value", float)])
 CURVE = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its knots
     ("repeats", np.int64),  # whether it starts again after the last
@@ -68,13 +57,13 @@ class Program(NamedTuple):
 
 
 def compile_expression(
-    expression: Expression, names: Sequence[str], tables: Sequence[str],
+    expression: ex.Expression, names: Sequence[str], tables: Sequence[str],
 ) -> Program:
     """The program of an expression; WrongValueError if it has other ``names`` or ``tables``."""
     expression.check_tables({f"{name}()": None for name in tables})
     for name in sorted(expression.names):
         if name not in names:
-            raise unknown_name(name, dict.fromkeys(names))
+            raise ex.unknown_name(name, dict.fromkeys(names))
     where = {name: i for i, name in enumerate(names)}, {name: i for i, name in enumerate(tables)}
     steps = tuple(_steps(expression.tree, *where))
     waiting = depth = 0
@@ -93,13 +82,13 @@ _GROWS = {NUMBER: 1, NAME: 1, SELECT: -2, DROP: -1} | dict.fromkeys(
 def _steps(
     node: ast.expr, names: Mapping[str, int], tables: Mapping[str, int],
 ) -> Iterator[Step]:
-    if (name := dotted(node)) is not None:
-        yield (NAME, names[name]) if name in names else (NUMBER, CONSTANTS[name])
+    if (name := ex.dotted(node)) is not None:
+        yield (NAME, names[name]) if name in names else (NUMBER, ex.CONSTANTS[name])
         return
     if isinstance(node, ast.Constant):
         yield NUMBER, float(node.value)  # type: ignore[arg-type]
         return
-    operands, operators = split(node) or ((), ())
+    operands, operators = ex.split(node) or ((), ())
     codes = [_CODES.get(type(operator), 0) for operator in operators]
     last = 0.0
     if isinstance(node, ast.Call):
@@ -157,7 +146,7 @@ FULL = ("pull", "above")
 class SpringLaw:
     """The law of one spring."""
 
-    own: Expression | None  # of stretch and rate; None for k s
+    own: ex.Expression | None  # of stretch and rate; None for k s
     names: tuple[str, ...]  # of stretch and rate in it
     damping: float  # [N s/m, N m s/rad]
     side: int  # +1 if it acts only while stretched, -1 only while compressed; 0 always
@@ -196,7 +185,7 @@ def law_of(spring: Spring, order: Sequence[str], tables: Tables) -> SpringLaw | 
     text, names, damping = spring.law, spring.OWN, float(spring.damping)
     if text is None and spring.only is None:
         return None
-    own = None if text is None else parse_expression(text)
+    own = None if text is None else ex.parse_expression(text)
     side = 0 if spring.only is None else 1 if spring.only in FULL else -1
     steps, depth = compile_expression(own, names, order) if own is not None else (
         ((NAME, STIFFNESS), (NAME, STRETCH), (MUL, 0)), 2)
@@ -217,7 +206,7 @@ MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}  # these change in a step, 
 class LoadLaw:
     """The law of one load: components of its force, and its torque; None for 0."""
 
-    parts: tuple[Expression | None, ...]  # [3]
+    parts: tuple[ex.Expression | None, ...]  # [3]
     programs: tuple[Program | None, ...]  # [3]
     tables: Tables
 
@@ -242,6 +231,6 @@ def law_of_load(load: LoadSpec, order: Sequence[str], tables: Tables) -> LoadLaw
     """The law of a load, None of one without; programs number tables in their ``order``."""
     if (texts := load.laws()) is None:
         return None
-    parts = tuple(None if text is None else parse_expression(text) for text in texts)
+    parts = tuple(None if text is None else ex.parse_expression(text) for text in texts)
     return LoadLaw(parts, tuple(None if part is None else compile_expression(part, MOTION, order)
                                 for part in parts), tables)

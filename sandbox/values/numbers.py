@@ -13,13 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
-from pydantic import (
-    AfterValidator,
-    Field,
-    GetCoreSchemaHandler,
-    StrictBool,
-    ValidationInfo,
-)
+from pydantic import AfterValidator, Field, StrictBool, ValidationInfo
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
@@ -134,9 +128,7 @@ class Dimension(ReadMark):
     name: str | None = None
     sign: Literal["", "> 0", "≥ 0"] = ""  # a size (> 0) has the minimum of its dimension
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler,
-    ) -> CoreSchema:
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
         # pydantic's own check of a float drops the unit
         inner = handler(source) if self.name else core_schema.any_schema()
         return core_schema.with_info_before_validator_function(self.read, inner)

@@ -5,16 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, get_args
 
-from pydantic import (
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    ValidationError,
-    ValidationInfo,
-    model_validator,
-)
+from pydantic import BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import CoreSchema, core_schema
 
 from sandbox.errors import SceneError
@@ -79,22 +70,18 @@ def mark_of(metadata: Iterable[Any], kind: type[Mark]) -> Mark | None:
 class ReadMark:
     """The base of marks of a type that read a written value before pydantic does."""
 
-    def read(self, value: Any, info: ValidationInfo) -> Any:
-        """The value for pydantic."""
+    def read(self, value: Any, info: Any) -> Any:
+        """The value for pydantic; ``info`` is of the validation."""
         raise NotImplementedError
 
     def json_schema(self, schema: dict[str, Any]) -> dict[str, Any]:
         """The JSON Schema of written values, from that of the values for pydantic."""
         raise NotImplementedError
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler,
-    ) -> CoreSchema:
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
         return core_schema.with_info_before_validator_function(self.read, handler(source))
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler,
-    ) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: Any) -> dict[str, Any]:
         return self.json_schema(handler(schema))
 
 
