@@ -21,6 +21,7 @@ from sandbox.values.units import UNITS, Measured, factor_of
 from sandbox.wording import MAX_HINTED, WrongValueError, is_pattern, listed, quoted
 
 _Node = TypeVar("_Node", bound=Hashable)
+Read = Callable[[str], Array]
 _QUOTIENT = re.compile(r"([A-Za-z_][\w.]*) */ *([A-Za-z_][\w.]*)")
 
 
@@ -61,9 +62,7 @@ def rings(nexts: Mapping[_Node, Sequence[_Node]]) -> Iterator[list[_Node]]:
                      for node, following in nexts.items() if node not in ring}
 
 
-def evaluate(
-    mechanism: Mechanism, *, read: Callable[[str], Array], time: Array
-) -> tuple[Array, list[str]]:
+def evaluate(mechanism: Mechanism, *, read: Read, time: Array) -> tuple[Array, list[str]]:
     """All meters over a run, [n, nm], and notes on those without a value; ``read`` as of a run."""
     result = np.full((len(time), len(mechanism.meters)), np.nan)
     notes: dict[int, str] = {}
@@ -102,7 +101,7 @@ def curves(meter: ShownMeter, known: Catalogue) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def worked_out(word: str, mechanism: Mechanism, read: Callable[[str], Array]) -> Array:
+def worked_out(word: str, mechanism: Mechanism, read: Read) -> Array:
     """Values of an expression, nan without one; ``read`` gives quantities and ``t``."""
     expression = parse_expression(word)
     known = {name: read(name) for name in sorted(expression.names)}

@@ -79,9 +79,7 @@ _GROWS = {NUMBER: 1, NAME: 1, SELECT: -2, DROP: -1} | dict.fromkeys(
 """By how much an operation makes the stack higher; the others leave it."""
 
 
-def _steps(
-    node: ast.expr, names: Mapping[str, int], tables: Mapping[str, int],
-) -> Iterator[Step]:
+def _steps(node: ast.expr, names: Mapping[str, int], tables: Mapping[str, int]) -> Iterator[Step]:
     if (name := ex.dotted(node)) is not None:
         yield (NAME, names[name]) if name in names else (NUMBER, ex.CONSTANTS[name])
         return

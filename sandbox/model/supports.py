@@ -15,6 +15,7 @@ import numpy as np
 from sandbox.model.joints import flank_of, meeting, outward, place_in_slot, rotated
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, connected_components
+from sandbox.scene.geometry import Vec
 
 LARGEST_GROUP = 300  # largest number of connected rows that are examined
 RANK = 1e-9  # singular values below this share of the largest count as none
@@ -70,9 +71,7 @@ def parting_wheels(model: Model, pose: Array) -> set[int]:
     return found
 
 
-def _row(
-    a: int, b: int, x: float, y: float, on_a: tuple[float, float], on_b: tuple[float, float],
-) -> Parts:
+def _row(a: int, b: int, x: float, y: float, on_a: Vec, on_b: Vec) -> Parts:
     """The row of a direction x, y at points of two bodies relative to their frames."""
     (ax, ay), (bx, by) = on_a, on_b
     return [(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
@@ -134,7 +133,7 @@ def joint_rows(model: Model, pose: Array, joint: int, *, flank: int = 0) -> list
     (ax, ay), (bx, by) = (_arm(pose[body], joints.anchor[joint, side])
                           for side, body in enumerate((a, b)))
     px, py = pose[b, 0] + bx - pose[a, 0] - ax, pose[b, 1] + by - pose[a, 1] - ay
-    along: list[tuple[float, float]] = []
+    along: list[Vec] = []
     if kind.keeps == "point":
         along = [(1.0, 0.0), (0.0, 1.0)]
     elif kind.keeps == "groove":
@@ -164,6 +163,6 @@ def about_centre(model: Model, pose: Array, body: int, wrench: Array) -> Array:
     return np.subtract(wrench, [0.0, 0.0, x * wrench[1] - y * wrench[0]])
 
 
-def _arm(pose: Array, point: Array) -> tuple[float, float]:
+def _arm(pose: Array, point: Array) -> Vec:
     x, y = rotated(point, pose[2]).tolist()
     return x, y

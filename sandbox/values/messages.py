@@ -18,6 +18,7 @@ from sandbox.values.numbers import message_of
 from sandbox.values.paths import JsonPath, holds, path_text
 from sandbox.wording import MAX_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
 
+Model = type[BaseModel]
 COMPOSING = ("like", "repeat", "include", "parameters")
 """Keys of an entry that composition removes: suggested for similar unknown keys."""
 _QUOTED = re.compile(r"'([^']*)'")
@@ -25,7 +26,7 @@ OWN = "; for one of your own give its file with --elements"  # added to the type
 
 
 def explain(
-    error: ValidationError, data: Any, model: type[BaseModel], count: int | None = None,
+    error: ValidationError, data: Any, model: Model, count: int | None = None,
 ) -> list[Problem]:
     """The first ``count`` problems of a validation of ``data`` by ``model``, with their paths."""
     near, found = NearMisses(), []
@@ -41,9 +42,7 @@ def explain(
             if not (each["type"] == "missing" and (path, each["loc"][-1]) in misspelt)]
 
 
-def _problem(
-    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
-) -> Problem:
+def _problem(error: ErrorDetails, path: JsonPath, model: Model, near: NearMisses) -> Problem:
     kind, place, on_key = error["type"], path_text(path), error["loc"][-1:] == ("[key]",)
     if kind == "extra_forbidden":
         return _unknown_key(error, path, model, near)
@@ -101,9 +100,7 @@ def written(data: Any, loc: Iterable[int | str]) -> JsonPath:
     return path
 
 
-def _unknown_key(
-    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
-) -> Problem:
+def _unknown_key(error: ErrorDetails, path: JsonPath, model: Model, near: NearMisses) -> Problem:
     key, kind = str(error["loc"][-1]), type_at(model, error["loc"][:-1])
     keys = [field.alias or name for name, field in kind.model_fields.items()] \
         if _is_model(kind) else []
@@ -115,9 +112,7 @@ def _unknown_key(
                    allowed=allowed, hint=near(key, [*keys, *words]), key=True)
 
 
-def _unknown_type(
-    error: ErrorDetails, place: str, model: type[BaseModel], near: NearMisses,
-) -> Problem:
+def _unknown_type(error: ErrorDetails, place: str, model: Model, near: NearMisses) -> Problem:
     value = error["input"]
     choices = [str(tag) for tag in _members(type_at(model, error["loc"]))]
     if not isinstance(value, dict):
@@ -166,7 +161,7 @@ SEARCHES = "docs/searches.md#a-search-as-a-file"
 OWN_PAGE = "docs/howto/own_joint.md"  # the page about elements of your own
 
 
-def fields_page(model: type[BaseModel]) -> str:
+def fields_page(model: Model) -> str:
     """The section of the docs that has a model's fields, as ``docs/parts.md#leaf``."""
     room, name = model.__module__, model.__name__
     if not room.startswith("sandbox."):
@@ -177,7 +172,7 @@ def fields_page(model: type[BaseModel]) -> str:
     return f"{PARTS if part else ELEMENTS}#{name.lower()}"
 
 
-def fields_at(model: type[BaseModel], data: Any, path: JsonPath) -> str:
+def fields_at(model: Model, data: Any, path: JsonPath) -> str:
     """The section with the fields of the data at a path; empty for a missing or unknown type."""
     found, loc = "", tuple[str | int, ...]()
     for step in (*path, ""):
