@@ -14,7 +14,6 @@ from pydantic_core import ErrorDetails
 
 from sandbox.codes import CODES
 from sandbox.errors import Problem
-from sandbox.values.numbers import message_of
 from sandbox.values.paths import JsonPath, holds, path_text
 from sandbox.wording import MAX_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
 
@@ -56,7 +55,7 @@ def _problem(error: ErrorDetails, path: JsonPath, model: Model, near: NearMisses
         return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
                        allowed=listed(choices) if choices else str(context["expected"]),
                        hint=near(given, choices) if isinstance(given, str) else "")
-    message = message_of(error)
+    message = str(refused or error["msg"])
     message = message[:1].lower() + message[1:]
     if kind in _WORDS:
         value, last = error["input"], error["loc"][-1] if error["loc"] else ""

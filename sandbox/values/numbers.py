@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
 from pydantic import AfterValidator, Field, StrictBool, ValidationInfo
-from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
 from sandbox.values.spec import ReadMark
@@ -113,12 +113,6 @@ def refusal(error: ValueError) -> PydanticCustomError:
         error = WrongValueError("wrong-type", str(error))
     return PydanticCustomError(error.code, "{reason}", {
         "reason": error.message, "allowed": error.allowed, "hint": error.hint})
-
-
-def message_of(error: ErrorDetails) -> str:
-    """The message of a validation error, without pydantic's prefix or the allowed values."""
-    wrong = error.get("ctx", {}).get("error")
-    return wrong.message if isinstance(wrong, WrongValueError) else str(wrong or error["msg"])
 
 
 @dataclass(frozen=True)

@@ -62,7 +62,7 @@ joints[0].a = "wal" | name-not-found | there is no body named 'wal' ? 'wall'
 joints[0].b = "wall" | conflicting-keys | must be two bodies @ joints[0]
 tendons[0].guides = [{"body": "disc"}] | wrong-type | at least 2
 drives[2].direction = [0, 0] | out-of-range | [0, 0] is no direction
-drives[1].shape = 1 | not-settable | shape 1 of 'disc' is a box
+drives[1].shape = 1 | not-settable | shape 1 of 'disc' (they count from 0) is no circle
 drives[1].value = "=0.01 - t" | out-of-range | not greater than 0 at t
 parts[0].like = "digits" | bad-template | no template 'digits' ? 'digit'
 parts[3].pulls[1] = "fingr2" | name-not-found | named 'fingr2' ? 'finger2'
