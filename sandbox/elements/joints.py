@@ -70,32 +70,23 @@ QUANTITIES: Mapping[str, Quantity] = {
     "length": live("joint_length", "m", "of an actuator, between its two points"),
     "position": live("joint_length", "m", "of a slot with a path: arc length from the path's first "
                                           "point; it counts on over rounds of a closed path"),
-    "speed": live("joint_speed", "m/s", "rate of the length of an actuator, or of the position on "
-                                        "a path"),
-    "normal": Quantity("N", "of a slot with a path: force on `b` across the path, positive to its "
-                            "left"),
+    "speed": live("joint_speed", "m/s", "rate of the length, or of the position on a path"),
+    "normal": Quantity("N", "of a slot with a path: force on `b` across it, positive to its left"),
     "reaction": live("joint_reaction", "N", "magnitude of the reaction force"),
-    "reaction_x": live("joint_force", "N", "force on its body `b` by its body `a`, in the world",
-                       0),
+    "reaction_x": live("joint_force", "N", "force on `b` by `a`, in the world", 0),
     "reaction_y": live("joint_force", "N", "the same, upwards", 1),
-    "tension": Quantity("N", "of rods and ropes: signed reaction, positive in tension, negative in "
-                             "compression", live=True),
+    "tension": Quantity("N", "of rods and ropes: reaction, positive in tension", live=True),
     "tangential": Quantity("N", "of wheels: force on `b` along the pitch circles, positive as `a` "
                                 "pushes by turning counter-clockwise"),
-    "radial": Quantity("N", "of wheels: force along the line of centres, positive if it pushes "
-                            "them apart"),
-    "gap": Quantity("m", "of teeth with backlash: distance along the pitch circles to the nearer "
-                         "flank"),
+    "radial": Quantity("N", "of wheels: force along the centres, positive if it pushes them apart"),
+    "gap": Quantity("m", "of teeth with backlash: distance to the nearer flank, on pitch circles"),
     "damping": recorded("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
     "damping_work": recorded("joint_damping_work", "J", "work of all its dampers since t = 0"),
     "stop": recorded("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
-    "friction": live("joint_friction", "", "dry friction: of a pin the torque on `b`, in the "
-                                           "hinge's sense; of a slot the force on `b`, positive "
-                                           "towards the `end` of the groove or path"),
-    "friction_work": recorded("joint_friction_work", "J", "work of dry friction since t = 0, at "
-                                                          "most 0"),
-    "sticks": live("joint_sticks", "1", "1 while dry friction holds it, 0 while it slides",
-                   yes_no=True),
+    "friction": live("joint_friction", "", "dry friction on `b`: of a pin the torque in its sense; "
+                                           "of a slot the force, positive towards its `end`"),
+    "friction_work": recorded("joint_friction_work", "J", "work of dry friction since t = 0"),
+    "sticks": live("joint_sticks", "1", "1 while dry friction holds it, else 0", yes_no=True),
 }
 
 

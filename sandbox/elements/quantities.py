@@ -23,10 +23,8 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "ax": live("body_acceleration", "m/s^2", "acceleration of its centre of mass", 0),
         "ay": live("body_acceleration", "m/s^2", "the same, upwards", 1),
         "alpha": live("body_acceleration", "rad/s^2", "angular acceleration", 2),
-        "contact.normal": Quantity("N", "sum of the magnitudes of all normal forces on it",
-                                   live=True),
-        "contact.tangential": Quantity("N", "sum of the magnitudes of all friction forces on it",
-                                       live=True),
+        "contact.normal": Quantity("N", "sum of magnitudes of normal forces on it", live=True),
+        "contact.tangential": Quantity("N", "the same of friction forces", live=True),
         "contact.fx": Quantity("N", "resultant of all contact forces on it"),
         "contact.fy": Quantity("N", "the same, upwards"),
     },
@@ -34,16 +32,14 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     "line": fluids.LINE_QUANTITIES, "valve": fluids.VALVE_QUANTITIES, "load": loads.QUANTITIES,
     "drive": drives.QUANTITIES,
     "group": {
-        "contact.count": Quantity("1", "number of its bodies with a contact from outside",
-                                  live=True, count=True),
-        "contact.normal": Quantity("N", "sum of the magnitudes of all normal forces on it from "
-                                        "outside", live=True),
+        "contact.count": Quantity("1", "number of its bodies touched from outside", live=True,
+                                  count=True),
+        "contact.normal": Quantity("N", "sum of normal force magnitudes from outside", live=True),
     },
     "pair": {
         "normal": Quantity("N", "normal force between the two bodies", live=True),
-        "tangential": Quantity("N", "friction force on the first body by the second, positive "
-                                    "along its normal force turned by +90°; `b/a` has the same "
-                                    "value", live=True),
+        "tangential": Quantity("N", "friction on the first body by the second, positive along its "
+                                    "normal force turned by +90°; the same of `b/a`", live=True),
     },
 }
 # the quantity shown first, by kind of element, the most informative kinds first
@@ -54,8 +50,7 @@ TELLING = ("value", "x", "y", "contact.normal", "force", "torque", "angle", "len
            "reaction", "pressure", "flow", "fx", "fy", "power")
 # additional quantities of joints, springs and tendons that can be released
 BOND_QUANTITIES: Mapping[str, Quantity] = {
-    "held": live("held", "1", "of elements that can be released: 1 while engaged, 0 while released",
-                 yes_no=True),
+    "held": live("held", "1", "of elements that can be released: 1 while engaged", yes_no=True),
 }
 MAX_PRESSING = 24  # contacts of an object up to which closure, epsilon, isotropy are computed
 WINDOW = 0.1  # time [s] at rest in a hand after which an object is held

@@ -20,12 +20,10 @@ if TYPE_CHECKING:
 RIGID = 1e5  # stiffness [N/m] from which a tendon counts as inextensible
 
 QUANTITIES: Mapping[str, Quantity] = {
-    "length": live("tendon_length", "m", "along its path, including the length wound up on wheels "
-                                         "at its ends since t = 0"),
+    "length": live("tendon_length", "m", "along its path, wound up length since t = 0 included"),
     "shortening": Quantity("m", "path length at t = 0 minus the current one, between the wheels at "
                                 "its ends: positive if wound up", live=True),
-    "tension": live("tendon_tension", "N", "along the whole path, never below 0; with friction at "
-                                           "guides, of the last span"),
+    "tension": live("tendon_tension", "N", "along the path; with guide friction of its last span"),
     "work": recorded("tendon_work", "J", "done on the bodies since t = 0"),
 }
 # additional quantities of tendons with a number each: of spans, guides with friction, wheels
@@ -33,8 +31,8 @@ NUMBERED: Mapping[str, Quantity] = {
     "tension": Quantity("N", "`tension_0` and so on: tension of each span, in order", live=True),
     "slip": Quantity("m", "`slip_1` and so on: length that has slid over that guide since t = 0, "
                           "towards the last guide; guides count from 0", live=True),
-    "lifted": Quantity("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel, "
-                            "else 0; guides count from 0", live=True, yes_no=True),
+    "lifted": Quantity("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel",
+                       live=True, yes_no=True),
 }
 
 
