@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from sandbox.elements import element as base
-from sandbox.elements.element import BodyName, Element, HingeName, Quantity, live, recorded
+from sandbox.elements.element import BodyName, Element, HingeName, Quantity, computed, live
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
@@ -32,11 +32,11 @@ Gives = Literal["force", "torque", "push", "tension", "radius", "stiffness", "fl
                 "opening", "surface", "hold"]
 QUANTITIES: Mapping[str, Quantity] = {
     "value": live("drive_value", "", "current value"),
-    "work": recorded("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
+    "work": Quantity("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
     "flow": live("drive_flow", "m^3/s", "flow into its line"),
     "torque": live("drive_torque", "N m", "torque on its hinge, in the hinge's positive sense"),
     "force": live("drive_torque", "N", "force on its actuator; positive extends it"),
-    "power": Quantity("W", "power on the bodies: torque or force times the rate of its hinge or "
+    "power": computed("W", "power on the bodies: torque or force times the rate of its hinge or "
                            "actuator; of a conveyor surface, friction force times its speed"),
 }
 

@@ -101,9 +101,9 @@ Direction = Annotated[Pair[Number], AfterValidator(_with_length), KEPT]
 class Quantity:
     """A number that an element has in every sample."""
 
+    array: str  # the recorded array that has it; empty for what is computed from others
     unit: str  # empty where it depends on the element's kind
     about: str
-    array: str = ""  # the recorded array that has it; empty for what is computed from others
     component: int | None = None  # index in the array's last axis, where it has several components
     live: bool = False  # whether it can be read during a run; the rest is computed afterwards
     nothing: str = ""  # when it has no value, if that can be
@@ -112,14 +112,8 @@ class Quantity:
     count: bool = False  # whether it is a whole number
 
 
-def recorded(
-    array: str, unit: str, about: str, component: int | None = None, **facts: Any,
-) -> Quantity:
-    """A quantity that a recorded array has."""
-    return Quantity(unit, about, array, component, **facts)
-
-
-live = partial(recorded, live=True)
+computed = partial(Quantity, "")
+live = partial(Quantity, live=True)
 
 
 class Element(Spec):

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from sandbox.elements import element as base
 from sandbox.elements.drives import DriveKind, DriveSpec
-from sandbox.elements.element import BodyName, Element, HingeName, Quantity, live, recorded
+from sandbox.elements.element import BodyName, Element, HingeName, Quantity, live
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.signals import FlowSignal, PressureSignal, ShareSignal
@@ -29,12 +29,12 @@ LINE_QUANTITIES: Mapping[str, Quantity] = {
     "volume": live("line_volume", "m^3", "of its chambers and hoses"),
     "flow": live("line_flow", "m^3/s", "into it, through valves and from drives; of a gas, at "
                                        "ambient pressure"),
-    "spilled": recorded("line_spilled", "m^3", "volume through its relief since t = 0"),
-    "work": recorded("line_work", "J", "done on the bodies since t = 0"),
+    "spilled": Quantity("line_spilled", "m^3", "volume through its relief since t = 0"),
+    "work": Quantity("line_work", "J", "done on the bodies since t = 0"),
 }
 VALVE_QUANTITIES: Mapping[str, Quantity] = {
     "flow": live("valve_flow", "m^3/s", "flow from its `a` to its `b`"),
-    "loss": recorded("valve_loss", "J", "energy lost to throttling since t = 0"),
+    "loss": Quantity("valve_loss", "J", "energy lost to throttling since t = 0"),
 }
 
 

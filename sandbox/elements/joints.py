@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from sandbox.elements import element as base
-from sandbox.elements.element import KEPT, BodyName, Element, Quantity, live, recorded
+from sandbox.elements.element import KEPT, BodyName, Element, Quantity, computed, live
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
@@ -71,21 +71,21 @@ QUANTITIES: Mapping[str, Quantity] = {
     "position": live("joint_length", "m", "of a slot with a path: arc length from the path's first "
                                           "point; it counts on over rounds of a closed path"),
     "speed": live("joint_speed", "m/s", "rate of the length, or of the position on a path"),
-    "normal": Quantity("N", "of a slot with a path: force on `b` across it, positive to its left"),
+    "normal": computed("N", "of a slot with a path: force on `b` across it, positive to its left"),
     "reaction": live("joint_reaction", "N", "magnitude of the reaction force"),
     "reaction_x": live("joint_force", "N", "force on `b` by `a`, in the world", 0),
     "reaction_y": live("joint_force", "N", "the same, upwards", 1),
-    "tension": Quantity("N", "of rods and ropes: reaction, positive in tension", live=True),
-    "tangential": Quantity("N", "of wheels: force on `b` along the pitch circles, positive as `a` "
+    "tension": computed("N", "of rods and ropes: reaction, positive in tension", live=True),
+    "tangential": computed("N", "of wheels: force on `b` along the pitch circles, positive as `a` "
                                 "pushes by turning counter-clockwise"),
-    "radial": Quantity("N", "of wheels: force along the centres, positive if it pushes them apart"),
-    "gap": Quantity("m", "of teeth with backlash: distance to the nearer flank, on pitch circles"),
-    "damping": recorded("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
-    "damping_work": recorded("joint_damping_work", "J", "work of all its dampers since t = 0"),
-    "stop": recorded("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
+    "radial": computed("N", "of wheels: force along the centres, positive if it pushes them apart"),
+    "gap": computed("m", "of teeth with backlash: distance to the nearer flank, on pitch circles"),
+    "damping": Quantity("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
+    "damping_work": Quantity("joint_damping_work", "J", "work of all its dampers since t = 0"),
+    "stop": Quantity("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
     "friction": live("joint_friction", "", "dry friction on `b`: of a pin the torque in its sense; "
                                            "of a slot the force, positive towards its `end`"),
-    "friction_work": recorded("joint_friction_work", "J", "work of dry friction since t = 0"),
+    "friction_work": Quantity("joint_friction_work", "J", "work of dry friction since t = 0"),
     "sticks": live("joint_sticks", "1", "1 while dry friction holds it, else 0", yes_no=True),
 }
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from sandbox.elements.element import KEPT, NAMED, Element, Quantity, live, recorded
+from sandbox.elements.element import KEPT, NAMED, Element, Quantity, live
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
@@ -53,7 +53,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     "fx": live("load_force", "N", "force on the body, in the world", 0),
     "fy": live("load_force", "N", "the same, upwards", 1),
     "torque": live("load_torque", "N m", "about the body's centre of mass"),
-    "work": recorded("load_work", "J", "done on the body since t = 0"),
+    "work": Quantity("load_work", "J", "done on the body since t = 0"),
 }
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from sandbox.elements import drives, fluids, joints, loads, springs, tendons
-from sandbox.elements.element import NAMED, RELEASABLE, Quantity, live
+from sandbox.elements.element import NAMED, RELEASABLE, Quantity, computed, live
 from sandbox.elements.tendons import NUMBERED
 
 QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
@@ -23,22 +23,22 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "ax": live("body_acceleration", "m/s^2", "acceleration of its centre of mass", 0),
         "ay": live("body_acceleration", "m/s^2", "the same, upwards", 1),
         "alpha": live("body_acceleration", "rad/s^2", "angular acceleration", 2),
-        "contact.normal": Quantity("N", "sum of magnitudes of normal forces on it", live=True),
-        "contact.tangential": Quantity("N", "the same of friction forces", live=True),
-        "contact.fx": Quantity("N", "resultant of all contact forces on it"),
-        "contact.fy": Quantity("N", "the same, upwards"),
+        "contact.normal": computed("N", "sum of magnitudes of normal forces on it", live=True),
+        "contact.tangential": computed("N", "the same of friction forces", live=True),
+        "contact.fx": computed("N", "resultant of all contact forces on it"),
+        "contact.fy": computed("N", "the same, upwards"),
     },
     "joint": joints.QUANTITIES, "spring": springs.QUANTITIES, "tendon": tendons.QUANTITIES,
     "line": fluids.LINE_QUANTITIES, "valve": fluids.VALVE_QUANTITIES, "load": loads.QUANTITIES,
     "drive": drives.QUANTITIES,
     "group": {
-        "contact.count": Quantity("1", "number of its bodies touched from outside", live=True,
+        "contact.count": computed("1", "number of its bodies touched from outside", live=True,
                                   count=True),
-        "contact.normal": Quantity("N", "sum of normal force magnitudes from outside", live=True),
+        "contact.normal": computed("N", "sum of normal force magnitudes from outside", live=True),
     },
     "pair": {
-        "normal": Quantity("N", "normal force between the two bodies", live=True),
-        "tangential": Quantity("N", "friction on the first body by the second, positive along its "
+        "normal": computed("N", "normal force between the two bodies", live=True),
+        "tangential": computed("N", "friction on the first body by the second, positive along its "
                                     "normal force turned by +90°; the same of `b/a`", live=True),
     },
 }
@@ -62,33 +62,33 @@ _LIMP = (f"{NOT_HELD}, or its stiffness is not defined: with fluids, teeth, load
 _NO_HAND = f"no hand presses on it, or more than {MAX_PRESSING} bodies do"
 # additional quantities of bodies with the role ``object``; docs/grasp.md
 GRASP: Mapping[str, Quantity] = {
-    "held": Quantity("1", "1 while a hand holds it: the hand pressed on it for the last "
+    "held": computed("1", "1 while a hand holds it: the hand pressed on it for the last "
                           f"{WINDOW:g} s, it moved and slid by less than {100 * STRAY:g} % of its "
                           "size, nothing else supports it; else 0", of_free=True, yes_no=True),
-    "drift": Quantity("m", "displacement since it was first held, of its farthest point",
+    "drift": computed("m", "displacement since it was first held, of its farthest point",
                       nothing=NOT_HELD, of_free=True),
-    "closure": Quantity("1", "1 with force closure, else 0: contacts at these points could balance "
+    "closure": computed("1", "1 with force closure, else 0: contacts at these points could balance "
                              "any load", nothing=_MANY, yes_no=True),
-    "epsilon": Quantity("1", "Ferrari-Canny measure: minimum load at the limit of contact forces "
+    "epsilon": computed("1", "Ferrari-Canny measure: minimum load at the limit of contact forces "
                              "of sum 1; 0 without force closure", nothing=_NO_HAND),
-    "stiffness": Quantity("N/m", "force per displacement for a small push at its centre of mass in "
+    "stiffness": computed("N/m", "force per displacement for a small push at its centre of mass in "
                                  "the softest direction; inf if no push moves it, 0 without "
                                  "restoring force", nothing=_LIMP, of_free=True),
-    "stiffness_x": Quantity("N/m", "the same of a push along x", nothing=_LIMP, of_free=True),
-    "stiffness_y": Quantity("N/m", "the same of a push upwards", nothing=_LIMP, of_free=True),
-    "stiffness_turn": Quantity("N m/rad", "the same of a couple", nothing=_LIMP, of_free=True),
-    "isotropy": Quantity("1", "minimum over maximum singular value of the grasp map: 1 if all "
+    "stiffness_x": computed("N/m", "the same of a push along x", nothing=_LIMP, of_free=True),
+    "stiffness_y": computed("N/m", "the same of a push upwards", nothing=_LIMP, of_free=True),
+    "stiffness_turn": computed("N m/rad", "the same of a couple", nothing=_LIMP, of_free=True),
+    "isotropy": computed("1", "minimum over maximum singular value of the grasp map: 1 if all "
                               "directions are alike", nothing=_NO_HAND),
-    "spread": Quantity("1", "standard deviation over mean of the normal forces of the fingers on "
+    "spread": computed("1", "standard deviation over mean of the normal forces of the fingers on "
                             "it: 0 if equal", nothing="no finger presses on it"),
-    "spread_bodies": Quantity("1", "the same, of all bodies that press on it, such as phalanges",
+    "spread_bodies": computed("1", "the same, of all bodies that press on it, such as phalanges",
                               nothing="no finger presses on it"),
 }
 # quantities that can be read during a run; the one quantity of a meter has no name
 LIVE: Mapping[str, tuple[str, ...]] = {
     element: tuple(name for name, quantity in rows.items() if quantity.live)
     for element, rows in QUANTITIES.items()} | {"meter": ("",)}
-METER = Quantity("", "", live=True)
+METER = Quantity("", "", "", live=True)
 # columns of ``contacts.csv`` and ``impacts.csv`` with their units
 CONTACT_COLUMNS: Mapping[str, str] = {
     "x": "m", "y": "m", "fx": "N", "fy": "N", "normal": "N", "tangential": "N"}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, live, recorded
+from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, live
 from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
 from sandbox.wording import refuse_if
@@ -22,8 +22,8 @@ QUANTITIES: Mapping[str, Quantity] = {
     "length": live("spring_length", "m", "between its two points"),
     "force": live("spring_force", "N", "positive in tension; damper included"),
     "angle": live("spring_length", "rad", "of its hinge, in the hinge's positive sense"),
-    "torque": recorded("spring_force", "N m", "positive against a positive angle; damper included"),
-    "work": recorded("spring_work", "J", "done on the bodies since t = 0"),
+    "torque": Quantity("spring_force", "N m", "positive against a positive angle; damper included"),
+    "work": Quantity("spring_work", "J", "done on the bodies since t = 0"),
 }
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
-from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, live, recorded
+from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, computed, live
 from sandbox.elements.springs import TakenUp
 from sandbox.values import numbers as of
 from sandbox.values.spec import Spec
@@ -21,17 +21,17 @@ RIGID = 1e5  # stiffness [N/m] from which a tendon counts as inextensible
 
 QUANTITIES: Mapping[str, Quantity] = {
     "length": live("tendon_length", "m", "along its path, wound up length since t = 0 included"),
-    "shortening": Quantity("m", "path length at t = 0 minus the current one, between the wheels at "
+    "shortening": computed("m", "path length at t = 0 minus the current one, between the wheels at "
                                 "its ends: positive if wound up", live=True),
     "tension": live("tendon_tension", "N", "along the path; with guide friction of its last span"),
-    "work": recorded("tendon_work", "J", "done on the bodies since t = 0"),
+    "work": Quantity("tendon_work", "J", "done on the bodies since t = 0"),
 }
 # additional quantities of tendons with a number each: of spans, guides with friction, wheels
 NUMBERED: Mapping[str, Quantity] = {
-    "tension": Quantity("N", "`tension_0` and so on: tension of each span, in order", live=True),
-    "slip": Quantity("m", "`slip_1` and so on: length that has slid over that guide since t = 0, "
+    "tension": computed("N", "`tension_0` and so on: tension of each span, in order", live=True),
+    "slip": computed("m", "`slip_1` and so on: length that has slid over that guide since t = 0, "
                           "towards the last guide; guides count from 0", live=True),
-    "lifted": Quantity("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel",
+    "lifted": computed("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel",
                        live=True, yes_no=True),
 }
 
