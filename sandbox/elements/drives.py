@@ -41,6 +41,10 @@ QUANTITIES: Mapping[str, Quantity] = {
 }
 
 
+MOVING = ("value", "work", "power")  # quantities that drives record
+TURNING, PUSHING = ("value", "work", "torque", "power"), ("value", "work", "force", "power")
+
+
 @dataclass(frozen=True)
 class DriveKind:
     """Facts about a kind of drive."""
@@ -57,7 +61,6 @@ class DriveKind:
     places: bool = False  # whether its value is a target position
     latched: bool = False  # whether pymunk keeps its value, so that only changes are set
     timely: Literal["pose", "end"] = "pose"  # at which time in a step its value is evaluated
-    positive: bool = False  # whether its value must stay greater than 0
     twin: str = ""  # the same drive of an actuator for one of a hinge, and the other way round
     mujoco: str = ""  # why MuJoCo has no counterpart; empty where it has one
     mujoco_varied: str = ""  # why MuJoCo has no counterpart if the value varies
@@ -169,9 +172,8 @@ class ForceDrive(DriveSpec):
 class RadiusDrive(DriveSpec):
     """Sets the radius of a body's circle over time: an object that swells or shrinks."""
 
-    facts = DriveKind(
-        base.BODY, "radius", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
-        positive=True, mujoco="a changing radius")
+    facts = DriveKind(base.BODY, "radius", "length", floor=SMALLEST_RADIUS, sole="radius",
+                      latched=True, mujoco="a changing radius")
     type: Literal["radius"] = TYPE
     body: BodyName
     """Name of the body; mass and inertia stay as they are."""
@@ -210,9 +212,8 @@ class SurfaceDrive(DriveSpec):
     """
 
     PYMUNK = "a conveyor surface: its shapes have one surface velocity, not one along an outline"
-    facts = DriveKind(
-        base.BODY, "surface", "speed", ("value", "work", "power"), sole="surface", timely="end",
-        mujoco="a conveyor surface")
+    facts = DriveKind(base.BODY, "surface", "speed", MOVING, sole="surface", timely="end",
+                      mujoco="a conveyor surface")
     type: Literal["surface"] = TYPE
     body: BodyName
     """Name of the body, all of whose shapes run; its mass and pose are not changed by that."""
@@ -358,7 +359,7 @@ class ActuatorDrive(DriveSpec):
 class TorqueDrive(HingeDrive):
     """A torque between the two bodies of a hinge, positive as the hinge turns."""
 
-    facts = DriveKind(base.HINGE, "torque", "torque", ("value", "work", "power"), twin="push")
+    facts = DriveKind(base.HINGE, "torque", "torque", MOVING, twin="push")
     type: Literal["torque"] = TYPE
     value: signals.TorqueSignal
     """Torque on body ``b`` over time [N m], in the hinge's sense; the opposite acts on ``a``."""
@@ -381,10 +382,9 @@ class MotorDrive(HingeDrive):
     ``stall`` if w is opposed to u.
     """
 
-    facts = DriveKind(
-        base.HINGE, "torque", "angular speed", ("value", "work", "torque", "power"),
-        sole="motor", limited=True, timely="end", twin="extend",
-        mujoco="a motor with a set speed or a torque-speed line")
+    facts = DriveKind(base.HINGE, "torque", "angular speed", TURNING, sole="motor", limited=True,
+                      timely="end", twin="extend",
+                      mujoco="a motor with a set speed or a torque-speed line")
     type: Literal["motor"] = TYPE
     value: Annotated[signals.SpeedSignal | None, base.KEPT] = None
     """Speed of ``b`` against ``a`` over time [rad/s], in the hinge's positive sense; with a line
@@ -438,9 +438,8 @@ class BrakeDrive(HingeDrive):
     Permanent friction of a hinge is its own ``friction``.
     """
 
-    facts = DriveKind(
-        base.HINGE, "torque", "torque", ("value", "work", "torque", "power"), floor=0.0,
-        sole="brake", limited=True, mujoco_varied="a changing brake")
+    facts = DriveKind(base.HINGE, "torque", "torque", TURNING, floor=0.0, sole="brake",
+                      limited=True, mujoco_varied="a changing brake")
     type: Literal["brake"] = TYPE
     value: signals.TorqueSignal
     """Maximum torque over time [N m]; 0 and less release the hinge."""
@@ -490,9 +489,8 @@ class ServoDrive(HingeDrive, PlaceDrive):
     avoid overshoot, and holds it exactly as long as ``torque`` suffices.
     """
 
-    facts = DriveKind(
-        base.HINGE, "torque", "angle", ("value", "work", "torque", "power"), sole="motor",
-        limited=True, places=True, twin="length")
+    facts = DriveKind(base.HINGE, "torque", "angle", TURNING, sole="motor", limited=True,
+                      places=True, twin="length")
     type: Literal["servo"] = TYPE
     value: signals.AngleSignal
     """Target angle over time [rad], in the hinge's sense from its ``zero``."""
@@ -523,7 +521,7 @@ class ServoDrive(HingeDrive, PlaceDrive):
 class PushDrive(ActuatorDrive):
     """A force between the two points of an actuator, along the line through them."""
 
-    facts = DriveKind(base.ACTUATOR, "push", "force", ("value", "work", "power"), twin="torque")
+    facts = DriveKind(base.ACTUATOR, "push", "force", MOVING, twin="torque")
     type: Literal["push"] = TYPE
     value: signals.ForceSignal
     """The force over time [N]; positive pushes the points apart, negative pulls them together."""
@@ -542,9 +540,8 @@ class PushDrive(ActuatorDrive):
 class ExtendDrive(ActuatorDrive):
     """Extends an actuator at a set speed with a maximum force."""
 
-    facts = DriveKind(
-        base.ACTUATOR, "push", "speed", ("value", "work", "force", "power"), sole="length",
-        limited=True, timely="end", twin="motor", mujoco="an actuator with a set speed")
+    facts = DriveKind(base.ACTUATOR, "push", "speed", PUSHING, sole="length", limited=True,
+                      timely="end", twin="motor", mujoco="an actuator with a set speed")
     type: Literal["extend"] = TYPE
     value: signals.RateSignal
     """The speed over time [m/s]; positive makes the actuator longer."""
@@ -567,9 +564,8 @@ class LengthDrive(ActuatorDrive, PlaceDrive):
     and holds it exactly as long as ``force`` suffices.
     """
 
-    facts = DriveKind(
-        base.ACTUATOR, "push", "length", ("value", "work", "force", "power"), sole="length",
-        limited=True, places=True, twin="servo")
+    facts = DriveKind(base.ACTUATOR, "push", "length", PUSHING, sole="length", limited=True,
+                      places=True, twin="servo")
     type: Literal["length"] = TYPE
     value: signals.LengthSignal
     """The distance of the actuator's two points to go to over time [m]."""

@@ -209,9 +209,8 @@ class PressureDrive(DriveSpec):
     """A pressure source that feeds a line and takes fluid back."""
 
     PYMUNK = FLUID
-    facts = DriveKind(
-        base.LINE, "pressure", "pressure", ("value", "work", "flow"), sole="pressure",
-        mujoco=FLUID)
+    facts = DriveKind(base.LINE, "pressure", "pressure", ("value", "work", "flow"), sole="pressure",
+                      mujoco=FLUID)
     type: Literal["pressure"] = TYPE
     line: LineName
     """Name of the line that it feeds."""
@@ -225,8 +224,8 @@ class OpeningDrive(DriveSpec):
     """Opens and shuts a valve."""
 
     PYMUNK = FLUID
-    facts = DriveKind(
-        base.VALVE, "opening", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
+    facts = DriveKind(base.VALVE, "opening", "ratio", ("value",), floor=0.0, sole="opening",
+                      mujoco=FLUID)
     type: Literal["opening"] = TYPE
     valve: Annotated[of.Name, base.VALVE]
     """Name of the valve; one that no drive opens is fully open."""

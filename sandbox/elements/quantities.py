@@ -114,8 +114,7 @@ def row_of(element: str, quantity: str) -> Quantity:
 
 def reserved(kind: str) -> frozenset[str]:
     """What may not follow an element's name and a dot: ``contact.normal`` of a body."""
-    names = [*QUANTITIES.get(NAMED[kind].one, {}),
-             *(BOND_QUANTITIES if kind in RELEASABLE else ())]
+    names = [*QUANTITIES.get(NAMED[kind].one, {}), *(BOND_QUANTITIES if kind in RELEASABLE else ())]
     return frozenset(".".join(name.split(".")[:count]) for name in names
                      for count in range(1, name.count(".") + 2))
 

@@ -102,9 +102,7 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
         **columns)
 
 
-def _between(
-    mechanism: Mechanism, names: Names, joints: Joints, elements: Sequence[Any],
-) -> dict[str, Any]:
+def _between(mechanism: Mechanism, names: Names, joints: Joints, elements: Any) -> dict[str, Any]:
     """Columns of elements that act between two points, or about a hinge."""
     rows: list[Any] = []
     for each in elements:
@@ -126,8 +124,7 @@ def _springs(mechanism: Mechanism, names: Names, joints: Joints) -> model.Spring
     columns = columns_of(model.Springs, springs)
     columns["rest"] = np.where(np.isnan(columns["rest"]), between["start"], columns["rest"])
     kinds = tuple(spring.facts for spring in springs)
-    laws = tuple(law_of(spring, tuple(mechanism.tables), mechanism.functions)
-                 for spring in springs)
+    laws = tuple(law_of(spring, tuple(mechanism.tables), mechanism.functions) for spring in springs)
     return model.Springs(
         name=_names(springs), kind=kinds, straight=_flags(kind.straight for kind in kinds),
         stiffness=_floats(

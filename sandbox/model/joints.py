@@ -147,8 +147,7 @@ def place_in_slot(model: Model, joint: int, pose: Array, along: Array | None = N
     joints = model.joints
     a, b = joints.bodies[joint].tolist()
     at_a, path = pose[..., a, :], joints.path[joint]
-    point = rotated(placed(pose[..., b, :], joints.anchor[joint, 1]) - at_a[..., :2],
-                    -at_a[..., 2])
+    point = rotated(placed(pose[..., b, :], joints.anchor[joint, 1]) - at_a[..., :2], -at_a[..., 2])
     shape = point.shape[:-1]
     if path is None:
         foot, end = joints.groove[joint]

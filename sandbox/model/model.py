@@ -353,9 +353,7 @@ def _columns(part: type) -> dict[str, Column]:
             for mark in getattr(hints[name], "__metadata__", ())}
 
 
-def columns_of(
-    part: type, elements: Sequence[Any], rows: Sequence[Mapping[str, Any]] = (),
-) -> dict[str, Any]:
+def columns_of(part: type, elements: Sequence[Any], rows: Sequence[Any] = ()) -> dict[str, Any]:
     """The columns of a part that are marked by :class:`Column`; ``rows`` replace attributes."""
     columns = {}
     for name, (default, attributes) in _columns(part).items():

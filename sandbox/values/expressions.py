@@ -195,8 +195,7 @@ def closure(text: str, read: Callable[[str], Read], tables: Mapping[str, Any]) -
 
     expression = parse_expression(text)
     expression.check_tables(tables)
-    inner = _compiled(expression.tree, 1, named,
-                      {name: table.at for name, table in tables.items()})
+    inner = _compiled(expression.tree, 1, named, {name: table.at for name, table in tables.items()})
 
     def value() -> float:
         try:
