@@ -113,15 +113,13 @@ class Line(Element):
 
     def _verify(self) -> None:
         relief = math.inf if self.relief is None else self.relief
-        for fault, what in (
-                (not -base.ATMOSPHERE <= self.least <= 0,
-                 "the least pressure must be from -101325 Pa, a vacuum, to 0"),
-                (relief <= 0, "the relief must open at more than 0 Pa"),
-                (not self.least <= self.pressure <= relief,
-                 "the pressure at t = 0 must lie between least and relief"),
-                (self.gas is not None and self.pressure <= -base.ATMOSPHERE,
-                 "a line with gas needs a pressure above a vacuum")):
-            refuse_if(fault, what, "out-of-range")
+        refuse_if(not -base.ATMOSPHERE <= self.least <= 0,
+                  "the least pressure must be from -101325 Pa, a vacuum, to 0", "out-of-range")
+        refuse_if(relief <= 0, "the relief must open at more than 0 Pa", "out-of-range")
+        refuse_if(not self.least <= self.pressure <= relief,
+                  "the pressure at t = 0 must lie between least and relief", "out-of-range")
+        refuse_if(self.gas is not None and self.pressure <= -base.ATMOSPHERE,
+                  "a line with gas needs a pressure above a vacuum", "out-of-range")
         refuse_if(self.gas is not None and self.modulus is not None,
                   "'gas' and 'modulus' exclude each other")
 

@@ -83,10 +83,8 @@ class ControllerSpec(Element):
     PYMUNK = "a controller"
 
     LAW: ClassVar[Any]  # the class of its law, of the controller and its period [s]
-    # fields with numbers in the unit of its drives, of its readings, of a force
-    of_drive: ClassVar[tuple[str, ...]] = ()
-    of_reading: ClassVar[tuple[str, ...]] = ()
-    of_force: ClassVar[tuple[str, ...]] = ()
+    of_drive: ClassVar[tuple[str, ...]] = ()  # fields with numbers in the unit of its drives
+    of_reading: ClassVar[tuple[str, ...]] = ()  # and of its readings
     target_key: ClassVar[str] = "target"  # the field that has its targets
     reads_key: ClassVar[str] = "reads"  # the field that has its readings
     sets_target: ClassVar[bool] = False  # whether it sets its drive to its target

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from sandbox.elements.controllers.controller import Law, Positive, Row, SeveralController
+from sandbox.elements.controllers.controller import Law, Row, SeveralController
 from sandbox.elements.drives import StiffnessDrive
 from sandbox.elements.element import TENDON, HingeName, Vec
 from sandbox.elements.joints import Pin
@@ -29,7 +29,8 @@ from sandbox.elements.tendons import Guide
 from sandbox.errors import Problem
 from sandbox.mechanics.springs import SpringSet, spring_set
 from sandbox.mechanics.tendon import TendonRoute, route
-from sandbox.values.numbers import Angle, Instant, Items, Length, Name, Point, Quantity
+from sandbox.values import numbers as of
+from sandbox.values.numbers import Angle, Items, Length, Name, Point, Quantity
 from sandbox.values.signals import AngleSignal
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import quoted, refuse_if
@@ -67,7 +68,6 @@ class EquilibriumController(SeveralController):
     """
 
     PER_DRIVE = ("limits", "slew", "joints", "targets", "kp", "ki", "kd")
-    of_force = ("pull",)
     target_key = "targets"
     type: Literal["equilibrium"] = TYPE
     tendon: Annotated[Name, TENDON]
@@ -76,7 +76,7 @@ class EquilibriumController(SeveralController):
     """Names of the hinges, in the order of ``writes``, the stiffness drives of their springs."""
     targets: Items[AngleSignal]
     """Of the joints' rotations over time [rad], each in its hinge's sense."""
-    pull: Positive | None = None
+    pull: Annotated[of.Force, of.POSITIVE] | None = None
     """T in the law [N]; by default the tension of the tendon."""
     kp: Items[Quantity]
     """Torque per error of rotation, one for each joint [N m/rad]."""
@@ -84,7 +84,7 @@ class EquilibriumController(SeveralController):
     """Torque per integral of the error, which begins after ``rise``, one each [N m/(rad s)]."""
     kd: Items[Quantity] | None = None
     """Torque per rate of rotation, one for each joint [N m s/rad]; none by default."""
-    rise: Instant = 0.0
+    rise: of.Instant = 0.0
     """Time in which the reference moves from the initial rotations to the targets [s]."""
     guard: Annotated[Angle, Field(gt=0)] = math.radians(2.0)
     """dlm hm, 0 in the straight finger, counts as no less than it is at this rotation [rad]."""
