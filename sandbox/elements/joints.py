@@ -343,9 +343,10 @@ class Rod(BarJoint, ClosingJoint):
 class RangeJoint(BarJoint):
     """A joint between a minimum and a maximum distance."""
 
-    if TYPE_CHECKING:
-        shortest: float
-        longest: float | None
+    shortest: of.Distance = 0.0
+    """Minimum distance of the two points [m], a hard stop; none by default."""
+    longest: of.Length | None = None
+    """Maximum distance of the two points [m], a hard stop; none by default."""
 
     def _verify(self) -> None:
         super()._verify()
@@ -372,9 +373,7 @@ class Rope(RangeJoint):
     facts = JointKind("range", (*REACTION, "tension"))
     type: Literal["rope"] = TYPE
     longest: of.Length
-    """Largest distance of the two points [m]."""
-    shortest: of.Distance = 0.0
-    """Minimum distance between the two points [m]; 0 sets no minimum."""
+    """Maximum distance of the two points [m]."""
 
 
 class Actuator(RangeJoint):
@@ -386,10 +385,6 @@ class Actuator(RangeJoint):
 
     facts = JointKind("range", ("length", "speed", *REACTION), line=True)
     type: Literal["actuator"] = TYPE
-    shortest: of.Distance = 0.0
-    """Distance of the two points with the rod drawn in [m]: a hard stop; none by default."""
-    longest: of.Length | None = None
-    """Distance of the two points with the rod out [m]: a hard stop; none by default."""
 
 
 MESH = (*REACTION, "tangential", "radial")

@@ -30,7 +30,6 @@ from sandbox.errors import Problem
 from sandbox.mechanics.springs import SpringSet, spring_set
 from sandbox.mechanics.tendon import TendonRoute, route
 from sandbox.values import numbers as of
-from sandbox.values.numbers import Angle, Items, Length, Name, Point, Quantity
 from sandbox.values.signals import AngleSignal
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import quoted, refuse_if
@@ -42,13 +41,13 @@ if TYPE_CHECKING:
 class FingerGeometry(Spec):
     """A finger's tendon and springs as the paper's section 4 gives them; slack at rotation 0."""
 
-    lengths: Items[Length] = Field(min_length=1, max_length=32)
+    lengths: of.Items[of.Length] = Field(min_length=1, max_length=32)
     """Lengths of the phalanges, the proximal one first [m]."""
-    guides: Items[Point]
+    guides: of.Items[of.Point]
     """V_0 in the palm's frame from the first hinge, V_1 ... V_n in their phalanges' frames [m]."""
-    on_previous: Annotated[Items[Point], Field(alias="from")]
+    on_previous: Annotated[of.Items[of.Point], Field(alias="from")]
     """M'' of each spring, on the body before the hinge, from the hinge [m]."""
-    on_phalanx: Annotated[Items[Point], Field(alias="to")]
+    on_phalanx: Annotated[of.Items[of.Point], Field(alias="to")]
     """M' of each spring, in the frame of the body after the hinge [m]."""
 
     def _verify(self) -> None:
@@ -70,23 +69,23 @@ class EquilibriumController(SeveralController):
     PER_DRIVE = ("limits", "slew", "joints", "targets", "kp", "ki", "kd")
     target_key = "targets"
     type: Literal["equilibrium"] = TYPE
-    tendon: Annotated[Name, TENDON]
+    tendon: Annotated[of.Name, TENDON]
     """Name of the tendon that turns the joints."""
-    joints: Items[HingeName] = Field(min_length=1, max_length=32)
+    joints: of.Items[HingeName] = Field(min_length=1, max_length=32)
     """Names of the hinges, in the order of ``writes``, the stiffness drives of their springs."""
-    targets: Items[AngleSignal]
+    targets: of.Items[AngleSignal]
     """Of the joints' rotations over time [rad], each in its hinge's sense."""
     pull: Annotated[of.Force, of.POSITIVE] | None = None
     """T in the law [N]; by default the tension of the tendon."""
-    kp: Items[Quantity]
+    kp: of.Items[of.Quantity]
     """Torque per error of rotation, one for each joint [N m/rad]."""
-    ki: Items[Quantity] | None = None
+    ki: of.Items[of.Quantity] | None = None
     """Torque per integral of the error, which begins after ``rise``, one each [N m/(rad s)]."""
-    kd: Items[Quantity] | None = None
+    kd: of.Items[of.Quantity] | None = None
     """Torque per rate of rotation, one for each joint [N m s/rad]; none by default."""
     rise: of.Instant = 0.0
     """Time in which the reference moves from the initial rotations to the targets [s]."""
-    guard: Annotated[Angle, Field(gt=0)] = math.radians(2.0)
+    guard: Annotated[of.Angle, Field(gt=0)] = math.radians(2.0)
     """dlm hm, 0 in the straight finger, counts as no less than it is at this rotation [rad]."""
     geometry: FingerGeometry | None = None
     """Finger geometry that the law uses; by default the finger's own."""
