@@ -4,21 +4,28 @@
 :class:`sandbox.SceneError` if one is wrong. A number may be a text with a unit.
 """
 
-from sandbox.elements.controllers.equilibrium import EquilibriumController, FingerGeometry
-from sandbox.elements.controllers.pid import PidController, RelayController
-from sandbox.elements.controllers.simple import (
+from sandbox.elements.controllers.controller import (
     FeedbackController,
     ScheduleController,
     SwitchController,
 )
+from sandbox.elements.controllers.equilibrium import EquilibriumController, FingerGeometry
+from sandbox.elements.controllers.pid import PidController, RelayController
 from sandbox.elements.controllers.state_feedback import StateFeedbackController
-from sandbox.elements.element_drives import (
+from sandbox.elements.drives import (
+    BrakeDrive,
+    ExtendDrive,
     ForceDrive,
     HoldDrive,
+    LengthDrive,
+    MotorDrive,
     PullDrive,
+    PushDrive,
     RadiusDrive,
+    ServoDrive,
     StiffnessDrive,
     SurfaceDrive,
+    TorqueDrive,
 )
 from sandbox.elements.fluids import (
     Cylinder,
@@ -29,20 +36,10 @@ from sandbox.elements.fluids import (
     Valve,
     Vane,
 )
-from sandbox.elements.joint_drives import (
-    BrakeDrive,
-    ExtendDrive,
-    LengthDrive,
-    MotorDrive,
-    PushDrive,
-    ServoDrive,
-    TorqueDrive,
-)
+from sandbox.elements.joints import Actuator, Gear, Pin, Rack, Rod, Roll, Rope, Slot, Weld
 from sandbox.elements.loads import BuoyancyLoad, DragLoad, LawLoad
-from sandbox.elements.points import Actuator, Pin, Rod, Rope, Slot, Weld
 from sandbox.elements.springs import LinearSpring, RotarySpring
 from sandbox.elements.tendons import Guide, Tendon
-from sandbox.elements.wheels import Gear, Rack, Roll
 from sandbox.scene.bodies import (
     Body,
     Box,

@@ -28,6 +28,14 @@ class WrongValueError(ValueError):
         return f"{self.message}{hint}{allowed}"
 
 
+def refuse_if(
+    fault: object, message: str, code: str = "conflicting-keys", *, allowed: str = "",
+) -> None:
+    """Raise a WrongValueError where ``fault`` is true."""
+    if fault:
+        raise WrongValueError(code, message, allowed=allowed)
+
+
 def near(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     """The choice closest to ``word``, quoted, or ``""``."""
     found = nearest(word, choices, cutoff=cutoff)

@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL
-from sandbox.model.bonds import held_of
 from sandbox.model.joints import place_in_slot
+from sandbox.model.model import held_of
 from sandbox.model.pairs import pair_skins, restitution_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Batch, Loads

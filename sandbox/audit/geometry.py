@@ -49,7 +49,7 @@ def _poses(evidence: Evidence, worst: Worst) -> None:
 
 def _kept_pivots(evidence: Evidence) -> list[int]:
     """Hinges that were never released."""
-    return [j for j in evidence.model.joints.pivots.tolist() if evidence.joints_hold[j].all()]
+    return [j for j in evidence.model.joints.hinges.tolist() if evidence.joints_hold[j].all()]
 
 
 def _turned(evidence: Evidence, hinge: int) -> Array:

@@ -27,9 +27,9 @@ from sandbox.audit.figures import (
     whole,
 )
 from sandbox.model.joints import normal_in_slot
-from sandbox.model.laws import SpringLaw
 from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
+from sandbox.model.programs import SpringLaw
 from sandbox.model.tendons import CableSpan, spans_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cables import (

@@ -104,7 +104,7 @@ def beyond_joint(model: Model, joint: int) -> set[int]:
        none="there is no hinge that carries a load")
 def _moments(evidence: Evidence, worst: Worst) -> None:
     rest, model = _at_rest(evidence), evidence.model
-    for j in model.joints.pivots.tolist():
+    for j in model.joints.hinges.tolist():
         name, beyond = model.joints.name[j], beyond_joint(model, j)
         if not beyond:
             worst.left_out.append(f"{name} is one of several supports")
@@ -128,7 +128,7 @@ def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
     """The contacts of a finger that press with more than ``least`` [N]; None if it is no chain."""
     model, loads = rest.model, rest.loads
     members = [model.names.body[name] for name in group.bodies if name in model.names.body]
-    pivots = model.joints.pivots
+    pivots = model.joints.hinges
     pins = [pivots[model.joints.bodies[pivots, 1] == body].tolist() for body in members]
     hinges = [each[0] for each in pins if len(each) == 1]
     if not hinges or len(hinges) < len(members) or (

@@ -16,7 +16,7 @@ from sandbox.cli.console import Console
 from sandbox.cli.options import PICTURES
 from sandbox.cli.runs import matching, open_run, run_with
 from sandbox.cli.text import first_of, table
-from sandbox.elements.quantities import about
+from sandbox.elements.quantities import row_of
 from sandbox.figure.signals import Plotted, Window, draw
 from sandbox.figure.style import number, save_figure, shown_as
 from sandbox.recording.new_run import made
@@ -229,4 +229,4 @@ def _rows(rows: list[tuple[str, str, str]]) -> list[str]:
 
 
 def _about(kind: str, quantity: str) -> str:
-    return about(kind, quantity).replace("`", "'")
+    return row_of(kind, quantity).about.replace("`", "'")

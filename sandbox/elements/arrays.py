@@ -1,11 +1,9 @@
 """The arrays of a recording, one row each: axes, unit, one sentence. SI.
 
-Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves,
-nd drives, nm meters (each in the mechanism's order), nk pairs of a load and a body,
-nf guides that hold a tendon by friction, nw wheels that one can lift off, nr
-joints, springs and tendons that can be released, m contact rows, p rows of means, each of nc
-forces, q rows of mean contacts and k impacts. Layout and size of recordings and the table in
-docs/files.md follow from it.
+Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves, nd drives, nm
+meters, nk pairs of a load and a body, nf guides with friction, nw wheels that a tendon can lift
+off, nr elements that can be released, m contact rows, p rows of means, each of nc forces, q rows
+of mean contacts, k impacts.
 """
 
 from __future__ import annotations
@@ -58,8 +56,7 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("joint_angle", "n nj", "rad", "of `b` against `a`; nan unless a pin", also="nan"),
     Recorded("joint_rate", "n nj", "rad/s", "of that angle; nan unless a pin", also="nan"),
     Recorded("joint_length", "n nj", "m", "of an actuator; nan of others", also="nan", late=True),
-    Recorded("joint_speed", "n nj", "m/s",
-             "rate of that length; nan of others", also="nan", late=True),
+    Recorded("joint_speed", "n nj", "m/s", "rate of that length", also="nan", late=True),
     Recorded("joint_reaction", "n nj", "N", "magnitude of the joint's reaction force", also="nan"),
     Recorded("joint_force", "n nj 2", "N", "on its body `b` by its body `a`, in the world; ends of "
                                            "grooves and ropes included", late=True),
@@ -68,19 +65,14 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("joint_twist", "n nj 2", "N m",
              "moment on `a` and `b` besides that of these in the pose of the sample: joints answer "
              "an impact where it happens", late=True),
-    Recorded("joint_stop", "n nj", "N m",
-             "torque of the hard stop, in the joint's sense; nan without limits", also="nan"),
-    Recorded("joint_damping", "n nj", "N m",
-             "torque of the dampers, in the joint's sense; nan unless a pin", also="nan"),
-    Recorded("joint_damping_work", "n nj", "J",
-             "done by the dampers on the bodies since t = 0; nan unless a pin", also="nan"),
+    Recorded("joint_stop", "n nj", "N m", "of the hard stop, in the joint's sense", also="nan"),
+    Recorded("joint_damping", "n nj", "N m", "of the dampers, in the joint's sense", also="nan"),
+    Recorded("joint_damping_work", "n nj", "J", "by these on the bodies since t = 0", also="nan"),
     Recorded("joint_friction", "n nj", "N m",
              "dry friction: of a pin its torque on `b`, in the joint's sense; of a slot its force "
              "on `b` [N], positive towards the groove's end; nan without", also="nan", late=True),
-    Recorded("joint_friction_work", "n nj", "J",
-             "done by dry friction on the bodies since t = 0; nan without", also="nan", late=True),
-    Recorded("joint_sticks", "n nj", "1",
-             "1 where dry friction holds, 0 where it slides; nan without", also="nan", late=True),
+    Recorded("joint_friction_work", "n nj", "J", "since t = 0; nan without", also="nan", late=True),
+    Recorded("joint_sticks", "n nj", "1", "1 while friction holds, else 0", also="nan", late=True),
     Recorded("spring_length", "n ns", "m", "of a rotary spring its hinge's angle [rad]"),
     Recorded("spring_force", "n ns", "N",
              "positive pulls, damper included; of a rotary spring the torque [N m], which is "
@@ -90,13 +82,11 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("tendon_tension", "n nt", "N",
              "never below 0; where guides hold it by friction, before its last guide"),
     Recorded("tendon_work", "n nt", "J", "done on the bodies since t = 0", also="nan"),
-    Recorded("guide_friction", "n nf", "N",
-             "tension after a guide with friction minus tension before it", late=True),
+    Recorded("guide_friction", "n nf", "N", "tension after minus before the guide", late=True),
     Recorded("guide_slip", "n nf", "m",
              "length that has slid over such a guide since t = 0, towards the last guide; at the "
              "end of the step, half a step after the sample", late=True),
-    Recorded("guide_lifted", "n nw", "",
-             "1 while the tendon is off such a wheel, else 0", late=True),
+    Recorded("guide_lifted", "n nw", "", "1 while the tendon is off the wheel", late=True),
     Recorded("line_pressure", "n nl", "Pa", "gauge pressure", late=True),
     Recorded("line_volume", "n nl", "m^3", "of its chambers and hoses, by the poses", late=True),
     Recorded("line_flow", "n nl", "m^3/s",
@@ -104,8 +94,7 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("line_content", "n nl", "m^3",
              "content at ambient pressure, minus the volume at t = 0 at gauge pressure 0; at the "
              "end of the step", late=True),
-    Recorded("line_spilled", "n nl", "m^3",
-             "volume through its relief since t = 0, at the end of the step", late=True),
+    Recorded("line_spilled", "n nl", "m^3", "through its relief since t = 0", late=True),
     Recorded("line_work", "n nl", "J", "done on the bodies since t = 0", late=True),
     Recorded("line_ahead", "n nl", "s",
              "time after the sample at which volume and content match its pressure", late=True),
@@ -123,8 +112,7 @@ ARRAYS: tuple[Recorded, ...] = (
              "torque of a motor, brake or servo on its hinge, in the hinge's positive sense; force "
              "of `extend` and `length` on their actuator [N]; nan for other drives",
              also="nan", late=True),
-    Recorded("drive_flow", "n nd", "m^3/s", "into its line by a drive of flow or pressure; nan for "
-                                            "other drives", also="nan", late=True),
+    Recorded("drive_flow", "n nd", "m^3/s", "into its line; else nan", also="nan", late=True),
     Recorded("drive_power", "n nd", "W", "friction force at a conveyor surface times its speed; "
                                          "nan for other drives", also="nan", late=True),
     Recorded("held", "n nr", "1",
@@ -134,15 +122,13 @@ ARRAYS: tuple[Recorded, ...] = (
              "largest residual of contacts, limits, friction and motors since the last sample",
              late=True),
     Recorded("body_centre", "nb 2", "m", "centre of mass in the body's frame", when="once"),
-    Recorded("body_mass", "nb", "kg",
-             "infinite for fixed and scheduled bodies", when="once", also="inf"),
-    Recorded("body_inertia", "nb", "kg m^2", "about the centre of mass; infinite for fixed and "
-                                             "scheduled bodies", when="once", also="inf"),
+    Recorded("body_mass", "nb", "kg", "infinite unless free", when="once", also="inf"),
+    Recorded("body_inertia", "nb", "kg m^2",
+             "about the centre of mass; infinite unless free", when="once", also="inf"),
     Recorded("tendon_initial", "nt", "m", "length at t = 0", when="once"),
     Recorded("tendon_rest", "nt", "m", "rest length", when="once"),
     Recorded("contact_sample", "m", "", "row of `time`", when="contact", points="n"),
-    Recorded("contact_body", "m", "",
-             "the body that the force acts on", when="contact", points="nb"),
+    Recorded("contact_body", "m", "", "that the force acts on", when="contact", points="nb"),
     Recorded("contact_other", "m", "", "the other body", when="contact", points="nb"),
     Recorded("contact_point", "m 2", "m", "point, in the world", when="contact"),
     Recorded("contact_force", "m 2", "N", "on the body by the other", when="contact"),
@@ -163,8 +149,7 @@ ARRAYS: tuple[Recorded, ...] = (
              "`drive_torque`; 0 where these are nan", when="mean"),
     Recorded("mean_contact_sample", "q", "",
              "row of `time`, one of `mean_sample`", when="mean contact", points="n"),
-    Recorded("mean_contact_body", "q", "",
-             "the body that the force acts on", when="mean contact", points="nb"),
+    Recorded("mean_contact_body", "q", "", "as contact_body", when="mean contact", points="nb"),
     Recorded("mean_contact_other", "q", "", "the other body", when="mean contact", points="nb"),
     Recorded("mean_contact_force", "q 7", "N m, N m, N, N, N, N, N",
              "means over the interval for each contact point: its position times the normal force "
@@ -172,17 +157,17 @@ ARRAYS: tuple[Recorded, ...] = (
              when="mean contact"),
     Recorded("impact_time", "k", "s",
              "time of the impact; without restitution the time of its step", when="impact"),
-    Recorded("impact_body", "k", "",
-             "the body that the impulse acts on", when="impact", points="nb"),
+    Recorded("impact_body", "k", "", "that the impulse acts on", when="impact", points="nb"),
     Recorded("impact_other", "k", "", "the other body", when="impact", points="nb"),
     Recorded("impact_point", "k 2", "m", "point, in the world", when="impact"),
-    Recorded("impact_impulse", "k 2", "N s",
-             "on the body by the other, of the whole step", when="impact"),
+    Recorded("impact_impulse", "k 2", "N s", "on the body, of the whole step", when="impact"),
     Recorded("meter_value", "n nm", "the meter's",
              "if the scene has meters", when="meters", also="nan"),
 )
 METERS = "meter_value"  # optional: the meters, once they were evaluated
 FORCES = 5  # means of each joint
+ROWS = {"n": "time", "m": "contact_gap", "p": "mean_sample", "q": "mean_contact_sample",
+        "k": "impact_time"}  # axes with an array of one number a row
 LARGEST = 1e30  # larger than all simulated values; products of a few such numbers are finite
 _BY_NAME = {row.name: row for row in ARRAYS}
 
@@ -204,18 +189,14 @@ def dtype_of(key: str) -> type[np.float64] | type[np.int64]:
     return np.int64 if _BY_NAME[key].points else np.float64
 
 
-def sizes(
-    mechanism: Any, *, samples: int, contacts: int = 0, means: int = 0, mean_contacts: int = 0,
-    impacts: int = 0,
-) -> dict[str, int]:
-    """The length of every axis; ``mechanism`` has its elements in lists."""
+def sizes(mechanism: Any, **rows: int) -> dict[str, int]:
+    """The length of every axis; those of :data:`ROWS` are 0 by default."""
     counts = {kind.axis: len(getattr(mechanism, name)) for name, kind in NAMED.items() if kind.axis}
     grips = sum(len(tendon.gripping) for tendon in mechanism.tendons)
     wheels = sum(len(tendon.lifting) for tendon in mechanism.tendons)
     forces = FORCES * counts["nj"] + counts["nt"] + grips + counts["nd"]
-    return {"n": samples, "m": contacts, "p": means, "q": mean_contacts, "k": impacts,
-            "nc": forces, "nf": grips, "nw": wheels, **counts, "nk": len(mechanism.loaded),
-            "nr": len(mechanism.releasable)}
+    return {**dict.fromkeys(ROWS, 0), **rows, "nc": forces, "nf": grips, "nw": wheels, **counts,
+            "nk": len(mechanism.loaded), "nr": len(mechanism.releasable)}
 
 
 def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:
@@ -225,7 +206,7 @@ def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:
 
 def row_bytes(mechanism: Any, keys: Iterable[str]) -> int:
     """Bytes of one row of all these arrays together."""
-    size = sizes(mechanism, samples=1, contacts=1, means=1, mean_contacts=1, impacts=1)
+    size = sizes(mechanism, **dict.fromkeys(ROWS, 1))
     return 8 * sum(math.prod(shape_of(key, size)) for key in keys)
 
 
@@ -250,7 +231,7 @@ def faults(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> list[str]:
              for key in _required(arrays) if key in arrays and arrays[key].dtype != dtype_of(key)]
     if found:
         return found
-    size = sizes(mechanism, samples=arrays["time"].size)
+    size = sizes(mechanism, n=arrays["time"].size)
     for row in ARRAYS:
         array, last = arrays.get(row.name), size.get(row.points, 0) - 1
         if row.points and array is not None and any(
@@ -278,10 +259,8 @@ def _required(given: Mapping[str, Any]) -> list[str]:
 
 
 def _sizes_of(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, int]:
-    rows = {"samples": "time", "contacts": "contact_gap", "means": "mean_sample",
-            "mean_contacts": "mean_contact_sample", "impacts": "impact_time"}
     return sizes(mechanism, **{axis: math.prod(shapes.get(key, (0,)))
-                               for axis, key in rows.items()})
+                               for axis, key in ROWS.items()})
 
 
 def pieces(array: NDArray[Any]) -> Iterator[NDArray[Any]]:

@@ -18,7 +18,7 @@ from sandbox.errors import Problem
 from sandbox.values.numbers import Name, Number, Pair
 from sandbox.values.spec import Spec
 from sandbox.values.units import size_fault
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
@@ -86,12 +86,10 @@ KEPT, OTHER_SIDE = Placed("kept"), Placed("other")
 
 
 def _with_length(direction: Vec) -> Vec:
-    if direction == (0.0, 0.0):
-        raise WrongValueError("out-of-range", "[0, 0] is no direction")
-    if fault := size_fault(math.hypot(*direction), "ratio"):
-        raise WrongValueError(
-            "out-of-range", f"as a direction its length is {fault}",
-            allowed="a direction such as [1, 0]; its length does not count")
+    refuse_if(direction == (0.0, 0.0), "[0, 0] is no direction", "out-of-range")
+    fault = size_fault(math.hypot(*direction), "ratio")
+    refuse_if(fault, f"as a direction its length is {fault}", "out-of-range",
+              allowed="a direction such as [1, 0]; its length does not count")
     return direction
 
 
@@ -103,9 +101,9 @@ Direction = Annotated[Pair[Number], AfterValidator(_with_length), KEPT]
 class Quantity:
     """A number that an element has in every sample."""
 
+    array: str  # the recorded array that has it; empty for what is computed from others
     unit: str  # empty where it depends on the element's kind
     about: str
-    array: str = ""  # the recorded array that has it; empty for what is computed from others
     component: int | None = None  # index in the array's last axis, where it has several components
     live: bool = False  # whether it can be read during a run; the rest is computed afterwards
     nothing: str = ""  # when it has no value, if that can be
@@ -114,14 +112,8 @@ class Quantity:
     count: bool = False  # whether it is a whole number
 
 
-def recorded(
-    array: str, unit: str, about: str, component: int | None = None, **facts: Any,
-) -> Quantity:
-    """A quantity that a recorded array has."""
-    return Quantity(unit, about, array, component, **facts)
-
-
-live = partial(recorded, live=True)
+computed = partial(Quantity, "")
+live = partial(Quantity, live=True)
 
 
 class Element(Spec):
@@ -178,9 +170,7 @@ def references(element: Spec, path: str) -> Iterator[tuple[str, Reference, str]]
 
 
 @cache
-def _marked(
-    model: type[Spec],
-) -> tuple[tuple[str, str, Reference | None, tuple[type[Spec], ...]], ...]:
+def _marked(model: type[Spec]) -> list[tuple[str, str, Reference | None, tuple[type[Spec], ...]]]:
     """Fields with references: name, key, mark, and classes of records with references."""
     found = []
     for name, field in model.model_fields.items():
@@ -190,7 +180,7 @@ def _marked(
                        and issubclass(part, Spec) and _marked(part))
         if mark is not None or models:
             found.append((name, field.alias or name, mark, models))
-    return tuple(found)
+    return found
 
 
 def _parts(annotation: Any) -> Iterator[Any]:

@@ -1,54 +1,40 @@
-"""Fluid under pressure: lines with their chambers, valves between lines, and their drives.
-
-A line is to pressure and volume what a tendon is to tension and length: one pressure in all of
-its chambers, which grow as the fluid pushes.
-"""
+"""Fluid under pressure: lines with their chambers, valves between lines, and their drives."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from sandbox.elements.drive import DriveKind, DriveSpec
-from sandbox.elements.element import (
-    ATMOSPHERE,
-    LINE,
-    VALVE,
-    BodyName,
-    Element,
-    HingeName,
-    Quantity,
-    Vec,
-    live,
-    recorded,
-)
+from sandbox.elements import element as base
+from sandbox.elements.drives import DriveKind, DriveSpec
+from sandbox.elements.element import BodyName, Element, HingeName, Quantity, live
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.signals import FlowSignal, PressureSignal, ShareSignal
 from sandbox.values.spec import TYPE, Spec
 from sandbox.values.units import size_fault
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
 
 FLUID = "fluid under pressure in lines"  # why MuJoCo has none of these
 OIL = 1.4e9  # modulus of oil with a little air in it [Pa]
-LineName = Annotated[of.Name, LINE]
+LineName = Annotated[of.Name, base.LINE]
 LINE_QUANTITIES: Mapping[str, Quantity] = {
     "pressure": live("line_pressure", "Pa", "gauge pressure"),
     "volume": live("line_volume", "m^3", "of its chambers and hoses"),
     "flow": live("line_flow", "m^3/s", "into it, through valves and from drives; of a gas, at "
                                        "ambient pressure"),
-    "spilled": recorded("line_spilled", "m^3", "volume through its relief since t = 0"),
-    "work": recorded("line_work", "J", "done on the bodies since t = 0"),
+    "spilled": Quantity("line_spilled", "m^3", "volume through its relief since t = 0"),
+    "work": Quantity("line_work", "J", "done on the bodies since t = 0"),
 }
 VALVE_QUANTITIES: Mapping[str, Quantity] = {
     "flow": live("valve_flow", "m^3/s", "flow from its `a` to its `b`"),
-    "loss": recorded("valve_loss", "J", "energy lost to throttling since t = 0"),
+    "loss": Quantity("valve_loss", "J", "energy lost to throttling since t = 0"),
 }
 
 
@@ -67,10 +53,9 @@ class Cylinder(Spec):
     area: of.Area
     """Of the piston [m^2]; the force along the line through the points is area times pressure."""
     pulls: of.Flag = False
-    """Whether the fluid is on the rod side: its volume then grows as the points approach, and
-    pressure pulls them together, as in an artificial muscle."""
+    """True: the fluid is on the rod side and pulls the points together, as in a muscle."""
 
-    def length(self, world: Callable[[str, Vec], Vec]) -> float:
+    def length(self, world: Callable[[str, base.Vec], base.Vec]) -> float:
         """Distance of its two points at t = 0 [m]; ``world`` gives points of bodies."""
         return math.dist(world(self.a, self.on_a), world(self.b, self.on_b))
 
@@ -86,16 +71,8 @@ class Vane(Spec):
     type: Literal["vane"] = TYPE
     joint: HingeName
     """Name of the pin that it acts on."""
-    displacement: of.Displacement
-    """Volume per angle of the hinge [m^3/rad], in the hinge's positive sense; the torque is this
-    times the pressure. A negative value reverses it."""
-
-    @model_validator(mode="after")
-    def _something(self) -> Self:
-        if abs(self.displacement) < 1e-24:
-            raise WrongValueError("out-of-range", "must not be 0: give a volume per angle such as "
-                                  "2 ml/rad; a negative one reverses the direction")
-        return self
+    displacement: Annotated[of.Displacement, of.NOT_ZERO]
+    """Volume per angle, torque per pressure [m^3/rad], in the hinge's sense; may be negative."""
 
     @property
     def gain(self) -> float:
@@ -123,36 +100,30 @@ class Line(Element):
     volume: of.Volume | None = None
     """Of all fluid at t = 0 [m^3], hoses included; by default that of the cylinders that push."""
     modulus: of.Modulus | None = None
-    """Pressure per share by which the fluid is pressed together, walls of hoses included [Pa]; by
-    default 1.4 GPa, that of oil. Not of a gas."""
+    """Pressure per relative compression, hoses included [Pa]; 1.4 GPa (oil) by default."""
     gas: of.Number | None = Field(default=None, ge=1, le=2)
     """The line contains gas: (pressure + 101325 Pa) * volume^gas is constant without flow. 1 is
     isothermal (slow), 1.4 is adiabatic air (fast). By default the line contains liquid."""
     pressure: of.Pressure = 0.0
     """At t = 0, above the surroundings [Pa]."""
-    least: of.Pressure = -ATMOSPHERE
+    least: of.Pressure = -base.ATMOSPHERE
     """Minimum pressure [Pa]; below it the line cavitates. By default -101325 Pa, a vacuum."""
     relief: of.Pressure | None = None
     """Maximum pressure [Pa], at which a relief valve opens to the tank; none by default."""
 
-    @model_validator(mode="after")
-    def _in_order(self) -> Self:
+    def _verify(self) -> None:
         relief = math.inf if self.relief is None else self.relief
-        for fault, what in (
-                (not -ATMOSPHERE <= self.least <= 0,
-                 "the least pressure must be from -101325 Pa, a vacuum, to 0"),
-                (relief <= 0, "the relief must open at more than 0 Pa"),
-                (not self.least <= self.pressure <= relief,
-                 "the pressure at t = 0 must lie between least and relief"),
-                (self.gas is not None and self.pressure <= -ATMOSPHERE,
-                 "a line with gas needs a pressure above a vacuum")):
-            if fault:
-                raise WrongValueError("out-of-range", what)
-        if self.gas is not None and self.modulus is not None:
-            raise WrongValueError("conflicting-keys", "'gas' and 'modulus' exclude each other")
-        return self
+        refuse_if(not -base.ATMOSPHERE <= self.least <= 0,
+                  "the least pressure must be from -101325 Pa, a vacuum, to 0", "out-of-range")
+        refuse_if(relief <= 0, "the relief must open at more than 0 Pa", "out-of-range")
+        refuse_if(not self.least <= self.pressure <= relief,
+                  "the pressure at t = 0 must lie between least and relief", "out-of-range")
+        refuse_if(self.gas is not None and self.pressure <= -base.ATMOSPHERE,
+                  "a line with gas needs a pressure above a vacuum", "out-of-range")
+        refuse_if(self.gas is not None and self.modulus is not None,
+                  "'gas' and 'modulus' exclude each other")
 
-    def volume_at(self, world: Callable[[str, Vec], Vec]) -> float:
+    def volume_at(self, world: Callable[[str, base.Vec], base.Vec]) -> float:
         """Volume at t = 0 [m^3]; 0 where neither a field nor the cylinders give it."""
         if self.volume is not None:
             return self.volume
@@ -162,7 +133,7 @@ class Line(Element):
     def compliance(self, volume: float) -> float:
         """Volume per pressure of its fluid [m^3/Pa], for its volume at t = 0 [m^3]."""
         if self.gas is not None:
-            return volume / (self.gas * (self.pressure + ATMOSPHERE))
+            return volume / (self.gas * (self.pressure + base.ATMOSPHERE))
         return volume / (OIL if self.modulus is None else self.modulus)
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
@@ -184,8 +155,7 @@ class Line(Element):
 class Valve(Element):
     """Lets fluid from one line into another, or out of and into the tank.
 
-    p_a - p_b = resistance * Q + density / 2 * (Q / (discharge * area))^2, of Q / opening where a
-    drive has it partly open.
+    p_a - p_b = resistance * Q + density / 2 * (Q / (discharge * area))^2; partly open Q / opening.
     """
 
     PYMUNK = FLUID
@@ -193,9 +163,9 @@ class Valve(Element):
 
     name: of.Name
     """Its name; quantities are ``<name>.flow`` and ``<name>.loss``."""
-    a: Annotated[of.Name | None, LINE] = None
+    a: Annotated[of.Name | None, base.LINE] = None
     """The line at its one end; left out it is the tank, whose pressure is 0."""
-    b: Annotated[of.Name | None, LINE] = None
+    b: Annotated[of.Name | None, base.LINE] = None
     """The line at its other end; left out it is the tank."""
     resistance: of.FlowResistance = 0.0
     """Pressure per flow of a long narrow passage [Pa s/m^3]."""
@@ -208,14 +178,10 @@ class Valve(Element):
     one_way: of.Flag = False
     """A check valve: it lets fluid from ``a`` to ``b`` and not back."""
 
-    @model_validator(mode="after")
-    def _between(self) -> Self:
-        if self.a == self.b:
-            raise WrongValueError("conflicting-keys", "a valve needs a line: give 'a', 'b' or both")
-        if self.resistance < 1e-12 and self.area is None:
-            raise WrongValueError("conflicting-keys", "a valve needs 'area', or a 'resistance' "
-                                  "greater than 0")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.a == self.b, "a valve needs a line: give 'a', 'b' or both")
+        refuse_if(self.resistance < 1e-12 and self.area is None,
+                  "a valve needs 'area', or a 'resistance' greater than 0")
 
     @property
     def orifice(self) -> float:
@@ -229,8 +195,7 @@ class FlowDrive(DriveSpec):
     """Pumps fluid into a line, however high the pressure: the line's ``relief`` bounds it."""
 
     PYMUNK = FLUID
-    facts = DriveKind(LINE, "flow", "m^3/s", "flow", ("value", "work", "flow"), mujoco=FLUID)
-
+    facts = DriveKind(base.LINE, "flow", "flow", ("value", "work", "flow"), mujoco=FLUID)
     type: Literal["flow"] = TYPE
     line: LineName
     """Name of the line that it feeds."""
@@ -242,29 +207,25 @@ class PressureDrive(DriveSpec):
     """A pressure source that feeds a line and takes fluid back."""
 
     PYMUNK = FLUID
-    facts = DriveKind(
-        LINE, "pressure", "Pa", "pressure", ("value", "work", "flow"), sole="pressure",
-        mujoco=FLUID)
-
+    facts = DriveKind(base.LINE, "pressure", "pressure", ("value", "work", "flow"), sole="pressure",
+                      mujoco=FLUID)
     type: Literal["pressure"] = TYPE
     line: LineName
     """Name of the line that it feeds."""
     value: PressureSignal
     """Gauge pressure over time [Pa], limited by the line's ``least`` and ``relief``."""
     resistance: of.FlowResistance = 0.0
-    """Pressure that is lost per flow between the source and the line [Pa s/m^3]; with 0, the
-    default, the line has the pressure of the source."""
+    """Pressure loss per flow between the source and the line [Pa s/m^3]; none by default."""
 
 
 class OpeningDrive(DriveSpec):
     """Opens and shuts a valve."""
 
     PYMUNK = FLUID
-    facts = DriveKind(
-        VALVE, "opening", "1", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
-
+    facts = DriveKind(base.VALVE, "opening", "ratio", ("value",), floor=0.0, sole="opening",
+                      mujoco=FLUID)
     type: Literal["opening"] = TYPE
-    valve: Annotated[of.Name, VALVE]
+    valve: Annotated[of.Name, base.VALVE]
     """Name of the valve; one that no drive opens is fully open."""
     value: ShareSignal
     """How far it is open over time: 0 is shut, 1 fully open. Below 0 counts as 0."""

@@ -5,15 +5,15 @@ from __future__ import annotations
 import fnmatch
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from sandbox.elements.element import KEPT, NAMED, Element, Quantity, live, recorded
+from sandbox.elements.element import KEPT, NAMED, Element, Quantity, live
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.scene.bodies import Body
@@ -53,7 +53,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     "fx": live("load_force", "N", "force on the body, in the world", 0),
     "fy": live("load_force", "N", "the same, upwards", 1),
     "torque": live("load_torque", "N m", "about the body's centre of mass"),
-    "work": recorded("load_work", "J", "done on the body since t = 0"),
+    "work": Quantity("load_work", "J", "done on the body since t = 0"),
 }
 
 
@@ -62,7 +62,6 @@ class LoadSpec(Element):
 
     RECORDED = QUANTITIES
     PYMUNK = "a load by a law of a body's own motion"
-
     type: str
     name: of.Name
     """Its name; quantities are ``<name>.<body>.fx`` and so on."""
@@ -96,12 +95,10 @@ class LawLoad(LoadSpec):
     """A force or a torque on bodies, by an expression of each body's own motion.
 
     An expression may read ``x``, ``y``, ``vx``, ``vy``, ``speed``, ``ax``, ``ay`` of the point
-    ``at``, ``angle``, ``omega``, ``alpha``, ``mass``, ``inertia`` of the body, the time ``t``,
-    parameters and tables.
+    ``at``, ``angle``, ``omega``, ``alpha``, ``mass``, ``inertia``, ``t``, parameters and tables.
     """
 
     LOCAL = ("force", "acceleration", "torque")
-
     type: Literal["law"] = TYPE
     force: of.Pair[ForceLaw] | None = None
     """The force [x, y] at the point ``at`` [N]: ``["=-0.2 * vx", "=-0.2 * vy"]``."""
@@ -110,21 +107,16 @@ class LawLoad(LoadSpec):
     torque: TorqueLaw | None = None
     """An additional torque on the body [N m], positive counter-clockwise: ``"=-0.01 * omega"``."""
     at: of.Point | None = None
-    """Point of application, in the frame of each body [m]; by default its centre of mass. The
-    expressions read its position and motion."""
+    """Point that the force acts on, in each body's frame [m]; by default its centre of mass."""
     frame: Literal["world", "body"] = "world"
     """Axes of the two components: of the world, or of the body. ``vx``, ``vy``, ``ax``, ``ay`` are
     along the same axes; ``x``, ``y`` and ``angle`` are in the world."""
 
-    @model_validator(mode="after")
-    def _something(self) -> Self:
-        if self.force is not None and self.acceleration is not None:
-            raise WrongValueError("conflicting-keys", "give 'force' or 'acceleration', the force "
-                                  "per mass, not both")
-        if self.force is None and self.acceleration is None and self.torque is None:
-            raise WrongValueError("conflicting-keys", "give a 'force', an 'acceleration' or a "
-                                  "'torque'")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.force is not None and self.acceleration is not None,
+                  "give 'force' or 'acceleration', the force per mass, not both")
+        refuse_if(self.force is None and self.acceleration is None and self.torque is None,
+                  "give a 'force', an 'acceleration' or a 'torque'")
 
     def laws(self) -> tuple[str | None, str | None, str | None]:
         """The two components of the force and the torque, as expressions."""
@@ -156,11 +148,9 @@ class DragLoad(LoadSpec):
     flow: Annotated[of.Pair[of.Speed], KEPT] = (0.0, 0.0)
     """The velocity [x, y] of the medium in the world, such as wind [m/s]; none by default."""
 
-    @model_validator(mode="after")
-    def _something(self) -> Self:
-        if self.area is None and not self.linear and not self.turning:
-            raise WrongValueError("conflicting-keys", "give 'linear', 'area' or 'turning'")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.area is None and not self.linear and not self.turning,
+                  "give 'linear', 'area' or 'turning'")
 
     def laws(self) -> tuple[str | None, str | None, str | None]:
         """The two components of the force and the torque, as expressions."""
@@ -174,14 +164,11 @@ class DragLoad(LoadSpec):
 
 
 class BuoyancyLoad(LoadSpec):
-    """What a liquid at rest lifts bodies by, as far as their shapes are below its level.
-
-    A body that ``displaces`` more than its shapes, an open bin, is lifted by that instead.
+    """Buoyancy of bodies, as far as their shapes, or what they ``displace``, are below a level.
 
     F = density * thickness * (area below the level) * g, upwards, at the centroid of that area,
     with the ``thickness`` of the body and the scene's gravity, which has to point downwards. It is
-    exact of every shape; shapes that overlap count twice, as they do in a body's mass. It takes no
-    energy; a ``drag`` beside it does.
+    exact; shapes that overlap count twice, as in a body's mass. Only a ``drag`` takes energy.
     """
 
     type: Literal["buoyancy"] = TYPE

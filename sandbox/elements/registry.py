@@ -7,8 +7,8 @@ from typing import Annotated, Any, get_args
 
 from pydantic import Field
 
-from sandbox.elements import element_drives, fluids, joint_drives, points, wheels
-from sandbox.elements.controllers import equilibrium, pid, simple, state_feedback
+from sandbox.elements import drives, fluids, joints
+from sandbox.elements.controllers import controller, equilibrium, pid, state_feedback
 from sandbox.elements.element import Element, tag_of
 from sandbox.elements.loads import Load
 from sandbox.elements.springs import Spring
@@ -16,22 +16,20 @@ from sandbox.elements.tendons import Tendon
 from sandbox.values.spec import Spec
 
 Joint = Annotated[
-    points.Pin | points.Slot | points.Weld | points.Rod | points.Rope | points.Actuator
-    | wheels.Gear | wheels.Rack | wheels.Roll,
+    joints.Pin | joints.Slot | joints.Weld | joints.Rod | joints.Rope | joints.Actuator
+    | joints.Gear | joints.Rack | joints.Roll,
     Field(discriminator="type"),
 ]
 Drive = Annotated[
-    element_drives.ForceDrive | joint_drives.TorqueDrive | element_drives.PullDrive
-    | element_drives.RadiusDrive | element_drives.StiffnessDrive | joint_drives.MotorDrive
-    | joint_drives.BrakeDrive | joint_drives.ServoDrive | joint_drives.PushDrive
-    | joint_drives.ExtendDrive | joint_drives.LengthDrive | fluids.FlowDrive
-    | fluids.PressureDrive | fluids.OpeningDrive | element_drives.SurfaceDrive
-    | element_drives.HoldDrive,
+    drives.ForceDrive | drives.TorqueDrive | drives.PullDrive | drives.RadiusDrive
+    | drives.StiffnessDrive | drives.MotorDrive | drives.BrakeDrive | drives.ServoDrive
+    | drives.PushDrive | drives.ExtendDrive | drives.LengthDrive | fluids.FlowDrive
+    | fluids.PressureDrive | fluids.OpeningDrive | drives.SurfaceDrive | drives.HoldDrive,
     Field(discriminator="type"),
 ]
 Controller = Annotated[
-    pid.PidController | simple.ScheduleController | simple.FeedbackController
-    | simple.SwitchController | pid.RelayController | state_feedback.StateFeedbackController
+    pid.PidController | controller.ScheduleController | controller.FeedbackController
+    | controller.SwitchController | pid.RelayController | state_feedback.StateFeedbackController
     | equilibrium.EquilibriumController,
     Field(discriminator="type"),
 ]

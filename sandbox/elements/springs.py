@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator
 
-from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, live, recorded
+from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, live
 from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError
+from sandbox.wording import refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
@@ -22,8 +22,8 @@ QUANTITIES: Mapping[str, Quantity] = {
     "length": live("spring_length", "m", "between its two points"),
     "force": live("spring_force", "N", "positive in tension; damper included"),
     "angle": live("spring_length", "rad", "of its hinge, in the hinge's positive sense"),
-    "torque": recorded("spring_force", "N m", "positive against a positive angle; damper included"),
-    "work": recorded("spring_work", "J", "done on the bodies since t = 0"),
+    "torque": Quantity("spring_force", "N m", "positive against a positive angle; damper included"),
+    "work": Quantity("spring_work", "J", "done on the bodies since t = 0"),
 }
 
 
@@ -31,8 +31,7 @@ QUANTITIES: Mapping[str, Quantity] = {
 class SpringKind:
     """How springs of a kind act."""
 
-    unit: str  # of its stiffness
-    dimension: str
+    dimension: str  # of its stiffness
     records: tuple[str, ...]
     straight: bool  # between two points; otherwise about a hinge
 
@@ -50,13 +49,9 @@ class SpringSpec(Element):
         text: str | None = getattr(self, self.LOCAL[0])
         return text
 
-    @model_validator(mode="after")
-    def _one_law(self) -> Self:
-        if (getattr(self, "stiffness", None) is None) == (self.law is None):
-            said = "not both" if self.law is not None else "one of them"
-            raise WrongValueError("conflicting-keys",
-                                  f"give 'stiffness' or '{self.LOCAL[0]}', {said}")
-        return self
+    def _verify(self) -> None:
+        refuse_if((getattr(self, "stiffness", None) is None) == (self.law is None),
+                  f"give either 'stiffness' or '{self.LOCAL[0]}'")
 
 
 def _read_law(cls: type[SpringSpec], text: str | None, info: ValidationInfo) -> str | None:
@@ -66,12 +61,10 @@ def _read_law(cls: type[SpringSpec], text: str | None, info: ValidationInfo) -> 
 class LinearSpring(SpringSpec):
     """A straight spring and damper from a point of ``a`` to a point of ``b``; pulls and pushes."""
 
-    facts = SpringKind("N/m", "stiffness", ("length", "force", "work"), straight=True)
-
+    facts = SpringKind("stiffness", ("length", "force", "work"), straight=True)
     LACKS = dict.fromkeys(("force", "only"), LACKS_LAW)
     LOCAL = ("force",)
     OWN = ("stretch", "rate")
-
     type: Literal["linear"] = TYPE
     name: of.Name
     """Its name; quantities are ``<name>.force`` and so on."""
@@ -96,13 +89,11 @@ class LinearSpring(SpringSpec):
     rest_length: of.Distance | None = None
     """Length without force [m], where ``stretch`` is 0; by default the length at t = 0."""
     breaks_at: Annotated[of.Force, of.POSITIVE] | None = None
-    """Magnitude of its force above which it breaks [N]; it stays released unless an event engages
-    it again. By default it never breaks."""
+    """Force above which it breaks [N], until an event engages it again; never by default."""
     released: of.Flag = False
     """Whether it starts released, until an event engages it."""
     taken_up: TakenUp = "natural"
-    """Rest length after it is engaged again: ``natural`` keeps it; ``as_is`` takes the current
-    distance of its points, so that it starts without force."""
+    """Rest length once it is engaged again: ``natural``, as before, or ``as_is``, without force."""
 
     _law = field_validator("force")(_read_law)
 
@@ -115,12 +106,10 @@ class LinearSpring(SpringSpec):
 class RotarySpring(SpringSpec):
     """A torsion spring and damper on a hinge, in the hinge's positive sense."""
 
-    facts = SpringKind("N m/rad", "rotary stiffness", ("angle", "torque", "work"), straight=False)
-
+    facts = SpringKind("rotary stiffness", ("angle", "torque", "work"), straight=False)
     LACKS = dict.fromkeys(("torque", "only"), LACKS_LAW)
     LOCAL = ("torque",)
     OWN = ("twist", "rate")
-
     type: Literal["rotary"] = TYPE
     name: of.Name
     """Its name; quantities are ``<name>.torque`` and so on."""
@@ -139,8 +128,7 @@ class RotarySpring(SpringSpec):
     rest_angle: Annotated[of.Angle, KEPT] = 0.0
     """Hinge angle without torque [rad], in the hinge's sense; 0 by default."""
     breaks_at: Annotated[of.Torque, of.POSITIVE] | None = None
-    """Magnitude of its torque without damping above which it breaks [N m]; it stays released unless
-    an event engages it again. By default it never breaks."""
+    """Torque above which it breaks [N m], without damping; never by default."""
     released: of.Flag = False
     """Whether it starts released, until an event engages it. Its damping is never released."""
 

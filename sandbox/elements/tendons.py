@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, live, recorded
+from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, computed, live
 from sandbox.elements.springs import TakenUp
 from sandbox.values import numbers as of
 from sandbox.values.spec import Spec
-from sandbox.wording import WrongValueError
+from sandbox.wording import refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
@@ -20,31 +20,28 @@ if TYPE_CHECKING:
 RIGID = 1e5  # stiffness [N/m] from which a tendon counts as inextensible
 
 QUANTITIES: Mapping[str, Quantity] = {
-    "length": live("tendon_length", "m", "along its path, including the length wound up on wheels "
-                                         "at its ends since t = 0"),
-    "shortening": Quantity("m", "path length at t = 0 minus the current one, between the wheels at "
+    "length": live("tendon_length", "m", "along its path, wound up length since t = 0 included"),
+    "shortening": computed("m", "path length at t = 0 minus the current one, between the wheels at "
                                 "its ends: positive if wound up", live=True),
-    "tension": live("tendon_tension", "N", "along the whole path, never below 0; with friction at "
-                                           "guides, of the last span"),
-    "work": recorded("tendon_work", "J", "done on the bodies since t = 0"),
+    "tension": live("tendon_tension", "N", "along the path; with guide friction of its last span"),
+    "work": Quantity("tendon_work", "J", "done on the bodies since t = 0"),
 }
 # additional quantities of tendons with a number each: of spans, guides with friction, wheels
 NUMBERED: Mapping[str, Quantity] = {
-    "tension": Quantity("N", "`tension_0` and so on: tension of each span, in order", live=True),
-    "slip": Quantity("m", "`slip_1` and so on: length that has slid over that guide since t = 0, "
+    "tension": computed("N", "`tension_0` and so on: tension of each span, in order", live=True),
+    "slip": computed("m", "`slip_1` and so on: length that has slid over that guide since t = 0, "
                           "towards the last guide; guides count from 0", live=True),
-    "lifted": Quantity("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel, "
-                            "else 0; guides count from 0", live=True, yes_no=True),
+    "lifted": computed("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel",
+                       live=True, yes_no=True),
 }
 
 
 class Guide(Spec):
     """A point or a wheel on a body that a tendon passes.
 
-    At either end of a tendon, the tendon is tied to its guide; a wheel (``radius``) there winds it
-    up as the body turns, as in equations (1)-(3). Between the ends it slides through, without
-    friction by default. It lifts off a wheel without friction and whole turns where it would have
-    to stick, and lands on it again.
+    At its ends a tendon is fixed to its guide; a wheel (``radius``) there winds it up as the body
+    turns, as in equations (1)-(3). Between the ends it slides, without friction by default. It
+    lifts off a wheel without friction and whole turns, and lands on it again.
     """
 
     body: BodyName
@@ -54,21 +51,18 @@ class Guide(Spec):
     radius: of.Distance = 0.0
     """Radius of the wheel [m]; 0, the default, is a point."""
     side: Annotated[Literal["left", "right"], OTHER_SIDE] = "left"
-    """Side of the wheel's centre, seen along the tendon from its first guide to its last: around a
-    wheel on its ``left`` the tendon bends counter-clockwise, around one on its ``right`` clockwise.
-    An end on the ``left`` is wound up by counter-clockwise rotation at the last guide, clockwise at
-    the first. Without effect on a point."""
+    """Side of the wheel's centre, seen along the tendon: around a wheel on its ``left`` it bends
+    counter-clockwise. An end on the ``left`` is wound up by counter-clockwise rotation at the last
+    guide, clockwise at the first. Without effect on a point."""
     turns: int = Field(default=0, ge=0, le=1000)
     """Additional whole turns around the wheel at t = 0; without effect on a point, at the ends."""
     begins: Literal["on", "off"] | None = None
-    """Whether the tendon lies on the wheel at t = 0 (``on``) or passes it straight (``off``), to
-    meet it later. By default it is off if the straight path clears the wheel with its centre on
-    ``side``; a loop is on. Without effect where a tendon cannot lift off: on a point, a wheel with
-    ``friction`` or ``turns``, the first guide of a loop, and at the ends."""
+    """Whether the tendon lies ``on`` the wheel at t = 0 or passes it straight, ``off``. By default
+    it is off if the straight path clears the wheel with its centre on ``side``; a loop is on.
+    Without effect on points, wheels with ``friction`` or ``turns``, a loop's first guide, ends."""
     friction: of.Ratio = 0.0
     """Coefficient of friction between tendon and guide: over a wrap angle φ the tension may grow by
-    up to e^(friction φ) before the tendon slides (Euler, Eytelwein). On a rotating wheel this is
-    its grip. Without effect at the ends."""
+    up to e^(friction φ) before the tendon slides (Euler, Eytelwein). Without effect at the ends."""
 
 
 class Tendon(Element):
@@ -90,35 +84,27 @@ class Tendon(Element):
     closed: of.Flag = False
     """True: a loop, such as a belt, from the last guide on to the first, without ends."""
     stiffness: of.Stiffness = Field(default=RIGID, gt=0)
-    """Tension per stretch of the whole tendon [N/m]; from 100 kN/m on, the default, it is solved
-    implicitly and counts as inextensible."""
+    """Tension per stretch of the whole tendon [N/m]; from 100 kN/m, the default, inextensible."""
     damping: of.Damping = 0.0
     """Tension per rate of stretch [N s/m]; from 100 kN/m on, plus step * stiffness."""
     rest_length: of.Length | None = None
     """Rest length [m]; by default that of its path at t = 0. ``slack`` is added."""
     slack: of.Distance = 0.0
-    """Added to the rest length [m], 0 or more: the path has to grow by this before the tendon
-    pulls. The opposite is a ``pretension``."""
+    """Added to the rest length [m]: the path grows by this before the tendon pulls."""
     pretension: Annotated[of.Force, of.NOT_NEGATIVE] | None = None
     """Tension along the whole tendon at t = 0 [N], in place of ``rest_length`` and ``slack``."""
     breaks_at: Annotated[of.Force, of.POSITIVE] | None = None
-    """Tension above which it breaks [N], anywhere along it; it stays released unless an event
-    engages it again. By default it never breaks."""
+    """Tension above which it breaks [N], until an event engages it again; never by default."""
     released: of.Flag = False
     """Whether it starts released, until an event engages it."""
     taken_up: TakenUp = "natural"
-    """Rest length after it is engaged again: ``natural`` keeps it; ``as_is`` takes the current path
-    length, so that it starts without tension."""
+    """Rest length once engaged again: ``natural``, as before, or ``as_is``, without tension."""
 
-    @model_validator(mode="after")
-    def _one_way(self) -> Self:
-        if self.pretension is not None and (self.rest_length is not None or self.slack):
-            raise WrongValueError("conflicting-keys", "a tendon has a pretension, or a rest_length "
-                                  "and slack, not both")
-        if self.closed and len(self.guides) == 2 and not any(g.radius for g in self.guides):
-            raise WrongValueError("bad-tendon-path", "a loop of two guides encloses nothing: give "
-                                  "one a radius")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.pretension is not None and (self.rest_length is not None or self.slack),
+                  "a tendon has a pretension, or a rest_length and slack, not both")
+        refuse_if(self.closed and len(self.guides) == 2 and not any(g.radius for g in self.guides),
+                  "a loop of two guides encloses nothing: give one a radius", "bad-tendon-path")
 
     @property
     def path(self) -> tuple[Guide, ...]:
@@ -157,11 +143,7 @@ class Tendon(Element):
             if any(self.guides[k].begins == "off" for k in self.lifting) else ""
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """Forces on its guides, set before each step.
-
-        Between two points a SlideJoint would do. But it has no force as long as it is a little too
-        short, so that in a tree of rockers it alternates from step to step.
-        """
+        """Forces on its guides, set before each step; a SlideJoint alternates in trees."""
         path = draft.model.tendons.guides(index)
         law = {"stiffness": self.stiffness, "damping": self.damping, "rest": self.rest_length,
                "slack": self.slack - (self.pretension or 0.0) / self.stiffness}

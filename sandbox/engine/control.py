@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.elements.controllers.controller import Law, every
-from sandbox.elements.controllers.custom import Custom, StopRun
+from sandbox.elements.controllers.custom import Custom, CustomController, StopRun
 from sandbox.elements.registry import Controller
 from sandbox.engine.bonds import hold
 from sandbox.engine.inputs import Clock
@@ -98,29 +98,20 @@ class ControlLoop:
     """A controller of a run: what it reads, its law, the drives that it sets."""
 
     def __init__(
-        self, spec: Controller | Custom, model: Model, clock: Clock, readings: Readings,
+        self, spec: Controller | CustomController, model: Model, clock: Clock, readings: Readings,
         drives: DriveValues,
     ) -> None:
         self.name, self.every, self.values = spec.name, every(spec.rate, clock.step), drives
-        period, active = self.every * clock.step, True
-        self.targets: list[Setpoint] = []
-        self.law: Law
-        ranges: Any
-        if isinstance(spec, Custom):
-            self.reads, writes, ranges = spec.reads, spec.writes, spec.limits
-            self.law = spec.law()
-        else:
-            self.reads, writes, ranges, active = (
-                spec.readings, spec.written, spec.ranges, spec.active)
-            self.law = spec.make_law(model.mechanism, period)
-            self.targets = [Setpoint(signal, period, (clock.steps - 1) // self.every,
-                                     model.mechanism.functions) for signal in spec.signals]
+        period, ranges = self.every * clock.step, spec.ranges
+        self.reads, self.drives = spec.readings, list(spec.written)
+        self.law: Law = spec.make_law(model.mechanism, period)
+        self.targets = [Setpoint(signal, period, (clock.steps - 1) // self.every,
+                                 model.mechanism.functions) for signal in spec.signals]
         self.readings = [readings.of(text) for text in self.reads]
-        self.drives = list(writes)
         rates: Any = [spec.slew] if isinstance(spec.slew, float) else spec.slew
         self.bounds: list[tuple[int, float, float, float]] = []
         """Of each drive its column, largest change from one act to the next, minimum, maximum."""
-        for j, drive in enumerate(writes):
+        for j, drive in enumerate(self.drives):
             low, high = ranges[j] if ranges else (-math.inf, math.inf)
             column = model.names.drive[drive]
             # the law gets the value in force, or it would wind up below the floor
@@ -130,8 +121,8 @@ class ControlLoop:
         alone = len(self.readings) == len(self.targets) == len(self.bounds) == 1
         self._act = _single(self) if alone else _several(self)
         self.start_error = math.nan  # its largest distance from a target when it began
-        self.active = active
-        self.run: Act = self._begin if active else _idle
+        self.active = spec.active
+        self.run: Act = self._begin if self.active else _idle
         """Acts at an instant [s] and number; does nothing while the loop is switched off."""
 
     def switch(self, on: bool) -> None:
@@ -219,7 +210,7 @@ class Control:
         self.mechanism = mechanism = model.mechanism
         self.drives = DriveValues(readings, model.drives.floor)
         self.loops = [ControlLoop(spec, model, clock, readings, self.drives)
-                      for spec in (*mechanism.controllers, *customs)]
+                      for spec in (*mechanism.controllers, *(each.controller for each in customs))]
         self._groups = [(each, [loop for loop in self.loops if loop.every == each])
                         for each in sorted({loop.every for loop in self.loops})]
         self._stride = math.gcd(*(loop.every for loop in self.loops)) or NEVER

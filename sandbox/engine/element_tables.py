@@ -14,16 +14,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.elements.element import ATMOSPHERE
-from sandbox.elements.joint import Keeps
+from sandbox.elements.joints import Keeps
 from sandbox.engine import records
 from sandbox.engine import stiffness as stiffnesses
 from sandbox.engine.rows import note_turns
 from sandbox.engine.tendons import measure
 from sandbox.engine.world import span_table
 from sandbox.model import joints as of_joint
-from sandbox.model.laws import MOVED
 from sandbox.model.model import Model
-from sandbox.model.programs import Program, curve_tables, stack_for, step_table
+from sandbox.model.programs import MOVED, Program, curve_tables, stack_for, step_table
 from sandbox.model.tendons import CableSpan, lifted_at_start, spans_of
 from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene.geometry import to_world

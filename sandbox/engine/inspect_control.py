@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from sandbox.elements.controllers.custom import Custom
-from sandbox.elements.quantities import LIVE, is_live
+from sandbox.elements.quantities import LIVE, row_of
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import misread, names_read, order, rings
@@ -111,7 +111,7 @@ class LiveCatalogue(Catalogue):
             source = self.find(name)
             if source.kind == "meter":
                 found.update(self._late_of_meters.get(source.index, ()))
-            elif not is_live(source.kind, source.quantity):
+            elif not row_of(source.kind, source.quantity).live:
                 found.add(name)
         return sorted(found)
 
@@ -156,14 +156,15 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
     def nexts(node: tuple[str, int]) -> Iterator[tuple[str, int]]:
         """What a law or a meter reads: the laws that write it, and meters."""
         kind, index = node
-        text = controllers[index].immediate if kind == "law" else mechanism.meters[index].value
-        for name in _names(text, known):
+        for name in (_names(controllers[index].immediate, known) if kind == "law"
+                     else sorted(names_read(mechanism.meters[index]))):
             if name in writer:
                 yield writer[name]
-            elif (source := known.find(name)).kind == "meter":
+            elif name in known and (source := known.find(name)).kind == "meter":
                 yield "meter", source.index
 
-    for ring in rings(laws, nexts):
+    meters = [("meter", i) for i in range(len(mechanism.meters) if laws else 0)]
+    for ring in rings({node: [*nexts(node)] for node in (*laws, *meters)}):
         members = [index for kind, index in ring if kind == "law"]
         if not members:
             continue  # meters alone are reported elsewhere

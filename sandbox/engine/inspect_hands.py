@@ -37,7 +37,7 @@ Chain = dict[int, int]  # the phalanges of a finger with their near hinges, the 
 def chains(model: Model) -> dict[str, Chain]:
     """The fingers that are chains of pins, by name."""
     joints, found = model.joints, dict[str, Chain]()
-    pins = {int(joints.bodies[j, 1]): int(j) for j in joints.pivots}
+    pins = {int(joints.bodies[j, 1]): int(j) for j in joints.hinges}
     for group in model.mechanism.groups:
         bodies = [model.names.body[name] for name in group.bodies]
         if group.kind == "finger" and bodies and all(body in pins for body in bodies) and all(

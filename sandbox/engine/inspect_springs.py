@@ -32,8 +32,8 @@ from sandbox.engine.inspect_elements import STRAIGHT, deg, groups, look
 from sandbox.engine.records import SOFT
 from sandbox.errors import Problem
 from sandbox.model import supports
-from sandbox.model.laws import STRETCH
 from sandbox.model.model import NONE, Model
+from sandbox.model.programs import STRETCH
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import lengths_at_start, pulls_at_start, rest_lengths
 

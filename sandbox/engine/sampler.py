@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.elements.arrays import Arrays
-from sandbox.elements.quantities import BOND_QUANTITIES, is_live, numbered
+from sandbox.elements.quantities import BOND_QUANTITIES, numbered, row_of
 from sandbox.engine.advance import advance, list_contacts, make_snapshot
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import Memory, make_memory
@@ -23,8 +23,8 @@ from sandbox.engine.records import PULL, STOP
 from sandbox.engine.state import CONTACT
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
-from sandbox.model.bonds import held_one
 from sandbox.model.catalogue import Catalogue, Source
+from sandbox.model.model import held_of
 from sandbox.numeric import Array, Integers, Records
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts, merge_contacts
@@ -216,7 +216,7 @@ class Sampler:
         arrays["spring_work"][:, own] = work[:, straight]
         for k in np.flatnonzero(~straight & ~damped).tolist():
             i, j = int(springs["number"][k]), int(springs["joint"][k])
-            holds = held_one(self.model.bonds.joint[j], self._of("bonds", n)["held"])
+            holds = held_of(self.model.bonds.joint[j], self._of("bonds", n)["held"])
             arrays["spring_work"][:, i] = work[:, k]
             arrays["spring_length"][:, i] = arrays["joint_angle"][:, j]
             arrays["spring_force"][:, i] = (
@@ -274,7 +274,7 @@ class Readings:
         if name == "t":
             return lambda: self.now
         source = self.catalogue.find(name)
-        if not is_live(source.kind, source.quantity):
+        if not row_of(source.kind, source.quantity).live:
             raise KeyError(name)
         if source.kind == "solver":
             return _item(self.tables.state.accuracy, 0)

@@ -276,7 +276,7 @@ def verdict(rest: AtRest) -> str:
 def quantities(run: Recording) -> dict[str, str]:
     """Names and units of the quantities that describe an equilibrium."""
     model, contacts = run.model, run.contacts
-    hinged = set(model.joints.bodies[model.joints.pivots, 1].tolist())
+    hinged = set(model.joints.bodies[model.joints.hinges, 1].tolist())
     names = [*_angles(model), *(f"{name}.length" for name in model.joints.name),
              *_positions(model, hinged)]
     for of, parts in ((model.tendons, ["tension"]), (model.springs, ["force", "torque"]),

@@ -256,7 +256,7 @@ def _reaches(model: Model) -> Array:
 def place_start(settler: Settler, start: Start) -> Array:
     """The pose of a start, [nb, 3] of the centres of mass; joined bodies move along."""
     model, still = settler.model, settler.still
-    known = [*(f"{model.joints.name[j]}.angle" for j in model.joints.pivots.tolist()),
+    known = [*(f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()),
              *(f"{name}.{part}" for name, free in zip(
                  model.bodies.name, model.bodies.free, strict=True) if free for part in PARTS)]
     if wrong := [name for name in start if name not in known]:

@@ -1,10 +1,8 @@
 """The catalogue: every quantity of a run of a mechanism, with its unit.
 
-A name is ``<element>.<quantity>``; the element is the longest element name
-that leaves a quantity which that element has. Pairs are ``<body>/<body>.normal``
-and are not listed, since there are too many; a pattern with ``/`` finds them.
-``solver.residual`` is not listed either: it is of the run, not of an element.
-Needs a mechanism only, no run.
+A name is ``<element>.<quantity>``; the element is the longest element name that leaves a quantity
+which that element has. Pairs, ``<body>/<body>.normal``, are found but not listed.
+``solver.residual`` is found but not listed either: it belongs to the run.
 """
 
 from __future__ import annotations
@@ -13,19 +11,12 @@ import difflib
 import fnmatch
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from sandbox.elements.element import NAMED, RELEASABLE, Element
-from sandbox.elements.quantities import (
-    BOND_QUANTITIES,
-    GRASP,
-    QUANTITIES,
-    USUAL,
-    by_telling,
-    quantities_of,
-)
+from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, USUAL, by_telling, quantities_of
 from sandbox.elements.registry import KINDS
 from sandbox.errors import SandboxError
 from sandbox.scene.bodies import Body
@@ -33,7 +24,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import MAX_COMPARED, is_pattern, listed, nearest, quoted
 
 PAIR, SOLVER = quantities_of("pair"), quantities_of("solver")
-MAX_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)  # in a message: all of an object
+MAX_QUANTITIES = len(quantities_of("body")) + len(GRASP)  # in a message: all of an object
 
 
 class UnknownQuantityError(SandboxError, KeyError):
@@ -72,6 +63,10 @@ class Source:
     other: int = -1  # the other body of a pair
 
 
+def _full(name: str, quantity: str) -> str:
+    return f"{name}.{quantity}" if quantity else name
+
+
 class Catalogue:
     """All quantities of a mechanism; looking one up costs microseconds."""
 
@@ -86,35 +81,26 @@ class Catalogue:
     @cached_property
     def units(self) -> dict[str, str]:
         """Name to unit of every quantity except pairs, kind by kind in the mechanism's order."""
-        return {
-            f"{name}.{quantity}" if quantity else name: unit
-            for name, element in self.elements.items()
-            for quantity, unit in element.quantities.items()
-        }
+        return {_full(name, quantity): unit for name, element in self.elements.items()
+                for quantity, unit in element.quantities.items()}
 
     @cached_property
     def telling(self) -> list[str]:
         """The same names, the quantities of each element in the order in which they are shown."""
-        return [f"{name}.{quantity}" if quantity else name
-                for name, element in self.elements.items()
+        return [_full(name, quantity) for name, element in self.elements.items()
                 for quantity in by_telling(element.quantities)]
 
     @cached_property
     def usual(self) -> dict[str, list[str]]:
         """The quantities shown first, by kind: one of each meter, of each tendon, and so on."""
-        return {kind: [f"{name}.{quantity}" if quantity else name
-                       for name, element in self.elements.items()
+        bodies = self.mechanism.bodies
+        return {kind: [_full(name, quantity) for name, element in self.elements.items()
                        if element.kind == kind and quantity in element.quantities
-                       and not (kind == "body"
-                                and self.mechanism.bodies[element.index].motion == "fixed")]
+                       and not (kind == "body" and bodies[element.index].motion == "fixed")]
                 for kind, quantity in USUAL.items()}
 
     def find(self, name: str) -> Source:
-        """Where the quantity ``name`` comes from.
-
-        Raises:
-            UnknownQuantityError: not in the catalogue; with a near miss where there is one.
-        """
+        """Where a quantity comes from; UnknownQuantityError if it is not in the catalogue."""
         source = self._pair(name) if "/" in name else self._plain(name)
         if source is None:
             raise UnknownQuantityError(name, self.near(name), self.lacking(name))
@@ -126,9 +112,7 @@ class Catalogue:
     def match(self, pattern: str) -> list[str]:
         """The names that fit a pattern (:mod:`fnmatch`, case matters), in catalogue order.
 
-        A name without a wildcard fits itself. Pairs are found by a pattern
-        with ``/`` only: each pair that can touch once, spelled moving body
-        first, or the other way round if only that fits.
+        A pattern with ``/`` finds each pair that can touch once, if possible moving body first.
         """
         return list(self._matching(pattern))
 
@@ -151,10 +135,9 @@ class Catalogue:
     def near(self, name: str) -> str:
         """A quantity or a pattern that fits, with one word corrected."""
         if "/" in name and not is_pattern(name):
-            first, _, rest = name.partition("/")
-            second, _, quantity = rest.rpartition(".")
-            one, other, last = (word if word in known else nearest(word, known) for word, known in (
-                (first, self._bodies), (second, self._bodies), (quantity, PAIR)))
+            lists: list[Collection[str]] = [self._bodies, self._bodies, PAIR]
+            one, other, last = (word if word in known else nearest(word, known)
+                                for word, known in zip(pair_parts(name), lists, strict=True))
             return pair if (pair := f"{one}/{other}.{last}") in self else ""
         for head, element in () if is_pattern(name) else self._prefixes(name):
             if close := nearest(name[len(head) + 1:], element.quantities):
@@ -222,8 +205,7 @@ class Catalogue:
             head == "solver" and quantity in SOLVER) else None
 
     def _pair(self, name: str) -> Source | None:
-        first, _, rest = name.partition("/")
-        second, _, quantity = rest.rpartition(".")
+        first, second, quantity = pair_parts(name)
         body, other = self._bodies.get(first), self._bodies.get(second)
         if body is None or other is None or body == other or quantity not in PAIR:
             return None
@@ -238,20 +220,20 @@ class Catalogue:
         begins = {body.name for body in bodies if first(body.name)}
         ends = {(body.name, quantity) for body in bodies for quantity in PAIR
                 if second(f"{body.name}.{quantity}")}
-        if not begins or not ends:
-            return
-        names = begins | {name for name, _ in ends}
-        some = [body for body in bodies if body.name in names]
-        for place, a in enumerate(some):
-            for b in some[place + 1:]:
-                if "dynamic" not in (a.motion, b.motion):
-                    continue
+        for a, b in itertools.combinations(bodies, 2) if begins and ends else ():
+            if "dynamic" in (a.motion, b.motion):
                 pair = (b.name, a.name) if a.motion == "fixed" else (a.name, b.name)
                 for quantity in PAIR:
-                    for one, other in (pair, pair[::-1]):
-                        if one in begins and (other, quantity) in ends:
-                            yield f"{one}/{other}.{quantity}"
-                            break
+                    fits = [f"{one}/{other}.{quantity}" for one, other in (pair, pair[::-1])
+                            if one in begins and (other, quantity) in ends]
+                    yield from fits[:1]
+
+
+def pair_parts(pair: str) -> tuple[str, str, str]:
+    """The two bodies and the quantity in the name of one of a pair."""
+    first, _, rest = pair.partition("/")
+    second, _, quantity = rest.rpartition(".")
+    return first, second, quantity
 
 
 def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
@@ -292,18 +274,14 @@ class MixedUnitsError(SandboxError, ValueError):
 
 
 def unit_of(catalogue: Catalogue, names: Sequence[str], pattern: str) -> str:
-    """The one unit of the quantities that a pattern fits.
-
-    Raises:
-        MixedUnitsError: they have several.
-    """
+    """The one unit of the quantities that a pattern fits; MixedUnitsError if they have several."""
     units: dict[str, str] = {}
     for name in names:
         units.setdefault(catalogue.find(name).unit, name)
     if len(units) == 1:
         return next(iter(units))
-    shown = [f"{name} in {unit}" for unit, name in itertools.islice(units.items(), MAX_SHOWN)]
+    shown = [f"{name} in {unit}" for unit, name in [*units.items()][:MAX_SHOWN]]
     raise MixedUnitsError(
         f"{pattern!r} fits quantities of {len(units)} units ({', '.join(shown)}"
-        f"{', …' if len(units) > MAX_SHOWN else ''}), which make no array: ask for those of one "
-        "unit, such as '*.angle', or for a table with to_pandas()")
+        f"{', …' if len(units) > MAX_SHOWN else ''}), which make no array: read those of one unit, "
+        "such as '*.angle', or a table with to_pandas()")

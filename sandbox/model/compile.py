@@ -10,22 +10,10 @@ from typing import Any
 import numpy as np
 
 from sandbox.elements.element import HELD_ABOVE, NAMED, NO_POINT, RELEASABLE, RELEASABLES
-from sandbox.model.laws import SpringLaw, law_of
+from sandbox.model import model
 from sandbox.model.loads import compile_loads
-from sandbox.model.model import (
-    NONE,
-    Bodies,
-    Bonds,
-    Drives,
-    Joints,
-    Lines,
-    Model,
-    Names,
-    Springs,
-    Tendons,
-    Valves,
-    columns_of,
-)
+from sandbox.model.model import NONE, Joints, Names, columns_of
+from sandbox.model.programs import SpringLaw, law_of
 from sandbox.numeric import Integers
 from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
@@ -33,12 +21,8 @@ from sandbox.scene.outlines.curves import path_through
 from sandbox.values.signals import values
 
 
-def compile_mechanism(mechanism: Mechanism) -> Model:
-    """The model of a mechanism whose references are right.
-
-    Raises:
-        KeyError: a name that leads nowhere.
-    """
+def compile_mechanism(mechanism: Mechanism) -> model.Model:
+    """The model of a mechanism whose references are right."""
     names = Names(*({element.name: i for i, element in enumerate(kind)} for kind in (
         mechanism.bodies, mechanism.joints, mechanism.springs, mechanism.tendons,
         mechanism.lines, mechanism.valves, mechanism.drives)))
@@ -51,7 +35,7 @@ def compile_mechanism(mechanism: Mechanism) -> Model:
         for field in fields(part):
             if isinstance(array := getattr(part, field.name), np.ndarray):
                 array.setflags(write=False)
-    return Model(mechanism, names, *parts)
+    return model.Model(mechanism, names, *parts)
 
 
 def _names(elements: Sequence[Any]) -> tuple[str, ...]:
@@ -83,11 +67,11 @@ def _setters(mechanism: Mechanism, among: str, gives: str) -> Integers:
     return found
 
 
-def _bodies(mechanism: Mechanism) -> Bodies:
+def _bodies(mechanism: Mechanism) -> model.Bodies:
     bodies = mechanism.bodies
     weights = [mass_properties(body) if body.motion == "dynamic" else None for body in bodies]
     motions = [body.motion for body in bodies]
-    return Bodies(
+    return model.Bodies(
         name=_names(bodies), free=_flags(motion == "dynamic" for motion in motions),
         fixed=_flags(motion == "fixed" for motion in motions),
         scheduled=_flags(motion not in ("dynamic", "fixed") for motion in motions),
@@ -105,14 +89,11 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
     kinds = tuple(joint.facts for joint in joints)
     paths = [(getattr(joint, "path", None), getattr(joint, "closed", False)) for joint in joints]
     angle = _flags(kind.angle for kind in kinds)
-    keeps = np.array([kind.keeps for kind in kinds], dtype=str)
     return Joints(
         name=_names(joints), kind=kinds, bodies=_ints(numbers, 2),
         anchor=_floats((anchors(joint, *pair) for joint, pair in zip(joints, ends, strict=True)),
                        2, 2),
         angle=angle, hinges=np.flatnonzero(angle),
-        pivots=np.flatnonzero(angle & (keeps == "point")),
-        grooved=np.flatnonzero(keeps == "groove"),
         stopped=np.flatnonzero(np.isfinite(columns["stops"]).all(axis=1)),
         frictional=np.flatnonzero((columns["friction"] > 0) | (columns["coefficient"] > 0)),
         unknowns=_ints(kind.forces for kind in kinds) + ~columns["turns"],
@@ -121,9 +102,7 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
         **columns)
 
 
-def _between(
-    mechanism: Mechanism, names: Names, joints: Joints, elements: Sequence[Any],
-) -> dict[str, Any]:
+def _between(mechanism: Mechanism, names: Names, joints: Joints, elements: Any) -> dict[str, Any]:
     """Columns of elements that act between two points, or about a hinge."""
     rows: list[Any] = []
     for each in elements:
@@ -139,14 +118,14 @@ def _between(
             "start": _floats(start)}
 
 
-def _springs(mechanism: Mechanism, names: Names, joints: Joints) -> Springs:
+def _springs(mechanism: Mechanism, names: Names, joints: Joints) -> model.Springs:
     springs = mechanism.springs
-    between, columns = _between(mechanism, names, joints, springs), columns_of(Springs, springs)
+    between = _between(mechanism, names, joints, springs)
+    columns = columns_of(model.Springs, springs)
     columns["rest"] = np.where(np.isnan(columns["rest"]), between["start"], columns["rest"])
     kinds = tuple(spring.facts for spring in springs)
-    laws = tuple(law_of(spring, tuple(mechanism.tables), mechanism.functions)
-                 for spring in springs)
-    return Springs(
+    laws = tuple(law_of(spring, tuple(mechanism.tables), mechanism.functions) for spring in springs)
+    return model.Springs(
         name=_names(springs), kind=kinds, straight=_flags(kind.straight for kind in kinds),
         stiffness=_floats(
             _slope(law, start, rest) if spring.stiffness is None else spring.stiffness
@@ -165,13 +144,13 @@ def _slope(law: SpringLaw | None, start: float, rest: float) -> float:
     return max(slope, 0.0) if math.isfinite(slope) else 0.0
 
 
-def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
+def _tendons(mechanism: Mechanism, names: Names) -> model.Tendons:
     tendons = mechanism.tendons
     guides = [guide for tendon in tendons for guide in tendon.path]
     first = _first(len(tendon.path) for tendon in tendons)
     pieces = np.delete(np.arange(len(guides)), first[1:] - 1)
     each = list(zip(first.tolist(), tendons, strict=False))
-    return Tendons(
+    return model.Tendons(
         name=_names(tendons), first=first,
         guide_body=_ints(names.body[guide.body] for guide in guides),
         guide_at=_floats((guide.at for guide in guides), 2),
@@ -186,48 +165,48 @@ def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
         drive=_setters(mechanism, "tendons", "tension"),
         stiffener=_setters(mechanism, "tendons", "stiffness"), stretch_first=pieces,
         stretch_tendon=np.repeat(np.arange(len(tendons)), np.diff(first) - 1),
-        **columns_of(Tendons, tendons))
+        **columns_of(model.Tendons, tendons))
 
 
-def _drives(mechanism: Mechanism, names: Names) -> Drives:
+def _drives(mechanism: Mechanism, names: Names) -> model.Drives:
     drives = mechanism.drives
     kinds = tuple(drive.kind for drive in drives)
     targets = [(reference.among, name) for reference, name in (drive.target for drive in drives)]
-    columns = columns_of(Drives, drives)
+    columns = columns_of(model.Drives, drives)
     columns["most"][np.isnan(columns["most"]) & ~np.isnan(columns["slope"])] = math.inf
-    return Drives(
+    return model.Drives(
         name=_names(drives), kind=kinds, floor=_floats(kind.floor for kind in kinds),
         target=_ints(mechanism.releasable.index(name) if among == RELEASABLES
                      else getattr(names, NAMED[among].one)[name] for among, name in targets),
         **columns)
 
 
-def _lines(mechanism: Mechanism, names: Names, joints: Joints, drives: Drives) -> Lines:
+def _lines(mechanism: Mechanism, names: Names, joints: Joints, drives: model.Drives) -> model.Lines:
     lines = mechanism.lines
     chambers = [chamber for line in lines for chamber in line.chambers]
     volume = _floats(line.volume_at(mechanism.world) for line in lines)
     given = {int(drives.target[i]): i for i in drives.giving("pressure").tolist()
              if drives.resistance[i] == 0.0}
     counts = [len(line.chambers) for line in lines]
-    return Lines(
+    return model.Lines(
         name=_names(lines), first=_first(counts), volume=volume,
         of=np.repeat(np.arange(len(lines)), np.array(counts, dtype=np.int64)),
         compliance=_floats(line.compliance(v) for line, v in zip(lines, volume, strict=True)),
         drive=_ints(given.get(i, NONE) for i in range(len(lines))),
         gain=_floats(chamber.gain for chamber in chambers),
-        **columns_of(Lines, lines), **_between(mechanism, names, joints, chambers))
+        **columns_of(model.Lines, lines), **_between(mechanism, names, joints, chambers))
 
 
-def _valves(mechanism: Mechanism, names: Names) -> Valves:
+def _valves(mechanism: Mechanism, names: Names) -> model.Valves:
     valves = mechanism.valves
-    return Valves(
+    return model.Valves(
         name=_names(valves),
         lines=_ints(([NONE if line is None else names.line[line] for line in (valve.a, valve.b)]
                      for valve in valves), 2),
-        drive=_setters(mechanism, "valves", "opening"), **columns_of(Valves, valves))
+        drive=_setters(mechanism, "valves", "opening"), **columns_of(model.Valves, valves))
 
 
-def _bonds(mechanism: Mechanism) -> Bonds:
+def _bonds(mechanism: Mechanism) -> model.Bonds:
     place = {name: number for number, name in enumerate(mechanism.releasable)}
     specs = [each for each in mechanism.holding if each.name in place]
     drives = {drive.target[1]: (i, drive) for i, drive in enumerate(mechanism.drives)
@@ -237,9 +216,9 @@ def _bonds(mechanism: Mechanism) -> Bonds:
     joint, spring, tendon = (
         _ints(place.get(each.name, NONE) for each in getattr(mechanism, kind))
         for kind in RELEASABLE)
-    return Bonds(
+    return model.Bonds(
         name=tuple(place), joint=joint, spring=spring, tendon=tendon,
         held=_flags(not each.released and each.name not in off for each in specs),
         as_is=_flags(getattr(each, "taken_up", "") == "as_is" for each in specs),
         drive=_ints(drives[each.name][0] if each.name in drives else NONE for each in specs),
-        **columns_of(Bonds, specs))
+        **columns_of(model.Bonds, specs))

@@ -23,6 +23,11 @@ def rotated(vectors: Array, angle: Array | float) -> Array:
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
+def xy(vectors: Array) -> tuple[Array, Array]:
+    """The components of vectors [..., 2]."""
+    return vectors[..., 0], vectors[..., 1]
+
+
 def placed(pose: Array, points: Array) -> Array:
     """Points [..., 2] of frames with poses [..., 3] (x, y, angle) in the world [m]."""
     c, s, x, y = np.cos(pose[..., 2]), np.sin(pose[..., 2]), points[..., 0], points[..., 1]
@@ -30,14 +35,9 @@ def placed(pose: Array, points: Array) -> Array:
 
 
 def anchor_at(model: Model, joint: int | Integers, pose: Array, end: int) -> tuple[Array, Array]:
-    """An anchor of a joint, or those of several [k], in the world [m].
-
-    ``end`` is 0 on ``a`` and 1 on ``b``; ``pose`` [..., nb, 3] are the bodies' frames. The two
-    coordinates have the shape [...] or [..., k].
-    """
+    """X and y of the anchors of joints [k] on ``a`` (``end`` 0) or ``b`` (1) in the world [m]."""
     body, point = model.joints.bodies[joint, end], model.joints.anchor[joint, end]
-    at = placed(pose[..., body, :], point)
-    return at[..., 0], at[..., 1]
+    return xy(placed(pose[..., body, :], point))
 
 
 def apart(model: Model, joint: int | Integers, pose: Array) -> tuple[Array, Array]:
@@ -48,8 +48,7 @@ def apart(model: Model, joint: int | Integers, pose: Array) -> tuple[Array, Arra
 
 def _along(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
     """A rack's pitch line in the world, a unit vector."""
-    way = rotated(model.joints.along[joint], pose[..., model.joints.bodies[joint, 1], 2])
-    return way[..., 0], way[..., 1]
+    return xy(rotated(model.joints.along[joint], pose[..., model.joints.bodies[joint, 1], 2]))
 
 
 def flank_of(model: Model, joint: int, pose: Array, side: int) -> Flank:
@@ -76,11 +75,9 @@ def slip_of(model: Model, joint: int, pose: Array) -> tuple[Any, float]:
 
 def flank_gaps(model: Model, joint: int, pose: Array) -> Array:
     """Gaps of teeth without play along both lines of action, 0 at t = 0 [m], [2, ...]."""
-    found = []
-    for side in (1, -1):
-        now, start = (flank_of(model, joint, at, side) for at in (pose, model.bodies.pose))
-        found.append(nearest(now.gap - start.gap, now.period))
-    return np.asarray(found)
+    sides = [[flank_of(model, joint, at, side) for at in (pose, model.bodies.pose)]
+             for side in (1, -1)]
+    return np.asarray([nearest(now.gap - start.gap, now.period) for now, start in sides])
 
 
 def slipped(model: Model, joint: int, pose: Array) -> Array:
@@ -120,8 +117,8 @@ def of_wheels(model: Model, arrays: Arrays, joint: int, quantity: str) -> Array:
     if quantity == "tangential":
         return np.asarray(x * fy - y * fx)
     one, other = model.joints.radii[joint]
-    within = model.joints.inside[joint] and one > other  # a ring pushes inwards
-    return np.asarray(-(x * fx + y * fy) if within else x * fx + y * fy)
+    inwards = model.joints.inside[joint] and one > other  # by a ring
+    return np.asarray((-1 if inwards else 1) * (x * fx + y * fy))
 
 
 def link_tensions(model: Model, arrays: Arrays, joints: Integers) -> Array:
@@ -143,19 +140,14 @@ class Place(NamedTuple):
 
 
 def place_in_slot(model: Model, joint: int, pose: Array, along: Array | None = None) -> Place:
-    """The place of a slot's point along its axis or path.
+    """The place of a slot's point along its axis or path, in poses [..., nb, 3].
 
-    Args:
-        model: the mechanism.
-        joint: a slot.
-        pose: of the bodies' frames, [..., nb, 3].
-        along: recorded places along a path [...]; the nearest ones by default.
+    ``along`` are recorded places along a path [...]; the nearest ones by default.
     """
     joints = model.joints
     a, b = joints.bodies[joint].tolist()
     at_a, path = pose[..., a, :], joints.path[joint]
-    point = rotated(placed(pose[..., b, :], joints.anchor[joint, 1]) - at_a[..., :2],
-                    -at_a[..., 2])
+    point = rotated(placed(pose[..., b, :], joints.anchor[joint, 1]) - at_a[..., :2], -at_a[..., 2])
     shape = point.shape[:-1]
     if path is None:
         foot, end = joints.groove[joint]
@@ -167,12 +159,10 @@ def place_in_slot(model: Model, joint: int, pose: Array, along: Array | None = N
         begin = along
         foot, tangent, bend = (np.reshape(one, (*shape, *one.shape[1:]))
                                for one in path.at(np.ravel(along)))
-    tx, ty = tangent[..., 0], tangent[..., 1]
-    ox, oy = np.moveaxis(point - foot, -1, 0)
+    (tx, ty), (ox, oy) = xy(tangent), xy(point - foot)
     ahead, across = tx * ox + ty * oy, tx * oy - ty * ox
-    x, y = np.moveaxis(rotated(tangent, at_a[..., 2]), -1, 0)
     return Place(begin + ahead, across, np.abs(across) if path is None else np.hypot(ahead, across),
-                 x, y, bend)
+                 *xy(rotated(tangent, at_a[..., 2])), bend)
 
 
 def normal_in_slot(model: Model, arrays: Arrays, joint: int) -> Array:
@@ -194,22 +184,16 @@ def slot_points(model: Model, joint: int) -> Array:
 
 def slot_length(model: Model, joint: int) -> float:
     """Distance between the ends of a slot along it [m]; inf of a closed path."""
-    path = model.joints.path[joint]
-    if path is not None:
-        return float("inf") if path.closed else path.length
-    start, end = model.joints.groove[joint]
-    return float(np.hypot(*(end - start)))
-
-
-def spin(model: Model, body: int) -> float:
-    """Angular velocity of a body at t = 0 [rad/s]; 0 unless it moves freely."""
-    return model.mechanism.bodies[body].angular_velocity if model.bodies.free[body] else 0.0
+    if path := model.joints.path[joint]:
+        return math.inf if path.closed else path.length
+    return float(np.hypot(*(model.joints.groove[joint, 1] - model.joints.groove[joint, 0])))
 
 
 def turning(model: Model, joint: int) -> float:
-    """Angular velocity of ``b`` against ``a`` at t = 0 [rad/s]."""
-    a, b = model.joints.bodies[joint].tolist()
-    return spin(model, b) - spin(model, a)
+    """Angular velocity of ``b`` against ``a`` at t = 0 [rad/s]; 0 for bodies that are not free."""
+    a, b = (model.mechanism.bodies[body].angular_velocity if model.bodies.free[body] else 0.0
+            for body in model.joints.bodies[joint].tolist())
+    return b - a
 
 
 def sliding(model: Model, joint: int) -> float:
@@ -230,16 +214,12 @@ def lengthening(model: Model, joint: int) -> float:
 
 def _parting(model: Model, joint: int, places: tuple[Vec, Vec]) -> Vec:
     """Velocity of a point of ``b`` minus that of a point of ``a``, by their places at t = 0."""
-    (ax, ay), (bx, by) = (_velocity(model, body, place) for body, place in zip(
-        model.joints.bodies[joint].tolist(), places, strict=True))
+    found = []
+    for body, (px, py) in zip(model.joints.bodies[joint].tolist(), places, strict=True):
+        spec = model.mechanism.bodies[body]
+        (vx, vy), w = (spec.velocity, spec.angular_velocity) if model.bodies.free[body] else (
+            (0.0, 0.0), 0.0)
+        x, y = model.at_start(body, model.bodies.centre[body])
+        found.append((vx - w * (py - y), vy + w * (px - x)))
+    (ax, ay), (bx, by) = found
     return bx - ax, by - ay
-
-
-def _velocity(model: Model, body: int, place: Vec) -> Vec:
-    """Velocity of a body's point at a ``place`` in the world at t = 0 [m/s]."""
-    if not model.bodies.free[body]:
-        return 0.0, 0.0
-    (x, y), (vx, vy) = (model.at_start(body, model.bodies.centre[body]),
-                        model.mechanism.bodies[body].velocity)
-    w = spin(model, body)
-    return vx - w * (place[1] - y), vy + w * (place[0] - x)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.model.laws import law_of_load
 from sandbox.model.model import Bodies, BodyLoads, Model, columns_of
+from sandbox.model.programs import law_of_load
 from sandbox.numeric import Array
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Shape
 from sandbox.scene.geometry import corners
@@ -21,25 +21,23 @@ Arc = tuple[float, float, float, float, float]
 
 def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
     """The loads of a mechanism whose references are right."""
-    pairs = mechanism.loaded
     laws = [law_of_load(load, tuple(mechanism.tables), mechanism.functions)
             for load in mechanism.loads]
     columns = [load.columns(mechanism) for load in mechanism.loads]
-    found = [(laws[load], columns[load], mechanism.bodies[body]) for load, body in pairs]
-    load, on = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
-    sides = [[] if law is not None else [
-        side for shape in body.displaces or body.shapes for side in _sides(shape)]
-        for law, _, body in found]
-    at = [row.get("at") or centre
-          for (_, row, _), centre in zip(found, bodies.centre[on], strict=True)]
+    load, on = np.array(mechanism.loaded, dtype=np.int64).reshape(-1, 2).T.copy()
+    law, rows = tuple(laws[i] for i in load), [columns[i] for i in load]
+    lifted = [mechanism.bodies[i] for i in on]
+    sides = [[side for shape in body.displaces or body.shapes for side in _sides(shape)]
+             if its is None else [] for its, body in zip(law, lifted, strict=True)]
     return BodyLoads(
-        name=tuple(f"{mechanism.loads[i].name}.{mechanism.bodies[body].name}"
-                   for i, body in pairs),
-        load=load.copy(), body=on.copy(), at=np.array(at, dtype=float).reshape(-1, 2),
-        **columns_of(BodyLoads, [None] * len(found), [row for _, row, _ in found]),
-        law=tuple(law for law, _, _ in found),
-        lift=np.array([row.get("weight", math.nan) * body.thickness for _, row, body in found],
-                      dtype=float),
+        name=tuple(f"{mechanism.loads[i].name}.{body.name}"
+                   for i, body in zip(load, lifted, strict=True)),
+        load=load, body=on, law=law,
+        at=np.array([row.get("at") or centre for row, centre in zip(
+            rows, bodies.centre[on], strict=True)], dtype=float).reshape(-1, 2),
+        **columns_of(BodyLoads, [None] * len(rows), rows),
+        lift=np.array([row.get("weight", math.nan) * body.thickness
+                       for row, body in zip(rows, lifted, strict=True)], dtype=float),
         sides=np.array([side for each in sides for side in each], dtype=float).reshape(-1, 5),
         first=np.cumsum([0, *map(len, sides)], dtype=np.int64))
 
@@ -116,15 +114,9 @@ def _arc(cx: Array, cd: Array, r: float, start: Array, end: Array) -> tuple[Arra
 def motion_of(
     model: Model, load: int, pose: Array, velocity: Array, acceleration: Array, time: Array,
 ) -> dict[str, Array]:
-    """Inputs of the law of a load by name, [n] each.
+    """Inputs of the law of a load by name, [n] each, for the motion of the centre of mass [3, n].
 
-    Args:
-        model: of the mechanism.
-        load: its number.
-        pose: x, y [m], angle [rad] of the body's centre of mass, [3, n].
-        velocity: its rate, [3, n].
-        acceleration: the rate of that, [3, n].
-        time: [s], [n].
+    ``pose`` is x, y [m], angle [rad].
     """
     loads = model.loads
     body = int(loads.body[load])
@@ -146,10 +138,7 @@ def motion_of(
 def load_at(
     model: Model, load: int, pose: Array, velocity: Array, acceleration: Array, time: Array,
 ) -> Array:
-    """Force in the world [N] and torque about the centre of mass [N m] of a load, [3, n].
-
-    Arguments as of :func:`motion_of`.
-    """
+    """Force in the world [N] and torque about the centre of mass [N m] of a load, [3, n]."""
     loads, law = model.loads, model.loads.law[load]
     body = int(loads.body[load])
     c, s = np.cos(pose[2]), np.sin(pose[2])

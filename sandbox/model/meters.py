@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Hashable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from graphlib import CycleError, TopologicalSorter
 from typing import TypeVar
 
 import numpy as np
 
-from sandbox.elements.quantities import is_live
+from sandbox.elements.quantities import row_of
 from sandbox.errors import Problem
-from sandbox.model.catalogue import PAIR, Catalogue
+from sandbox.model.catalogue import PAIR, Catalogue, pair_parts
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Expect, Meter, ShownMeter, View
@@ -21,6 +21,7 @@ from sandbox.values.units import UNITS, Measured, factor_of
 from sandbox.wording import MAX_HINTED, WrongValueError, is_pattern, listed, quoted
 
 _Node = TypeVar("_Node", bound=Hashable)
+Read = Callable[[str], Array]
 _QUOTIENT = re.compile(r"([A-Za-z_][\w.]*) */ *([A-Za-z_][\w.]*)")
 
 
@@ -33,18 +34,15 @@ def names_read(meter: Meter) -> frozenset[str]:
 
 
 def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
-    """The order in which to evaluate meters, and the cycles among them, as indices.
+    """Indices of the meters after those that they read, and the cycles among them.
 
-    A meter comes after those that it reads. Meters of a cycle, and those that read them, are not in
-    the order. There is one cycle for every set of meters that depend on each other.
+    Meters of a cycle, and those that read them, are not in the order.
     """
-    place: dict[str, int] = {}
-    for index, meter in enumerate(mechanism.meters):
-        place.setdefault(meter.name, index)
+    place = {meter.name: i for i, meter in reversed([*enumerate(mechanism.meters)])}
     reads = {index: sorted(place[name] for name in names_read(meter) & place.keys())
              for index, meter in enumerate(mechanism.meters)}
     sorter, done = TopologicalSorter(reads), list[int]()
-    circles = list(rings(reads, reads.__getitem__))
+    circles = [ring[(at := ring.index(min(ring))):] + ring[:at] for ring in rings(reads)]
     with suppress(CycleError):  # it goes on as far as there is no cycle
         sorter.prepare()
     while ready := sorted(sorter.get_ready()):
@@ -53,49 +51,28 @@ def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
     return done, circles
 
 
-def rings(
-    starts: Iterable[_Node], nexts: Callable[[_Node], Iterable[_Node]],
-) -> Iterator[list[_Node]]:
-    """Cycles of a graph; every node is visited once."""
-    done: set[_Node] = set()
-    for start in starts:
-        chain: dict[_Node, Iterator[_Node]] = {} if start in done else {start: iter(nexts(start))}
-        while chain:
-            node = next(reversed(chain))
-            following = next(chain[node], None)
-            if following is None:
-                done.add(node)
-                del chain[node]
-            elif following in chain:
-                nodes = list(chain)
-                ring = nodes[nodes.index(following):]
-                yield ring
-                done.update(ring)
-                for member in ring:
-                    del chain[member]
-            elif following not in done:
-                chain[following] = iter(nexts(following))
+def rings(nexts: Mapping[_Node, Sequence[_Node]]) -> Iterator[list[_Node]]:
+    """Cycles of a graph, which has the next ones of each node; none has a node of another."""
+    while True:
+        try:
+            return TopologicalSorter(nexts).prepare()
+        except CycleError as error:
+            yield (ring := error.args[1][:0:-1])
+            nexts = {node: [each for each in following if each not in ring]
+                     for node, following in nexts.items() if node not in ring}
 
 
-def evaluate(
-    mechanism: Mechanism, *, read: Callable[[str], Array], time: Array
-) -> tuple[Array, list[str]]:
-    """All meters over a run, shape [n, number of meters], and notes on those without a value.
-
-    ``read`` gives a recorded quantity, shape [n], or raises ``KeyError``.
-    """
+def evaluate(mechanism: Mechanism, *, read: Read, time: Array) -> tuple[Array, list[str]]:
+    """All meters over a run, [n, nm], and notes on those without a value; ``read`` as of a run."""
     result = np.full((len(time), len(mechanism.meters)), np.nan)
     notes: dict[int, str] = {}
-    known: dict[str, Array] = {}
+    known: dict[str, Array] = {"t": time}
     ordered, circles = order(mechanism)
-    tables = mechanism.functions
     for index in ordered:
         meter = mechanism.meters[index]
         try:
-            expression = parse_expression(meter.value)
-            values = {name: known[name] if name in known else time if name == "t" else read(name)
-                      for name in sorted(expression.names)}
-            result[:, index] = expression.evaluate({**tables, **values}, finite=False)
+            result[:, index] = worked_out(
+                meter.value, mechanism, lambda name: known[name] if name in known else read(name))
         except (KeyError, ValueError) as error:
             notes[index] = f"meter {meter.name!r} has no value: {error}"
         column = known[meter.name] = result[:, index]
@@ -124,12 +101,11 @@ def curves(meter: ShownMeter, known: Catalogue) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def worked_out(word: str, mechanism: Mechanism, read: Callable[[str], Array]) -> Array:
+def worked_out(word: str, mechanism: Mechanism, read: Read) -> Array:
     """Values of an expression, nan without one; ``read`` gives quantities and ``t``."""
     expression = parse_expression(word)
     known = {name: read(name) for name in sorted(expression.names)}
-    value = expression.evaluate({**mechanism.functions, **known}, finite=False)
-    return np.asarray(value, dtype=float)
+    return np.asarray(expression.evaluate({**mechanism.functions, **known}, finite=False))
 
 
 def check_shown(mechanism: Mechanism) -> list[Problem]:
@@ -172,9 +148,8 @@ def misread(
     pairs = [pair for pair in sorted({
         f"{one}/{other}" for one, other in _QUOTIENT.findall(text)}) if pair in known]
     for pair in pairs:
-        first, _, rest = pair.partition("/")
-        second, _, quantity = rest.rpartition(".")
-        sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in (first, second))
+        *bodies, quantity = pair_parts(pair)
+        sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in bodies)
         yield Problem("bad-quantity", f"'/' divides in an expression, so that {quoted(pair)} is no "
                       "pair there", path, allowed=f"{sums}, the sums of all that touches one of "
                       f"them; {itself.format(quoted(pair))}")
@@ -185,10 +160,7 @@ def misread(
 
 
 def unknown(known: Catalogue, name: str, path: str, *, live: bool = False) -> Problem:
-    """The problem of an unknown quantity; with ``live`` only those of a run are listed.
-
-    Only the first problems of a catalogue have suggestions.
-    """
+    """The problem of an unknown quantity; with ``live`` only those of a run are listed."""
     what = f"{'no quantity fits' if is_pattern(name) else 'unknown quantity'} {quoted(name)}"
     if lacking := known.lacking(name):
         return Problem("unknown-quantity", f"{what}: {lacking}", path)
@@ -197,7 +169,7 @@ def unknown(known: Catalogue, name: str, path: str, *, live: bool = False) -> Pr
     near, allowed = known.near(name) if few else "", ""
     if live:
         allowed = next((f"of this {element.kind}: " + listed(
-            key for key in element.quantities if is_live(element.kind, key))
+            key for key in element.quantities if row_of(element.kind, key).live)
             for head in (name, name.rpartition(".")[0])
             if (element := known.elements.get(head)) is not None), "")
     elif few:
@@ -244,10 +216,7 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
 def _check_units(
     known: Catalogue, expect: Expect, path: str, units: dict[str, list[str]],
 ) -> Iterator[Problem]:
-    """Numbers of an expectation in a unit of another dimension than its quantities.
-
-    ``units`` caches the units of patterns; of instants it is the second.
-    """
+    """Numbers in a unit of another dimension than the quantities; ``units`` is a cache."""
     name = expect.quantity
     numbers: list[tuple[str, object]] = [
         ("is", expect.value), ("within", expect.within), ("above", expect.above),

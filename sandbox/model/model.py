@@ -14,11 +14,11 @@ from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import numpy as np
 
-from sandbox.elements.drive import DriveKind, Gives
+from sandbox.elements.drives import DriveKind, Gives
 from sandbox.elements.element import NAMED, NO_POINT, RELEASABLE
-from sandbox.elements.joint import JointKind, Keeps
+from sandbox.elements.joints import JointKind, Keeps
 from sandbox.elements.springs import SpringKind
-from sandbox.model.laws import LoadLaw, SpringLaw
+from sandbox.model.programs import LoadLaw, SpringLaw
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.geometry import Vec, to_world
 from sandbox.scene.mechanism import Mechanism
@@ -39,6 +39,7 @@ Number = Annotated[Array, Column(NAN)]  # nan of elements that have none
 OrZero = Annotated[Array, Column(0.0)]
 Flag = Annotated[Flags, Column(False)]
 Point = Annotated[Array, Column(NO_POINT)]
+Points = Annotated[Array, Column((NO_POINT, NO_POINT))]
 
 
 @dataclass(frozen=True)
@@ -83,8 +84,7 @@ class Joints:
     stops: Annotated[Array, Column(NO_POINT, ("limits",))]  # [nj, 2] lowest, highest angle [rad]
     damping: OrZero  # [nj] of the joint itself [N m s/rad]
     start: Array  # [nj] angle of a hinge at t = 0 [rad]
-    # start and end of a straight groove, in the frame of a [m], [nj, 2, 2]
-    groove: Annotated[Array, Column((NO_POINT, NO_POINT))]
+    groove: Points  # [nj, 2, 2] ends of a straight groove, in the frame of a [m]
     path: tuple[Path | None, ...]  # [nj] of a curved slot, in the frame of a
     reach: Point  # [nj, 2] minimum and maximum distance [m]; equal of a rod
     radii: Point  # [nj, 2] of the wheels of a and b [m]
@@ -94,16 +94,13 @@ class Joints:
     stiffness: Number  # [nj] of its teeth [N/m]
     along: Point  # [nj, 2] pitch line of a rack in the frame of b, unit, the gear on its left
     friction: OrZero  # [nj] constant dry friction [N m of a pin, N of a slot]
-    coefficient: OrZero  # [nj] dry friction per reaction [m of a pin, 1 of a slot]
+    # [nj] dry friction per reaction [m of a pin, 1 of a slot]
+    coefficient: Annotated[Array, Column(0.0, ("coefficient", "friction_coefficient"))]
     static: Annotated[Array, Column(1.0)]  # [nj] static over sliding friction
     collide: Flag  # [nj] whether the two bodies may touch
-    # numbers of those with an angle; of hinges about one point of both bodies; of slots; of those
-    # with stops; of those with dry friction
-    hinges: Integers
-    pivots: Integers
-    grooved: Integers
-    stopped: Integers
-    frictional: Integers
+    hinges: Integers  # numbers of those with an angle
+    stopped: Integers  # of those with stops
+    frictional: Integers  # of those with dry friction
     unknowns: Integers  # [nj] number of unknown components of force and couple
 
     def keeping(self, *what: Keeps) -> Integers:
@@ -253,14 +250,12 @@ class Drives:
     def late(self) -> Array:
         """Delay of the value that counts after a step's pose, in steps, [nd].
 
-        A motor with a set speed uses the value at the end of the step, a motor with a torque-speed
-        line that at its pose; a rigid position drive uses the position in the next step.
+        Set speeds count at the end of a step, rigid positions in the next one, others at its pose.
         """
-        return np.array([
-            0.5 if kind.timely == "end" and np.isnan(slope)
-            else 1.0 if kind.places and np.isnan(stiffness) else 0.0
-            for kind, stiffness, slope in zip(self.kind, self.stiffness, self.slope, strict=True)
-        ], dtype=float)
+        ends = np.array([kind.timely == "end" for kind in self.kind], dtype=bool)
+        places = np.array([kind.places for kind in self.kind], dtype=bool)
+        return np.where(ends & np.isnan(self.slope), 0.5,
+                        np.where(places & np.isnan(self.stiffness), 1.0, 0.0))
 
     def giving(self, *what: Gives) -> Integers:
         """Numbers of the drives that give a ``force``, a ``torque``, a ``tension``, ..."""
@@ -295,6 +290,15 @@ class Bonds:
     def begins(self, number: int) -> bool:
         """Whether the element with this number, or -1, is engaged at t = 0."""
         return bool(number < 0 or self.held[number])
+
+
+def held_of(bonds: int | Integers, held: Array | Integers) -> Flags:
+    """Whether elements, by their numbers in Bonds or -1, are engaged in samples, [..., n].
+
+    ``held`` is as recorded, [n, nr]; an element that was not recorded is engaged.
+    """
+    found: Flags = np.vstack([held.T != 0.0, np.ones(len(held), dtype=bool)])[bonds]
+    return found
 
 
 @dataclass(frozen=True)
@@ -349,16 +353,8 @@ def _columns(part: type) -> dict[str, Column]:
             for mark in getattr(hints[name], "__metadata__", ())}
 
 
-def columns_of(
-    part: type, elements: Sequence[Any], rows: Sequence[Mapping[str, Any]] = (),
-) -> dict[str, Any]:
-    """The columns of a part of the model that are marked by :class:`Column`.
-
-    Args:
-        part: its class.
-        elements: a row each.
-        rows: by element, what takes the place of its attributes.
-    """
+def columns_of(part: type, elements: Sequence[Any], rows: Sequence[Any] = ()) -> dict[str, Any]:
+    """The columns of a part that are marked by :class:`Column`; ``rows`` replace attributes."""
     columns = {}
     for name, (default, attributes) in _columns(part).items():
         found = [row[name] if name in row else next(

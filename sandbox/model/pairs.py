@@ -92,10 +92,8 @@ def _of_pair(mechanism: Mechanism, one: int, two: int, field: str) -> float:
     names = bodies[one].name, bodies[two].name
     for rule in reversed(mechanism.contacts):
         value: float | None = getattr(rule, field, None)
-        if value is not None and any(
-            fnmatchcase(p, rule.between[0]) and fnmatchcase(q, rule.between[1])
-            for p, q in (names, names[::-1])
-        ):
+        if value is not None and any(all(map(fnmatchcase, pair, rule.between))
+                                     for pair in (names, names[::-1])):
             return value
     a, b = (getattr(mechanism.materials.get(bodies[i].material or "", Material()), field)
             for i in (one, two))
@@ -105,8 +103,7 @@ def _of_pair(mechanism: Mechanism, one: int, two: int, field: str) -> float:
 def pair_skins(mechanism: Mechanism) -> Array:
     """Stiffness [N/m] and damping [N s/m] of the soft contacts of all pairs, [2, nb, nb].
 
-    0 where both surfaces are rigid; [2, 0, 0] if all are. Two skins are in series: their springs
-    have one force, and each damper has the share of the rate that its spring has of the depth.
+    0 of two rigid surfaces; [2, 0, 0] if all are. Two skins are in series, with one force.
     """
     skins = [mechanism.materials.get(body.material or "", Material()).skin
              for body in mechanism.bodies]

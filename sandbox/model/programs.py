@@ -1,20 +1,24 @@
 """Expressions as programs of a stack machine, which the compiled step runs (engine/formulas.py).
 
-A program is a list of steps, each an operation and a number that goes with it. What an expression
-computes with Python's and numpy's functions its program computes too, in the same order.
+A program computes the same as the expression in the same order. Laws of springs and loads are
+expressions of a stretch or of a body's motion.
 """
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.elements.loads import MOTION, LoadSpec
+from sandbox.elements.springs import Spring
 from sandbox.numeric import Array, Integers, Records
-from sandbox.values.expressions import CONSTANTS, MAX_EXPONENT, Expression, dotted, unknown_name
-from sandbox.values.tables import Function
+from sandbox.values import expressions as ex
+from sandbox.values.tables import Function, Tables
+from sandbox.wording import WrongValueError
 
 # operations; NAME and TABLE have the index of a name or table; NEXT_LT and so on are the second
 # comparisons of a chain (a < b < c), in the order of the first
@@ -22,20 +26,17 @@ from sandbox.values.tables import Function
  GE, EQ, NE, NEXT_LT, NEXT_LE, NEXT_GT, NEXT_GE, NEXT_EQ, NEXT_NE, SIN, COS, TAN, ASIN, ACOS, ATAN,
  ATAN2, SQRT, EXP, LOG, TANH, ABS, HYPOT, SIGN, FLOOR, CEIL, MIN, MAX) = range(45)
 
-_BINARY: dict[type[ast.operator], int] = {
-    ast.Add: ADD, ast.Sub: SUB, ast.Mult: MUL, ast.Div: DIV, ast.Mod: MOD, ast.Pow: POW}
-_COMPARE: dict[type[ast.cmpop], int] = {ast.Lt: LT, ast.LtE: LE, ast.Gt: GT, ast.GtE: GE,
-                                       ast.Eq: EQ, ast.NotEq: NE}
+_CODES: dict[type[ast.AST], int] = {
+    ast.Add: ADD, ast.Sub: SUB, ast.Mult: MUL, ast.Div: DIV, ast.Mod: MOD, ast.Pow: POW,
+    ast.USub: NEG, ast.Not: NOT, ast.And: AND, ast.Or: OR, ast.IfExp: SELECT, ast.Lt: LT,
+    ast.LtE: LE, ast.Gt: GT, ast.GtE: GE, ast.Eq: EQ, ast.NotEq: NE}
 _FUNCTIONS: dict[str, int] = {
     "sin": SIN, "cos": COS, "tan": TAN, "asin": ASIN, "acos": ACOS, "atan": ATAN, "atan2": ATAN2,
     "sqrt": SQRT, "exp": EXP, "log": LOG, "tanh": TANH, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
     "floor": FLOOR, "ceil": CEIL, "min": MIN, "max": MAX}
 
-LARGEST_EXPONENT = MAX_EXPONENT  # of expressions, for compiled code
-STEP = np.dtype([
-    ("op", np.int64),
-    ("value", float),
-])
+LARGEST_EXPONENT = ex.MAX_EXPONENT  # of expressions, for compiled code
+STEP = np.dtype([("op", np.int64), ("value", float)])
 CURVE = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its knots
     ("repeats", np.int64),  # whether it starts again after the last
@@ -56,17 +57,13 @@ class Program(NamedTuple):
 
 
 def compile_expression(
-    expression: Expression, names: Sequence[str], tables: Sequence[str],
+    expression: ex.Expression, names: Sequence[str], tables: Sequence[str],
 ) -> Program:
-    """The program of an expression that reads ``names`` and calls ``tables``.
-
-    Raises:
-        WrongValueError: it reads or calls something else.
-    """
+    """The program of an expression; WrongValueError if it has other ``names`` or ``tables``."""
     expression.check_tables({f"{name}()": None for name in tables})
     for name in sorted(expression.names):
         if name not in names:
-            raise unknown_name(name, dict.fromkeys(names))
+            raise ex.unknown_name(name, dict.fromkeys(names))
     where = {name: i for i, name in enumerate(names)}, {name: i for i, name in enumerate(tables)}
     steps = tuple(_steps(expression.tree, *where))
     waiting = depth = 0
@@ -82,54 +79,32 @@ _GROWS = {NUMBER: 1, NAME: 1, SELECT: -2, DROP: -1} | dict.fromkeys(
 """By how much an operation makes the stack higher; the others leave it."""
 
 
-def _steps(
-    node: ast.expr, names: Mapping[str, int], tables: Mapping[str, int],
-) -> Iterator[Step]:
-    def of(*parts: ast.expr) -> Iterator[Step]:
-        for part in parts:
-            yield from _steps(part, names, tables)
-
-    name = dotted(node)
-    if name is not None:
-        yield (NAME, names[name]) if name in names else (NUMBER, CONSTANTS[name])
-    elif isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
-        yield NUMBER, float(node.value)
-    elif isinstance(node, ast.BinOp):
-        yield from of(node.left, node.right)
-        yield _BINARY[type(node.op)], 0.0
-    elif isinstance(node, ast.UnaryOp):
-        yield from of(node.operand)
-        if isinstance(node.op, (ast.USub, ast.Not)):
-            yield (NEG if isinstance(node.op, ast.USub) else NOT), 0.0
-    elif isinstance(node, ast.IfExp):
-        yield from of(node.test, node.body, node.orelse)
-        yield SELECT, 0.0
-    elif isinstance(node, ast.BoolOp):
-        yield from of(node.values[0])
-        for part in node.values[1:]:
-            yield from of(part)
-            yield (AND if isinstance(node.op, ast.And) else OR), 0.0
+def _steps(node: ast.expr, names: Mapping[str, int], tables: Mapping[str, int]) -> Iterator[Step]:
+    if (name := ex.dotted(node)) is not None:
+        yield (NAME, names[name]) if name in names else (NUMBER, ex.CONSTANTS[name])
+        return
+    if isinstance(node, ast.Constant):
+        yield NUMBER, float(node.value)  # type: ignore[arg-type]
+        return
+    operands, operators = ex.split(node) or ((), ())
+    codes = [_CODES.get(type(operator), 0) for operator in operators]
+    last = 0.0
+    if isinstance(node, ast.Call):
+        called = node.func.id  # type: ignore[attr-defined]
+        codes, last = [_FUNCTIONS.get(called, TABLE)], tables.get(called, 0.0)
+        if called == "clip":
+            codes = [MAX, MIN]
     elif isinstance(node, ast.Compare):
-        yield from of(node.left)
-        for i, (op, right) in enumerate(zip(node.ops, node.comparators, strict=True)):
-            yield from of(right)
-            yield _COMPARE[type(op)] + (NEXT_LT - LT if i else 0), 0.0
+        codes = [code + (NEXT_LT - LT if i else 0) for i, code in enumerate(codes)]
+    between = codes * (len(operands) - 1) if len(codes) == 1 else codes
+    for i, operand in enumerate(operands):
+        yield from _steps(operand, names, tables)
+        if i and not isinstance(node, ast.IfExp):
+            yield between[i - 1], 0.0
+    if isinstance(node, ast.Compare):
         yield DROP, 0.0
-    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-        first, *others = node.args
-        yield from of(first)
-        if node.func.id == "clip":
-            low, high = others
-            yield from (*of(low), (MAX, 0.0), *of(high), (MIN, 0.0))
-        elif node.func.id not in _FUNCTIONS:
-            yield TABLE, tables[node.func.id]
-        elif not others:
-            yield _FUNCTIONS[node.func.id], 0.0
-        else:
-            for part in others:
-                yield from (*of(part), (_FUNCTIONS[node.func.id], 0.0))
-    else:
-        raise TypeError(f"{type(node).__name__} has no place in a checked expression")
+    elif (len(operands) == 1 and codes[0]) or isinstance(node, ast.IfExp):
+        yield codes[0], last
 
 
 def curve_tables(functions: Sequence[Function]) -> tuple[Records, Records]:
@@ -159,3 +134,101 @@ def step_table(programs: Sequence[Program]) -> tuple[Records, Integers]:
 def stack_for(programs: Sequence[Program], slopes: int) -> Array:
     """Room for the numbers of any of these, each with so many slopes."""
     return np.zeros((max((each.depth for each in programs), default=0) + 1, 1 + slopes))
+
+
+STRETCH, RATE, STIFFNESS = 0, 1, 2  # inputs of a law's program
+FULL = ("pull", "above")
+
+
+@dataclass(frozen=True)
+class SpringLaw:
+    """The law of one spring."""
+
+    own: ex.Expression | None  # of stretch and rate; None for k s
+    names: tuple[str, ...]  # of stretch and rate in it
+    damping: float  # [N s/m, N m s/rad]
+    side: int  # +1 if it acts only while stretched, -1 only while compressed; 0 always
+    program: Program
+    tables: Tables
+
+    @property
+    def of_rate(self) -> bool:
+        """Whether it depends on the rate."""
+        return self.damping > 0 or (self.own is not None and self.names[RATE] in self.own.names)
+
+    def force(self, stretch: Array, rate: Array, stiffness: Array | float = 0.0) -> Array:
+        """The force [N, N m] at stretches and rates [n]; nan where it has no value."""
+        found = stiffness * stretch
+        if self.own is not None:
+            read = {self.names[STRETCH]: stretch, self.names[RATE]: rate, **self.tables}
+            try:
+                found = np.broadcast_to(self.own.evaluate(read, finite=False), np.shape(stretch))
+            except WrongValueError:  # an exponent that is too large at one of them
+                found = np.full(np.shape(stretch), np.nan)
+        found = found + self.damping * rate
+        if self.side:
+            some = self.side * stretch > 0
+            found = np.where(some, self.side * np.maximum(self.side * found, 0.0), 0.0)
+        return np.asarray(found, dtype=float)
+
+    def slopes(self, stretch: Array, stiffness: float = 0.0) -> Array:
+        """dF/ds at rest between neighbours of rising stretches, [n - 1]."""
+        with np.errstate(all="ignore"):
+            found: Array = np.diff(self.force(stretch, np.zeros(len(stretch)), stiffness))
+            return found / np.diff(stretch)
+
+
+def law_of(spring: Spring, order: Sequence[str], tables: Tables) -> SpringLaw | None:
+    """The law of a spring, None of a linear one; programs number tables in their ``order``."""
+    text, names, damping = spring.law, spring.OWN, float(spring.damping)
+    if text is None and spring.only is None:
+        return None
+    own = None if text is None else ex.parse_expression(text)
+    side = 0 if spring.only is None else 1 if spring.only in FULL else -1
+    steps, depth = compile_expression(own, names, order) if own is not None else (
+        ((NAME, STIFFNESS), (NAME, STRETCH), (MUL, 0)), 2)
+    if damping:
+        steps += ((NUMBER, damping), (NAME, RATE), (MUL, 0), (ADD, 0))
+    if side:
+        compare, bound = (GT, MAX) if side > 0 else (LT, MIN)
+        zero = NUMBER, 0.0
+        steps = ((NAME, STRETCH), zero, (compare, 0), (DROP, 0), *steps,
+                 zero, (bound, 0), zero, (SELECT, 0))
+    return SpringLaw(own, names, damping, side, Program(steps, depth + 3), tables)
+
+
+MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}  # these change in a step, besides the time
+
+
+@dataclass(frozen=True)
+class LoadLaw:
+    """The law of one load: components of its force, and its torque; None for 0."""
+
+    parts: tuple[ex.Expression | None, ...]  # [3]
+    programs: tuple[Program | None, ...]  # [3]
+    tables: Tables
+
+    @property
+    def names(self) -> frozenset[str]:
+        """What it reads."""
+        return frozenset[str]().union(*(part.names for part in self.parts if part is not None))
+
+    def at(self, motion: Mapping[str, Array]) -> Array:
+        """Its three numbers [3, n] for a motion [n] under each of its names; nan for no value."""
+        found = np.zeros((3, *np.shape(motion["x"])))
+        for row, part in zip(found, self.parts, strict=True):
+            if part is not None:
+                try:
+                    row[...] = part.evaluate({**motion, **self.tables}, finite=False)
+                except WrongValueError:  # an exponent that is too large at one of them
+                    row[...] = np.nan
+        return found
+
+
+def law_of_load(load: LoadSpec, order: Sequence[str], tables: Tables) -> LoadLaw | None:
+    """The law of a load, None of one without; programs number tables in their ``order``."""
+    if (texts := load.laws()) is None:
+        return None
+    parts = tuple(None if text is None else ex.parse_expression(text) for text in texts)
+    return LoadLaw(parts, tuple(None if part is None else compile_expression(part, MOTION, order)
+                                for part in parts), tables)

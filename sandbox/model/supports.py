@@ -1,9 +1,8 @@
 """Redundant joints, whose loads statics does not determine: more rows than degrees of freedom.
 
-A joint constrains rows J of the velocities of its bodies, and its forces are the multipliers of
-these rows. Where rows depend on one another, J^T p = 0 has nonzero solutions, and the reactions of
-each joint with a part in one of them are not unique. The engine finds the minimum sum of squares,
-weighted by the masses.
+The forces of joints are the multipliers of their rows J of the velocities of bodies. Where rows
+depend on one another, J^T p = 0 has nonzero solutions, and the reactions of each joint with a part
+in one of them are not unique; the engine finds the minimum sum of squares, weighted by the masses.
 """
 
 from __future__ import annotations
@@ -16,6 +15,7 @@ import numpy as np
 from sandbox.model.joints import flank_of, meeting, outward, place_in_slot, rotated
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, connected_components
+from sandbox.scene.geometry import Vec
 
 LARGEST_GROUP = 300  # largest number of connected rows that are examined
 RANK = 1e-9  # singular values below this share of the largest count as none
@@ -32,10 +32,7 @@ class Shared(NamedTuple):
 
 
 def shared_joints(model: Model, pose: Array) -> Shared:
-    """Joints whose reactions statics does not determine in a pose of the frames [nb, 3].
-
-    Unilateral ones, ropes and the ends of grooves, are left out.
-    """
+    """Joints, ropes left out, whose reactions statics does not determine in a pose [nb, 3]."""
     found: set[int] = set()
     examined = False
     for joints in together(model):
@@ -51,10 +48,7 @@ def shared_joints(model: Model, pose: Array) -> Shared:
 
 
 def parting_wheels(model: Model, pose: Array) -> set[int]:
-    """Gears and racks whose distance no joint keeps, in a pose of the bodies' frames [nb, 3].
-
-    The distance is kept if joints, with teeth, allow no motion of the bodies that changes it.
-    """
+    """Gears and racks whose distance joints, with teeth, let change in a pose [nb, 3]."""
     found: set[int] = set()
     for joints in together(model):
         toothed = [j for j in joints if model.joints.kind[j].teeth]
@@ -77,9 +71,7 @@ def parting_wheels(model: Model, pose: Array) -> set[int]:
     return found
 
 
-def _row(
-    a: int, b: int, x: float, y: float, on_a: tuple[float, float], on_b: tuple[float, float],
-) -> Parts:
+def _row(a: int, b: int, x: float, y: float, on_a: Vec, on_b: Vec) -> Parts:
     """The row of a direction x, y at points of two bodies relative to their frames."""
     (ax, ay), (bx, by) = on_a, on_b
     return [(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
@@ -130,14 +122,10 @@ def together(model: Model) -> list[list[int]]:
     return list(found.values())
 
 
-def joint_rows(
-    model: Model, pose: Array, joint: int, *, flank: int = 0,
-) -> list[Parts]:
-    """Rows of a joint: its two bodies with the coefficients of x, y and angle of each.
+def joint_rows(model: Model, pose: Array, joint: int, *, flank: int = 0) -> list[Parts]:
+    """Rows of a joint: its two bodies with coefficients about their frames' origins.
 
-    Coefficients of angles refer to the frames' origins. As loads they are a unit force on the
-    bodies and its moments [m]. Teeth are elastic: they have a row only for a given ``flank``, +1
-    or -1.
+    Teeth are elastic: they have a row only for a given ``flank``, +1 or -1.
     """
     joints = model.joints
     a, b = joints.bodies[joint].tolist()
@@ -145,7 +133,7 @@ def joint_rows(
     (ax, ay), (bx, by) = (_arm(pose[body], joints.anchor[joint, side])
                           for side, body in enumerate((a, b)))
     px, py = pose[b, 0] + bx - pose[a, 0] - ax, pose[b, 1] + by - pose[a, 1] - ay
-    along: list[tuple[float, float]] = []
+    along: list[Vec] = []
     if kind.keeps == "point":
         along = [(1.0, 0.0), (0.0, 1.0)]
     elif kind.keeps == "groove":
@@ -172,10 +160,9 @@ def joint_rows(
 def about_centre(model: Model, pose: Array, body: int, wrench: Array) -> Array:
     """A force x, y and a moment about a body's frame, [3], with the moment about its centre."""
     x, y = _arm(pose[body], model.bodies.centre[body])
-    moved: Array = wrench - np.array([0.0, 0.0, x * wrench[1] - y * wrench[0]])
-    return moved
+    return np.subtract(wrench, [0.0, 0.0, x * wrench[1] - y * wrench[0]])
 
 
-def _arm(pose: Array, point: Array) -> tuple[float, float]:
+def _arm(pose: Array, point: Array) -> Vec:
     x, y = rotated(point, pose[2]).tolist()
     return x, y

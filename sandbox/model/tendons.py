@@ -43,8 +43,7 @@ def spans_of(tendons: Tendons, tendon: int) -> list[CableSpan]:
 def lifted_at_start(model: Model) -> Flags:
     """Of every guide whether its tendon is off it at t = 0, [ng].
 
-    By default the tendon is off a wheel that stands clear of the straight path, with its centre on
-    its side: to lie on it, it would have to go round it and cross itself. A loop is on its wheels.
+    By default it is off a wheel that is clear of the straight path, a loop is on its wheels.
     """
     tendons = model.tendons
     off = np.zeros(len(tendons.guide_body), dtype=bool)
@@ -70,10 +69,7 @@ def lifted_at_start(model: Model) -> Flags:
 
 
 def passes_by(centres: list[Vec], radii: Sequence[float]) -> float:
-    """Gap between a tendon of two wheels and a third one between them [m], < 0 where it bends.
-
-    ``radii`` are positive right of the path, 0 of points.
-    """
+    """Gap of a tendon of two wheels and one between them [m], < 0 where it bends; signed radii."""
     (ax, ay), (cx, cy), (bx, by) = centres
     dx, dy, offset = bx - ax, by - ay, radii[0] - radii[2]
     square = dx * dx + dy * dy

@@ -151,7 +151,7 @@ class RecordingBuilder:
         self.statics: Arrays = {key: np.array(statics[key], dtype=float) for key in STATIC}
         fits = samples * row_bytes(mechanism, PER_SAMPLE) <= MEMORY
         self._room = Room(MEMORY if fits else 0)
-        size = sizes(mechanism, samples=0)
+        size = sizes(mechanism, n=0)
         self.samples = Rows(self._room, size, [key for key in PER_SAMPLE if key != TIME],
                             planned=samples)
         if not fits:
@@ -168,7 +168,7 @@ class RecordingBuilder:
 
     def blank(self, samples: int) -> Arrays:
         """Every array that :meth:`put` takes, for so many samples, filled with nan."""
-        size = sizes(self.mechanism, samples=samples)
+        size = sizes(self.mechanism, n=samples)
         return {key: np.full(shape_of(key, size), np.nan) for key in PER_SAMPLE if key != TIME}
 
     def put(self, first: int, arrays: Mapping[str, NDArray[Any]]) -> None:

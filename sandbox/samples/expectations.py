@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sandbox.elements.quantities import GRASP, NOT_HELD, is_count, is_yes_no
+from sandbox.elements.quantities import GRASP, NOT_HELD, row_of
 from sandbox.model.catalogue import Source, UnknownQuantityError
 from sandbox.numeric import Array
 from sandbox.samples.grasps import STIFFNESS
@@ -85,8 +85,8 @@ def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
             # the default range has no width for 1 or 0, and for counts if it holds no other
             alone = found.high - found.low < 1 and expect.statistic in WHOLE and (
                 float(expect.value).is_integer())
-            if is_yes_no(source.kind, source.quantity) or (
-                    alone and is_count(source.kind, source.quantity)):
+            row = row_of(source.kind, source.quantity)
+            if row.yes_no or (alone and row.count):
                 found = replace(found, low=expect.value, high=expect.value)
         if not fault:
             value, reason = measured(run, name, expect, chosen)

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from sandbox.model.bonds import held_of
 from sandbox.model.joints import meeting
-from sandbox.model.model import NONE
+from sandbox.model.model import NONE, held_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import Frames, Places, piece_tensions
 

@@ -18,9 +18,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from sandbox.elements.arrays import CONTACT, LAYOUT, PER_SAMPLE
-from sandbox.model.bonds import held_of
 from sandbox.model.joints import rotated
-from sandbox.model.model import NONE, Model
+from sandbox.model.model import NONE, Model, held_of
 from sandbox.model.pairs import friction_of, pair_skins
 from sandbox.model.supports import components
 from sandbox.numeric import Array, Integers

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
 
+from sandbox.elements.drives import ForceDrive
 from sandbox.elements.element import NAMED
-from sandbox.elements.element_drives import ForceDrive
 from sandbox.elements.registry import Drive
 from sandbox.scene.check.control import check_control
 from sandbox.scene.mechanism import Mechanism

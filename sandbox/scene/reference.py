@@ -28,9 +28,8 @@ from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.parts import expansion, finger, section, trees
 from sandbox.scene.read.scopes import IDENTIFIER, Repeat
 from sandbox.values import appearance, numbers, signals, tables
-from sandbox.values.marks import mark_of
-from sandbox.values.spec import Spec
-from sandbox.values.units import units_of
+from sandbox.values.spec import Spec, mark_of
+from sandbox.values.units import si_unit, units_of
 
 VALUES = "Values over time"  # topic of the models of numbers and values over time
 ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
@@ -216,7 +215,7 @@ class QuantityRow(NamedTuple):
 def quantity_rows() -> Iterator[QuantityRow]:
     """Every quantity that a run can record; a unit that depends on the kind names the kinds."""
     by_unit: dict[str, list[str]] = {}
-    of_springs = " or ".join(each.unit for each in kinds_of("spring").values())
+    of_springs = " or ".join(si_unit(each.dimension) for each in kinds_of("spring").values())
     for tag, each in kinds_of("drive").items():
         by_unit.setdefault(each.unit or of_springs, []).append(tag)
     of_drives = "; ".join(f"{unit} ({', '.join(tags)})" for unit, tags in by_unit.items())

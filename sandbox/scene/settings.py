@@ -20,9 +20,8 @@ from sandbox.elements.element import BODY, BodyName
 from sandbox.scene.bodies import STATIC_OF_NOTHING
 from sandbox.scene.layers import ShownLayers
 from sandbox.values import numbers as of
-from sandbox.values.marks import TextFor
 from sandbox.values.numbers import Instant, Items, Name, Pair, Quantity, number_from
-from sandbox.values.spec import Spec
+from sandbox.values.spec import Spec, text_for
 from sandbox.wording import WrongValueError
 
 RETIRED = ("iterations", "slop")  # settings of Run in older scenes and recordings; they are ignored
@@ -104,7 +103,7 @@ class Meter(Spec):
 
 def _bound_text(text: str, info: ValidationInfo) -> str:
     """An expression with the scene's parameters replaced by their values."""
-    return f"={of.checked_expression(text, info).bind(of.parameters_of(info)).text}"
+    return f"={of.bound_expression(text, info).text}"
 
 
 def _window(value: object, info: ValidationInfo) -> object:
@@ -382,7 +381,8 @@ class View(Spec):
     """Time of the run at which the film begins [s]."""
     traces: Items[Trace] = Field(default=(), max_length=64)
     """Points whose paths are drawn, such as that of a coupler's point or of a projectile."""
-    meters: Items[Annotated[ShownMeter, TextFor("of")]] = Field(default=(), max_length=12)
+    meters: Items[Annotated[ShownMeter, text_for(ShownMeter, "of")]] = Field(
+        default=(), max_length=12)
     """Meters beside or below the motion: quantities, patterns, expressions, or objects."""
     show: ShownLayers = Field(default={})
     """Layers in addition to the default ones; a minus removes one, as in ``"-contacts"``, and

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, ValidationInfo, WithJsonSchema
 
 from sandbox.values.numbers import Items, number_from, parameters_of
-from sandbox.wording import WrongValueError, kind_of, near, number_text, quoted
+from sandbox.wording import WrongValueError, kind_of, near, quoted, refuse_if
 
 ALL: Literal["all"] = "all"
 HIGHEST = 1000  # maximum magnitude of a plane's number
@@ -27,9 +27,8 @@ def _read(value: Any, info: ValidationInfo) -> tuple[int, ...] | Literal["all"]:
     if value == ALL:
         return ALL
     numbers = tuple(value) if isinstance(value, (list, tuple)) else (value,)
-    if not 0 < len(numbers) <= MAX_PLANES:
-        raise WrongValueError("wrong-type",
-                              f"expected 1 to {MAX_PLANES} planes, got {len(numbers)}")
+    refuse_if(not 0 < len(numbers) <= MAX_PLANES,
+              f"expected 1 to {MAX_PLANES} planes, got {len(numbers)}", "wrong-type")
     return tuple(_plane(number, info) for number in numbers)
 
 
@@ -37,18 +36,12 @@ def _plane(written: Any, info: ValidationInfo) -> int:
     number = written
     if isinstance(written, str) and written.lstrip().startswith("="):
         computed = number_from(written, None, parameters_of(info))
-        if not computed.is_integer():
-            raise WrongValueError("not-allowed", f"{quoted(written)} is {number_text(computed)}, "
-                                  "which is not a plane", allowed=WORDS)
-        number = int(computed)
-    if isinstance(number, bool) or not isinstance(number, int):
+        number = int(computed) if computed.is_integer() else computed
+    if isinstance(number, bool) or not isinstance(number, int) or abs(number) > HIGHEST:
         named = number if isinstance(number, str) else ""
         raise WrongValueError("not-allowed", f"{quoted(named) if named else kind_of(number)} is "
-                              "not a plane", allowed=WORDS, hint=near(named, [ALL]))
-    if abs(number) > HIGHEST:
-        shown = number if abs(number) < 1e9 else "so large a number"
-        raise WrongValueError("not-allowed", f"{shown} is not a plane",
-                              allowed=f"whole numbers from {-HIGHEST} to {HIGHEST}")
+                              f"not a plane from {-HIGHEST} to {HIGHEST}", allowed=WORDS,
+                              hint=near(named, [ALL]))
     return number
 
 

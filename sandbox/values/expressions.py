@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.values.units import parse_quantity
-from sandbox.wording import NearMisses, WrongValueError, listed, near, quoted
+from sandbox.wording import NearMisses, WrongValueError, listed, near, quoted, refuse_if
 
 MAX_LENGTH = 1000
 MAX_DEPTH = 60
@@ -69,8 +69,8 @@ RESERVED = frozenset({*CONSTANTS, *FUNCTIONS, *KEYWORDS, *keyword.kwlist, "t"})
 
 
 def _power(base: Any, exponent: Any) -> Any:
-    if np.any(np.abs(exponent) > MAX_EXPONENT):
-        raise WrongValueError("limit-exceeded", f"an exponent is at most {MAX_EXPONENT:g}")
+    refuse_if(np.any(np.abs(exponent) > MAX_EXPONENT), f"an exponent is at most {MAX_EXPONENT:g}",
+              "limit-exceeded")
     return np.power(base, exponent)
 
 
@@ -83,30 +83,26 @@ def _one_or_zero(true: Any) -> Any:
     return np.asarray(true, dtype=float)
 
 
-Operators = Mapping[type[ast.AST], Callable[..., Any]]
-"""A function for each operator; those of ``and``, ``or`` and ``if`` take functions as operands."""
-_ARRAYS: Operators = {
-    ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide,
-    ast.Mod: np.mod, ast.Pow: _power, ast.USub: np.negative, ast.UAdd: lambda x: x,
-    ast.Not: lambda x: _one_or_zero(np.logical_not(x)),
-    ast.Lt: np.less, ast.LtE: np.less_equal, ast.Gt: np.greater, ast.GtE: np.greater_equal,
-    ast.Eq: np.equal, ast.NotEq: np.not_equal,
-    ast.Compare: lambda found: _one_or_zero(reduce(np.logical_and, found)),
-    ast.And: lambda *parts: _one_or_zero(reduce(np.logical_and, [part() for part in parts])),
-    ast.Or: lambda *parts: _one_or_zero(reduce(np.logical_or, [part() for part in parts])),
-    ast.IfExp: lambda test, body, other: np.where(test(), body(), other()),
+# Of arrays and of floats; those of "and", "or" and "if" take functions as operands.
+_OPERATORS: dict[type[ast.AST], tuple[Callable[..., Any], Callable[..., Any]]] = {
+    ast.Add: (np.add, operator.add), ast.Sub: (np.subtract, operator.sub),
+    ast.Mult: (np.multiply, operator.mul), ast.Div: (np.divide, operator.truediv),
+    ast.Mod: (np.mod, operator.mod), ast.Pow: (_power, _float_power),
+    ast.USub: (np.negative, operator.neg), ast.UAdd: (lambda x: x, lambda x: x),
+    ast.Not: (lambda x: _one_or_zero(np.logical_not(x)), lambda x: float(not x)),
+    ast.Lt: (np.less, operator.lt), ast.LtE: (np.less_equal, operator.le),
+    ast.Gt: (np.greater, operator.gt), ast.GtE: (np.greater_equal, operator.ge),
+    ast.Eq: (np.equal, operator.eq), ast.NotEq: (np.not_equal, operator.ne),
+    ast.Compare: (lambda found: _one_or_zero(reduce(np.logical_and, found)),
+                  lambda found: float(all(found))),
+    ast.And: (lambda *parts: _one_or_zero(reduce(np.logical_and, [part() for part in parts])),
+              lambda *parts: float(all(part() for part in parts))),
+    ast.Or: (lambda *parts: _one_or_zero(reduce(np.logical_or, [part() for part in parts])),
+             lambda *parts: float(any(part() for part in parts))),
+    ast.IfExp: (lambda test, body, other: np.where(test(), body(), other()),
+                lambda test, body, other: body() if test() else other()),
 }
-_FLOATS: Operators = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
-    ast.Div: operator.truediv, ast.Mod: operator.mod, ast.Pow: _float_power,
-    ast.USub: operator.neg, ast.UAdd: lambda x: x, ast.Not: lambda x: float(not x),
-    ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge,
-    ast.Eq: operator.eq, ast.NotEq: operator.ne,
-    ast.Compare: lambda found: float(all(found)),
-    ast.And: lambda *parts: float(all(part() for part in parts)),
-    ast.Or: lambda *parts: float(any(part() for part in parts)),
-    ast.IfExp: lambda test, body, other: body() if test() else other(),
-}
+_NAME = re.compile(r"(?<![\w.])(?<!\. )([A-Za-z_]\w*)(?![\w.])(?! *\.)( *\()?")  # or a function
 _STRANGE = re.compile(r"[^A-Za-z0-9_.+\-*/%()<>=!, \t]")
 _UNIT_INSIDE = re.compile(
     rf"(?<![\w.])[0-9.]+(?:[eE][+-]?[0-9]+)? *(?!(?:{'|'.join(sorted(KEYWORDS))})\b)([A-Za-z]\w*)")
@@ -134,23 +130,28 @@ class Expression:
         try:
             with np.errstate(all="ignore"):
                 self.check_tables(values)
-                computed = _compiled(self.tree, _ARRAYS, read, values)
+                computed = _compiled(self.tree, 0, read, values)
                 result = np.asarray(computed(), dtype=float)
         except WrongValueError:
             raise
         except (TypeError, ValueError, OverflowError) as error:
             raise WrongValueError("bad-expression", f"{self} cannot be computed: {error}") from None
-        if finite and not np.all(np.isfinite(result)):
-            raise WrongValueError("bad-expression", f"{self} has no finite value (a division by "
-                                  "zero, or out of range)")
+        refuse_if(finite and not np.all(np.isfinite(result)), f"{self} has no finite value (a "
+                  "division by zero, or out of range)", "bad-expression")
         return float(result) if result.ndim == 0 else result
 
     def bind(
         self, values: Mapping[str, float], tables: Mapping[str, str] | None = None,
     ) -> Expression:
         """The same expression with names replaced by their values, tables by others' names."""
-        bound = _Binder(values, tables or {}).visit(_tree_of(self.text))
-        return _expression(ast.unparse(bound), bound)
+        def bound(found: re.Match[str]) -> str:
+            name, call = found.groups(default="")
+            if call:
+                return (tables or {}).get(name, name) + call
+            return f"({float(values[name])!r})" if name in values else name
+
+        tree = _tree_of(_NAME.sub(bound, self.text))
+        return _expression(ast.unparse(tree), tree)
 
     def check_tables(self, values: Mapping[str, Any]) -> None:
         """Check that every table that it calls is among ``values``."""
@@ -162,29 +163,6 @@ class Expression:
         return quoted(f"={self.text}")
 
 
-class _Binder(ast.NodeTransformer):
-    """Replaces names by numbers and renames tables; a dotted name is one name."""
-
-    def __init__(self, values: Mapping[str, float], tables: Mapping[str, str]) -> None:
-        self.values, self.tables = values, tables
-
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        if node.id not in self.values:
-            return node
-        value = float(self.values[node.id])
-        constant = ast.Constant(abs(value))
-        return constant if value >= 0 else ast.UnaryOp(ast.USub(), constant)
-
-    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        return node
-
-    def visit_Call(self, node: ast.Call) -> ast.expr:
-        node.args = [self.visit(arg) for arg in node.args]
-        if isinstance(node.func, ast.Name) and node.func.id in self.tables:
-            node.func = ast.Name(self.tables[node.func.id])
-        return node
-
-
 def call(table: str) -> str:
     """The key of a table among named values; no other name has this form."""
     return f"{table}()"
@@ -194,11 +172,9 @@ def call(table: str) -> str:
 def parse_expression(text: str) -> Expression:
     """Parse ``text`` (a leading ``=`` is dropped)."""
     body = text.strip().removeprefix("=").strip()
-    if len(body) > MAX_LENGTH:
-        raise WrongValueError("limit-exceeded", f"an expression has at most {MAX_LENGTH} "
-                              f"characters, this one has {len(body)}")
-    if not body:
-        raise WrongValueError("bad-expression", "the expression is empty", allowed=_GRAMMAR)
+    refuse_if(len(body) > MAX_LENGTH, f"an expression has at most {MAX_LENGTH} characters, this "
+              f"one has {len(body)}", "limit-exceeded")
+    refuse_if(not body, "the expression is empty", "bad-expression", allowed=_GRAMMAR)
     if strange := _STRANGE.search(body):
         raise WrongValueError("bad-expression", f"{quoted(strange.group())} has no place in the "
                               f"expression {quoted(body)}", allowed=_GRAMMAR)
@@ -219,8 +195,7 @@ def closure(text: str, read: Callable[[str], Read], tables: Mapping[str, Any]) -
 
     expression = parse_expression(text)
     expression.check_tables(tables)
-    inner = _compiled(expression.tree, _FLOATS, named,
-                      {name: table.at for name, table in tables.items()})
+    inner = _compiled(expression.tree, 1, named, {name: table.at for name, table in tables.items()})
 
     def value() -> float:
         try:
@@ -267,7 +242,7 @@ def dotted(node: ast.expr) -> str | None:
     return ".".join([node.id, *reversed(attributes)]) if isinstance(node, ast.Name) else None
 
 
-def _split(node: ast.expr) -> tuple[Sequence[ast.expr], Sequence[ast.AST]] | None:
+def split(node: ast.expr) -> tuple[Sequence[ast.expr], Sequence[ast.AST]] | None:
     """The operands and operators of a node; None of one that no expression may have."""
     parts: Sequence[ast.expr]
     ops: Sequence[ast.AST] = ()
@@ -286,38 +261,30 @@ def _split(node: ast.expr) -> tuple[Sequence[ast.expr], Sequence[ast.AST]] | Non
             pass
         case _:
             return None
-    return (parts, ops) if all(type(op) in _ARRAYS for op in ops) else None
+    return (parts, ops) if all(type(op) in _OPERATORS for op in ops) else None
 
 
 def _check(node: ast.expr, names: set[str], depth: int) -> None:
     """Check a node and all below it; ``names`` collects what they read and call."""
-    if depth > MAX_DEPTH:
-        raise WrongValueError("limit-exceeded", f"an expression may nest at most {MAX_DEPTH} deep")
+    refuse_if(depth > MAX_DEPTH, f"an expression may nest at most {MAX_DEPTH} deep",
+              "limit-exceeded")
     if (name := dotted(node)) is not None:
-        if "__" in name:
-            raise WrongValueError("invalid-name",
-                                  f"{quoted(name)} is not a name that a scene can use")
+        refuse_if("__" in name, f"{quoted(name)} is not a name that a scene can use",
+                  "invalid-name")
         names.add(name)
     elif isinstance(node, ast.Constant):
         if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
             raise WrongValueError("bad-expression", f"{quoted(node.value)} is not a number")
-        if not abs(node.value) <= sys.float_info.max:
-            raise WrongValueError("out-of-range", "a number of the expression is too large")
-    elif (found := _split(node)) is not None:
+        refuse_if(not abs(node.value) <= sys.float_info.max,
+                  "a number of the expression is too large", "out-of-range")
+    elif (found := split(node)) is not None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             _check_call(node.func.id, len(node.args), names)
         for part in found[0]:
             _check(part, names, depth + 1)
     else:
-        what = f"{type(node).__name__.lower()} of Python"
-        if isinstance(node, ast.Compare):
-            what = "'is' or 'in'"
-        elif isinstance(node, ast.BinOp):
-            what = "'//'" if isinstance(node.op, ast.FloorDiv) else "this operator"
-        elif isinstance(node, ast.Call):
-            what = "a call of anything but a plain function"
-        raise WrongValueError("bad-expression",
-                              f"{what} has no place in an expression", allowed=_GRAMMAR)
+        raise WrongValueError("bad-expression", f"{quoted(ast.unparse(node))} has no place in an "
+                              "expression", allowed=_GRAMMAR)
 
 
 def _check_call(name: str, count: int, names: set[str]) -> None:
@@ -334,32 +301,31 @@ def _check_call(name: str, count: int, names: set[str]) -> None:
 
 
 def _unknown_function(name: str, values: Mapping[str, Any]) -> WrongValueError:
-    """The refusal of a name that is neither a function nor a table among ``values``."""
+    """The error of a name that is neither a function nor a table among ``values``."""
     known = [*FUNCTIONS, *(each[:-2] for each in values if each.endswith("()"))]
     return WrongValueError("bad-expression", f"unknown function {quoted(name)}",
                            allowed=", ".join(known), hint=near(name, known))
 
 
 def _compiled(
-    node: ast.expr, on: Operators, read: Callable[[str], Callable[[], Any]],
+    node: ast.expr, on: int, read: Callable[[str], Callable[[], Any]],
     tables: Mapping[str, Callable[..., Any]],
 ) -> Callable[[], Any]:
-    """A function that computes a checked node, of functions that compute its operands."""
+    """A function that computes a checked node on arrays (``on`` 0) or floats (1)."""
     if (name := dotted(node)) is not None:
         return read(name)
     if isinstance(node, ast.Constant):
         number = float(node.value)  # type: ignore[arg-type]
         return lambda: number
-    operands, ops = _split(node) or ((), ())
+    operands, ops = split(node) or ((), ())
     parts = [_compiled(operand, on, read, tables) for operand in operands]
     if isinstance(node, ast.Call):
         name = node.func.id  # type: ignore[attr-defined]
         known = FUNCTIONS.get(name)
-        function = tables[call(name)] if known is None else \
-            known.floats if on is _FLOATS else known.arrays
+        function: Any = tables[call(name)] if known is None else known[on]
         return lambda: function(*[part() for part in parts])
     if isinstance(node, ast.Compare):
-        tests, every = [on[type(op)] for op in ops], on[ast.Compare]
+        tests, every = [_OPERATORS[type(op)][on] for op in ops], _OPERATORS[ast.Compare][on]
 
         def compared() -> Any:
             values = [part() for part in parts]
@@ -367,7 +333,7 @@ def _compiled(
                 tests, values, values[1:], strict=False)])
 
         return compared
-    compute = on[type(ops[0])]
+    compute = _OPERATORS[type(ops[0])][on]
     if isinstance(node, ast.BinOp):
         left, right = parts
         return lambda: compute(left(), right())

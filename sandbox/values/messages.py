@@ -7,17 +7,17 @@ from collections.abc import Iterable, Mapping
 from functools import reduce
 from operator import getitem
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
 
 from sandbox.codes import CODES
 from sandbox.errors import Problem
-from sandbox.values.numbers import message_of
 from sandbox.values.paths import JsonPath, holds, path_text
 from sandbox.wording import MAX_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
 
+Model = type[BaseModel]
 COMPOSING = ("like", "repeat", "include", "parameters")
 """Keys of an entry that composition removes: suggested for similar unknown keys."""
 _QUOTED = re.compile(r"'([^']*)'")
@@ -25,7 +25,7 @@ OWN = "; for one of your own give its file with --elements"  # added to the type
 
 
 def explain(
-    error: ValidationError, data: Any, model: type[BaseModel], count: int | None = None,
+    error: ValidationError, data: Any, model: Model, count: int | None = None,
 ) -> list[Problem]:
     """The first ``count`` problems of a validation of ``data`` by ``model``, with their paths."""
     near, found = NearMisses(), []
@@ -41,9 +41,7 @@ def explain(
             if not (each["type"] == "missing" and (path, each["loc"][-1]) in misspelt)]
 
 
-def _problem(
-    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
-) -> Problem:
+def _problem(error: ErrorDetails, path: JsonPath, model: Model, near: NearMisses) -> Problem:
     kind, place, on_key = error["type"], path_text(path), error["loc"][-1:] == ("[key]",)
     if kind == "extra_forbidden":
         return _unknown_key(error, path, model, near)
@@ -57,7 +55,7 @@ def _problem(
         return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
                        allowed=listed(choices) if choices else str(context["expected"]),
                        hint=near(given, choices) if isinstance(given, str) else "")
-    message = message_of(error)
+    message = str(refused or error["msg"])
     message = message[:1].lower() + message[1:]
     if kind in _WORDS:
         value, last = error["input"], error["loc"][-1] if error["loc"] else ""
@@ -78,9 +76,9 @@ def locate(data: Any, loc: tuple[int | str, ...], value: Any, kind: str) -> Json
     A key of the data may have the same name: ``{"to": 3, "over": "1 N", "ramp": 3}``.
     """
     if kind == "missing":
-        loc = loc[:-1]
+        return written(data, loc[:-1])
     path = written(data, loc)
-    if kind == "missing" or reduce(getitem, path, data) is value:
+    if reduce(getitem, path, data) is value:
         return path
     for i, step in enumerate(loc):
         other = written(data, loc[:i] + loc[i + 1:])
@@ -95,31 +93,25 @@ def written(data: Any, loc: Iterable[int | str]) -> JsonPath:
     path: JsonPath = ()
     tagged = False
     for step in loc:
-        names_type = isinstance(data, dict) and data.get("type") == step and not tagged
-        if names_type or not holds(data, step):
-            tagged = names_type
-            continue
-        path, data, tagged = (*path, step), data[step], False
+        tagged = isinstance(data, dict) and data.get("type") == step and not tagged
+        if not tagged and holds(data, step):
+            path, data = (*path, step), data[step]
     return path
 
 
-def _unknown_key(
-    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
-) -> Problem:
+def _unknown_key(error: ErrorDetails, path: JsonPath, model: Model, near: NearMisses) -> Problem:
     key, kind = str(error["loc"][-1]), type_at(model, error["loc"][:-1])
     keys = [field.alias or name for name, field in kind.model_fields.items()] \
         if _is_model(kind) else []
-    allowed, more = ", ".join(keys[:MAX_NAMED]), len(keys) - MAX_NAMED
-    if more > 0:
-        allowed += f" and {more} more ({fields_page(kind)})"
+    more = len(keys) - MAX_NAMED
+    allowed = ", ".join(keys[:MAX_NAMED]) + (
+        f" and {more} more ({fields_page(kind)})" if more > 0 else "")
     words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()
     return Problem("unknown-key", f"unknown key {quoted(key)}", path_text(path),
                    allowed=allowed, hint=near(key, [*keys, *words]), key=True)
 
 
-def _unknown_type(
-    error: ErrorDetails, place: str, model: type[BaseModel], near: NearMisses,
-) -> Problem:
+def _unknown_type(error: ErrorDetails, place: str, model: Model, near: NearMisses) -> Problem:
     value = error["input"]
     choices = [str(tag) for tag in _members(type_at(model, error["loc"]))]
     if not isinstance(value, dict):
@@ -168,7 +160,7 @@ SEARCHES = "docs/searches.md#a-search-as-a-file"
 OWN_PAGE = "docs/howto/own_joint.md"  # the page about elements of your own
 
 
-def fields_page(model: type[BaseModel]) -> str:
+def fields_page(model: Model) -> str:
     """The section of the docs that has a model's fields, as ``docs/parts.md#leaf``."""
     room, name = model.__module__, model.__name__
     if not room.startswith("sandbox."):
@@ -179,7 +171,7 @@ def fields_page(model: type[BaseModel]) -> str:
     return f"{PARTS if part else ELEMENTS}#{name.lower()}"
 
 
-def fields_at(model: type[BaseModel], data: Any, path: JsonPath) -> str:
+def fields_at(model: Model, data: Any, path: JsonPath) -> str:
     """The section with the fields of the data at a path; empty for a missing or unknown type."""
     found, loc = "", tuple[str | int, ...]()
     for step in (*path, ""):
@@ -204,43 +196,33 @@ def _is_model(kind: Any) -> bool:
 
 def type_at(kind: Any, loc: tuple[int | str, ...]) -> Any:
     """The model, or union of models, at a pydantic location; None if there is none."""
-    kind, _ = _bare(kind)
+    while get_origin(kind) is Annotated:
+        kind = get_args(kind)[0]
     origin, arguments = get_origin(kind), get_args(kind)
     if origin in (Union, UnionType):
         arguments = tuple(member for member in arguments if member is not NoneType)
         if len(arguments) == 1:
             return type_at(arguments[0], loc)
-        if not loc:
-            return kind
-        chosen = _members(kind).get(loc[0])
-        return None if chosen is None else type_at(chosen, loc[1:])
-    if not loc:
+    if not loc or kind is None:
         return kind
-    if _is_model(kind):
-        for name, field in kind.model_fields.items():
-            if loc[0] in (name, field.alias):
-                return type_at(field.annotation, loc[1:])
-    if origin in (tuple, list, dict) and arguments:
-        return type_at(arguments[1 if origin is dict else 0], loc[1:])
-    return None
-
-
-def _bare(kind: Any) -> tuple[Any, list[str]]:
-    """A type without its annotations, and the union tags among them."""
-    tags: list[str] = []
-    while get_origin(kind) is Annotated:
-        kind, *extras = get_args(kind)
-        tags += [extra.tag for extra in extras if isinstance(extra, Tag)]
-    return kind, tags
+    inner: Any = None
+    if origin in (Union, UnionType):
+        inner = _members(kind).get(loc[0])
+    elif _is_model(kind):
+        inner = next((field.annotation for name, field in kind.model_fields.items()
+                      if loc[0] in (name, field.alias)), None)
+    elif origin in (tuple, list, dict) and arguments:
+        inner = arguments[1 if origin is dict else 0]
+    return type_at(inner, loc[1:])
 
 
 def _members(union: Any) -> dict[int | str, Any]:
     """The members of a union by their tags: its own, or the values of their ``type``."""
     found: dict[int | str, Any] = {}
     for member in get_args(union):
-        model, tags = _bare(member)
-        field = model.model_fields.get("type") if _is_model(model) else None
-        if field is not None and get_origin(field.annotation) is Literal:
-            tags = [*tags, *get_args(field.annotation)]
+        model = type_at(member, ())
+        tags = [mark.tag for mark in get_args(member) if isinstance(mark, Tag)]
+        if _is_model(model) and "type" in model.model_fields:
+            tags += get_args(model.model_fields["type"].annotation)
         found |= dict.fromkeys(tags, model)
     return found

@@ -1,8 +1,7 @@
 """The number types of scene fields: SI floats inside.
 
 A JSON number is SI; a string is a quantity (``"12 mm"``) or an expression of the scene's parameters
-(``"=pitch / 2"``). The parameters arrive as pydantic's validation context,
-``{"parameters": {name: value}}``.
+(``"=pitch / 2"``), which pydantic's validation context has, ``{"parameters": {name: value}}``.
 """
 
 from __future__ import annotations
@@ -14,20 +13,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
-from pydantic import (
-    AfterValidator,
-    Field,
-    GetCoreSchemaHandler,
-    StrictBool,
-    ValidationInfo,
-    ValidatorFunctionWrapHandler,
-)
-from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
+from pydantic import AfterValidator, Field, StrictBool, ValidationInfo
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
-from sandbox.values.marks import ReadMark
+from sandbox.values.spec import ReadMark
 from sandbox.values.units import Measured, in_range, parse_quantity, range_of, units_of, with_unit
-from sandbox.wording import WrongValueError, kind_of, quoted
+from sandbox.wording import WrongValueError, kind_of, quoted, refuse_if
 
 T = TypeVar("T")
 if TYPE_CHECKING:  # validation accepts more than the type of its result: "50 g", lists, arrays
@@ -47,10 +39,6 @@ _PRODUCT = re.compile(r"^([0-9.]+)\s*([A-Za-z_])")
 
 def number_from(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
     """The SI value of a literal, a quantity or an expression; any dimension if None."""
-    return in_range(_number(value, dimension, parameters), dimension)
-
-
-def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, str)):
         raise WrongValueError("wrong-type", f"expected {wanted(dimension)}, got {kind_of(value)}")
     if isinstance(value, str):
@@ -60,22 +48,21 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
             for name in sorted(expression.names):
                 if name not in parameters:
                     raise unknown_name(name, parameters)
-            return float(expression.evaluate(parameters))
+            return in_range(float(expression.evaluate(parameters)), dimension)
         try:
-            return parse_quantity(value, dimension)
+            return in_range(parse_quantity(value, dimension), dimension)
         except WrongValueError as error:
             raise WrongValueError(error.code, error.message, allowed=error.allowed, hint=_meant(
                 value, parameters) or error.hint) from None
     if isinstance(value, Measured) and dimension is None:  # read once already
-        return value
+        return in_range(value, None)
     try:
         number = float(value)
     except (OverflowError, ValueError):
         number = math.inf
-    if not math.isfinite(number):
-        raise WrongValueError("out-of-range",
-                              "must be finite (NaN and infinity are not numbers here)")
-    return number
+    refuse_if(not math.isfinite(number), "must be finite (NaN and infinity are not numbers here)",
+              "out-of-range")
+    return in_range(number, dimension)
 
 
 def _meant(text: str, parameters: Mapping[str, float]) -> str:
@@ -101,24 +88,20 @@ def parameters_of(info: ValidationInfo) -> Mapping[str, float]:
     return (info.context or {}).get("parameters") or {}
 
 
-def checked_expression(text: str, info: ValidationInfo) -> Expression:
-    """The expression of a text, whose tables are checked if there is a validation context."""
+def bound_expression(text: str, info: ValidationInfo) -> Expression:
+    """The expression of a text with the scene's parameters put in; tables have to be known."""
     expression = parse_expression(text)
     if info.context is not None:
         expression.check_tables(parameters_of(info))
-    return expression
+    return expression.bind(parameters_of(info))
 
 
 def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> str:
     """A law, ``"=..."``, with all names replaced except those of its element, ``own``."""
-    parameters = parameters_of(info)
-    expression = checked_expression(text, info)
-    for name in sorted(expression.names.intersection(own)):
-        if name in parameters:
-            raise WrongValueError("duplicate-name", f"{quoted(name)} is a parameter, and here "
-                                  f"it would mean the {whose}'s own", allowed="another name "
-                                  "for the parameter")
-    bound = expression.bind(parameters)
+    parameters, bound = parameters_of(info), bound_expression(text, info)
+    for name in sorted(parse_expression(text).names.intersection(own, parameters)):
+        raise WrongValueError("duplicate-name", f"{quoted(name)} is a parameter, and here it would "
+                              f"mean the {whose}'s own", allowed="another name for the parameter")
     for name in sorted(bound.names.difference(own)):
         raise unknown_name(name, {**dict.fromkeys(own), **parameters})
     return f"={bound.text}"
@@ -132,12 +115,6 @@ def refusal(error: ValueError) -> PydanticCustomError:
         "reason": error.message, "allowed": error.allowed, "hint": error.hint})
 
 
-def message_of(error: ErrorDetails) -> str:
-    """The message of a validation error, without pydantic's prefix or the allowed values."""
-    wrong = error.get("ctx", {}).get("error")
-    return wrong.message if isinstance(wrong, WrongValueError) else str(wrong or error["msg"])
-
-
 @dataclass(frozen=True)
 class Dimension(ReadMark):
     """Marks a number of one dimension; one of no dimension takes any unit and keeps it."""
@@ -145,18 +122,10 @@ class Dimension(ReadMark):
     name: str | None = None
     sign: Literal["", "> 0", "≥ 0"] = ""  # a size (> 0) has the minimum of its dimension
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler,
-    ) -> CoreSchema:
-        if self.name is not None:
-            return super().__get_pydantic_core_schema__(source, handler)
-
-        def read(value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> float:
-            number = number_from(value, None, parameters_of(info))
-            plain: float = check(number)  # pydantic's own check of a float drops the unit
-            return number if isinstance(number, Measured) else plain
-
-        return core_schema.with_info_wrap_validator_function(read, handler(source))
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        # pydantic's own check of a float drops the unit
+        inner = handler(source) if self.name else core_schema.any_schema()
+        return core_schema.with_info_before_validator_function(self.read, inner)
 
     def json_schema(self, schema: dict[str, Any]) -> dict[str, Any]:
         """A number or a text."""
@@ -193,6 +162,7 @@ def _bound(test: Callable[[float], bool], wanted: str) -> AfterValidator:
 
 POSITIVE = _bound(lambda v: v > 0, "greater than 0")
 NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
+NOT_ZERO = _bound(lambda v: abs(v) >= 1e-24, "other than 0")
 AT_MOST_ONE = _bound(lambda v: v <= 1, "at most 1")
 
 Quantity = Annotated[Float, Dimension()]

@@ -5,28 +5,19 @@ from __future__ import annotations
 import numbers
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    Discriminator,
-    Field,
-    Tag,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Discriminator, Field, Tag, ValidationError, ValidationInfo, field_validator
 from pydantic_core import InitErrorDetails
 
 from sandbox.numeric import Array
 from sandbox.values import numbers as of
 from sandbox.values.expressions import parse_expression, unknown_name
-from sandbox.values.marks import ReadMark
-from sandbox.values.spec import Spec
+from sandbox.values.spec import ReadMark, Spec
 from sandbox.values.tables import NONE, Tables
 from sandbox.values.units import units_of
-from sandbox.wording import WrongValueError
+from sandbox.wording import refuse_if
 
 
 class Ramp(Spec):
@@ -53,8 +44,8 @@ class Table(Spec):
     @field_validator("table")
     @classmethod
     def _in_order(cls, table: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        if any(b[0] <= a[0] for a, b in pairwise(table)):
-            raise WrongValueError("bad-table", "the times of a table must increase")
+        refuse_if(any(b[0] <= a[0] for a, b in pairwise(table)),
+                  "the times of a table must increase", "bad-table")
         return table
 
 
@@ -67,10 +58,9 @@ class Formula(Spec):
     @field_validator("expression")
     @classmethod
     def _bind(cls, text: str, info: ValidationInfo) -> str:
-        parameters = of.parameters_of(info)
-        bound = of.checked_expression(text, info).bind(parameters)
-        if unknown := sorted(bound.names - {"t"}):
-            raise unknown_name(unknown[0], parameters, also="t")
+        bound = of.bound_expression(text, info)
+        for unknown in sorted(bound.names - {"t"}):
+            raise unknown_name(unknown, of.parameters_of(info), also="t")
         return f"={bound.text}"
 
 
@@ -87,12 +77,8 @@ AnySignal = Ramp | Table | Formula | Constant
 def _kind(value: Any) -> str | None:
     if isinstance(value, Spec):
         return type(value).__name__.lower()
-    if isinstance(value, dict):
-        for key, tag in (("to", "ramp"), ("table", "table"), ("expression", "formula"),
-                         ("constant", "constant")):
-            if key in value:
-                return tag
-    return None
+    tags = {"to": "ramp", "table": "table", "expression": "formula", "constant": "constant"}
+    return next((tags[key] for key in tags if isinstance(value, dict) and key in value), None)
 
 
 def _as_object(value: Any) -> Any:
@@ -139,23 +125,24 @@ class OverTime(ReadMark):
         inside = ("ramp",) if isinstance(written, dict) and value is not written else ()
         if not isinstance(value, dict) or self.dimension is None:
             return value
-        value = {key: [list(row) if isinstance(row, (list, tuple)) else row for row in entry]
-                 if isinstance(entry, (list, tuple)) else entry for key, entry in value.items()}
-        table = value["table"] if isinstance(value.get("table"), list) else ()
-        quantities: list[tuple[tuple[str | int, ...], Any, Any]] = [
-            ((key,), value, key) for key in ("constant", "from", "to") if key in value]
-        quantities += [(("table", i, 1), row, 1) for i, row in enumerate(table)
-                       if isinstance(row, list) and len(row) == 2]
         errors: list[InitErrorDetails] = []
-        for place, holder, key in quantities:
-            quantity = holder[key]
+
+        def number(quantity: Any, *place: str | int) -> Any:
             if not isinstance(quantity, str) or quantity.lstrip().startswith("="):
-                continue
+                return quantity
             try:
-                holder[key] = of.number_from(quantity, self.dimension, of.parameters_of(info))
+                return of.number_from(quantity, self.dimension, of.parameters_of(info))
             except ValueError as error:
                 errors.append({"type": of.refusal(error), "loc": (*inside, *place),
-                              "input": quantity})
+                               "input": quantity})
+
+        value = value | {key: number(value[key], key) for key in ("constant", "from", "to")
+                         if key in value}
+        if isinstance(value.get("table"), (list, tuple)):
+            value["table"] = [
+                (row[0], number(row[1], "table", i, 1))
+                if isinstance(row, (list, tuple)) and len(row) == 2 else row
+                for i, row in enumerate(value["table"])]
         if errors:
             raise ValidationError.from_exception_data("signal", errors)
         return value
@@ -210,8 +197,6 @@ class Path(Spec):
     angle: AngleSignal | None = None
     """Turn of the body's frame against the world [rad], counter-clockwise."""
 
-    @model_validator(mode="after")
-    def _something(self) -> Self:
-        if self.x is None and self.y is None and self.angle is None:
-            raise WrongValueError("conflicting-keys", "a path needs 'x', 'y' or 'angle'")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.x is None and self.y is None and self.angle is None,
+                  "a path needs 'x', 'y' or 'angle'")

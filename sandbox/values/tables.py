@@ -1,11 +1,9 @@
 """Tables that a scene names, and that expressions call like functions: ``"=profile(x)"``.
 
 A table is a curve in pieces, each y = y0 + t (b + t (c + t d)) of the distance t from its start,
-with one more piece before the first and after the last point.
-
-Smooth curves are cubic splines: with the second derivatives M, the distances h and the slopes d of
-the chords, h_i M_i + 2 (h_i + h_j) M_j + h_j M_k = 6 (d_j - d_i) at each point. A periodic one has
-no ends; a natural one has M = 0 there.
+with one more piece before the first and after the last point. Smooth curves are cubic splines: with
+second derivatives M, distances h and slopes d of the chords, h_i M_i + 2 (h_i + h_j) M_j + h_j M_k
+= 6 (d_j - d_i) at each point. A periodic one has no ends; a natural one has M = 0 there.
 """
 
 from __future__ import annotations
@@ -14,19 +12,18 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from itertools import pairwise
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator
 
 from sandbox.numeric import Array
 from sandbox.values.expressions import RESERVED, call
 from sandbox.values.numbers import Items, Pair, Quantity
 from sandbox.values.spec import Spec
 from sandbox.values.units import Measured, dimension_of
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import WrongValueError, quoted, refuse_if
 
 MAX_POINTS = 1000  # of one table
 CLOSEST = 1e-9  # the least distance of two points, as a share of the whole table
@@ -111,45 +108,35 @@ class NamedTable(Spec):
     @field_validator("points")
     @classmethod
     def _rising(cls, points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        span = abs(points[-1][0] - points[0][0])
-        for i, (one, two) in enumerate(pairwise(points)):
-            if two[0] <= one[0]:
-                raise WrongValueError("bad-table", f"the x of a table must increase: point {i + 1} "
-                                      f"has {two[0]:g} after {one[0]:g}")
-            if two[0] - one[0] < CLOSEST * span:
-                raise WrongValueError("bad-table", f"points {i} and {i + 1} are "
-                                      f"{two[0] - one[0]:g} apart, less than {CLOSEST * span:g}")
-        for axis in (0, 1):
-            numbers = (point[axis] for point in points)
-            kinds = {dimension_of(number.unit) for number in numbers
-                     if isinstance(number, Measured)}
-            if len(kinds) > 1:
-                raise WrongValueError("bad-table", f"all {'xy'[axis]} of a table are of one kind, "
-                                      f"and here are {' and '.join(sorted(kinds))}")
+        at = np.array([x for x, _ in points])
+        i = int(np.argmin(np.diff(at)))
+        gap, closest = at[i + 1] - at[i], CLOSEST * abs(at[-1] - at[0])
+        refuse_if(gap <= 0, f"the x of a table must increase: point {i + 1} has {at[i + 1]:g} "
+                  f"after {at[i]:g}", "bad-table")
+        refuse_if(gap < closest, f"points {i} and {i + 1} are {gap:g} apart, less than {closest:g}",
+                  "bad-table")
+        for axis, numbers in zip("xy", zip(*points, strict=True), strict=True):
+            kinds = {dimension_of(each.unit) for each in numbers if isinstance(each, Measured)}
+            refuse_if(len(kinds) > 1, f"all {axis} of a table are of one kind, and here are "
+                      f"{' and '.join(sorted(kinds))}", "bad-table")
         return points
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
+    def _verify(self) -> None:
         first, last = self.points[0][1], self.points[-1][1]
         values = [y for _, y in self.points]
         if self.beyond == "repeat":
-            if abs(last - first) > CLOSES * (max(values) - min(values)):
-                raise WrongValueError("bad-table", "the ends of a table that repeats must be "
-                                      f"equal: {first:g}, {last:g}")
-            if len(self.points) < 4 and self.between == "cubic":
-                raise WrongValueError("bad-table", "a cubic table that repeats needs at least 4 "
-                                      "points")
+            refuse_if(abs(last - first) > CLOSES * (max(values) - min(values)), "the ends of a "
+                      f"table that repeats must be equal: {first:g}, {last:g}", "bad-table")
+            refuse_if(len(self.points) < 4 and self.between == "cubic",
+                      "a cubic table that repeats needs at least 4 points", "bad-table")
         steepest = float(np.abs(function_of(self).pieces[:, 1]).max())
-        if not steepest <= STEEPEST:
-            raise WrongValueError("bad-table", f"the table is too steep: {steepest:.3g}; the "
-                                               f"maximum is {STEEPEST:g}")
-        return self
+        refuse_if(not steepest <= STEEPEST, f"the table is too steep: {steepest:.3g}; the maximum "
+                  f"is {STEEPEST:g}", "bad-table")
 
 
 def _free(name: str) -> str:
-    if name in RESERVED or "__" in name:
-        raise WrongValueError("invalid-name", f"a table cannot have the name {quoted(name)}, which "
-                              "expressions reserve")
+    refuse_if(name in RESERVED or "__" in name, f"a table cannot have the name {quoted(name)}, "
+              "which expressions reserve", "invalid-name")
     return name
 
 

@@ -99,6 +99,11 @@ def units_of(dimension: str) -> list[str]:
     return list(_DIMENSIONS[dimension][2]) if dimension in _DIMENSIONS else []
 
 
+def si_unit(dimension: str) -> str:
+    """The SI unit of a dimension, ``1`` of a ratio; empty if it is unknown."""
+    return "1" if dimension == "ratio" else next(iter(units_of(dimension)), "")
+
+
 def dimension_of(unit: str) -> str:
     """The dimension of a unit, such as ``"length"``."""
     return UNITS[unit][1]
@@ -182,9 +187,8 @@ def _other_prefix(unit: str, other: str) -> bool:
         return whole
 
     ones, others = _WORDS.findall(unit), _WORDS.findall(other)
-    pairs = [("".join(ones), "".join(others))]
-    if len(ones) == len(others):
-        pairs += zip(ones, others, strict=True)
+    pairs = [("".join(ones), "".join(others)), *(zip(ones, others, strict=True)
+                                                 if len(ones) == len(others) else ())]
     return any(rest and rest == same and first != second
                for a, b in pairs for first, rest in cuts(a) for second, same in cuts(b))
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from sandbox.audit.audit import Figure, audit
-from sandbox.elements.points import Pin
+from sandbox.elements.joints import Pin
 from sandbox.recording.recording import Recording
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism

@@ -16,6 +16,10 @@ def custom(**more: Any) -> Custom:
                      "act": lambda t, x: 0.0, **more})
 
 
+def law_of(**more: Any) -> Any:
+    return custom(**more).controller.make_law(None, 1e-3)
+
+
 def test_one_name_one_pair_one_number_will_do():
     plain = custom(reads="a.angle", writes="u", limits=(0, 2), slew=5)
     assert (plain.reads, plain.writes) == (("a.angle",), ("u",))
@@ -27,12 +31,12 @@ def test_one_name_one_pair_one_number_will_do():
 
 
 @pytest.mark.parametrize(("more", "words"), [
-    ({"name": "mine\n"}, "is not"), ({"name": 3}, "3 is not"),
-    ({"reads": [3]}, "'reads' must be a list"), ({"reads": ["=a +"]}, "'reads': 'a +' is not"),
-    ({"writes": ["u", "u"]}, "twice"), ({"act": 3}, "callable"), ({"rate": "1 kHz"}, "finite"),
-    ({"rate": float("nan")}, "finite"), ({"limits": (2, 1)}, "lowest, highest"),
-    ({"limits": [(0, 1), (0, 1)]}, "'limits' must be 1"), ({"limits": [(0, "1")]}, "finite"),
-    ({"slew": 0}, "greater than 0"), ({"slew": [1, 2]}, "1 entries"),
+    ({"name": "mine\n"}, "is not a name"), ({"name": 3}, "name: expected text, got the number 3"),
+    ({"reads": [3]}, "reads[0]: expected text"), ({"reads": ["=a +"]}, "reads[0]: 'a +' is not"),
+    ({"act": 3}, "act: input should be callable"), ({"rate": float("nan")}, "rate: must be finite"),
+    ({"limits": (2, 1)}, "lowest, highest"), ({"limits": [(0, 1), (0, 1)]}, "expected 1 entries"),
+    ({"limits": [(0, "one")]}, "limits[0]: 'one' is not a number"),
+    ({"slew": 0}, "slew[0]: must be greater than 0"), ({"slew": [1, 2]}, "expected 1 entries"),
 ])
 def test_wrong_arguments_are_refused(more, words):
     with pytest.raises(ValueError, match="controller") as error:
@@ -44,7 +48,7 @@ def test_wrong_arguments_are_refused(more, words):
     (2, [2.0]), (np.float64(2), [2.0]), ([2], [2.0]), (np.array([2.0]), [2.0]), ((2.0,), [2.0]),
 ])
 def test_a_number_or_one_for_each_drive(result, wanted):
-    law = custom(act=lambda t, x: result).law()
+    law = law_of(act=lambda t, x: result)
     law.begin([1.0], [], [0.0])
     assert law.act(0.5, [1.0], [], [0.0]) == wanted
     assert law.report() == {}
@@ -56,7 +60,7 @@ def test_a_number_or_one_for_each_drive(result, wanted):
     (1j, "instead"),
 ])
 def test_a_wrong_return_is_named(result, words):
-    law = custom(act=lambda t, x: result).law()
+    law = law_of(act=lambda t, x: result)
     with pytest.raises(ControllerFailed, match=r"'mine': act\(\) at t = 0.25 s") as error:
         law.act(0.25, [1.0], [], [0.0])
     assert words in str(error.value)
@@ -64,11 +68,11 @@ def test_a_wrong_return_is_named(result, words):
 
 def test_a_controller_without_outputs_returns_nothing():
     seen = []
-    law = custom(writes=[], act=lambda t, x: seen.append((t, *x))).law()
+    law = law_of(writes=[], act=lambda t, x: seen.append((t, *x)))
     assert law.act(0.5, [3.0], [], []) == []
     assert seen == [(0.5, 3.0)]
     with pytest.raises(ControllerFailed, match=r"returned 2\.0, but 'writes' names no drive"):
-        custom(writes=[], act=lambda t, x: 2.0).law().act(0.5, [3.0], [], [])
+        law_of(writes=[], act=lambda t, x: 2.0).act(0.5, [3.0], [], [])
 
 
 def test_stop_run_passes_through():
@@ -76,7 +80,7 @@ def test_stop_run_passes_through():
         raise StopRun("far enough", verdict="fail")
 
     with pytest.raises(StopRun) as wish:
-        custom(act=enough).law().act(0.5, [3.0], [], [0.0])
+        law_of(act=enough).act(0.5, [3.0], [], [0.0])
     assert (wish.value.because, wish.value.verdict) == ("far enough", "fail")
     with pytest.raises(ValueError, match="'pass' or 'fail', not 'done'"):
         StopRun(verdict="done")

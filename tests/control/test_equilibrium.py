@@ -134,7 +134,7 @@ def test_lists_that_do_not_fit_are_refused(more):
 
 @pytest.mark.parametrize(("more", "path", "word"), [
     ({"tendon": "finger.cord"}, ".tendon", "no tendon"),
-    ({"joints": ["finger.mcp", "finger.hip"]}, ".joints[1]", "no hinge"),
+    ({"joints": ["finger.mcp", "finger.hip"]}, ".joints[1]", "no pin joint"),
     ({"writes": ["k2", "k1"]}, ".writes[0]", "across"),
 ])
 def test_wrong_references_are_refused(more, path, word):

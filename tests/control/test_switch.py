@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sandbox.elements.controllers.simple import Switch, SwitchController
+from sandbox.elements.controllers.controller import Switch, SwitchController
 
 
 def switch(**more: Any) -> Switch:

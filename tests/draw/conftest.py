@@ -18,7 +18,7 @@ from sandbox.scene.settings import View
 
 def arrays_for(mechanism, time, pose, **given):
     """All keys a recording has, zero where not given."""
-    axes = sizes(mechanism, samples=len(time), contacts=len(given.get("contact_gap", ())))
+    axes = sizes(mechanism, n=len(time), m=len(given.get("contact_gap", ())))
     base = {
         key: np.zeros(shape_of(key, axes), dtype=dtype_of(key))
         for key in (*PER_SAMPLE, *STATIC, *CONTACT)

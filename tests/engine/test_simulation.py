@@ -13,7 +13,7 @@ from sandbox import (
     SimulationDiverged,
     StopRun,
 )
-from sandbox.elements.quantities import is_live
+from sandbox.elements.quantities import row_of
 from sandbox.engine import sampler
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
@@ -73,7 +73,7 @@ def test_live_quantities_are_those_of_the_recording(name: str) -> None:
     simulation.step(60)
     run, read = simulation.recording(), 0
     for head, element in run.catalogue.elements.items():
-        for quantity in (q for q in element.quantities if is_live(element.kind, q)):
+        for quantity in (q for q in element.quantities if row_of(element.kind, q).live):
             full = f"{head}.{quantity}" if quantity else head
             assert simulation[full] == pytest.approx(run[full][-1], rel=1e-9, abs=1e-12), full
             read += 1

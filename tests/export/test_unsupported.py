@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.elements.drive import DriveSpec
+from sandbox.elements.drives import DriveSpec
 from sandbox.elements.registry import KINDS
 from sandbox.engine.pymunk_draft import to_pymunk
 from sandbox.errors import SceneError

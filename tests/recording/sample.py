@@ -63,7 +63,7 @@ def mechanism(**changes):
 def arrays(mech, *, contacts=(), n=N):
     """Every array filled with distinct numbers; contact rows are
     (sample, body, other, (fx, fy), (nx, ny))."""
-    size = sizes(mech, samples=n, contacts=len(contacts))
+    size = sizes(mech, n=n, m=len(contacts))
     result = {}
     for rank, key in enumerate([*PER_SAMPLE, *STATIC]):
         shape = shape_of(key, size)

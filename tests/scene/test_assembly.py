@@ -23,10 +23,9 @@ from sandbox.scene.outlines.curves import SmoothCurve
 from sandbox.scene.outlines.drawings import Drawing
 from sandbox.scene.parts.placement import Placement
 from sandbox.scene.read.load import load_scene
-from sandbox.values.marks import mark_of
 from sandbox.values.numbers import Dimension
 from sandbox.values.signals import values
-from sandbox.values.spec import Spec
+from sandbox.values.spec import Spec, mark_of
 
 MACHINE: dict[str, Any] = {
     "bodies": [

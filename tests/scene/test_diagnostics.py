@@ -62,7 +62,7 @@ joints[0].a = "wal" | name-not-found | there is no body named 'wal' ? 'wall'
 joints[0].b = "wall" | conflicting-keys | must be two bodies @ joints[0]
 tendons[0].guides = [{"body": "disc"}] | wrong-type | at least 2
 drives[2].direction = [0, 0] | out-of-range | [0, 0] is no direction
-drives[1].shape = 1 | not-settable | shape 1 of 'disc' is a box
+drives[1].shape = 1 | not-settable | shape 1 of 'disc' (they count from 0) is no circle
 drives[1].value = "=0.01 - t" | out-of-range | not greater than 0 at t
 parts[0].like = "digits" | bad-template | no template 'digits' ? 'digit'
 parts[3].pulls[1] = "fingr2" | name-not-found | named 'fingr2' ? 'finger2'
@@ -118,7 +118,7 @@ events = [{"name": "later", "at": 0.1, "stop": "fail", "lasts": 0.1}]
     | conflicting-keys | 'lasts' needs 'set' @ events[0].lasts
 [fluids]
 lines[0].chambers[0].area = "10 cm" | wrong-unit | 'cm' is a unit of length
-lines[0].chambers[1].displacement = 0 | out-of-range | 2 ml/rad @ lines[0].chambers[1]
+lines[0].chambers[1].displacement = 0 | out-of-range | other than 0
 lines[1].volume = | out-of-range | outside of
 lines[1].modulus = 1000000000.0 | conflicting-keys | exclude each other @ lines[1]
 lines[0].least = 1 | out-of-range | a vacuum, to 0 @ lines[0]
@@ -219,12 +219,12 @@ joints[1].inside = true & joints[1].radius_b = 0.02 | out-of-range | must differ
 joints[1].backlash = -0.001 | out-of-range | must be 0 or more
 joints[1] = {"type": "rack", "name": "mesh", "a": "wall", "b": "disc", "radius": 0.02, "along": [0,
     0]} | out-of-range | [0, 0] is no direction @ joints[1].along
-springs[0].force = | conflicting-keys | give 'stiffness' or 'force', one of them @ springs[0]
-springs[0].stiffness = 1 | conflicting-keys | not both @ springs[0]
+springs[0].force = | conflicting-keys | give either 'stiffness' or 'force' @ springs[0]
+springs[0].stiffness = 1 | conflicting-keys | give either @ springs[0]
 springs[0].force = "=twist" | name-not-found | unknown name 'twist'
 springs[0].force = "=play(stretch)" | bad-expression | unknown function 'play'
 drives = [{"type": "stiffness", "name": "d", "spring": "band", "value": 200}] | not-settable |
-    follows a law and has no stiffness to set @ drives[0].spring
+    has no stiffness to set: it follows a law @ drives[0].spring
 drives = [{"type": "stiffness", "name": "k", "spring": "band", "tendon": "cord"}] & tendons =
     [{"name": "cord", "guides": [{"body": "wall", "at": [0, 1]}, {"body": "disc"}]}] |
     conflicting-keys | needs either 'spring' or 'tendon' @ drives[0]

@@ -1,26 +1,24 @@
-"""The base of controllers, and the interface of their laws.
+"""The base of controllers and of their laws; controllers without dynamics.
 
-A controller acts at its own rate. An act after step k reads the quantities of step k, and its
-values hold from step k + 1 to the next act; the first act is before the first step. The value of
-a drive that a controller writes is its initial value.
-
-Limits and rate limits are applied outside of the laws, which get the applied values against
-windup. Readings, targets and drive values are in the order of ``reads`` and ``writes``, SI. Laws
-are plain Python on floats, which is faster than arrays of so few numbers.
+An act after step k reads the quantities of step k, and its values hold from step k + 1 to the next
+act; the first act is before the first step. Limits and rate limits are applied outside of the laws,
+which get the applied values against windup. Laws are plain Python on floats, which is faster than
+arrays of so few numbers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, Field, ValidationInfo, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo
 
 from sandbox.elements.element import Element
 from sandbox.errors import Problem
 from sandbox.values import numbers as of
-from sandbox.values.signals import AnySignal
-from sandbox.wording import WrongValueError
+from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.spec import TYPE
+from sandbox.wording import refuse_if
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
@@ -30,14 +28,13 @@ RATE = 1000.0  # default rate of acts [Hz]; the nearest whole number of steps is
 
 def bound(text: str, info: ValidationInfo) -> str:
     """An expression of quantities with the scene's parameters put in; a plain name stays."""
-    expression = of.checked_expression(text, info).bind(of.parameters_of(info))
+    expression = of.bound_expression(text, info)
     return f"={expression.text}" if text.lstrip().startswith("=") else text.strip()
 
 
 def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
-    if limits[0] >= limits[1]:
-        raise WrongValueError("out-of-range", f"limits are [lowest, highest], and {limits[0]:g} is "
-                              f"not below {limits[1]:g}")
+    refuse_if(limits[0] >= limits[1], f"limits are [lowest, highest], and {limits[0]:g} is not "
+              f"below {limits[1]:g}", "out-of-range")
     return limits
 
 
@@ -63,14 +60,10 @@ class Law:
         """Begin, or begin anew after being switched on during a run, from the drives' values."""
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """A value for each drive, in its unit, until the next act.
+        """A value for each drive, in its unit, until the next act; ``t`` is the time [s].
 
-        Args:
-            t: time [s]; one period after the last act.
-            readings: as in :meth:`begin`; at the first act after it the same.
-            targets: as in :meth:`begin`.
-            applied: values in force since the last act. They equal those that the law returned,
-                to the last bit, unless a limit or a rate limit cut them.
+        ``applied`` are the values since the last act: those that the law returned, to the last
+        bit, unless a limit or a rate limit cut them.
         """
         raise NotImplementedError
 
@@ -90,10 +83,8 @@ class ControllerSpec(Element):
     PYMUNK = "a controller"
 
     LAW: ClassVar[Any]  # the class of its law, of the controller and its period [s]
-    # fields with numbers in the unit of its drives, of its readings, of a force
-    of_drive: ClassVar[tuple[str, ...]] = ()
-    of_reading: ClassVar[tuple[str, ...]] = ()
-    of_force: ClassVar[tuple[str, ...]] = ()
+    of_drive: ClassVar[tuple[str, ...]] = ()  # fields with numbers in the unit of its drives
+    of_reading: ClassVar[tuple[str, ...]] = ()  # and of its readings
     target_key: ClassVar[str] = "target"  # the field that has its targets
     reads_key: ClassVar[str] = "reads"  # the field that has its readings
     sets_target: ClassVar[bool] = False  # whether it sets its drive to its target
@@ -176,11 +167,86 @@ class SeveralController(ControllerSpec):
     slew: of.Items[Positive] | None = None
     """Maximum change per second of each drive, in its unit; none by default."""
 
-    @model_validator(mode="after")
-    def _one_each(self) -> Self:
+    def _verify(self) -> None:
         for key in self.PER_DRIVE:
             given = getattr(self, key)
-            if given is not None and len(given) != len(self.writes):
-                raise WrongValueError("wrong-type", f"'{key}': expected {len(self.writes)} "
-                                      f"entries, one a drive, got {len(given)}")
-        return self
+            refuse_if(given is not None and len(given) != len(self.writes), f"'{key}': expected "
+                      f"{len(self.writes)} entries, one a drive, got {len(given or ())}",
+                      "wrong-type")
+
+
+class Direct(Law):
+    """Sets its target, or its reading where it has no target."""
+
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
+        """The current target or reading."""
+        return [(targets or readings)[0]]
+
+
+class ScheduleController(SingleController):
+    """Sets a drive to a value over time, at its own rate and within limits."""
+
+    LAW = Direct
+    target_key = "value"
+    sets_target = True
+    type: Literal["schedule"] = TYPE
+    value: Signal
+    """Value of the drive over time, in its unit."""
+
+
+class FeedbackController(SingleController):
+    """Sets a drive to an expression of quantities and of the time ``t``."""
+
+    LAW = Direct
+    reads_key = "value"
+    type: Literal["feedback"] = TYPE
+    value: Reading
+    """An expression of quantities, parameters and the time ``t`` [s], in the drive's unit."""
+
+    @property
+    def immediate(self) -> str:
+        """The expression."""
+        return self.value
+
+
+class Switch(Law):
+    """On/off with hysteresis; during a run it begins with the drive's value."""
+
+    def __init__(self, spec: SwitchController, period: float) -> None:
+        self._spec, self._value, self._keeps = spec, spec.value_below, not spec.active
+
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
+        """Set the value to be kept between the thresholds."""
+        self._value = inputs[0] if self._keeps else self._spec.value_below
+        self._keeps = True
+
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
+        """Switch if the reading is outside of the thresholds; on one of them it is not."""
+        if readings[0] < self._spec.below:
+            self._value = self._spec.value_below
+        elif readings[0] > self._spec.above:
+            self._value = self._spec.value_above
+        return [self._value]
+
+
+class SwitchController(ReadingController):
+    """On/off with hysteresis: one value once the reading fell below, another once it rose above.
+
+    In between the drive keeps what it has; at the start of a run that is ``value_below``.
+    """
+
+    LAW = Switch
+    of_drive = ("value_below", "value_above")
+    of_reading = ("below", "above")
+    type: Literal["switch"] = TYPE
+    below: of.Quantity
+    """Below this reading ``value_below`` is set, in the reading's unit."""
+    above: of.Quantity
+    """Above this reading ``value_above`` is set, in the reading's unit; more than ``below``."""
+    value_below: of.Quantity
+    """Value of the drive once the reading is less than ``below``, in the drive's unit."""
+    value_above: of.Quantity
+    """Value of the drive once the reading is more than ``above``, in the drive's unit."""
+
+    def _verify(self) -> None:
+        refuse_if(self.below >= self.above, "'below' must be less than 'above'", "out-of-range")

@@ -14,25 +14,25 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from sandbox.elements.controllers.controller import Law, Positive, Row, SeveralController
-from sandbox.elements.element import Vec
-from sandbox.elements.element_drives import StiffnessDrive
-from sandbox.elements.points import Pin
+from sandbox.elements.controllers.controller import Law, Row, SeveralController
+from sandbox.elements.drives import StiffnessDrive
+from sandbox.elements.element import TENDON, HingeName, Vec
+from sandbox.elements.joints import Pin
 from sandbox.elements.springs import LinearSpring
 from sandbox.elements.tendons import Guide
 from sandbox.errors import Problem
 from sandbox.mechanics.springs import SpringSet, spring_set
 from sandbox.mechanics.tendon import TendonRoute, route
-from sandbox.values.numbers import Angle, Instant, Items, Length, Name, Point, Quantity
+from sandbox.values import numbers as of
 from sandbox.values.signals import AngleSignal
 from sandbox.values.spec import TYPE, Spec
-from sandbox.wording import NearMisses, WrongValueError, listed, quoted
+from sandbox.wording import quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
@@ -41,24 +41,21 @@ if TYPE_CHECKING:
 class FingerGeometry(Spec):
     """A finger's tendon and springs as the paper's section 4 gives them; slack at rotation 0."""
 
-    lengths: Items[Length] = Field(min_length=1, max_length=32)
+    lengths: of.Items[of.Length] = Field(min_length=1, max_length=32)
     """Lengths of the phalanges, the proximal one first [m]."""
-    guides: Items[Point]
+    guides: of.Items[of.Point]
     """V_0 in the palm's frame from the first hinge, V_1 ... V_n in their phalanges' frames [m]."""
-    on_previous: Annotated[Items[Point], Field(alias="from")]
+    on_previous: Annotated[of.Items[of.Point], Field(alias="from")]
     """M'' of each spring, on the body before the hinge, from the hinge [m]."""
-    on_phalanx: Annotated[Items[Point], Field(alias="to")]
+    on_phalanx: Annotated[of.Items[of.Point], Field(alias="to")]
     """M' of each spring, in the frame of the body after the hinge [m]."""
 
-    @model_validator(mode="after")
-    def _counts(self) -> Self:
+    def _verify(self) -> None:
         n = len(self.lengths)
         for key, given, wanted in (("guides", self.guides, n + 1), ("from", self.on_previous, n),
                                    ("to", self.on_phalanx, n)):
-            if len(given) != wanted:
-                raise WrongValueError("wrong-type", f"'{key}': a finger of {n} phalanges has "
-                                      f"{wanted}, got {len(given)}")
-        return self
+            refuse_if(len(given) != wanted, f"'{key}': a finger of {n} phalanges has {wanted}, "
+                      f"got {len(given)}", "wrong-type")
 
 
 class EquilibriumController(SeveralController):
@@ -70,39 +67,35 @@ class EquilibriumController(SeveralController):
     """
 
     PER_DRIVE = ("limits", "slew", "joints", "targets", "kp", "ki", "kd")
-    of_force = ("pull",)
     target_key = "targets"
-
     type: Literal["equilibrium"] = TYPE
-    tendon: Name
+    tendon: Annotated[of.Name, TENDON]
     """Name of the tendon that turns the joints."""
-    joints: Items[Name] = Field(min_length=1, max_length=32)
+    joints: of.Items[HingeName] = Field(min_length=1, max_length=32)
     """Names of the hinges, in the order of ``writes``, the stiffness drives of their springs."""
-    targets: Items[AngleSignal]
+    targets: of.Items[AngleSignal]
     """Of the joints' rotations over time [rad], each in its hinge's sense."""
-    pull: Positive | None = None
+    pull: Annotated[of.Force, of.POSITIVE] | None = None
     """T in the law [N]; by default the tension of the tendon."""
-    kp: Items[Quantity]
+    kp: of.Items[of.Quantity]
     """Torque per error of rotation, one for each joint [N m/rad]."""
-    ki: Items[Quantity] | None = None
-    """Torque per integral of the error, one for each joint [N m/(rad s)]; none by default. The
-    integral begins once ``rise`` is over."""
-    kd: Items[Quantity] | None = None
+    ki: of.Items[of.Quantity] | None = None
+    """Torque per integral of the error, which begins after ``rise``, one each [N m/(rad s)]."""
+    kd: of.Items[of.Quantity] | None = None
     """Torque per rate of rotation, one for each joint [N m s/rad]; none by default."""
-    rise: Instant = 0.0
+    rise: of.Instant = 0.0
     """Time in which the reference moves from the initial rotations to the targets [s]."""
-    guard: Annotated[Angle, Field(gt=0)] = math.radians(2.0)
+    guard: Annotated[of.Angle, Field(gt=0)] = math.radians(2.0)
     """dlm hm, 0 in the straight finger, counts as no less than it is at this rotation [rad]."""
     geometry: FingerGeometry | None = None
     """Finger geometry that the law uses; by default the finger's own."""
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
-        n = len(self.writes)
-        if self.geometry is not None and len(self.geometry.lengths) != n:
-            raise WrongValueError("wrong-type", f"'geometry': expected {n} entries, one a drive, "
-                                  f"got {len(self.geometry.lengths)}")
-        return self
+    def _verify(self) -> None:
+        super()._verify()
+        if self.geometry is not None:
+            n, given = len(self.writes), len(self.geometry.lengths)
+            refuse_if(given != n, f"'geometry': expected {n} entries, one a drive, got {given}",
+                      "wrong-type")
 
     @property
     def readings(self) -> tuple[str, ...]:
@@ -111,31 +104,19 @@ class EquilibriumController(SeveralController):
         return (*motion, *([f"{self.tendon}.tension"] if self.pull is None else []))
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """Joints, tendon and springs that are not there, or do not belong to each other."""
-        near, drives = NearMisses(), {drive.name for drive in mechanism.drives}
-        tendons = [tendon.name for tendon in mechanism.tendons]
-        pins = [joint.name for joint in mechanism.joints if isinstance(joint, Pin)]
-        if self.tendon not in tendons:
-            yield Problem("name-not-found",
-                          f"there is no tendon named {quoted(self.tendon)}", f"{path}.tendon",
-                          allowed=listed(tendons) or "none: the scene has no tendons",
-                          hint=near(self.tendon, tendons))
+        """A tendon or springs that do not act on its joints."""
+        drives = {drive.name for drive in mechanism.drives}
+        known = any(tendon.name == self.tendon for tendon in mechanism.tendons)
         for i, (pin, guides, spring) in enumerate(crossings(self, mechanism)):
-            name, drive = self.joints[i], self.writes[i]
-            if pin is None:
-                yield Problem("name-not-found",
-                              f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
-                              allowed=listed(pins) or "none: the scene has no hinges",
-                              hint=near(name, pins))
-                continue
-            if self.tendon in tendons and (guides is None or guides[0].radius or guides[1].radius):
+            name, drive = quoted(self.joints[i]), self.writes[i]
+            if known and pin and (guides is None or guides[0].radius or guides[1].radius):
                 yield Problem("bad-control-law", f"the tendon {quoted(self.tendon)} does not run "
-                              f"straight from a guide on one side of {quoted(name)} to a guide on "
-                              "the other", f"{path}.joints[{i}]")
-            if drive in drives and (
+                              f"straight from a guide on one side of {name} to a guide on the "
+                              "other", f"{path}.joints[{i}]")
+            if pin and drive in drives and (
                     spring is None or {spring.a, spring.b} != {pin.a, pin.b}):
                 yield Problem("bad-control-law", f"{quoted(drive)} does not set the stiffness of a "
-                              f"linear spring across {quoted(name)}", f"{path}.writes[{i}]",
+                              f"linear spring across {name}", f"{path}.writes[{i}]",
                               allowed="a stiffness drive for each joint, in the joints' order")
 
     def law_problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
@@ -246,11 +227,9 @@ def _joints(tendon: TendonRoute, springs: SpringSet, rest: ArrayLike) -> list[Jo
 class Equilibrium(Law):
     """k = T h / s at the target + (kp e + kd rate + I) / s, with e = rotation - reference.
 
-    - The reference moves linearly from the joint's first rotation to the target within
-      ``rise``; the feedforward is that of the target itself.
-    - I, a torque, integrates ki e over straight lines between acts once the reference has
-      arrived: before, the lag of the joint is no error of the model. It stops while its
-      drive's value is cut and it would increase the cut.
+    - The reference moves linearly from the joint's first rotation to the target within ``rise``.
+    - I integrates ki e over straight lines between acts once the reference has arrived. It stops
+      while its drive's value is cut and it would increase the cut.
     - s is at least that at the guard's rotation, and so never 0.
     """
 
@@ -266,15 +245,9 @@ class Equilibrium(Law):
         self._integrals = [0.0] * n
         self._since: float | None = None
         self._arrived, self._resumes = False, not spec.active
-        self._balanced_at: tuple[float, list[float]] | None = None
-        self._balancing: list[float] = []
 
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Start the reference at the joints' rotations.
-
-        During a run the integrals take up the difference to the drives' values; without an
-        integral gain the difference would stay, so these joints begin at 0.
-        """
+        """Start the reference; during a run integrals begin at the drives' values, if they act."""
         n = len(self._joints)
         self._starts = list(readings[:n])
         self._since, self._arrived = None, False
@@ -311,15 +284,10 @@ class Equilibrium(Law):
         return list(wanted)
 
     def _ahead(self, readings: Sequence[float], targets: Sequence[float]) -> list[float]:
-        """T h / s at the targets; computed anew when one of them or T has changed."""
+        """T h / s at the targets."""
         pull = readings[-1] if self._pull is None else self._pull
-        balanced_at = (pull, list(targets))
-        if balanced_at != self._balanced_at:
-            self._balanced_at = balanced_at
-            self._balancing = [
-                pull * joint.tendon_arm(target) / self._moment(i, target)
+        return [pull * joint.tendon_arm(target) / self._moment(i, target)
                 for i, (joint, target) in enumerate(zip(self._joints, targets, strict=True))]
-        return self._balancing
 
     def _moment(self, i: int, theta: float) -> float:
         """The spring moment s of a joint, no less than the guard's."""

@@ -3,43 +3,36 @@
 Sources: K. J. Astrom and R. M. Murray, Feedback Systems (2nd ed., 2021), chapter 11;
 K. J. Astrom and B. Wittenmark, Computer-Controlled Systems (3rd ed., 1997), section 8.5.
 
-Relay auto-tuning makes the loop oscillate, and computes gains from period and amplitude.
-
-Sources: K. J. Astrom and T. Hagglund, "Automatic tuning of simple regulators with
-specifications on phase and amplitude margins", Automatica 20 (1984) 645-651.
-Rules: J. G. Ziegler and N. B. Nichols, Trans. ASME 64 (1942) 759-768; B. D. Tyreus
-and W. L. Luyben, Ind. Eng. Chem. Res. 31 (1992) 2625-2628; the rule without overshoot
-as in D. E. Seborg, T. F. Edgar and D. A. Mellichamp, Process Dynamics and Control.
+Relay tuning: K. J. Astrom and T. Hagglund, Automatica 20 (1984) 645-651. Rules: J. G. Ziegler and
+N. B. Nichols, Trans. ASME 64 (1942) 759-768; B. D. Tyreus and W. L. Luyben, Ind. Eng. Chem. Res. 31
+(1992) 2625-2628; without overshoot D. E. Seborg et al., Process Dynamics and Control.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field
 
 from sandbox.elements.controllers.controller import Law, ReadingController, Row
-from sandbox.values.numbers import Duration, Flag, Instant, Quantity
+from sandbox.values.numbers import NOT_ZERO, Duration, Flag, Instant, Quantity
 from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError
+from sandbox.wording import refuse_if
 
 
 class Pid(Law):
     """u = bias + kp e + I - kd D, with e = target - reading, sampled with period h.
 
-    - I: the integral of ki e over straight lines between acts,
-      I += ki h (e + e_before) / 2.
-    - D: the slope of the reading since the last act through 1 / (1 + filter s), exactly for
-      straight lines: D = a D_before + (1 - a) (reading - reading_before) / h with
-      a = exp(-h / filter). It follows the reading and not the error, so a target that
-      jumps gives no kick.
-    - Anti-windup uses the difference between the output and what was applied, by limits or
-      the rate limit. ``clamp`` stops the integral while it would increase the difference.
-      ``back_calculation`` moves it as dI/dt = (applied - wanted) / tracking, over a period h
-      by 1 - exp(-h / tracking) of the difference; by all of it if kp is 0 and no tracking
-      time is given.
+    - I: the integral of ki e over straight lines between acts, I += ki h (e + e_before) / 2.
+    - D: the slope of the reading since the last act through 1 / (1 + filter s), exact for straight
+      lines: D = a D_before + (1 - a) (reading - reading_before) / h with a = exp(-h / filter). It
+      follows the reading and not the error, so a target that jumps gives no kick.
+    - Anti-windup by the difference between the output and the applied value: ``clamp`` stops the
+      integral while it would increase the difference; ``back_calculation`` moves it as
+      dI/dt = (applied - wanted) / tracking, over a period h by 1 - exp(-h / tracking) of the
+      difference, or all of it if kp is 0 and no tracking time is given.
     """
 
     def __init__(self, spec: PidController, period: float) -> None:
@@ -56,11 +49,7 @@ class Pid(Law):
         self._fresh = True
 
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Set bias and integral.
-
-        During a run the integral takes up the difference to the drive's value; without integral
-        action the difference would stay, so the law keeps to its bias.
-        """
+        """Set bias and integral; during a run an integral begins at the drive's value."""
         now = inputs[0]
         self._bias = now if self._given is None else self._given
         proportional = self._kp * (targets[0] - readings[0])
@@ -103,7 +92,6 @@ class PidController(ReadingController):
 
     LAW = Pid
     of_drive = ("bias",)
-
     type: Literal["pid"] = TYPE
     target: Signal
     """Target of the reading over time, in its unit; an event may set ``<name>.target``."""
@@ -125,12 +113,9 @@ class PidController(ReadingController):
     tracking: Duration | None = None
     """Time constant of the back-calculation [s]; by default |kp / ki|, and at once if kp is 0."""
 
-    @model_validator(mode="after")
-    def _tracking_is_used(self) -> Self:
-        if self.tracking is not None and self.anti_windup != "back_calculation":
-            raise WrongValueError("conflicting-keys", "'tracking' is for \"anti_windup\": "
-                                  "\"back_calculation\"")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.tracking is not None and self.anti_windup != "back_calculation",
+                  "'tracking' is for \"anti_windup\": \"back_calculation\"")
 
 
 # kp / Ku, integral time / Tu, derivative time / Tu of each rule
@@ -155,11 +140,9 @@ def gains_of(rule: str, gain: float, period: float) -> dict[str, Any]:
 class Relay(Law):
     """Switches its drive until the reading has oscillated often enough, then is a PID.
 
-    A cycle lasts from one switch to bias + amplitude to the next. The first one is
-    not measured; of the others the mean period is Tu and the mean half-height of the
-    error is a. The half-height d of the input is that of what was applied, so limits
-    that cut the relay do no harm. The PID begins with the mean input of the measured
-    cycles, which held the reading around its target.
+    A cycle lasts from one switch to bias + amplitude to the next. The first one is not measured; of
+    the others the mean period is Tu and the mean half-height of the error is a. The half-height d
+    is that of the applied input, within limits. The PID begins with the mean input of these cycles.
     """
 
     def __init__(self, spec: RelayController, period: float) -> None:
@@ -237,22 +220,20 @@ class Relay(Law):
 
 
 class RelayController(ReadingController):
-    """A PID controller that first finds its gains itself, by switching its drive to and fro.
+    """A PID controller that first finds its gains by relay auto-tuning (Astrom, Hagglund 1984).
 
-    That is relay auto-tuning (Astrom and Hagglund 1984).
-    The drive is switched between bias + amplitude and bias - amplitude until the
-    reading has gone round ``cycles`` times; amplitude and period of those after
-    the first give the gains. What was found stands in ``run.json``.
+    It switches the drive between bias + amplitude and bias - amplitude until the reading has
+    oscillated ``cycles`` times; amplitude and period of those after the first give the gains, which
+    ``run.json`` has.
     """
 
     LAW = Relay
     of_drive = ("bias", "amplitude")
     of_reading = ("hysteresis",)
-
     type: Literal["relay"] = TYPE
     target: Signal
     """Target of the reading over time, in its unit; first the reading oscillates about it."""
-    amplitude: Quantity
+    amplitude: Annotated[Quantity, NOT_ZERO]
     """Amplitude of the switching, in the drive's unit, not 0; negative if input lowers reading."""
     hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
     """How far the reading passes the target before the relay switches, in the reading's unit."""
@@ -263,10 +244,3 @@ class RelayController(ReadingController):
     """Tuning rule that gives the gains from the ultimate gain and period."""
     bias: Quantity | None = None
     """Mean of the switching, in the drive's unit; by default the drive's value at the start."""
-
-    @field_validator("amplitude")
-    @classmethod
-    def _switches(cls, amplitude: float) -> float:
-        if amplitude == 0:
-            raise WrongValueError("out-of-range", "must not be 0: the relay would not switch")
-        return amplitude

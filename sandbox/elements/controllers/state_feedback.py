@@ -4,24 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from operator import add, mul, sub
-from typing import Literal, Self
+from typing import Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from sandbox.elements.controllers.controller import Law, Matrix, Reading, Row, SeveralController
 from sandbox.values.numbers import Items, Quantity
 from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError
+from sandbox.wording import refuse_if
 
 
 class StateFeedback(Law):
     """u = bias + K e + I with e = targets - readings, and for each drive an integral of its own.
 
-    I is the integral of the row of ``integral_gains`` times e over straight lines
-    between acts. It stops while its drive's output is cut, by limits or the rate limit, and
-    would increase the cut. Columns without an integral gain are left out of the integrals.
-    Rows are lists: numpy needs as long for 4 x 6 numbers.
+    I is the integral of the row of ``integral_gains`` times e over straight lines between acts. It
+    stops while its drive's output is cut and it would increase the cut. Rows are lists: numpy takes
+    as long for 4 x 6 numbers.
     """
 
     def __init__(self, spec: StateFeedbackController, period: float) -> None:
@@ -39,11 +38,7 @@ class StateFeedback(Law):
         self._resumes, self._fresh = not spec.active, True
 
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Set bias and integrals.
-
-        During a run the rows with integral gains take up the difference to their drives' values;
-        others keep to their bias.
-        """
+        """Set bias and integrals; during a run integrals begin at their drives' values."""
         self._bias = tuple(inputs) if self._given is None else self._given
         self._integrals = [0.0] * len(self._bias)
         if self._resumes and self._kept:
@@ -84,7 +79,6 @@ class StateFeedbackController(SeveralController):
     PER_DRIVE = ("limits", "slew", "bias")
     of_drive = ("bias",)
     target_key = "targets"
-
     type: Literal["state_feedback"] = TYPE
     reads: Items[Reading] = Field(min_length=1, max_length=64)
     """Quantities, or expressions of them, in the order of the columns of ``gains``."""
@@ -93,21 +87,16 @@ class StateFeedbackController(SeveralController):
     gains: Matrix
     """A row for each drive, a column for each reading [drive's unit per reading's unit]."""
     integral_gains: Matrix | None = None
-    """Gains of the errors' integrals, in the shape of ``gains``; none by default. The integral of a
-    row stops while its drive is at its limit."""
+    """Gains of the errors' integrals, in the shape of ``gains``; none by default."""
     bias: Items[Quantity] | None = None
     """Added for each drive, in its unit; by default the drives' values at the beginning."""
 
-    @model_validator(mode="after")
-    def _shapes(self) -> Self:
-        rows, columns = len(self.writes), len(self.reads)
-        wrong = [key for key in ("gains", "integral_gains")
-                 if (given := getattr(self, key)) is not None
-                 and (len(given) != rows or any(len(row) != columns for row in given))]
-        if wrong:
-            raise WrongValueError("wrong-type", f"'{wrong[0]}': expected {rows} rows (drives) and "
-                                  f"{columns} columns")
-        if len(self.targets) != columns:
-            raise WrongValueError("wrong-type", f"'targets': expected {columns} entries, one a "
-                                  "reading")
-        return self
+    def _verify(self) -> None:
+        super()._verify()
+        columns = len(self.reads)
+        for key, gains in ("gains", self.gains), ("integral_gains", self.integral_gains):
+            refuse_if(gains is not None and list(map(len, gains)) != [columns] * len(self.writes),
+                      f"'{key}': expected {len(self.writes)} rows (drives) and {columns} columns",
+                      "wrong-type")
+        refuse_if(len(self.targets) != columns,
+                  f"'targets': expected {columns} entries, one a reading", "wrong-type")

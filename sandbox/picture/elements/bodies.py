@@ -65,7 +65,7 @@ def add_bodies(s: Subject) -> None:
     """All visible bodies with their wheels; fixed ones are hatched."""
     model, looks = s.run.model, styles(s.run.model)
     wheels, joined, drives = wheel_pictures(model), joined_points(model), model.drives
-    rails = model.joints.bodies[model.joints.grooved, 0].tolist()
+    rails = model.joints.bodies[model.joints.keeping("groove"), 0].tolist()
     for i in s.layers.of("bodies"):
         body, fixed = model.mechanism.bodies[i], bool(model.bodies.fixed[i])
         driven = {int(drives.shape[k]): k for k in drives.giving("radius").tolist()
@@ -154,7 +154,7 @@ def back_to_front(shapes: Sequence[Shape]) -> list[int]:
 def _anchors(model: Model, *, grooves: bool, wheels: bool = True) -> Iterator[tuple[int, Array]]:
     """Bodies with points [n, 2] m where joints, straight springs and cylinders act on them."""
     joints, springs, lines = model.joints, model.springs, model.lines
-    grooved = set(joints.grooved.tolist())
+    grooved = set(joints.keeping("groove").tolist())
     for k, (a, b) in enumerate(joints.bodies.tolist()):
         if wheels or joints.kind[k].keeps not in ("gear", "rack", "roll"):
             if k not in grooved:

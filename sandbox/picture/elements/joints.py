@@ -36,7 +36,7 @@ def add_joints(s: Subject) -> None:
     for k, kind in enumerate(joints.kind):
         (a, b), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
         where: dict[str, Any] = {"plane": s.plane(a, b), "shown": s.held(int(model.bonds.joint[k]))}
-        if k in joints.grooved:
+        if joints.kind[k].keeps == "groove":
             _groove(s, k, where)
         if k in joints.frictional:
             s.add("pins", "mark", joints.name[k], rank=-1, at=s.on(b, on_b), g=["slides", "rubs"],

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.model.bonds import held_one
-from sandbox.model.model import NONE
+from sandbox.model.model import NONE, held_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.elements.joints import made_stiffer
 from sandbox.picture.listing import Between, Number, Point, RunData, flat, short
@@ -96,7 +95,7 @@ class _Cable:
         self.senses = [1 if guide.side == "right" else -1 for guide in path]
         self.points = [s.on(*at) for at in zip(bodies, tendons.guide_at[where], strict=True)]
         self.add = partial(s.add, "cables", plane=s.plane(*bodies))
-        self.hold = held_one(int(s.run.model.bonds.tendon[k]), s.run.arrays["held"])
+        self.hold = held_of(int(s.run.model.bonds.tendon[k]), s.run.arrays["held"])
         self.shown = None if self.hold.all() else s.steady(self.hold)
         self.on = np.ones((len(s.run.time), len(path)), dtype=bool)
         self.on[:, list(spec.lifting)] = ~off

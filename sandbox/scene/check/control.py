@@ -166,8 +166,6 @@ def _measured(mechanism: Mechanism) -> Iterator[Place]:
                                     drives.get(name))
         for key in law.of_reading:
             yield f"{path}.{key}", getattr(law, key), wanted[0]
-        for key in law.of_force:
-            yield f"{path}.{key}", getattr(law, key), "force"
         for j, (target, dimension) in enumerate(zip(law.signals, wanted, strict=False)):
             index = f"[{j}]" if law.target_key == "targets" else ""
             yield from _values(f"{path}.{law.target_key}{index}", target, dimension)

@@ -46,7 +46,7 @@ def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
     for i, drive in enumerate(mechanism.drives):
         if drive.value is not None:
             yield from _signal(drive.value, mechanism, f"$.drives[{i}].value",
-                               drive.kind.dimension or "stiffness", positive=drive.kind.positive)
+                               drive.kind.dimension or "stiffness", positive=drive.kind.floor > 0)
     for i, controller in enumerate(mechanism.controllers):
         for j, signal in enumerate(controller.signals):
             place = f"[{j}]" if controller.target_key == "targets" else ""

@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from sandbox.elements.element import Turn
-from sandbox.elements.points import Pin
+from sandbox.elements.joints import Pin
 from sandbox.elements.registry import Joint
 from sandbox.elements.springs import LinearSpring, Spring
 from sandbox.elements.tendons import RIGID, Guide, Tendon
@@ -28,8 +28,7 @@ from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
 from sandbox.values import numbers as of
 from sandbox.values.appearance import Planes
-from sandbox.values.marks import ReadMark
-from sandbox.values.spec import TYPE, Spec
+from sandbox.values.spec import TYPE, ReadMark, Spec
 from sandbox.wording import WrongValueError
 
 ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]

@@ -37,10 +37,9 @@ from sandbox.scene.outlines.curves import Node
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.settings import Group
 from sandbox.values.expressions import RESERVED
-from sandbox.values.marks import mark_of
 from sandbox.values.numbers import Dimension, Point
 from sandbox.values.signals import AnySignal, Constant, Formula, OverTime, Ramp, Table, values
-from sandbox.values.spec import Spec
+from sandbox.values.spec import Spec, mark_of
 from sandbox.wording import WrongValueError, is_pattern, near
 
 Mirror = Literal["left-right", "up-down"]

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, WithJsonSchema, model_validator
 
-from sandbox.elements.points import Pin, Rod, Rope, Slot
+from sandbox.elements.joints import Pin, Rod, Rope, Slot
 from sandbox.elements.registry import Joint
 from sandbox.elements.springs import LinearSpring, RotarySpring
 from sandbox.scene.bodies import Body, Box, Circle

@@ -9,16 +9,15 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.points import Rope, Slot
+from sandbox.elements.joints import Rope, Slot
 from sandbox.elements.tendons import RIGID, Guide, Tendon
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Body, Capsule, Circle, Shape
 from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, Known, Leaf, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
-from sandbox.values.marks import TextFor
 from sandbox.values.numbers import Angle, Damping, Items, Length, Mass, Name, Ratio, Stiffness
-from sandbox.values.spec import TYPE
+from sandbox.values.spec import TYPE, text_for
 from sandbox.wording import NearMisses, WrongValueError
 
 MIN_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
@@ -28,7 +27,7 @@ ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuat
 class _TreeSpec(PartSpec):
     name: Name
     """Its name; a pull drive that names it pulls ``<name>.tendon``."""
-    pulls: Items[Annotated[Leaf, TextFor("name")]] = Field(min_length=2, max_length=4096)
+    pulls: Items[Annotated[Leaf, text_for(Leaf, "name")]] = Field(min_length=2, max_length=4096)
     """Names of fingers, tendons or bodies, in the order in which they lie side by side."""
     shares: Items[Ratio] | None = None
     """Shares of the pull, one for each leaf in any unit; by default equal."""

@@ -1,0 +1,583 @@
+"""Drives: inputs of the mechanism, as signals over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from sandbox.elements import element as base
+from sandbox.elements.element import BodyName, Element, HingeName, Quantity, computed, live
+from sandbox.elements.tendons import RIGID
+from sandbox.errors import Problem
+from sandbox.values import numbers as of
+from sandbox.values import signals
+from sandbox.values.expressions import parse_expression
+from sandbox.values.spec import TYPE
+from sandbox.values.units import si_unit
+from sandbox.wording import MAX_NAMED, quoted, refuse_if
+
+if TYPE_CHECKING:
+    from sandbox.engine.pymunk_draft import PymunkDraft
+    from sandbox.export.document import Draft
+    from sandbox.scene.mechanism import Mechanism
+    from sandbox.scene.parts.placement import Mover
+
+SMALLEST_RADIUS = 1e-9  # of a circle whose radius a drive sets [m]
+Gives = Literal["force", "torque", "push", "tension", "radius", "stiffness", "flow", "pressure",
+                "opening", "surface", "hold"]
+QUANTITIES: Mapping[str, Quantity] = {
+    "value": live("drive_value", "", "current value"),
+    "work": Quantity("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
+    "flow": live("drive_flow", "m^3/s", "flow into its line"),
+    "torque": live("drive_torque", "N m", "torque on its hinge, in the hinge's positive sense"),
+    "force": live("drive_torque", "N", "force on its actuator; positive extends it"),
+    "power": computed("W", "power on the bodies: torque or force times the rate of its hinge or "
+                           "actuator; of a conveyor surface, friction force times its speed"),
+}
+
+
+MOVING = ("value", "work", "power")  # quantities that drives record
+TURNING, PUSHING = ("value", "work", "torque", "power"), ("value", "work", "force", "power")
+
+
+@dataclass(frozen=True)
+class DriveKind:
+    """Facts about a kind of drive."""
+
+    target: base.Reference  # mark of the field that names its target
+    # a force on a body, a torque between the two bodies of a hinge, a push between the two points
+    # of an actuator, and so on
+    gives: Gives
+    dimension: str  # of its value; empty for that of its spring
+    records: tuple[str, ...] = ("value", "work")
+    floor: float = -math.inf  # smaller values count as this
+    sole: str = ""  # what only one drive may set of a target; empty where several add up
+    limited: bool = False  # whether the solver computes its effort, within a limit
+    places: bool = False  # whether its value is a target position
+    latched: bool = False  # whether pymunk keeps its value, so that only changes are set
+    timely: Literal["pose", "end"] = "pose"  # at which time in a step its value is evaluated
+    twin: str = ""  # the same drive of an actuator for one of a hinge, and the other way round
+    mujoco: str = ""  # why MuJoCo has no counterpart; empty where it has one
+    mujoco_varied: str = ""  # why MuJoCo has no counterpart if the value varies
+
+    @property
+    def unit(self) -> str:
+        """The unit of its value."""
+        return si_unit(self.dimension)
+
+
+class DriveSpec(Element):
+    """The base of all drives."""
+
+    facts: ClassVar[DriveKind]
+    type: str
+    name: of.Name
+    """Its name; quantities are ``<name>.value`` and so on."""
+
+    if TYPE_CHECKING:
+        value: Any
+
+    @property
+    def kind(self) -> DriveKind:
+        """Facts, which may depend on its fields."""
+        return self.facts
+
+    @property
+    def target(self) -> tuple[base.Reference, str]:
+        """The element that it acts on: the mark of the field that names it, and the name."""
+        _, reference, name = next(base.references(self, ""))
+        return reference, name
+
+    @property
+    def owned(self) -> tuple[object, ...]:
+        """What no other drive may set."""
+        return self.kind.sole, self.target[1]
+
+    def dimension(self, mechanism: Mechanism) -> str | None:
+        """The dimension of its value; None where no element has the name of its target."""
+        return self.kind.dimension
+
+    def signal(self, mechanism: Mechanism) -> signals.AnySignal:
+        """Its value over time."""
+        found: signals.AnySignal = self.value
+        return found
+
+    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
+        """The quantities that it records, with their units."""
+        own = si_unit(self.dimension(mechanism) or "")
+        return {name: QUANTITIES[name].unit or own for name in self.kind.records}
+
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart; empty where it has one."""
+        signal = self.signal(mechanism)
+        return super().without_pymunk(mechanism) or (
+            "a formula that calls a table" if isinstance(signal, signals.Formula)
+            and parse_expression(signal.expression).tables else "")
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        raise NotImplementedError
+
+
+class ForceDrive(DriveSpec):
+    """A force on a point of a body, along a fixed direction."""
+
+    facts = DriveKind(base.BODY, "force", "force")
+    type: Literal["force"] = TYPE
+    body: BodyName
+    """Name of the body that is pushed."""
+    at: of.Point = (0.0, 0.0)
+    """The point that the force acts on, in the body's frame [m]; it moves with the body."""
+    direction: base.Direction
+    """[x, y] of any length except zero: only its direction counts; a negative value reverses it."""
+    frame: Literal["world", "body"] = "world"
+    """Whether the direction is fixed in the world or in the body."""
+    value: signals.ForceSignal
+    """The force over time [N]."""
+
+    @property
+    def turning(self) -> bool:
+        """Whether its direction turns with its body."""
+        return self.frame == "body"
+
+    @property
+    def along(self) -> base.Vec:
+        """Its direction, of length 1."""
+        x, y = self.direction / np.hypot(*self.direction)
+        return float(x), float(y)
+
+    def placed(self, mover: Mover) -> Mapping[str, Any]:
+        """New values of ``kept`` fields that a placement changes."""
+        return {"direction": mover.placement.vector(self.direction) if self.frame == "world"
+                else mover.direction(self.body, self.direction)}
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        frame = None if self.turning else draft.world_frame()
+        site = draft.site(draft.target(index), f"{self.name}.site", self.at)
+        draft.motor(index, gear=(*self.along, 0, 0, 0, 0), site=site, refsite=frame)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A force before each step."""
+        turns = {"turns": True} if self.turning else {}
+        draft.add("push_point", self.name, draft.value(index), self.body, self.at, self.along,
+                  **turns)
+
+
+class RadiusDrive(DriveSpec):
+    """Sets the radius of a body's circle over time: an object that swells or shrinks."""
+
+    facts = DriveKind(base.BODY, "radius", "length", floor=SMALLEST_RADIUS, sole="radius",
+                      latched=True, mujoco="a changing radius")
+    type: Literal["radius"] = TYPE
+    body: BodyName
+    """Name of the body; mass and inertia stay as they are."""
+    shape: int = Field(default=0, ge=0)
+    """Which of the body's shapes, counted from 0; it has to be a circle."""
+    value: signals.LengthSignal
+    """The radius over time [m]."""
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A radius that is set before each step."""
+        draft.add("resize", self.name, draft.value(index), self.body,
+                  draft.first_solid(self.body, self.shape), floor=SMALLEST_RADIUS)
+
+    @property
+    def owned(self) -> tuple[object, ...]:
+        """What no other drive may set."""
+        return *super().owned, self.shape
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """A shape that is none, or no circle."""
+        body = next((each for each in mechanism.bodies if each.name == self.body), None)
+        if body is None:
+            return
+        circles = [i for i, shape in enumerate(body.shapes) if shape.type == "circle"]
+        if self.shape not in circles:
+            yield Problem("not-settable", f"shape {self.shape} of {quoted(self.body)} (they count "
+                          "from 0) is no circle, which has a radius to set", f"{path}.shape",
+                          allowed=", ".join(map(str, circles[:MAX_NAMED]))
+                          or f"none: {quoted(self.body)} has no circle")
+
+
+class SurfaceDrive(DriveSpec):
+    """Moves the surface of a body along its outline, as on a conveyor; the body does not move.
+
+    Friction carries along the bodies that touch it.
+    """
+
+    PYMUNK = "a conveyor surface: its shapes have one surface velocity, not one along an outline"
+    facts = DriveKind(base.BODY, "surface", "speed", MOVING, sole="surface", timely="end",
+                      mujoco="a conveyor surface")
+    type: Literal["surface"] = TYPE
+    body: BodyName
+    """Name of the body, all of whose shapes run; its mass and pose are not changed by that."""
+    positive: Annotated[base.Turn, base.OTHER_SIDE] = "counterclockwise"
+    """Positive direction of the speed around the body: with ``clockwise`` its top moves right."""
+    value: signals.RateSignal
+    """The speed along the surface over time [m/s], seen from the body."""
+
+    @property
+    def sense(self) -> float:
+        """+1 or -1: the factor from counter-clockwise round its body to the positive way."""
+        return 1.0 if self.positive == "counterclockwise" else -1.0
+
+
+class PullDrive(DriveSpec):
+    """Sets the tension of a tendon: an actuator at its last guide. Below 0 counts as 0."""
+
+    facts = DriveKind(base.TENDON, "tension", "force", floor=0.0, sole="tension")
+    type: Literal["pull"] = TYPE
+    tendon: Annotated[of.Name, base.TENDON]
+    """Name of a tendon, or of a finger or tree: then its own tendon is pulled."""
+    value: signals.ForceSignal
+    """The tension over time [N]; below 0 counts as 0."""
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        tendon = draft.model.tendons.name[draft.target(index)]
+        draft.sense("actuatorfrc", f"{tendon}.tension", actuator=self.name)
+        draft.motor(index, tendon=tendon, gear=-1.0, ctrlrange=(0.0, draft.MAX_FORCE))
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """The tension of its tendon, set before each step."""
+        draft.add("set", self.name, draft.value(index), self.tendon, "pulled", floor=0.0)
+
+
+class StiffnessDrive(DriveSpec):
+    """Sets the stiffness of a spring or of a tendon over time. Below 0 counts as 0."""
+
+    facts = DriveKind(base.SPRING, "stiffness", "", ("value",), floor=0.0, sole="stiffness",
+                      mujoco="a stiffness drive")
+    on_tendon: ClassVar[DriveKind] = replace(facts, target=base.TENDON, dimension="stiffness")
+    type: Literal["stiffness"] = TYPE
+    spring: Annotated[of.Name | None, base.SPRING] = None
+    """Name of the spring, linear or rotary; its damping stays as it is. This or ``tendon``."""
+    tendon: Annotated[of.Name | None, base.TENDON] = None
+    """In place of ``spring``, the name of a tendon below 100 kN/m without pull drive and guide
+    friction, or of a finger or tree for its own tendon. Damping and rest length do not change; a
+    ``pretension`` sets the rest length by the tendon's own stiffness."""
+    value: signals.StiffnessSignal | None = None
+    """Stiffness over time [N/m, of a rotary spring N m/rad]; by default the element's own."""
+
+    def _verify(self) -> None:
+        refuse_if((self.spring is None) == (self.tendon is None),
+                  "a stiffness drive needs either 'spring' or 'tendon'")
+
+    @property
+    def kind(self) -> DriveKind:
+        """Facts, by its target."""
+        return self.facts if self.tendon is None else self.on_tendon
+
+    def _spring(self, mechanism: Mechanism) -> Any:
+        """Its spring or tendon; None where no element has the name."""
+        return next((each for each in (*mechanism.springs, *mechanism.tendons)
+                     if each.name == (self.spring or self.tendon)), None)
+
+    def dimension(self, mechanism: Mechanism) -> str | None:
+        """The dimension of its value; None where no element has the name."""
+        if self.tendon is not None:
+            return self.kind.dimension
+        spring = self._spring(mechanism)
+        return spring and str(spring.facts.dimension)
+
+    def signal(self, mechanism: Mechanism) -> signals.AnySignal:
+        """Its value over time: by default the stiffness of its spring or tendon."""
+        return (signals.Constant(constant=self._spring(mechanism).stiffness)
+                if self.value is None else self.value)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """The stiffness of its spring or tendon, set before each step."""
+        draft.add("set", self.name, draft.value(index), self.spring or self.tendon, "stiffness",
+                  floor=0.0)
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """Springs and tendons that have no stiffness to set, tendons with several tensions."""
+        found, name = self._spring(mechanism), quoted(self.spring or self.tendon or "")
+        pull = next((each.name for each in mechanism.drives if each.kind.gives == "tension"
+                     and each.target[1] == self.tendon), None)
+        if pull is not None:
+            why, allowed = (f"{quoted(pull)} pulls it, which sets its tension",
+                            "a tendon that no drive pulls")
+        elif found is None:
+            return
+        elif found.stiffness is None:
+            why, allowed = "it follows a law", "a spring with a 'stiffness'"
+        elif self.tendon is not None and found.gripping:
+            why, allowed = (f"its guide {found.gripping[0]} has friction, so each span has its own "
+                            "tension", "a tendon whose guides have no 'friction'")
+        elif self.tendon is not None and found.stiffness >= RIGID:
+            why, allowed = (f"with {found.stiffness:g} N/m it counts as inextensible", "a tendon "
+                            f"with a 'stiffness' below {RIGID:g} N/m, which it has at first")
+        else:
+            return
+        yield Problem("not-settable", f"{name} has no stiffness to set: {why}",
+                      f"{path}.{'spring' if self.spring else 'tendon'}", allowed=allowed)
+
+
+class HoldDrive(DriveSpec):
+    """Releases and engages a joint, a spring or a tendon, any number of times.
+
+    Models a clutch, a magnet, or a latch that a controller works. A broken element stays broken
+    until the value has been 0.5 or less and rises again.
+    """
+
+    PYMUNK = base.RELEASED
+    facts = DriveKind(base.HELD, "hold", "ratio", ("value",), sole="hold", mujoco=base.RELEASED)
+    type: Literal["hold"] = TYPE
+    element: Annotated[of.Name, base.HELD]
+    """Name of the joint, spring or tendon. A joint closes its gap in its ``takes_up_in``."""
+    value: signals.ShareSignal
+    """Value over time: above 0.5 engages, otherwise releases. An event that releases or engages the
+    same element overrides it until the value next crosses 0.5."""
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """Wheels, which cannot be engaged again."""
+        if any(joint.name == self.element and joint.facts.wheels for joint in mechanism.joints):
+            yield base.no_mesh(self.element, f"{path}.element")
+
+
+class HingeDrive(DriveSpec):
+    """A drive of a hinge."""
+
+    joint: HingeName
+    """Name of the pin that it acts on."""
+
+
+class ActuatorDrive(DriveSpec):
+    """A drive of an actuator."""
+
+    joint: Annotated[of.Name, base.ACTUATOR]
+    """Name of the actuator that it acts on."""
+
+
+class TorqueDrive(HingeDrive):
+    """A torque between the two bodies of a hinge, positive as the hinge turns."""
+
+    facts = DriveKind(base.HINGE, "torque", "torque", MOVING, twin="push")
+    type: Literal["torque"] = TYPE
+    value: signals.TorqueSignal
+    """Torque on body ``b`` over time [N m], in the hinge's sense; the opposite acts on ``a``."""
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        draft.motor(index, **draft.drive_hinge(index))
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A torque on both bodies."""
+        _, joint = draft.target(index)
+        draft.add("twist", self.name, draft.value(index), joint.a, joint.b, joint.sense)
+
+
+class MotorDrive(HingeDrive):
+    """Drives a hinge at a set speed with a maximum torque, or along a torque-speed line.
+
+    With ``stall`` and ``no_load`` its torque at the hinge speed w is T = stall (u - w) / no_load, u
+    the ``value``. It drives while w is between 0 and u, and brakes outside: with more than
+    ``stall`` if w is opposed to u.
+    """
+
+    facts = DriveKind(base.HINGE, "torque", "angular speed", TURNING, sole="motor", limited=True,
+                      timely="end", twin="extend",
+                      mujoco="a motor with a set speed or a torque-speed line")
+    type: Literal["motor"] = TYPE
+    value: Annotated[signals.SpeedSignal | None, base.KEPT] = None
+    """Speed of ``b`` against ``a`` over time [rad/s], in the hinge's positive sense; with a line
+    the speed without torque, in proportion to the voltage, by default ``no_load``."""
+    torque: of.Torque | None = Field(default=None, gt=0)
+    """Maximum torque in both directions [N m]; optional for a motor with a line."""
+    stall: of.Torque | None = Field(default=None, gt=0)
+    """Of a motor with a line: its torque at rest [N m], while ``value`` is ``no_load``."""
+    no_load: of.AngularSpeed | None = Field(default=None, gt=0)
+    """Of a motor with a line: the speed without torque [rad/s], while ``value`` is its default."""
+
+    def _verify(self) -> None:
+        missing = "stall" if self.stall is None else "no_load"
+        refuse_if((self.stall is None) != (self.no_load is None), f"'{missing}' is missing: "
+                  "'stall' (torque at rest) and 'no_load' (speed without load) belong together",
+                  "missing-key")
+        for field, what in ("value", "the speed that it is to keep"), ("torque", "its maximum"):
+            refuse_if(self.stall is None and getattr(self, field) is None, f"a motor needs "
+                      f"'{field}', {what}; or a line, 'stall' and 'no_load'", "missing-key")
+
+    @property
+    def slope(self) -> float | None:
+        """With a line: torque per missing speed [N m s/rad]."""
+        return None if self.stall is None or self.no_load is None else self.stall / self.no_load
+
+    def signal(self, mechanism: Mechanism) -> signals.AnySignal:
+        """Its value over time: by default the speed without load."""
+        return signals.Constant(constant=self.no_load) if self.value is None else self.value
+
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart; empty where it has one."""
+        return "a motor with a torque-speed line and a largest torque" \
+            if self.stall and self.torque else super().without_pymunk(mechanism)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A SimpleMotor; with a line a torque and a damper."""
+        _, joint = draft.target(index)
+        if self.slope is not None:
+            draft.add("damper", f"{self.name}.torque", joint.a, joint.b, self.slope)
+            draft.add("twist", self.name, draft.value(index), joint.a, joint.b,
+                      self.slope * joint.sense)
+            return
+        draft.add("constraint", self.name, "SimpleMotor", joint.a, joint.b, 0.0,
+                  max_force=self.torque)
+        draft.add("set", self.name, draft.value(index), self.name, "rate", -joint.sense, later=0.5)
+
+
+class BrakeDrive(HingeDrive):
+    """Holds a hinge up to a maximum torque and slips above it: a lock, a brake.
+
+    Permanent friction of a hinge is its own ``friction``.
+    """
+
+    facts = DriveKind(base.HINGE, "torque", "torque", TURNING, floor=0.0, sole="brake",
+                      limited=True, mujoco_varied="a changing brake")
+    type: Literal["brake"] = TYPE
+    value: signals.TorqueSignal
+    """Maximum torque over time [N m]; 0 and less release the hinge."""
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        draft.brakes[draft.target(index)] = draft.final_value(index)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A SimpleMotor that holds still."""
+        _, joint = draft.target(index)
+        draft.add("constraint", self.name, "SimpleMotor", joint.a, joint.b, 0.0)
+        draft.add("set", self.name, draft.value(index), self.name, "max_force", floor=0.0)
+
+
+class PlaceDrive(DriveSpec):
+    """Moves something to a position: as a spring, or rigidly within a limit."""
+
+    LACKS: ClassVar[Mapping[str, str]] = {
+        "stiffness": "a spring towards a position with a largest force"}
+
+    if TYPE_CHECKING:
+        stiffness: float | None
+        damping: float
+        speed: float | None
+
+    def _verify(self) -> None:
+        refuse_if(self.stiffness is None and self.damping, "'damping' needs 'stiffness'")
+        refuse_if(self.stiffness is not None and self.speed is not None,
+                  "'speed' and 'stiffness' exclude each other; use 'damping'")
+
+    def write_spring(self, draft: Draft, index: int, where: str, offset: float) -> None:
+        """Add an actuator of force k (value - q) - c q'; MuJoCo's q is less by ``offset``."""
+        k, c, effort = float(self.stiffness or 0.0), float(self.damping), self.facts.records[2]
+        most = float(getattr(self, effort))
+        draft.motor(index, "general", effort, gainprm=k, biastype="affine",
+                    biasprm=(-k * offset, -k, -c), forcerange=(-most, most),
+                    **{where: draft.model.joints.name[draft.target(index)]})
+
+
+class ServoDrive(HingeDrive, PlaceDrive):
+    """Moves a hinge to an angle and holds it there with a maximum torque.
+
+    With ``stiffness`` it acts as a spring: torque = stiffness (value - angle) - damping rate, up to
+    ``torque``. Loads then move it away from its target, as in a real servo without an integrator.
+    Without ``stiffness`` it is rigid: it moves to its target with ``torque``, brakes in time to
+    avoid overshoot, and holds it exactly as long as ``torque`` suffices.
+    """
+
+    facts = DriveKind(base.HINGE, "torque", "angle", TURNING, sole="motor", limited=True,
+                      places=True, twin="length")
+    type: Literal["servo"] = TYPE
+    value: signals.AngleSignal
+    """Target angle over time [rad], in the hinge's sense from its ``zero``."""
+    torque: of.Torque = Field(gt=0)
+    """Maximum torque in both directions [N m]."""
+    stiffness: of.RotaryStiffness | None = Field(default=None, gt=0)
+    """Torque for each radian that is missing [N m/rad]; without, the default, it is rigid."""
+    damping: of.RotaryDamping = 0.0
+    """With ``stiffness``: torque against the hinge's rate, per rate [N m s/rad]."""
+    speed: of.AngularSpeed | None = Field(default=None, gt=0)
+    """Maximum speed of a rigid servo [rad/s]; no limit by default."""
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        where, = draft.drive_hinge(index)
+        self.write_spring(draft, index, where,
+                          draft.angle_offset(index) if where == "tendon" else 0.0)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A SimpleMotor whose rate leads to the angle in some 10 steps."""
+        _, joint = draft.target(index)
+        draft.add("constraint", self.name, "SimpleMotor", joint.a, joint.b, 0.0,
+                  max_force=self.torque)
+        draft.add("servo", self.name, draft.value(index), self.name, joint.sense, joint.zero,
+                  self.speed or math.inf)
+
+
+class PushDrive(ActuatorDrive):
+    """A force between the two points of an actuator, along the line through them."""
+
+    facts = DriveKind(base.ACTUATOR, "push", "force", MOVING, twin="torque")
+    type: Literal["push"] = TYPE
+    value: signals.ForceSignal
+    """The force over time [N]; positive pushes the points apart, negative pulls them together."""
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        draft.motor(index, tendon=draft.model.joints.name[draft.target(index)])
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """Forces on both bodies."""
+        number, joint = draft.target(index)
+        on_a, on_b = draft.anchors(number)
+        draft.add("push_apart", self.name, draft.value(index), joint.a, on_a, joint.b, on_b)
+
+
+class ExtendDrive(ActuatorDrive):
+    """Extends an actuator at a set speed with a maximum force."""
+
+    facts = DriveKind(base.ACTUATOR, "push", "speed", PUSHING, sole="length", limited=True,
+                      timely="end", twin="motor", mujoco="an actuator with a set speed")
+    type: Literal["extend"] = TYPE
+    value: signals.RateSignal
+    """The speed over time [m/s]; positive makes the actuator longer."""
+    force: of.Force = Field(gt=0)
+    """Maximum force in both directions [N]."""
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A PinJoint whose distance changes in each step."""
+        number, joint = draft.target(index)
+        draft.add("constraint", self.name, "PinJoint", joint.a, joint.b, *draft.anchors(number),
+                  error_bias=0.0, max_force=self.force)
+        draft.add("extend", self.name, draft.value(index), self.name, later=0.5)
+
+
+class LengthDrive(ActuatorDrive, PlaceDrive):
+    """Moves an actuator to a length and holds it there with a maximum force.
+
+    With ``stiffness`` its force = stiffness (value - length) - damping speed, up to ``force``.
+    Without, it is rigid: it moves to its target with ``force``, brakes in time to avoid overshoot,
+    and holds it exactly as long as ``force`` suffices.
+    """
+
+    facts = DriveKind(base.ACTUATOR, "push", "length", PUSHING, sole="length", limited=True,
+                      places=True, twin="servo")
+    type: Literal["length"] = TYPE
+    value: signals.LengthSignal
+    """The distance of the actuator's two points to go to over time [m]."""
+    force: of.Force = Field(gt=0)
+    """Maximum force in both directions [N]."""
+    stiffness: of.Stiffness | None = Field(default=None, gt=0)
+    """Force for each metre that is missing [N/m]; without, the default, it is rigid."""
+    damping: of.Damping = 0.0
+    """With ``stiffness``: force against the actuator's speed, per speed [N s/m]."""
+    speed: of.Speed | None = Field(default=None, gt=0)
+    """Of a rigid one the fastest that its length changes [m/s]; no limit by default."""
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        self.write_spring(draft, index, "tendon", 0.0)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A PinJoint whose distance is the value."""
+        number, joint = draft.target(index)
+        speed = {} if self.speed is None else {"max_bias": self.speed}
+        draft.add("constraint", self.name, "PinJoint", joint.a, joint.b, *draft.anchors(number),
+                  max_force=self.force, **speed)
+        draft.add("set", self.name, draft.value(index), self.name, "distance")
