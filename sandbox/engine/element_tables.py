@@ -130,7 +130,7 @@ def drive_tables(places: PlacedBodies, h: float) -> tuple[Records, Records]:
             action["motor"] = len(motors)
             placed = records.PLACED if np.isnan(drives.stiffness[i]) else records.SPRUNG
             motors.append(shared | {
-                "most": drives.most[i], "slope": drives.slope[i],
+                "maximum": drives.most[i], "slope": drives.slope[i],
                 "law": placed if kind.places else records.PACED, "k": drives.stiffness[i],
                 "c": drives.damping[i], "stiff": stiff[i], "fastest": drives.fastest[i],
                 "zero": 0.0 if line else joints.zero[target]})
@@ -509,7 +509,7 @@ def _add_spans(
         inside = part["length"] * (
             rest / length if rest <= length else 1 + (rest - length) / part["length"].sum())
         part["rest"] = part["inside"] = inside
-        part["least"] = MIN_INSIDE * inside
+        part["minimum"] = MIN_INSIDE * inside
         # all spans are solved alike: at the step's end if one of them is too stiff
         largest = (part["k"] / inside).max()
         quick = stiff[e] or h * h * largest * own["response"] > records.SOFT

@@ -99,7 +99,7 @@ def _rigid(fluids: Records, drive: Array, line: int) -> float:
         return 0.0
     if fluids[line]["drive"] >= 0:
         return float(drive[fluids[line]["drive"]])
-    return float(min(max(fluids[line]["rigid"], fluids[line]["least"]), fluids[line]["most"]))
+    return float(min(max(fluids[line]["rigid"], fluids[line]["minimum"]), fluids[line]["maximum"]))
 
 
 @kernel
@@ -115,34 +115,34 @@ def _straighten(table: int, drive: Array) -> None:
     """Flows of valves and pumps, linearised in the pressures."""
     fluids, valves = at.fluids(table), at.valves(table)
     for i in range(len(fluids)):
-        fluids[i]["lets"] = fluids[i]["gets"] = 0.0
+        fluids[i]["conductance"] = fluids[i]["supply"] = 0.0
     for i in range(len(valves)):
         v = valves[i]
         opening = min(drive[v["drive"]], 1.0) if v["drive"] >= 0 else 1.0
-        v["lets"] = v["gets"] = 0.0
+        v["conductance"] = v["supply"] = 0.0
         if opening <= SHUT or v["shut"]:
             v["about"] = 0.0
             continue
         r, k = v["r"] / opening, v["k"] / (opening * opening)
         least = math.sqrt(LAMINAR / k) if v["r"] == 0.0 else 0.0
         slope = r + 2.0 * k * max(abs(v["about"]), least)
-        v["lets"], v["gets"] = 1.0 / slope, k * abs(v["about"]) * v["about"] / slope
+        v["conductance"], v["supply"] = 1.0 / slope, k * abs(v["about"]) * v["about"] / slope
         both = _swells(fluids, v)
         for end in range(2):
             joined, sign = (v["a"], -1.0) if end == 0 else (v["b"], 1.0)
             if joined >= 0:
                 rest = fluids[joined]["swells"] - both
-                fluids[joined]["lets"] += both * v["lets"]
-                fluids[joined]["gets"] += sign * (both * v["gets"] + rest * v["about"])
+                fluids[joined]["conductance"] += both * v["conductance"]
+                fluids[joined]["supply"] += sign * (both * v["supply"] + rest * v["about"])
     pumps = at.pumps(table)
     for i in range(len(pumps)):
         pump, line = pumps[i], fluids[pumps[i]["line"]]
         value = drive[pump["drive"]]
         if not pump["source"]:
-            line["gets"] += line["swells"] * value
+            line["supply"] += line["swells"] * value
         elif fluids[pump["line"]]["drive"] < 0:
-            line["lets"] += line["swells"] / pump["r"]
-            line["gets"] += line["swells"] * value / pump["r"]
+            line["conductance"] += line["swells"] / pump["r"]
+            line["supply"] += line["swells"] * value / pump["r"]
 
 
 @kernel
@@ -173,11 +173,11 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
         add_to(J, p["entry_b"], p["x"], p["y"], p["tb"])
     for i in range(len(fluids)):
         fluid, r = fluids[i], fluids[i]["row"]
-        if fluid["lets"] > 0.0:  # only ahead within a step, so that attempts end
-            fluid["ahead"] = max(fluid["ahead"], 0.5 - fluid["yields"] / (2.0 * h * fluid["lets"]))
+        if fluid["conductance"] > 0.0:  # only ahead within a step, so that attempts end
+            fluid["ahead"] = max(fluid["ahead"], 0.5 - fluid["yields"] / (2.0 * h * fluid["conductance"]))
         after, before, inflow = _weights(fluid)
-        compliance[r] = (fluid["yields"] / h + inflow * fluid["lets"]) / (after * h)
-        rhs[r] = (fluid["yields"] * fluid["rigid"] / h + inflow * fluid["gets"]
+        compliance[r] = (fluid["yields"] / h + inflow * fluid["conductance"]) / (after * h)
+        rhs[r] = (fluid["yields"] * fluid["rigid"] / h + inflow * fluid["supply"]
                   + before * growth(table, i, at.before(table))) / after
         if fluid["drive"] >= 0 or fluid["mode"] != 0:
             compliance[r] = GIVEN * (compliance[r] + fluid["response"])
@@ -188,8 +188,8 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
 def _given(fluid: Any, drive: Array) -> float:
     """The pressure of a line that has a given one [Pa]."""
     if fluid["drive"] >= 0:
-        return float(min(max(drive[fluid["drive"]], fluid["least"]), fluid["most"]))
-    return float(fluid["least"] if fluid["mode"] < 0 else fluid["most"])
+        return float(min(max(drive[fluid["drive"]], fluid["minimum"]), fluid["maximum"]))
+    return float(fluid["minimum"] if fluid["mode"] < 0 else fluid["maximum"])
 
 
 @entry_point("fluids")
@@ -199,7 +199,7 @@ def join_lines(table: int, h: float) -> None:
     for i in range(len(valves)):
         if valves[i]["slot"] >= 0:
             values[valves[i]["slot"]] -= (fluids[valves[i]["a"]]["ratio"]
-                                          * _swells(fluids, valves[i]) * valves[i]["lets"] / h)
+                                          * _swells(fluids, valves[i]) * valves[i]["conductance"] / h)
 
 
 @kernel
@@ -246,7 +246,7 @@ def _across(table: int, valve: int) -> float:
 def through(table: int, valve: int) -> float:
     """A valve's flow [m^3/s]."""
     v = at.valves(table)[valve]
-    return float(v["gets"] + v["lets"] * _across(table, valve))
+    return float(v["supply"] + v["conductance"] * _across(table, valve))
 
 
 @entry_point("fluids")
@@ -298,7 +298,7 @@ def _flows(table: int) -> bool:
     changed = False
     for i in range(len(valves)):
         v, last = valves[i], valves[i]["about"]
-        if v["lets"] == 0.0:
+        if v["conductance"] == 0.0:
             continue
         flow = through(table, i)
         v["about"] = flow
@@ -317,7 +317,7 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
     fluid, mode = fluids[line], fluids[line]["mode"]
     if fluid["drive"] >= 0:
         return 0.0, 0
-    p, least, most = fluid["pressure"], fluid["least"], fluid["most"]
+    p, least, most = fluid["pressure"], fluid["minimum"], fluid["maximum"]
     if mode == 0:
         if p < least - EVEN * (abs(least) + 1.0):
             return float(least - p), -1
@@ -325,11 +325,11 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
             return float(p - most), 1
         return 0.0, 0
     after, _, inflow = _weights(fluid)
-    flow = fluid["gets"] - fluid["lets"] * p  # into the line, as volume in it, as the rows had it
+    flow = fluid["supply"] - fluid["conductance"] * p  # into the line, as volume in it, as the rows had it
     for i in range(len(valves)):
         a, b = valves[i]["a"], valves[i]["b"]
         if (a == line and b >= 0) or (b == line and a >= 0):
-            flow += (_swells(fluids, valves[i]) * valves[i]["lets"]
+            flow += (_swells(fluids, valves[i]) * valves[i]["conductance"]
                      * fluids[b if a == line else a]["pressure"])
     spare = (fluid["yields"] * (fluid["rigid"] - p) + h * inflow * flow
              - growing(table, h, line)) / (fluid["yields"] + h * h * after * fluid["response"])

@@ -117,7 +117,7 @@ LIMIT = np.dtype([
 MOTOR = np.dtype([
     ("drive", np.int64), ("a", np.int64), ("b", np.int64),
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
-    ("most", float),        # of a motor [N m]; nan of a brake, whose value that is
+    ("maximum", float),        # of a motor [N m]; nan of a brake, whose value that is
     ("slope", float),       # of a motor with a line [N m s/rad]; nan of others
     ("bond", np.int64),      # BOND of the hinge, or -1
     ("law", np.int64),      # PACED, SPRUNG or PLACED
@@ -141,7 +141,7 @@ MOTOR = np.dtype([
 DRY_FRICTION = np.dtype([
     ("joint", np.int64),
     ("sum", np.int64),      # what the joint carries, counted on from bodies, slips and sums
-    ("most", float),        # friction that does not depend on the load [N m, N]
+    ("maximum", float),        # friction that does not depend on the load [N m, N]
     ("share", float),       # friction for 1 N that the joint carries [m, 1], or 0
     ("static", float),      # how many times as much it holds with
     ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
@@ -167,7 +167,7 @@ CABLE = np.dtype([
     ("c", float),           # [N s/m]; of a span it is this over what is in it [N s]
     ("whole", np.int64),    # of a span the tendon that it is of, or -1
     ("spans", np.int64), ("spans_end", np.int64),   # of a tendon that guides grip
-    ("least", float),       # so much of a tendon counts as being in a span, at least [m]
+    ("minimum", float),       # so much of a tendon counts as being in a span, at least [m]
     ("response", float),    # largest J M^-1 J^T in any pose [1/kg]
     ("row", np.int64),      # its unknown, or -1
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
@@ -221,7 +221,7 @@ FLUID = np.dtype([
     ("volume", float),      # at t = 0 [m^3]
     ("c", float),           # of a liquid [m^3/Pa]
     ("gas", float),         # the exponent of a gas, 0 of a liquid
-    ("start", float), ("least", float), ("most", float),    # pressure at t = 0, its bounds [Pa]
+    ("start", float), ("minimum", float), ("maximum", float),    # pressure at t = 0, its bounds [Pa]
     ("response", float),    # largest A M^-1 A^T in any pose [m^4/kg]
     ("row", np.int64),      # its unknown
     ("content", float),     # at 0 Pa, of a liquid beside what filled it at t = 0 [m^3]
@@ -235,8 +235,8 @@ FLUID = np.dtype([
     ("rigid", float),       # pressure, were the volume to stay [Pa]
     ("yields", float),      # volume per pressure, there [m^3/Pa]
     ("swells", float),      # volume per content, at one pressure
-    ("lets", float),        # how much flow falls with its pressure, over valves [m^3/(s Pa)]
-    ("gets", float),        # flow where all pressures at the ends of valves are 0 [m^3/s]
+    ("conductance", float),        # how much flow falls with its pressure, over valves [m^3/(s Pa)]
+    ("supply", float),        # flow where all pressures at the ends of valves are 0 [m^3/s]
     ("step_work", float),   # [J]
 ])
 
@@ -261,8 +261,8 @@ VALVE = np.dtype([
     ("shut", np.int64),     # whether a check valve is
     ("loss", float),        # [J]
     ("about", float),       # the flow that its law is taken straight about [m^3/s]
-    ("lets", float),        # flow per pressure there [m^3/(s Pa)]
-    ("gets", float),        # flow without pressure there [m^3/s]
+    ("conductance", float),        # flow per pressure there [m^3/(s Pa)]
+    ("supply", float),        # flow without pressure there [m^3/s]
     ("step_loss", float),   # [J]
 ])
 
