@@ -86,7 +86,7 @@ def _describe(function: Source) -> tuple[str, list[Source]]:
             value = scope.get(name)
             if not isinstance(value, types.ModuleType):
                 values |= {name: value} if name in scope else {}
-            elif value.__name__.startswith("sandbox."):  # the versions of others are in the base
+            elif value.__name__ not in ("math", "numpy"):  # their versions are in the base
                 values.update((f"{name}.{each}", attribute) for each in code.co_names
                               if not isinstance(attribute := getattr(value, each, value),
                                                 types.ModuleType))
