@@ -66,8 +66,17 @@ def swell(table: int, drive: Array) -> None:
                 chamber["x"], chamber["y"] = x, y
                 chamber["ta"], chamber["tb"] = ay * x - ax * y, bx * y - by * x
             grown += gain * (way - chamber["start"])
-        fluids[i]["grown"] = grown
-        _fill(fluids[i])
+        fluid = fluids[i]
+        fluid["grown"], fluid["ahead"] = grown, fluid["least_ahead"]
+        if fluid["gas"] == 0.0:
+            fluid["rigid"] = (fluid["content"] - grown) / fluid["c"]
+            fluid["yields"], fluid["swells"] = fluid["c"], 1.0
+        else:
+            volume = max(fluid["volume"] + grown, SMALLEST * fluid["volume"])
+            pressure = ATMOSPHERE * (fluid["content"] / volume) ** fluid["gas"]
+            fluid["rigid"] = pressure - ATMOSPHERE
+            fluid["yields"] = volume / (fluid["gas"] * pressure)
+            fluid["swells"] = volume / fluid["content"]
     valves = at.valves(table)
     for i in range(len(valves)):
         valves[i]["about"] = valves[i]["flow"]
@@ -75,21 +84,6 @@ def swell(table: int, drive: Array) -> None:
             across = (_rigid(fluids, drive, valves[i]["a"])
                       - _rigid(fluids, drive, valves[i]["b"]))
             valves[i]["about"] = math.copysign(math.sqrt(abs(across) / valves[i]["k"]), across)
-
-
-@kernel
-def _fill(fluid: Any) -> None:
-    """The pressure of a line at its volume and content, and its compliance there."""
-    fluid["ahead"] = fluid["least_ahead"]
-    if fluid["gas"] == 0.0:
-        fluid["rigid"] = (fluid["content"] - fluid["grown"]) / fluid["c"]
-        fluid["yields"], fluid["swells"] = fluid["c"], 1.0
-        return
-    volume = max(fluid["volume"] + fluid["grown"], SMALLEST * fluid["volume"])
-    pressure = ATMOSPHERE * (fluid["content"] / volume) ** fluid["gas"]
-    fluid["rigid"] = pressure - ATMOSPHERE
-    fluid["yields"] = volume / (fluid["gas"] * pressure)
-    fluid["swells"] = volume / fluid["content"]
 
 
 @kernel
@@ -266,11 +260,15 @@ def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     valves = at.valves(table)
     for i in range(len(valves)):
         if valves[i]["one_way"]:
-            off = _turned(table, i)
-            if off > 0.0 and attempt < ALL:
+            v, across = valves[i], _across(table, i)
+            size = EVEN * (1.0 + (abs(fluids[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
+                           + (abs(fluids[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
+            # the linearised flow has the right sign before the pressure has it
+            off = across if v["shut"] else -across if through(table, i) < 0.0 else 0.0
+            if off > size and attempt < ALL:
                 _turn(table, i)
                 changed = True
-            elif off > worst:
+            elif off > max(size, worst):
                 worst, which = off, len(fluids) + i
     if worst > 0.0:
         changed = True
@@ -337,21 +335,10 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
     return float(off if off > EVEN * (abs(p) + 1.0) else 0.0), 0
 
 
-@kernel
-def _turned(table: int, valve: int) -> float:
-    """Pressure by which a check valve contradicts its state."""
-    v, fluids, across = at.valves(table)[valve], at.fluids(table), _across(table, valve)
-    size = EVEN * (1.0 + (abs(fluids[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
-                   + (abs(fluids[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
-    # the linearised flow has the right sign before it is found, the pressure may not have it
-    off = across if v["shut"] else -across if through(table, valve) < 0.0 else 0.0
-    return float(off if off > size else 0.0)
-
-
 @entry_point("fluids")
 def report_lines(table: int, h: float, drive: Array) -> None:
     """Pressures and flows of the step, and the contents of lines after it."""
-    fluids = at.fluids(table)
+    fluids, pumps = at.fluids(table), at.pumps(table)
     if len(fluids) == 0:
         return
     pressures(table, h, drive)
@@ -361,12 +348,18 @@ def report_lines(table: int, h: float, drive: Array) -> None:
         new = fluid["content"] + h * fluid["flow"]
         if fluid["drive"] >= 0 or fluid["mode"] > 0:
             fluid["ahead"] = 0.5  # its content is that of the step's end
-            holds = _holds(fluid, growing(table, h, i))
+            more = growing(table, h, i)
+            content = fluid["grown"] + more + fluid["c"] * fluid["pressure"]
+            if fluid["gas"] > 0.0:
+                volume = max(fluid["volume"] + fluid["grown"] + more, SMALLEST * fluid["volume"])
+                content = volume * (fluid["pressure"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"])
             if fluid["drive"] < 0:
-                fluid["spilled"] += new - holds
-            else:  # the source supplies the rest
-                _give(table, i, (holds - new) / h)
-            new = holds
+                fluid["spilled"] += new - content
+            for n in range(len(pumps)):  # a source without resistance supplies the rest
+                if fluid["drive"] >= 0 and pumps[n]["line"] == i and pumps[n]["source"]:
+                    pumps[n]["flow"] += (content - new) / h
+                    fluid["flow"] += (content - new) / h
+            new = content
         if fluid["gas"] > 0.0:
             new = max(new, SMALLEST * fluid["volume"])
         fluid["content"] = new
@@ -392,25 +385,6 @@ def _gather(table: int, drive: Array) -> None:
         if pump["r"] > 0.0:
             pump["flow"] = (value - line["pressure"]) / pump["r"]
         line["flow"] += pump["flow"]
-
-
-@kernel
-def _give(table: int, line: int, flow: float) -> None:
-    """Add a flow to that of a line's source without resistance."""
-    pumps = at.pumps(table)
-    for i in range(len(pumps)):
-        if pumps[i]["line"] == line and pumps[i]["source"]:
-            pumps[i]["flow"] += flow
-            at.fluids(table)[line]["flow"] += flow
-
-
-@kernel
-def _holds(fluid: Any, growing: float) -> float:
-    """Content of a line at its pressure [m^3]."""
-    if fluid["gas"] == 0.0:
-        return float(fluid["grown"] + growing + fluid["c"] * fluid["pressure"])
-    volume = max(fluid["volume"] + fluid["grown"] + growing, SMALLEST * fluid["volume"])
-    return float(volume * (fluid["pressure"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"]))
 
 
 @entry_point("fluids", default=1)

@@ -103,13 +103,6 @@ def _motion(table: int, h: float, row: Any, s: float) -> tuple[float, float]:
 
 
 @kernel
-def tangent_motion(table: int, h: float, row: Any, belt: float) -> None:
-    """Rate and trend of a tangential row."""
-    row["want"], row["trend"] = _motion(table, h, row, 0.0)
-    row["want"] += belt
-
-
-@kernel
 def mean(table: int, h: float, s: float, b: int, j: int) -> float:
     """Component ``j`` of the velocity of a body from the pose to the instant ``s``."""
     before = at.before(table)[b, j]
@@ -192,21 +185,6 @@ def displaced_gaps(table: int, h: float) -> float:
 
 
 @kernel
-def place_joints(table: int, h: float, now: float) -> None:
-    """Coefficients of the joints where the step leads at an instant."""
-    body, turn, kept = at.body(table), at.turn(table), at.placed(table)
-    for b in range(len(body)):
-        for j in range(3):
-            kept[b, j] = body[b, j]
-            body[b, j] += now * mean(table, h, now, b, j)
-    bilateral.note_turns(body, turn)
-    bilateral.joint_rows(table, h)
-    release_rows(table, h)
-    put(body, kept)
-    bilateral.note_turns(body, turn)
-
-
-@kernel
 def answer_of_joints(table: int, velocity: Array) -> None:
     """Impulses with which bilateral rows answer a change of velocities, into ``unknowns``."""
     clear(at.unknowns(table)[4])
@@ -286,7 +264,9 @@ def lead_back(table: int, h: float, n: int) -> None:
     forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
     m = 0
     for q in range(unilateral.choose(rows, n, chosen)):
-        if _held_before(table, rows[chosen[q]]):
+        row = rows[chosen[q]]  # active before the impacts; not a contact that closes in the step
+        contact = row["source"] == NORMAL or row["source"] == TANGENT
+        if (at.found(table)[row["index"]]["listed"] == 1) if contact else not row["measure"]:
             chosen[m] = chosen[q]
             m += 1
     unilateral.make_system(rows, n, at.delassus(table), A, chosen, m)
@@ -304,30 +284,15 @@ def lead_back(table: int, h: float, n: int) -> None:
             _answer(table, k + 1, rows[k + 1]["mode"] * rows[k + 1]["friction"] * A[q, m])
     backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
     bilateral.apply_impulses(table, unknowns[4], shift)
-    _close(table, h)
-
-
-@kernel
-def _close(table: int, h: float) -> None:
-    """Displace the pose further, so that joints are closed where the velocities lead from there."""
-    unknowns = at.unknowns(table)
     clear(unknowns[5])
-    for _ in range(CLOSINGS):
+    for _ in range(CLOSINGS):  # joints are to be closed where the velocities lead from there
         if displaced_gaps(table, h) < bilateral.closed(h):
             break
         forward(at.starts(table), at.below(table), at.values(table), unknowns[4])
         backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
         for r in range(unknowns.shape[1]):
             unknowns[4, r] *= h
-        bilateral.apply_impulses(table, unknowns[4], at.shift(table))
-
-
-@kernel
-def _held_before(table: int, row: Any) -> bool:
-    """Whether a row was active before the impacts; a contact that closes in the step was not."""
-    if row["source"] == NORMAL or row["source"] == TANGENT:
-        return bool(at.found(table)[row["index"]]["listed"] == 1)
-    return not row["measure"]
+        bilateral.apply_impulses(table, unknowns[4], shift)
 
 
 @kernel
@@ -375,7 +340,8 @@ def _list(table: int, h: float, rows: Records) -> tuple[int, float]:
             n += 1
             if t["friction"] > 0.0:
                 tangent_row(h, at.body(table), touches, i, n - 1, rows[n])
-                tangent_motion(table, h, rows[n], t["belt"])
+                rows[n]["want"], rows[n]["trend"] = _motion(table, h, rows[n], 0.0)
+                rows[n]["want"] += t["belt"]
                 rows[n]["last"] = 0.0
                 n += 1
     return n, first
@@ -501,8 +467,17 @@ def foresee_impacts(table: int, h: float, kept: int) -> bool:
         rows = at.rows(table)[len(at.rows(table)) // 2:]
         n, now = _list(table, h, rows)
         now = _next(table, h, rows, n, now, REBOUND)
-        if now <= h:
-            place_joints(table, h, now)
+        if now <= h:  # coefficients of the joints where the step leads then
+            body, turn, pose = at.body(table), at.turn(table), at.placed(table)
+            for b in range(len(body)):
+                for j in range(3):
+                    pose[b, j] = body[b, j]
+                    body[b, j] += now * mean(table, h, now, b, j)
+            bilateral.note_turns(body, turn)
+            bilateral.joint_rows(table, h)
+            release_rows(table, h)
+            put(body, pose)
+            bilateral.note_turns(body, turn)
     return True
 
 

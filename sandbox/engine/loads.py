@@ -165,31 +165,25 @@ def _rates(numbers: Array, w: float, wt: float) -> None:
             break
         for i in range(2):
             for j in range(i + 1, 3):
-                _rotate(A, Q, i, j)
+                if A[i, j] == 0.0 or not math.isfinite(A[i, j]):
+                    continue
+                turn = (A[j, j] - A[i, i]) / (2.0 * A[i, j])
+                t = math.copysign(1.0, turn) / (abs(turn) + math.sqrt(1.0 + turn * turn))
+                c = 1.0 / math.sqrt(1.0 + t * t)
+                s = t * c
+                for n in range(3):
+                    x, y = A[n, i], A[n, j]
+                    A[n, i], A[n, j] = c * x - s * y, s * x + c * y
+                for n in range(3):
+                    x, y = A[i, n], A[j, n]
+                    A[i, n], A[j, n] = c * x - s * y, s * x + c * y
+                    x, y = Q[i, n], Q[j, n]
+                    Q[i, n], Q[j, n] = c * x - s * y, s * x + c * y
+                A[i, j] = A[j, i] = 0.0
     for i in range(3):
         numbers[YIELDS, i] = A[i, i]
         for j in range(3):
             Q[i, j] /= root[j]
-
-
-@kernel
-def _rotate(A: Array, Q: Array, i: int, j: int) -> None:
-    """One of Jacobi's rotations, that makes A[i, j] 0; rows of Q are the axes."""
-    if A[i, j] == 0.0 or not math.isfinite(A[i, j]):
-        return
-    turn = (A[j, j] - A[i, i]) / (2.0 * A[i, j])
-    t = math.copysign(1.0, turn) / (abs(turn) + math.sqrt(1.0 + turn * turn))
-    c = 1.0 / math.sqrt(1.0 + t * t)
-    s = t * c
-    for n in range(3):
-        x, y = A[n, i], A[n, j]
-        A[n, i], A[n, j] = c * x - s * y, s * x + c * y
-    for n in range(3):
-        x, y = A[i, n], A[j, n]
-        A[i, n], A[j, n] = c * x - s * y, s * x + c * y
-        x, y = Q[i, n], Q[j, n]
-        Q[i, n], Q[j, n] = c * x - s * y, s * x + c * y
-    A[i, j] = A[j, i] = 0.0
 
 
 @kernel

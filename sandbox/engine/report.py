@@ -158,12 +158,16 @@ def add_work(table: int, h: float) -> None:
     for i in range(len(body)):
         for j in range(3):
             v[i, j] = (body[i, 3 + j] + before[i, j]) / 2 + shift[i, j] / h
-    actions, motors = at.actions(table), at.motors(table)
+    actions, motors, touches = at.actions(table), at.motors(table), at.touches(table)
     for i in range(len(actions)):
         action = actions[i]
         a = action["a"]
         if action["runs"]:
-            action["torque"] = _tangential_impulse(table, a) * at.belts(table)[a] / h
+            along = 0.0  # impulse on what touches the body along its surface, counter-clockwise
+            for k in range(at.touching(table)[0]):
+                if touches[k]["a"] == a or touches[k]["b"] == a:
+                    along += touches[k]["tangent"] + touches[k]["drag"]
+            action["torque"] = along * at.belts(table)[a] / h
             action["step_work"] = h * action["torque"]
             action["work"] += action["step_work"]
             continue
@@ -181,16 +185,6 @@ def add_work(table: int, h: float) -> None:
     add_friction_work(table, h, v)
     add_fluid_work(table, h, v)
     add_load_work(table, h, v)
-
-
-@kernel
-def _tangential_impulse(table: int, body: int) -> float:
-    """Impulse on what touches a body along the body's surface, counter-clockwise [N s]."""
-    touches, p = at.touches(table), 0.0
-    for i in range(at.touching(table)[0]):
-        if touches[i]["a"] == body or touches[i]["b"] == body:
-            p += touches[i]["tangent"] + touches[i]["drag"]
-    return p
 
 
 TOGETHER = 1e-6  # share of a step within which two elements break at once

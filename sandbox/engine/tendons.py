@@ -53,9 +53,7 @@ def _near(angle: float, last: float) -> float:
 
 
 @kernel
-def measure(
-    cable: Any, guides: Records, pose: Array, start: bool,
-) -> float:
+def measure(cable: Any, guides: Records, pose: Array, start: bool) -> float:
     """Length of a tendon [m] at ``pose`` [nb, 3]; fills its J. ``start``: count turns anew."""
     length: float = _along(cable, guides, pose, start)
     if cable["lifts"] and not start:
@@ -67,9 +65,7 @@ def measure(
 
 
 @kernel
-def _along(
-    cable: Any, guides: Records, pose: Array, start: bool,
-) -> float:
+def _along(cable: Any, guides: Records, pose: Array, start: bool) -> float:
     """The length over the guides that the tendon lies on, as :func:`measure` has it."""
     length = 0.0
     first, last = cable["first"], cable["last"]
@@ -184,25 +180,21 @@ def wound_up(cable: Any, guides: Records) -> float:
 EXCESS = 1e-10  # accepted excess of friction, as a share of both tensions: stiff cables hardly slip
 
 
-@kernel
-def _bend(table: int, slip: Any) -> float:
-    """The angle that a tendon bends by at a guide [rad]; 0 where it does not touch its wheel."""
-    g, guides = slip["guide"], at.guides(table)
-    if guides[g]["radius"] != 0.0:
-        twin = slip["twin"] if slip["twin"] >= 0 else g
-        return max(0.0, float(guides[twin]["wrap"]))
-    x, y = guides[g]["jx"], guides[g]["jy"]
-    if slip["twin"] >= 0:
-        x += guides[slip["twin"]]["jx"]
-        y += guides[slip["twin"]]["jy"]
-    return 2.0 * math.asin(min(1.0, 0.5 * math.hypot(x, y)))
-
-
 @entry_point("slips")
 def slip_rows(table: int, h: float, i: int, n: int) -> int:
     """Add the rows of guide ``i``: the sum of the tensions, and friction; how many there are."""
-    slip, rows = at.slips(table)[i], at.rows(table)
-    bound = math.tanh(0.5 * slip["friction"] * _bend(table, slip))
+    slip, rows, guides = at.slips(table)[i], at.rows(table), at.guides(table)
+    first = guides[slip["guide"]]
+    last = guides[slip["twin"]] if slip["twin"] >= 0 else first
+    if first["radius"] != 0.0:  # 0 where it does not touch its wheel
+        bend = max(0.0, float(last["wrap"]))
+    else:
+        x, y = first["jx"], first["jy"]
+        if slip["twin"] >= 0:
+            x += last["jx"]
+            y += last["jy"]
+        bend = 2.0 * math.asin(min(1.0, 0.5 * math.hypot(x, y)))
+    bound = math.tanh(0.5 * slip["friction"] * bend)
     if bound <= 0.0:
         return n
     pulled = at.cables(table)[slip["after"]]["kind"] == PULL
