@@ -141,7 +141,6 @@ def remaining_gap(table: int, bond: int, ahead: float) -> tuple[float, float, fl
 
 @kernel
 def _look(table: int, k: int) -> None:
-    """Store the gaps of a joint that engages, and their rates."""
     joint, body, before, turn = (
         at.joints(table)[k], at.body(table), at.before(table), at.turn(table))
     state = at.bonds(table)[joint["bond"]]

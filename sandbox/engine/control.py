@@ -169,7 +169,6 @@ def _idle(t: float, number: int) -> None:
 
 
 def _single(loop: ControlLoop) -> Act:
-    """The act of a loop with one reading and one drive."""
     (read,), (target,), ((column, change, low, high),) = loop.readings, loop.targets, loop.bounds
     law, values, row = loop.law.act, loop.values.values, loop.values.row
 

@@ -176,7 +176,6 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
 
 
 def _wheel_fields(model: Model, i: int) -> Row:
-    """Fields of JOINT of wheels and racks."""
     joints, pose = model.joints, model.bodies.pose
     keeps, (ra, rb), sign = joints.kind[i].keeps, joints.radii[i], -1.0 if joints.inside[i] else 1.0
     c, s = math.cos(joints.pressure[i]), math.sin(joints.pressure[i])

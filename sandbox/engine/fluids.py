@@ -180,7 +180,6 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
 
 @kernel
 def _given(fluid: Any, drive: Array) -> float:
-    """The pressure of a line that has a given one [Pa]."""
     if fluid["drive"] >= 0:
         return float(min(max(drive[fluid["drive"]], fluid["least"]), fluid["most"]))
     return float(fluid["least"] if fluid["mode"] < 0 else fluid["most"])
@@ -229,7 +228,6 @@ def pressures(table: int, h: float, drive: Array) -> None:
 
 @kernel
 def _across(table: int, valve: int) -> float:
-    """Pressure at a valve's ``a`` above that at its ``b`` [Pa]."""
     v, fluids = at.valves(table)[valve], at.fluids(table)
     high = fluids[v["a"]]["pressure"] if v["a"] >= 0 else 0.0
     low = fluids[v["b"]]["pressure"] if v["b"] >= 0 else 0.0

@@ -99,7 +99,6 @@ def _chain(stack: Array, k: int, value: float, slope: float) -> None:
 
 @kernel
 def _two(stack: Array, k: int, op: int) -> None:
-    """An operation on the number at ``k`` and the one above it."""
     a, b = stack[k, 0], stack[k + 1, 0]
     value, by_a, by_b = a + b, 1.0, 1.0
     if op == ops.SUB:
@@ -136,7 +135,6 @@ def _two(stack: Array, k: int, op: int) -> None:
 
 @kernel
 def _one(stack: Array, k: int, op: int) -> None:
-    """A function of the number at ``k``."""
     x = stack[k, 0]
     value, slope = math.nan, 0.0
     if op == ops.SIN:

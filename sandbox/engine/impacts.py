@@ -83,7 +83,6 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
 
 @kernel
 def _within(h: float, s: float) -> float:
-    """An instant of this step, which rounding may have put just outside; 0 for any other."""
     return min(max(s, -h), h) if abs(s) <= h * (1.0 + TIME_TOLERANCE) else 0.0
 
 

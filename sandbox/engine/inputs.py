@@ -167,7 +167,6 @@ class Inputs:
         return found
 
     def _poses(self, body: Body, path: Path, first: int, last: int) -> Array:
-        """Poses of steps ``first`` … ``last``, [n, 3]."""
         times = self.clock.force_time(np.arange(first, last + 1))
         poses = np.tile([*body.at, body.angle], (len(times), 1))
         for axis, signal in enumerate((path.x, path.y, path.angle)):

@@ -74,7 +74,6 @@ def checked(scene: Runnable, customs: Sequence[Custom]) -> Mechanism:
 
 
 def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterator[Problem]:
-    """What is wrong with Python callables as controllers of a mechanism."""
     known, near = LiveCatalogue(mechanism), NearMisses()
     drives = dict.fromkeys(drive.name for drive in mechanism.drives)
     taken = {name for controller in mechanism.controllers for name in controller.written}

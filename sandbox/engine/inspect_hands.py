@@ -145,24 +145,19 @@ def _shortening(model: Model, fingers: list[Chain], tendon: int) -> float:
         return math.nan
     lengths = []
     for angles in (start, stops[:, 1], stops[:, 0]):
-        poses = _poses(model, chain, sense * (angles - start))
+        poses = dict[int, Pose]()  # of the phalanges after each hinge has turned
+        for (body, hinge), turn in zip(chain.items(), np.cumsum(sense * (angles - start)).tolist(),
+                                       strict=True):
+            before = int(joints.bodies[hinge, 0])
+            x, y = to_world(poses.get(before, tuple(model.bodies.pose[before])),
+                            tuple(joints.anchor[hinge, 0]))
+            angle = float(model.bodies.pose[body, 2]) + turn
+            dx, dy = to_world((0.0, 0.0, angle), tuple(joints.anchor[hinge, 1]))
+            poses[body] = x - dx, y - dy, angle
         lengths.append(sum(math.dist(*(to_world(
             poses.get(body, tuple(model.bodies.pose[body])), tuple(tendons.guide_at[guide]))
             for body, guide in pair)) for pair in pieces))
     return lengths[0] - min(lengths)
-
-
-def _poses(model: Model, chain: Chain, turns: Array) -> dict[int, Pose]:
-    """Poses of the phalanges after each hinge has turned counter-clockwise [rad] from t = 0."""
-    joints, poses = model.joints, dict[int, Pose]()
-    for (body, hinge), total in zip(chain.items(), np.cumsum(turns).tolist(), strict=True):
-        before = int(joints.bodies[hinge, 0])
-        x, y = to_world(poses.get(before, tuple(model.bodies.pose[before])),
-                        tuple(joints.anchor[hinge, 0]))
-        angle = float(model.bodies.pose[body, 2]) + total
-        dx, dy = to_world((0.0, 0.0, angle), tuple(joints.anchor[hinge, 1]))
-        poses[body] = x - dx, y - dy, angle
-    return poses
 
 
 def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[StringEnd]]:
@@ -190,10 +185,9 @@ MAX_ERROR = 0.01  # of a rocker's shares, beyond which it is reported
 def reaches(model: Model) -> Iterator[str]:
     """A line for every tree of rockers or pulleys: ``tree: …``."""
     for group in model.mechanism.groups:
-        if group.tree:
-            words = [*_rockers(model, group.bodies), *_slots(model, group.bodies)]
-            if words:
-                yield f"{group.name}: {'; '.join(words)}"
+        words = [*_rockers(model, group.bodies), *_slots(model, group.bodies)] if group.tree else []
+        if words:
+            yield f"{group.name}: {'; '.join(words)}"
 
 
 def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:

@@ -76,7 +76,11 @@ def _against(
     h = model.mechanism.run.step
     if 1.01 * bound * h * max(k * h / COARSE**2, c / OVERDAMPED) < 1:
         return  # its response is no larger than the bound
-    softness = _softness(model, parts, hinge)
+    bodies = np.unique([body for body, _ in parts])
+    weight, place = _weight(model, bodies), supports.places(bodies)
+    motions = _motions(model, place, weight, () if hinge == NONE else (hinge,))
+    # response of two bodies, which a hinge may join, to unit pushes [1/kg, 1/(kg m^2)]
+    softness = float(np.sum((supports.row_of(place, parts) / weight @ motions)**2))
     pace, rate = math.sqrt(k * softness), c * softness
     if h * h * k * bound > SOFT:
         fine = min(COARSE / pace if pace else math.inf, math.sqrt(SOFT / (k * bound)))
@@ -92,14 +96,6 @@ def _against(
         yield look("stiff-step", path, name, "the damper is too strong for the step: alone it "
                    f"would settle in {1 / rate:.2g} s, the step is {h:.2g} s",
                    f"use a step of {OVERDAMPED / rate:.2g} s")
-
-
-def _softness(model: Model, parts: supports.Parts, hinge: int) -> float:
-    """Response of two bodies, which a hinge may join, to unit pushes [1/kg, 1/(kg m^2)]."""
-    bodies = np.unique([body for body, _ in parts])
-    weight, place = _weight(model, bodies), supports.places(bodies)
-    motions = _motions(model, place, weight, () if hinge == NONE else (hinge,))
-    return float(np.sum((supports.row_of(place, parts) / weight @ motions)**2))
 
 
 def without_arm(model: Model) -> Iterator[Problem]:
@@ -154,8 +150,6 @@ class _Mode(NamedTuple):
 
 
 class _Element(NamedTuple):
-    """A spring, tendon or damper."""
-
     parts: supports.Parts  # forces and moments about the centres of mass of 1 N or 1 N m of it
     stiffness: float
     damping: float  # with h k added if it is solved at the end of a step h
@@ -167,9 +161,17 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
     free = np.asarray(model.tendons.drive == NONE)
     if not (free & (model.tendons.stiffness >= RIGID)).any():
         return
-    pulls = pulls_at_start(model)
     now = free & ~np.asarray(lengths_at_start(model) < rest_lengths(model) - STRAIGHT)
-    elements = _elements(model, pulls)
+    h, springs, tendons = model.mechanism.run.step, model.springs, model.tendons
+    damping = tendons.damping + h * tendons.stiffness * stiffnesses.stiff_cables(model, h)
+    elements = [_Element(list(pulls.items()), float(k), float(damping[i]), i) for i, (pulls, k)
+                in enumerate(zip(pulls_at_start(model), tendons.stiffness, strict=True))]
+    largest = stiffnesses.largest_stiffness(model)
+    damping = springs.damping + np.where(stiffnesses.too_stiff(model, h), h * largest, 0.0)
+    elements += [_Element(_spring(model, i), float(k), float(damping[i]))
+                 for i, k in enumerate(largest)]
+    elements += [_Element(_about(model, j), 0.0, float(model.joints.damping[j]))
+                 for j in np.flatnonzero(model.joints.damping > 0).tolist()]
     ringing = _ringing(model, elements, now)
     later = {} if (now == free).all() else _ringing(model, elements, free)
     for cable, mode in sorted((later | ringing).items()):
@@ -180,21 +182,6 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
                    f"{100 * LEFT:.0f} % in {periods:.3g} periods, "
                    f"{2 * math.pi * periods / mode.omega:.2g} s", "with 'damping' "
                    f"{mode.damping:.3g} N s/m it would take {PERIODS} periods")
-
-
-def _elements(model: Model, pulls: list[dict[int, Array]]) -> list[_Element]:
-    """All tendons, springs and dampers of hinges."""
-    h, springs, joints = model.mechanism.run.step, model.springs, model.joints
-    tendons = model.tendons
-    damping = tendons.damping + h * tendons.stiffness * stiffnesses.stiff_cables(model, h)
-    found = [_Element(list(pulls[i].items()), float(k), float(damping[i]), i)
-             for i, k in enumerate(tendons.stiffness)]
-    largest = stiffnesses.largest_stiffness(model)
-    damping = springs.damping + np.where(stiffnesses.too_stiff(model, h), h * largest, 0.0)
-    found += [_Element(_spring(model, i), float(k), float(damping[i]))
-              for i, k in enumerate(largest)]
-    return found + [_Element(_about(model, j), 0.0, float(joints.damping[j]))
-                    for j in np.flatnonzero(joints.damping > 0).tolist()]
 
 
 def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _Mode]:

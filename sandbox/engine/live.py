@@ -261,7 +261,6 @@ class Live(Simulation):
 def _pair(
     numbers: Sequence[float], path: str, dimension: str | None = None,
 ) -> tuple[float, float]:
-    """Two numbers in their range, or a SceneError."""
     try:
         x, y = (in_range(float(number), dimension) + 0.0 for number in numbers)  # no -0.0
     except (TypeError, ValueError) as error:

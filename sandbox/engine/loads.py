@@ -107,7 +107,6 @@ def _turn(pairs: Array, k: int, c: float, s: float, ahead: float) -> None:
 
 @kernel
 def _part(table: int, into: Array, k: int, code: int, code_end: int, scale: float) -> None:
-    """Put one number of a law into row ``k``, if it has a program."""
     if code >= 0:
         formula(table, code, code_end, at.read_names(table))
         for j in range(4):

@@ -127,7 +127,6 @@ def _meetings(
     entries: list[tuple[int, int]], on: list[list[int]], hubs: list[int], first: list[int],
     joined: Sequence[tuple[int, int]],
 ) -> list[set[int]]:
-    """Which unknowns meet: of rows, then of the hubs, whose own begin at ``first``."""
     groups: list[set[int]] = [set() for _ in range(first[-1])]
     for i, j in joined:
         groups[i].add(j)

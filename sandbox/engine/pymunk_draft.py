@@ -211,7 +211,6 @@ def _shape(solid: Solid) -> tuple[Any, ...]:
 
 
 def _without_counterpart(model: Model, filters: Filters) -> Iterator[tuple[str, str]]:
-    """Names of elements that pymunk lacks, and what they are."""
     mechanism = model.mechanism
     for kind in LISTS:
         element: Element

@@ -73,8 +73,6 @@ def run_pymunk(
 
 
 class _PymunkRun:
-    """A scene of pymunk and the recording of it so far."""
-
     def __init__(self, mechanism: Mechanism) -> None:
         draft = PymunkDraft(mechanism)
         self.model, self.scene = draft.model, build(mechanism, draft)
@@ -127,7 +125,6 @@ class _PymunkRun:
         return np.array([(*body.velocity, body.angular_velocity) for body in self.bodies])
 
     def _force(self, constraint: str) -> float:
-        """Force or torque of a constraint in the last step; 0 if there is none."""
         made = self.scene.constraints.get(constraint)
         return 0.0 if made is None else made.impulse / self.scene.h
 

@@ -283,7 +283,6 @@ def _give(table: int, entry: int, count: int, p: float) -> None:
 
 @kernel
 def _cut_rows(table: int, entry: int, count: int, share: float) -> None:
-    """Keep a ``share`` of the impulses of rows, and empty these."""
     impulses, entry_row = at.unknowns(table)[3], at.entry_row(table)
     for e in range(entry, entry + count):
         _give(table, e, 1, share * impulses[entry_row[e]])

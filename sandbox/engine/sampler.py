@@ -164,7 +164,6 @@ class Sampler:
         return column - found[f"step_{name}"] / 2 if name in ("work", "loss") else column
 
     def _write_joints(self, arrays: Arrays, n: int) -> None:
-        """Joints with their limits and dry friction."""
         elements, results = self.tables.elements, self._of("joints", n)
         arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
         arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
@@ -199,7 +198,6 @@ class Sampler:
         work[:, cables["drive"][pulled]] = self._column("cables", n, "work")[:, pulled]
 
     def _write_springs(self, arrays: Arrays, n: int) -> None:
-        """Springs and the damping of hinges, which springs with a rotary damper share."""
         joints, springs = self.model.joints, self.tables.elements.springs
         results, work = self._of("springs", n), self._column("springs", n, "work")
         damped = springs["number"] < 0
@@ -232,7 +230,6 @@ class Sampler:
                         samples=1, bodies=len(self.world.bodies))
 
     def _contact_rows(self, sample: Integers, kept: Records) -> dict[str, NDArray[Any]]:
-        """The columns of contact rows, forces in N."""
         order = self.world.order
         normal = -np.stack([kept["nx"], kept["ny"]], axis=1)  # to the first body
         along = np.stack([kept["ny"], -kept["nx"]], axis=1)
@@ -284,7 +281,6 @@ class Readings:
         return read(source)
 
     def _result(self, table: str, column: str, index: int) -> Read:
-        """A result of an element."""
         records = getattr(self.tables.elements, table)
         if key := NUMBERS.get(table):
             index = int(np.flatnonzero(records[key] == index)[0])

@@ -394,7 +394,6 @@ class Simulation:
         ), copied=copied)
 
     def _contact_solver(self) -> dict[str, float]:
-        """How contacts, limits and friction were solved: see :class:`Outcome`."""
         (constants, elements, state), h = self._tables[:3], self._clock.step
         if not (len(constants.shapes) or len(elements.limits) or len(elements.motors)):
             return {}

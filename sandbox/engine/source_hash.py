@@ -67,7 +67,6 @@ def _base() -> tuple[object, ...]:
 
 @cache
 def _describe(function: Source) -> tuple[str, list[Source]]:
-    """The code of one function with the values that it takes from outside, and what it calls."""
     calls: list[Source] = []
     scope, values = function.__globals__, dict[str, Any]()
     closed = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)

@@ -85,7 +85,6 @@ def spring_rows(table: int, h: float, drive: Array) -> None:
 
 @kernel
 def _law(table: int, s: Any, extent: float, speed: float, drive: Array) -> None:
-    """Compute the force of a spring's law and its slopes by stretch and rate, as a formula."""
     read = at.read_names(table)
     for i in range(3):
         for j in range(read.shape[1]):

@@ -74,18 +74,16 @@ def rack(along: list[float], *, angle: float = 0.0, y: float = -0.06, groove_on:
 
 
 @pytest.mark.parametrize("groove_on", ["ground", "rack"])
-@pytest.mark.parametrize(("along", "angle", "right", "turn"), [
-    ([1, 1], 0.0, [1.0, 0.0], "45 deg"),
-    ([1, 0], math.pi / 6, [math.cos(math.pi / 6), -0.5], "30 deg"),
+@pytest.mark.parametrize(("along", "angle", "right"), [
+    ([1, 1], 0.0, [1.0, 0.0]),
+    ([1, 0], math.pi / 6, [math.cos(math.pi / 6), -0.5]),
 ])
 def test_a_rack_that_slides_across_its_pitch_line(
-    groove_on: str, along: list[float], angle: float, right: list[float], turn: str,
+    groove_on: str, along: list[float], angle: float, right: list[float],
 ) -> None:
-    (problem,) = problems_of(rack(along, angle=angle, groove_on=groove_on))
-    assert problem.path == "$.joints[2].along"
-    assert f"turned by {turn} from the groove of 'rail'" in problem.message
-    x, y = (float(f"{v:.6g}") + 0.0 for v in right)
-    assert problem.advice.startswith(f"make 'along' [{x:g}, {y:.6g}], and move the rack")
+    found = problems_of(rack(along, angle=angle, groove_on=groove_on))
+    assert {problem.path for problem in found} == {"$.joints[2]"}
+    assert "no joint holds its rack at the gear" in found[-1].message
     assert problems_of(rack(right, angle=angle, groove_on=groove_on, y=-0.05)) == []
 
 
