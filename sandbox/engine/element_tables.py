@@ -72,9 +72,7 @@ class PlacedBodies:
 
     def ends(self, bodies: Integers, *points: Array) -> Row:
         """Bodies ``a`` and ``b`` of an element, and its points on them."""
-        row: Row = {}
-        for end, body in zip("ab", bodies.tolist(), strict=True):
-            row[end] = int(self.number[body])
+        row: Row = dict(zip("ab", self.number[bodies].tolist(), strict=True))
         for end, body, point in zip("ab", bodies.tolist(), points, strict=False):
             row[f"{end}x"], row[f"{end}y"] = self.local(body, point)
         return row
@@ -93,12 +91,9 @@ def fill(record: np.dtype[Any], count: int, **columns: Any) -> Records:
 
 
 def records_of(rows: Sequence[Row], record: np.dtype[Any]) -> Records:
-    """A table of rows that are given as mappings; fields left out are 0."""
-    table = np.zeros(len(rows), record)
-    for row, values in zip(table, rows, strict=True):
-        for key, value in values.items():
-            row[key] = value
-    return table
+    """A table of rows; fields left out are 0."""
+    return np.array([tuple(row.get(name, 0) for name in record.names or ()) for row in rows],
+                    record)
 
 
 def drive_tables(places: PlacedBodies, h: float) -> tuple[Records, Records]:
@@ -164,12 +159,11 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
             row |= _wheel_fields(model, i)
         if places.moves(row):
             a, b, row["entry"] = row["a"], row["b"], rows.entries
-            if kind.keeps != "range" and not joints.play[i] > 0:
-                row["row"], _ = rows.add(a, b)
-            if kind.keeps in ("point", "roll"):
-                row["row_y"], _ = rows.add(a, b)
-            if not joints.turns[i]:
-                row["row_turn"], _ = rows.add(a, b)
+            for name, needed in (("row", kind.keeps != "range" and not joints.play[i] > 0),
+                                 ("row_y", kind.keeps in ("point", "roll")),
+                                 ("row_turn", not joints.turns[i])):
+                if needed:
+                    row[name], _ = rows.add(a, b)
             row["entries"] = rows.entries - row["entry"]
         table.append(row)
     return records_of(table, records.JOINT)

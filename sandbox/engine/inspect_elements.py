@@ -5,8 +5,7 @@ cos a' = (r_a + r_b) cos a / distance. Beyond cos a' = 1 the base circles have n
 and no step can be made.
 
 Shapes are sorted along the longer axis, and compared with those whose boxes overlap. At most
-:data:`MAX_PAIRS` pairs of shapes (and :data:`MAX_BOXES` pairs of boxes) are compared; the report
-says if this is not all of them.
+:data:`MAX_PAIRS` pairs of shapes are compared; the report says if this is not all of them.
 """
 
 from __future__ import annotations
@@ -217,7 +216,7 @@ def _rack(model: Model, joint: int) -> Iterator[Problem]:
                    f"move the rack or its 'on_b' by {fitting(abs(off - pitch))}{instead}")
 
 
-MAX_PAIRS, MAX_BOXES = 20_000, 50_000_000  # of compared shapes, and of boxes
+MAX_PAIRS = 20_000  # of compared shapes
 MAX_REPORTED = 100  # maximum number of reported overlaps; further ones are counted
 
 
@@ -232,15 +231,14 @@ def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
     order = np.argsort(boxes[:, axis], kind="stable")
     low, high = boxes[order, :2], boxes[order, 2:]
     ends = np.searchsorted(low[:, axis], high[:, axis], side="right")
-    looked, seen, whole, depths = 0, 0, True, dict[tuple[int, int], float]()
+    looked, whole, depths = 0, True, dict[tuple[int, int], float]()
     for place, end in enumerate(ends.tolist()):
-        i, later = int(order[place]), slice(place + 1, min(end, place + 1 + MAX_BOXES - seen))
+        i, later = int(order[place]), slice(place + 1, end)
         meets = ((low[later, 1 - axis] <= high[place, 1 - axis])
                  & (high[later, 1 - axis] >= low[place, 1 - axis])
                  & allowed[owner[i], owner[order[later]]])
         others = order[later][meets]
-        whole = later.stop >= end and len(others) <= MAX_PAIRS - looked
-        seen += max(end - place - 1, 0)
+        whole = looked + len(others) <= MAX_PAIRS
         for j in others[:MAX_PAIRS - looked].tolist():
             pair = (int(min(owner[i], owner[j])), int(max(owner[i], owner[j])))
             depth = 0.0

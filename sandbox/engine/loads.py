@@ -106,14 +106,6 @@ def _turn(pairs: Array, k: int, c: float, s: float, ahead: float) -> None:
 
 
 @kernel
-def _part(table: int, into: Array, k: int, code: int, code_end: int, scale: float) -> None:
-    if code >= 0:
-        formula(table, code, code_end, at.read_names(table))
-        for j in range(4):
-            into[k, j] = scale * at.stack(table)[0, j]
-
-
-@kernel
 def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> None:
     """The sum of a body's loads and its slopes; each load's own is kept."""
     loaded, numbers, results = at.loaded(table)[k], at.pressing(table)[k], at.loads(table)
@@ -135,9 +127,13 @@ def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> N
             into[1, 0], into[2, 0] = load["lift"] * area, load["lift"] * moment
         else:
             c, s, rx, ry = _motion(table, load, h, after, end, lag)
-            _part(table, into, 0, load["x_code"], load["x_end"], load["scale"])
-            _part(table, into, 1, load["y_code"], load["y_end"], load["scale"])
-            _part(table, into, 2, load["t_code"], load["t_end"], 1.0)
+            codes = load["x_code"], load["y_code"], load["t_code"]
+            code_ends = load["x_end"], load["y_end"], load["t_end"]
+            for m in range(3):
+                if codes[m] >= 0:
+                    formula(table, codes[m], code_ends[m], at.read_names(table))
+                    for j in range(4):
+                        into[m, j] = (load["scale"] if m < 2 else 1.0) * at.stack(table)[0, j]
             if load["turning"]:
                 _turn(into, 0, c, s, ahead)
             for j in range(4):
@@ -348,20 +344,14 @@ def _arc(x: float, d: float, r: float, start: float, span: float) -> tuple[float
         low = max(begin, math.pi - half + turn)
         high = min(begin + span, math.tau + half + turn)
         if high > low:
-            a, b = _flat(d, r, high) - _flat(d, r, low), _flat_x(d, r, high) - _flat_x(d, r, low)
-            one += a
-            two += x * a + b
+            (a, b), (before, before_x) = _up_to(d, r, high), _up_to(d, r, low)
+            one += a - before
+            two += x * (a - before) + (b - before_x)
     return one, two
 
 
 @kernel
-def _flat(d: float, r: float, phi: float) -> float:
-    """Of the arc up to an angle ∫ d dx."""
-    return -r * (r * (phi - math.sin(phi) * math.cos(phi)) / 2 - d * math.cos(phi))
-
-
-@kernel
-def _flat_x(d: float, r: float, phi: float) -> float:
-    """Of the arc up to an angle ∫ x d dx, x from its centre."""
-    s = math.sin(phi)
-    return -r * r * (d * s**2 / 2 + r * s**3 / 3)
+def _up_to(d: float, r: float, phi: float) -> tuple[float, float]:
+    """Of an arc up to an angle ∫ d dx and ∫ x d dx, x from its centre."""
+    s, c = math.sin(phi), math.cos(phi)
+    return -r * (r * (phi - s * c) / 2 - d * c), -r * r * (d * s**2 / 2 + r * s**3 / 3)

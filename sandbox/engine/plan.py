@@ -113,7 +113,14 @@ def make_pattern(
     reached = [{int(place[entries[entry][0]]) for entry in own} for own in inner]
     for body in [*hubs, *range(count, len(unknown))]:
         reached[body] = {int(i) for i in unknown[body]}
-    branches = [_branch(own, columns) for own in reached]
+    branches = []
+    for own in reached:
+        waiting = list(own)
+        for i in waiting:  # grows to the root of the elimination tree
+            if columns[i] and columns[i][0] not in own:
+                own.add(columns[i][0])
+                waiting.append(columns[i][0])
+        branches.append(sorted(own))
     return Pattern(
         place[:len(rows)], unknown, starts, _flat(columns), np.array(updates, dtype=np.int64),
         place[np.array([row for row, _ in entries], dtype=np.int64)],
@@ -212,17 +219,6 @@ def elimination(
             if not waits[j]:
                 heapq.heappush(heap, (len(graph[j]), j))
     return order, met
-
-
-def _branch(first: set[int], columns: list[list[int]]) -> list[int]:
-    found: set[int] = set()
-    for i in first:
-        while i not in found:
-            found.add(i)
-            if not columns[i]:
-                break
-            i = columns[i][0]
-    return sorted(found)
 
 
 def _starts(lists: list[list[int]]) -> Integers:

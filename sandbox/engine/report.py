@@ -204,14 +204,14 @@ def breaks(table: int, h: float, n: int) -> bool:
     for i in range(len(bonds)):
         if bonds[i]["held"] == 0:
             continue
-        load, most, last = bonds[i]["load"], bonds[i]["breaks_at"], bonds[i]["last_load"]
-        when = _when(load, most, last)
+        load, strength, last = bonds[i]["load"], bonds[i]["breaks_at"], bonds[i]["last_load"]
+        when = _when(load, strength, last)
         if when > first + TOGETHER or when > 1.0:
             continue
         # not more is taken back than the impulse of the last step
         share = 0.0
         if last == last:
-            share = max((when - 0.5) * most, -0.5 * last) / load
+            share = max((when - 0.5) * strength, -0.5 * last) / load
         bonds[i]["held"], bonds[i]["broke"] = 0, 1
         if made[2] < len(broken):
             one = broken[made[2]]
@@ -230,13 +230,13 @@ def breaks(table: int, h: float, n: int) -> bool:
 
 
 @kernel
-def _when(load: float, most: float, last: float) -> float:
-    """Share of the step at which a load reaches ``most``, or NEVER; ``last`` may be nan."""
-    if not load > most:
+def _when(load: float, strength: float, last: float) -> float:
+    """Share of the step at which a load reaches the strength, or NEVER; ``last`` may be nan."""
+    if not load > strength:
         return NEVER
     if last != last:
         return 0.5
-    return (most - last) / (load - last) if last < most else 0.0
+    return (strength - last) / (load - last) if last < strength else 0.0
 
 
 @kernel
@@ -258,10 +258,10 @@ def _load(table: int, h: float, n: int, bond: int) -> float:
     cable = at.cables(table)[i]
     if cable["kind"] != records.GRIPPED:
         return _tension(table, h, i)
-    most = 0.0
+    largest = 0.0
     for k in range(cable["spans"], cable["spans_end"]):
-        most = max(most, _tension(table, h, k))
-    return most
+        largest = max(largest, _tension(table, h, k))
+    return largest
 
 
 @kernel
@@ -302,7 +302,21 @@ def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
     joint["fy"] *= share
     joint["couple"] *= share
     _cut_rows(table, joint["entry"], joint["entries"], share)
-    _cut_bounded(table, n, j, share)
+    rows, limits, motors = at.rows(table), at.limits(table), at.motors(table)
+    for k in range(len(limits)):
+        if limits[k]["joint"] == j:
+            limits[k]["impulse"] = 0.0
+    for k in range(n):  # bounded rows of its limits, its dry friction, motors and servos about it
+        source, i, p = rows[k]["source"], rows[k]["index"], share * rows[k]["p"]
+        if source == sources.LIMITED and limits[i]["joint"] == j:
+            limits[i]["impulse"] = p
+        elif source == sources.JOINT_FRICTION and at.dry_friction(table)[i]["joint"] == j:
+            at.dry_friction(table)[i]["impulse"] = p
+        elif source == sources.DRIVEN and motors[i]["bond"] == joint["bond"]:
+            motors[i]["impulse"] = p
+        else:
+            continue
+        push(at.inverse_mass(table), rows[k], p, at.free(table))
     springs, actions = at.springs(table), at.actions(table)
     for k in range(len(springs)):
         if springs[k]["hinge_bond"] == joint["bond"] and holds(table, springs[k]["bond"]):
@@ -311,27 +325,6 @@ def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
         if actions[k]["bond"] == joint["bond"] and actions[k]["motor"] < 0:
             _kick_along(table, at.joints(table)[actions[k]["joint"]], -h * actions[k]["torque"])
             actions[k]["torque"] = 0.0
-
-
-@kernel
-def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
-    """The same for its limits and dry friction, and for motors and servos about it."""
-    rows, limits = at.rows(table), at.limits(table)
-    motors, bond = at.motors(table), at.joints(table)[j]["bond"]
-    for k in range(len(limits)):
-        if limits[k]["joint"] == j:
-            limits[k]["impulse"] = 0.0
-    for k in range(n):
-        source, i, p = rows[k]["source"], rows[k]["index"], share * rows[k]["p"]
-        if source == sources.LIMITED and limits[i]["joint"] == j:
-            limits[i]["impulse"] = p
-        elif source == sources.JOINT_FRICTION and at.dry_friction(table)[i]["joint"] == j:
-            at.dry_friction(table)[i]["impulse"] = p
-        elif source == sources.DRIVEN and at.motors(table)[i]["bond"] == bond:
-            motors[i]["impulse"] = p
-        else:
-            continue
-        push(at.inverse_mass(table), rows[k], p, at.free(table))
 
 
 @kernel

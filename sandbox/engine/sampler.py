@@ -61,7 +61,8 @@ class Sampler:
         self.memory = self._memory()
 
     def _memory(self) -> Memory:
-        return make_memory(self.world.native, *self.tables, self.kept, self._entry_points)
+        return make_memory((self.world.native, *self.tables, self.kept), self.world.h,
+                           self._entry_points)
 
     def restart(self, tables: Tables, builder: RecordingBuilder) -> None:
         """Start another recording, with tables of no more room than those so far."""
@@ -78,10 +79,9 @@ class Sampler:
 
     def _lengthen(self, **rows: int) -> None:
         for name, count in rows.items():
-            old = getattr(self.kept, name)
-            new = np.zeros(max(count, len(old)), old.dtype)
-            new[:len(old)] = old
-            self.kept = self.kept._replace(**{name: new})  # type: ignore[arg-type]
+            array = getattr(self.kept, name).copy()
+            array.resize(max(count, len(array)), refcheck=False)  # filled with zeros
+            self.kept = self.kept._replace(**{name: array})
         self.memory = self._memory()
 
     def make_room(self) -> None:
@@ -127,8 +127,22 @@ class Sampler:
         arrays["line_ahead"][:] = lines["ahead"] * self.world.h
         arrays["load_force"][:, elements.loads["number"]] = np.stack(
             [loads["fx"], loads["fy"]], axis=-1)
-        self._write_drives(arrays, n)
+        actions, cables, pumps = elements.actions, elements.cables, elements.pumps["drive"]
+        torque, work = self._of("actions", n)["torque"], arrays["drive_work"]
+        arrays["drive_value"][:] = kept.drive[:n]
+        limited, runs, pulled = actions["motor"] >= 0, actions["runs"] == 1, cables["kind"] == PULL
+        arrays["drive_torque"][:, actions["drive"][limited]] = (
+            actions["sense"][limited] * torque[:, limited])
+        arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
+        work[:] = 0.0
+        work[:, actions["drive"]] = self._column("actions", n, "work")
+        work[:, pumps] = self._column("pumps", n, "work")
+        work[:, cables["drive"][pulled]] = self._column("cables", n, "work")[:, pulled]
         self.builder.put(done, arrays)
+        self._write_contacts(done, n)
+
+    def _write_contacts(self, done: int, n: int) -> None:
+        kept, order = self.kept, self.world.order
         sample = np.repeat(np.arange(done, done + n), np.diff(kept.fill[:n], prepend=0))
         self.builder.contacts.replace(
             done, *self._contact_rows(sample, kept.contacts[:kept.fill[n - 1]]).values())
@@ -138,7 +152,7 @@ class Sampler:
         # means of samples whose intervals are complete, and had several forces
         self.builder.means.replace(done, moved + done, kept.means[moved])
         fill = kept.mean_fill[:moved[-1] + 1]
-        found, order = kept.mean_contacts[:fill[-1]], self.world.order
+        found = kept.mean_contacts[:fill[-1]]
         numbers = found.view(np.float64).reshape(-1, 9)[:, 2:]
         self.builder.mean_contacts.replace(
             done, np.repeat(np.arange(done, done + len(fill)), np.diff(fill, prepend=0)),
@@ -181,21 +195,6 @@ class Sampler:
             sense = elements.joints["sense"][limit["joint"]]
             arrays["joint_stop"][:, limit["joint"]] += (
                 sense * limit["side"] * impulse / self.world.h)
-
-    def _write_drives(self, arrays: Arrays, n: int) -> None:
-        elements = self.tables.elements
-        actions, cables, pumps = elements.actions, elements.cables, elements.pumps["drive"]
-        torque, work = self._of("actions", n)["torque"], arrays["drive_work"]
-        arrays["drive_value"][:] = self.kept.drive[:n]
-        limited, runs = actions["motor"] >= 0, actions["runs"] == 1
-        arrays["drive_torque"][:, actions["drive"][limited]] = (
-            actions["sense"][limited] * torque[:, limited])
-        arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
-        pulled = cables["kind"] == PULL
-        work[:] = 0.0
-        work[:, actions["drive"]] = self._column("actions", n, "work")
-        work[:, pumps] = self._column("pumps", n, "work")
-        work[:, cables["drive"][pulled]] = self._column("cables", n, "work")[:, pulled]
 
     def _write_springs(self, arrays: Arrays, n: int) -> None:
         joints, springs = self.model.joints, self.tables.elements.springs
@@ -307,20 +306,19 @@ class Readings:
         n, item = int(self.world.number[index]), state.body.item
         mean = self.tables.result.before.item
         cx, cy = self.model.bodies.centre[index].tolist()
-        rates, gains = {"vx": 0, "vy": 1, "omega": 2}, {"ax": 0, "ay": 1, "alpha": 2}
-        if source.quantity in rates:
-            j = rates[source.quantity]
+        h, what = self.world.h, source.quantity
+        j = {"vx": 0, "ax": 0, "vy": 1, "ay": 1}.get(what, 2)
+        if what in ("vx", "vy", "omega"):
             return lambda: 0.5 * (item(n, 3 + j) + mean(n, j))
-        if source.quantity in gains:
-            j, h = gains[source.quantity], self.world.h
+        if what in ("ax", "ay", "alpha"):
             return lambda: (item(n, 3 + j) - mean(n, j)) / h
-        if source.quantity == "angle":
+        if what == "angle":
             return lambda: item(n, 2)
-        if source.quantity == "x":
+        if what == "x":
             return lambda: item(n, 0) - math.cos(item(n, 2)) * cx + math.sin(item(n, 2)) * cy
-        if source.quantity == "y":
+        if what == "y":
             return lambda: item(n, 1) - math.sin(item(n, 2)) * cx - math.cos(item(n, 2)) * cy
-        touch = source.quantity.removeprefix("contact.")
+        touch = what.removeprefix("contact.")
         return lambda: float(self.contacts.of_body(index, touch)[0])
 
     def _joint(self, source: Source) -> Read:
@@ -362,19 +360,25 @@ class Readings:
             return self._at_guide(source.index, *at)
         length = self._result("cables", "length", source.index)
         start = float(self.sampler.builder.statics["tendon_initial"][source.index])
-        wound = self._wound_up(source.index)
-        return (lambda: start - length() + wound()) if wound else lambda: start - length()
+        tendons, states = self.model.tendons, self.tables.elements.guides
+        guides, radius = tendons.guides(source.index), tendons.guide_radius
+        wheels = [
+            (_item(states["wrap"], end), states["wrap0"][end].item(), sign * radius[end].item())
+            for end, sign in ((guides.start, -1.0), (guides.stop - 1, 1.0))
+            if radius[end] and not tendons.closed[source.index]]
+        if not wheels:
+            return lambda: start - length()
+        # what wheels at its ends have wound up since t = 0 counts, too
+        return lambda: start - length() + sum(r * (angle() - first) for angle, first, r in wheels)
 
     def _at_guide(self, tendon: int, what: str, number: int) -> Read:
         """A quantity of a guide, or the tension of a straight piece."""
         tendons, elements = self.model.tendons, self.tables.elements
         guide = int(tendons.first[tendon]) + number
         if what == "lifted":
-            lifted = _item(elements.guides["lifted"], guide)
-            return lambda: float(lifted())
+            return _item(elements.guides["lifted"], guide)
         if what == "slip":
-            slip = int(np.flatnonzero(tendons.grips == guide)[0])
-            return _item(elements.slips["way"], slip)
+            return _item(elements.slips["way"], int(np.flatnonzero(tendons.grips == guide)[0]))
         piece = np.flatnonzero(tendons.stretch_tendon == tendon)[number]
         last = _item(elements.cables["tension"], tendon)
         behind = [_item(elements.slips["force"], k) for k in tendons.gripped(tendon).tolist()
@@ -385,16 +389,6 @@ class Readings:
         grown = self._result("fluids", "grown", source.index)
         volume = float(self.model.lines.volume[source.index])
         return lambda: volume + grown()
-
-    def _wound_up(self, tendon: int) -> Read | None:
-        """Length that wheels at a tendon's ends have wound up since t = 0 [m]; None without any."""
-        if self.model.tendons.closed[tendon]:
-            return None
-        guides, states = self.model.tendons.guides(tendon), self.tables.elements.guides
-        radius = self.model.tendons.guide_radius
-        ends = [(_item(states["wrap"], end), float(states["wrap0"][end]), float(sign * radius[end]))
-                for end, sign in ((guides.start, -1.0), (guides.stop - 1, 1.0)) if radius[end]]
-        return (lambda: sum(r * (angle() - start) for angle, start, r in ends)) if ends else None
 
     def _group(self, source: Source) -> Read:
         names = self.model.mechanism.groups[source.index].bodies
