@@ -56,7 +56,7 @@ def begin_row(out: Any, source: int, index: int, a: int, b: int, last: float, mo
     """Make ``out`` a row on two bodies without coefficients, bounds, friction or compliance."""
     out["source"], out["index"], out["a"], out["b"] = source, index, a, b
     out["ax"] = out["ay"] = out["at"] = out["bx"] = out["by"] = out["bt"] = 0.0
-    out["want"] = out["low"] = out["high"] = out["friction"] = out["soft"] = out["tight"] = 0.0
+    out["bias"] = out["low"] = out["high"] = out["friction"] = out["soft"] = out["tight"] = 0.0
     out["last"], out["mode"], out["normal"], out["branch"] = last, mode, -1, 0
     out["measure"] = out["gentle"] = out["passive"] = 0
     out["hold"], out["static"] = HOLD, 1.0
@@ -135,7 +135,7 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
     for k in range(first, count):
         row, y = rows[k], Y[k]
         a, b, n = row["a"], row["b"], row["branch"]
-        row["free"] = free_rate(table, row, y, reached[k], free, row["want"])
+        row["free"] = free_rate(table, row, y, reached[k], free, row["bias"])
         row["base"] = 0.0
         if a < len(inverse_mass):
             row["base"] = (
@@ -165,9 +165,9 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
             G[m, k] = 0.0 if row["measure"] else x
         G[k, k] = 1.0 if row["measure"] else G[k, k] + row["soft"]
         row["back"] = 0.0
-        if row["want"] < 0.0 and row["gentle"]:  # undone so slowly that it throws no body
-            row["back"] = row["want"] * min(1.0, G[k, k] / (LEVER * row["base"]))
-            row["free"] += row["back"] - row["want"]
+        if row["bias"] < 0.0 and row["gentle"]:  # undone so slowly that it throws no body
+            row["back"] = row["bias"] * min(1.0, G[k, k] / (LEVER * row["base"]))
+            row["free"] += row["back"] - row["bias"]
         row["out"] = G[k, k] < HOLD * row["base"]
         if row["out"]:
             row["free"] = row["back"] = row["last"] = 0.0

@@ -46,9 +46,9 @@ def normal_row(h: float, touches: Records, i: int, out: Any) -> None:
     out["gentle"], out["high"] = 1, UNBOUNDED
     out["ax"], out["ay"], out["bx"], out["by"] = -nx, -ny, nx, ny
     out["at"], out["bt"] = t["ay"] * nx - t["ax"] * ny, t["bx"] * ny - t["by"] * nx
-    out["want"] = closing_rate(h, t["gap"] + t["led"], RETURN) + 0.5 * h * t["acceleration"]
+    out["bias"] = closing_rate(h, t["gap"] + t["gap_shift"], RETURN) + 0.5 * h * t["acceleration"]
     if t["soft"] > 0.0:
-        out["want"], out["soft"], out["gentle"] = t["want"], t["soft"], 0
+        out["bias"], out["soft"], out["gentle"] = t["bias"], t["soft"], 0
 
 
 @kernel
@@ -67,16 +67,16 @@ def tangent_row(h: float, body: Array, touches: Records, i: int, normal: int, ou
     out["normal"], out["friction"], out["hold"] = normal, t["friction"], HOLD_TANGENT
     out["ax"], out["ay"], out["bx"], out["by"] = -x, -y, x, y
     out["at"], out["bt"] = t["ay"] * x - t["ax"] * y, t["bx"] * y - t["by"] * x
-    out["want"] = 0.5 * h * (wa * wa * arm_a - wb * wb * arm_b) + t["belt"]
-    out["want"], out["soft"] = out["want"] + t["want_along"], t["soft_along"]
+    out["bias"] = 0.5 * h * (wa * wa * arm_a - wb * wb * arm_b) + t["belt"]
+    out["bias"], out["soft"] = out["bias"] + t["bias_along"], t["soft_along"]
     out["static"], out["phase"], out["slip"] = t["static"], SLIDES, t["mode"]
     a, b, carried = t["a"], t["b"], t["normal"] > 0.0
     sliding = (x * (body[b, 3] - body[a, 3]) + y * (body[b, 4] - body[a, 4])
                + out["at"] * wa + out["bt"] * wb + t["belt"])
     if t["static"] > 1.0 and t["mode"] == 0 and (carried or abs(sliding) < STILL):
         out["phase"], out["friction"] = HOLDS, t["static"] * t["friction"]
-        out["spare"] = out["friction"] * t["normal"] if carried else math.nan
-        out["gave"] = t["tangent"]
+        out["reserve"] = out["friction"] * t["normal"] if carried else math.nan
+        out["p_static"] = t["tangent"]
 
 
 @kernel
@@ -98,11 +98,11 @@ def limit_row(table: int, h: float, i: int, out: Any) -> None:
         gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), at.before(table))
         out["ax"], out["ay"], out["at"] = -ux, -uy, on_a
         out["bx"], out["by"], out["bt"] = ux, uy, on_b
-        out["want"] = closing_rate(h, gap - limit["bound"], RETURN)
+        out["bias"] = closing_rate(h, gap - limit["bound"], RETURN)
         return
     put_coordinate(out, joint, side)
     fastest = RETURN_TURNING if limit["what"] == STOP else RETURN
-    out["want"] = closing_rate(h, side * (joint["way"] - limit["bound"]), fastest)
+    out["bias"] = closing_rate(h, side * (joint["way"] - limit["bound"]), fastest)
 
 
 @entry_point()
@@ -159,7 +159,7 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
         if not joint_holds(table, limits[i]["joint"]) or piled(table, limits[i]["joint"]):
             continue
         limit_row(table, h, i, rows[n])
-        new = rate(rows[n], velocity) + rows[n]["want"] < -slack
+        new = rate(rows[n], velocity) + rows[n]["bias"] < -slack
         for k in range(first):
             new &= rows[k]["source"] != LIMITED or rows[k]["index"] != i
         if new:
@@ -167,6 +167,6 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
     for i in range(at.touching(table)[0]):
         if not touches[i]["listed"]:
             normal_row(h, touches, i, rows[n])
-            if rate(rows[n], velocity) + rows[n]["want"] < -slack:
+            if rate(rows[n], velocity) + rows[n]["bias"] < -slack:
                 n = _with_touch(h, at.body(table), touches, rows, i, n)
     return n

@@ -540,7 +540,7 @@ def _contact(
     out["bx"] = (found["bx"] + body[a, 0] + found["ax"] - body[b, 0]) / 2
     out["by"] = (found["by"] + body[a, 1] + found["ay"] - body[b, 1]) / 2
     out["friction"], out["restitution"] = friction[a, b], restitution[a, b]
-    out["normal"] = out["tangent"] = out["bounce"] = out["drag"] = out["led"] = 0.0
+    out["normal"] = out["tangent"] = out["bounce"] = out["drag"] = out["gap_shift"] = 0.0
     out["mode"] = out["listed"] = out["late"] = out["phase"] = 0
     out["sums"] = -1
-    out["stretch"] = out["want"] = out["soft"] = out["want_along"] = out["soft_along"] = 0.0
+    out["stretch"] = out["bias"] = out["soft"] = out["bias_along"] = out["soft_along"] = 0.0

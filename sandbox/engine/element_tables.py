@@ -125,7 +125,7 @@ def drive_tables(places: PlacedBodies, h: float) -> tuple[Records, Records]:
             action["motor"] = len(motors)
             placed = records.PLACED if np.isnan(drives.stiffness[i]) else records.SPRUNG
             motors.append(shared | {
-                "most": drives.most[i], "slope": drives.slope[i],
+                "maximum": drives.most[i], "slope": drives.slope[i],
                 "law": placed if kind.places else records.PACED, "k": drives.stiffness[i],
                 "c": drives.damping[i], "stiff": stiff[i], "fastest": drives.fastest[i],
                 "zero": 0.0 if line else joints.zero[target]})
@@ -220,7 +220,7 @@ def dry_friction_table(
     friction = model.joints
     held = friction.frictional[joints["row"][friction.frictional] >= 0]
     table = fill(records.DRY_FRICTION, len(held), ux=1.0, bound=np.nan, joint=held, sum=-1,
-                 most=friction.friction[held], share=friction.coefficient[held],
+                 maximum=friction.friction[held], share=friction.coefficient[held],
                  static=friction.static[held])
     table["mode"] = [-np.sign(of_joint.sliding(model, j) if friction.kind[j].keeps == "groove"
                               else of_joint.turning(model, j)) for j in held]
@@ -337,7 +337,8 @@ def fluid_tables(
     fluids = fill(
         records.FLUID, len(lines.name), first=lines.first[:-1], last=lines.first[1:],
         drive=lines.drive, volume=lines.volume, c=lines.compliance, gas=np.nan_to_num(lines.gas),
-        start=lines.pressure, pressure=lines.pressure, least=lines.least, most=lines.most,
+        start=lines.pressure, pressure=lines.pressure, minimum=lines.least,
+        maximum=lines.most,
         response=stiffnesses.line_responses(model))
     with np.errstate(divide="ignore"):
         of_gas = fluids["volume"] * (fluids["start"] / ATMOSPHERE + 1.0) ** (1.0 / fluids["gas"])
@@ -347,7 +348,7 @@ def fluid_tables(
     beside = stiff.copy()  # stiff lines, and those that valves join to them
     for a, b in len(meet) * meet:
         beside[a] = beside[b] = beside[a] or beside[b]
-    fluids["least_ahead"], fluids["ratio"] = stiff, np.where(beside, 1.5, 2.0)
+    fluids["ahead_min"], fluids["ratio"] = stiff, np.where(beside, 1.5, 2.0)
     for fluid in fluids:
         own = chambers[fluid["first"]:fluid["last"]]
         bodies = sorted({chamber[end] for chamber in own for end in "ab"})
@@ -501,7 +502,7 @@ def _add_spans(
         inside = part["length"] * (
             rest / length if rest <= length else 1 + (rest - length) / part["length"].sum())
         part["rest"] = part["inside"] = inside
-        part["least"] = MIN_INSIDE * inside
+        part["minimum"] = MIN_INSIDE * inside
         # all spans are solved alike: at the step's end if one of them is too stiff
         largest = (part["k"] / inside).max()
         quick = stiff[e] or h * h * largest * own["response"] > records.SOFT

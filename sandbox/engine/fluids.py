@@ -16,8 +16,8 @@ Volume and content are then those of one instant, k steps after the pose, to sec
 
 Lines that valves join have one r, so that the matrix is symmetric. A valve's flow is linearised in
 the pressures about that of the attempt before: it adds to the rows of its two lines, and to where
-they meet, and attempts are made until flows stay (Newton's method). Pressures at their least or
-their most, or that a drive gives, are those of a line that yields without end.
+they meet, and attempts are made until flows stay (Newton's method). Pressures at their
+minimum or maximum, or set by a drive, are those of a line with a very large compliance.
 
 Afterwards M grows by what flowed in. The volume is worked out anew in every step, so that no error
 adds up.
@@ -67,7 +67,7 @@ def swell(table: int, drive: Array) -> None:
                 chamber["ta"], chamber["tb"] = ay * x - ax * y, bx * y - by * x
             grown += gain * (way - chamber["start"])
         fluid = fluids[i]
-        fluid["grown"], fluid["ahead"] = grown, fluid["least_ahead"]
+        fluid["grown"], fluid["ahead"] = grown, fluid["ahead_min"]
         if fluid["gas"] == 0.0:
             fluid["rigid"] = (fluid["content"] - grown) / fluid["c"]
             fluid["yields"], fluid["swells"] = fluid["c"], 1.0
@@ -93,7 +93,7 @@ def _rigid(fluids: Records, drive: Array, line: int) -> float:
         return 0.0
     if fluids[line]["drive"] >= 0:
         return float(drive[fluids[line]["drive"]])
-    return float(min(max(fluids[line]["rigid"], fluids[line]["least"]), fluids[line]["most"]))
+    return float(min(max(fluids[line]["rigid"], fluids[line]["minimum"]), fluids[line]["maximum"]))
 
 
 @kernel
@@ -109,34 +109,34 @@ def _straighten(table: int, drive: Array) -> None:
     """Flows of valves and pumps, linearised in the pressures."""
     fluids, valves = at.fluids(table), at.valves(table)
     for i in range(len(fluids)):
-        fluids[i]["lets"] = fluids[i]["gets"] = 0.0
+        fluids[i]["conductance"] = fluids[i]["supply"] = 0.0
     for i in range(len(valves)):
         v = valves[i]
         opening = min(drive[v["drive"]], 1.0) if v["drive"] >= 0 else 1.0
-        v["lets"] = v["gets"] = 0.0
+        v["conductance"] = v["supply"] = 0.0
         if opening <= SHUT or v["shut"]:
             v["about"] = 0.0
             continue
         r, k = v["r"] / opening, v["k"] / (opening * opening)
-        least = math.sqrt(LAMINAR / k) if v["r"] == 0.0 else 0.0
-        slope = r + 2.0 * k * max(abs(v["about"]), least)
-        v["lets"], v["gets"] = 1.0 / slope, k * abs(v["about"]) * v["about"] / slope
+        smallest = math.sqrt(LAMINAR / k) if v["r"] == 0.0 else 0.0
+        slope = r + 2.0 * k * max(abs(v["about"]), smallest)
+        v["conductance"], v["supply"] = 1.0 / slope, k * abs(v["about"]) * v["about"] / slope
         both = _swells(fluids, v)
         for end in range(2):
             joined, sign = (v["a"], -1.0) if end == 0 else (v["b"], 1.0)
             if joined >= 0:
                 rest = fluids[joined]["swells"] - both
-                fluids[joined]["lets"] += both * v["lets"]
-                fluids[joined]["gets"] += sign * (both * v["gets"] + rest * v["about"])
+                fluids[joined]["conductance"] += both * v["conductance"]
+                fluids[joined]["supply"] += sign * (both * v["supply"] + rest * v["about"])
     pumps = at.pumps(table)
     for i in range(len(pumps)):
         pump, line = pumps[i], fluids[pumps[i]["line"]]
         value = drive[pump["drive"]]
         if not pump["source"]:
-            line["gets"] += line["swells"] * value
+            line["supply"] += line["swells"] * value
         elif fluids[pump["line"]]["drive"] < 0:
-            line["lets"] += line["swells"] / pump["r"]
-            line["gets"] += line["swells"] * value / pump["r"]
+            line["conductance"] += line["swells"] / pump["r"]
+            line["supply"] += line["swells"] * value / pump["r"]
 
 
 @kernel
@@ -167,11 +167,12 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
         add_to(J, p["entry_b"], p["x"], p["y"], p["tb"])
     for i in range(len(fluids)):
         fluid, r = fluids[i], fluids[i]["row"]
-        if fluid["lets"] > 0.0:  # only ahead within a step, so that attempts end
-            fluid["ahead"] = max(fluid["ahead"], 0.5 - fluid["yields"] / (2.0 * h * fluid["lets"]))
+        if fluid["conductance"] > 0.0:  # only ahead within a step, so that attempts end
+            fluid["ahead"] = max(
+                fluid["ahead"], 0.5 - fluid["yields"] / (2.0 * h * fluid["conductance"]))
         after, before, inflow = _weights(fluid)
-        compliance[r] = (fluid["yields"] / h + inflow * fluid["lets"]) / (after * h)
-        rhs[r] = (fluid["yields"] * fluid["rigid"] / h + inflow * fluid["gets"]
+        compliance[r] = (fluid["yields"] / h + inflow * fluid["conductance"]) / (after * h)
+        rhs[r] = (fluid["yields"] * fluid["rigid"] / h + inflow * fluid["supply"]
                   + before * growth(table, i, at.before(table))) / after
         if fluid["drive"] >= 0 or fluid["mode"] != 0:
             compliance[r] = GIVEN * (compliance[r] + fluid["response"])
@@ -181,8 +182,8 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
 @kernel
 def _given(fluid: Any, drive: Array) -> float:
     if fluid["drive"] >= 0:
-        return float(min(max(drive[fluid["drive"]], fluid["least"]), fluid["most"]))
-    return float(fluid["least"] if fluid["mode"] < 0 else fluid["most"])
+        return float(min(max(drive[fluid["drive"]], fluid["minimum"]), fluid["maximum"]))
+    return float(fluid["minimum"] if fluid["mode"] < 0 else fluid["maximum"])
 
 
 @entry_point("fluids")
@@ -191,8 +192,9 @@ def join_lines(table: int, h: float) -> None:
     valves, values, fluids = at.valves(table), at.values(table), at.fluids(table)
     for i in range(len(valves)):
         if valves[i]["slot"] >= 0:
-            values[valves[i]["slot"]] -= (fluids[valves[i]["a"]]["ratio"]
-                                          * _swells(fluids, valves[i]) * valves[i]["lets"] / h)
+            v = valves[i]
+            values[v["slot"]] -= (
+                fluids[v["a"]]["ratio"] * _swells(fluids, v) * v["conductance"] / h)
 
 
 @kernel
@@ -238,7 +240,7 @@ def _across(table: int, valve: int) -> float:
 def through(table: int, valve: int) -> float:
     """A valve's flow [m^3/s]."""
     v = at.valves(table)[valve]
-    return float(v["gets"] + v["lets"] * _across(table, valve))
+    return float(v["supply"] + v["conductance"] * _across(table, valve))
 
 
 @entry_point("fluids")
@@ -294,15 +296,15 @@ def _flows(table: int) -> bool:
     changed = False
     for i in range(len(valves)):
         v, last = valves[i], valves[i]["about"]
-        if v["lets"] == 0.0:
+        if v["conductance"] == 0.0:
             continue
         flow = through(table, i)
         v["about"] = flow
         uneven = v["a"] >= 0 and v["b"] >= 0 and (
             fluids[v["a"]]["swells"] != fluids[v["b"]]["swells"])
         if v["k"] > 0.0 or uneven:
-            least = math.sqrt(LAMINAR * EVEN / v["k"]) if v["k"] > 0.0 else 0.0
-            changed |= abs(flow - last) > EVEN * max(abs(flow), abs(last)) + least
+            smallest = math.sqrt(LAMINAR * EVEN / v["k"]) if v["k"] > 0.0 else 0.0
+            changed |= abs(flow - last) > EVEN * max(abs(flow), abs(last)) + smallest
     return changed
 
 
@@ -313,23 +315,23 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
     fluid, mode = fluids[line], fluids[line]["mode"]
     if fluid["drive"] >= 0:
         return 0.0, 0
-    p, least, most = fluid["pressure"], fluid["least"], fluid["most"]
+    p, low, high = fluid["pressure"], fluid["minimum"], fluid["maximum"]
     if mode == 0:
-        if p < least - EVEN * (abs(least) + 1.0):
-            return float(least - p), -1
-        if p > most + EVEN * (abs(most) + 1.0):
-            return float(p - most), 1
+        if p < low - EVEN * (abs(low) + 1.0):
+            return float(low - p), -1
+        if p > high + EVEN * (abs(high) + 1.0):
+            return float(p - high), 1
         return 0.0, 0
     after, _, inflow = _weights(fluid)
-    flow = fluid["gets"] - fluid["lets"] * p  # into the line, as volume in it, as the rows had it
+    flow = fluid["supply"] - fluid["conductance"] * p  # volume into the line, as in the rows
     for i in range(len(valves)):
         a, b = valves[i]["a"], valves[i]["b"]
         if (a == line and b >= 0) or (b == line and a >= 0):
-            flow += (_swells(fluids, valves[i]) * valves[i]["lets"]
+            flow += (_swells(fluids, valves[i]) * valves[i]["conductance"]
                      * fluids[b if a == line else a]["pressure"])
-    spare = (fluid["yields"] * (fluid["rigid"] - p) + h * inflow * flow
+    excess = (fluid["yields"] * (fluid["rigid"] - p) + h * inflow * flow
              - growing(table, h, line)) / (fluid["yields"] + h * h * after * fluid["response"])
-    off = spare if mode < 0 else -spare
+    off = excess if mode < 0 else -excess
     return float(off if off > EVEN * (abs(p) + 1.0) else 0.0), 0
 
 

@@ -62,13 +62,13 @@ def _along(table: int, h: float, dry: Any, out: Any) -> None:
     # d'' of the point of b in the frame of a, along the groove: centripetal and Coriolis terms
     bend = (wa * wa * (dx * qx + dy * qy) - wb * wb * (dx * bx + dy * by)
             + 2.0 * wa * (dx * vy - dy * vx))
-    out["want"] = 0.5 * h * bend
+    out["bias"] = 0.5 * h * bend
     if dry["mode"] != 0:
         dry["kept"] = 0
     elif dry["kept"] == 0:
         dry["kept"], dry["place"] = 1, joint["way"]
     else:
-        out["want"] += beyond(joint["way"] - dry["place"]) / h
+        out["bias"] += beyond(joint["way"] - dry["place"]) / h
 
 
 @entry_point("joint_friction")
@@ -88,11 +88,11 @@ def friction_rows(table: int, h: float, i: int, n: int) -> int:
     begin_row(out, st.JOINT_FRICTION, i, joint["a"], joint["b"], dry["impulse"], dry["mode"])
     out["passive"] = 1
     _along(table, h, dry, out)
-    most = 0.0 if by_load else h * more * dry["most"]
-    out["low"], out["high"] = -most, most
+    limit = 0.0 if by_load else h * more * dry["maximum"]
+    out["low"], out["high"] = -limit, limit
     out["normal"], out["friction"] = n if by_load else -1, more * dry["share"]
     out["static"], out["phase"] = dry["static"], st.HOLDS if holds and more > 1.0 else st.SLIDES
-    out["spare"], out["gave"], out["slip"] = dry["bound"], dry["impulse"], dry["mode"]
+    out["reserve"], out["p_static"], out["slip"] = dry["bound"], dry["impulse"], dry["mode"]
     return m + 1
 
 
@@ -163,13 +163,13 @@ def break_away(table: int, n: int) -> bool:
             continue
         y = y_of(rows, n, G, k)
         if row["phase"] == st.SLIDES and mode * row["slip"] < 0.0:
-            row["phase"], row["mode"], row["spare"] = st.HOLDS, 0, math.nan
+            row["phase"], row["mode"], row["reserve"] = st.HOLDS, 0, math.nan
             _multiply(row, row["static"])
             changed = True
         elif row["phase"] == st.HOLDS and mode != 0 and abs(y) > st.STILL:
             row["phase"], row["slip"] = st.TRIED, abs(y)
-            row["spare"] -= mode * row["gave"]
-            row["gave"] = row["p"]
+            row["reserve"] -= mode * row["p_static"]
+            row["p_static"] = row["p"]
             _multiply(row, 1.0 / row["static"])
             changed = True
         tried |= row["phase"] == st.TRIED
@@ -198,8 +198,8 @@ def _share(rows: Records, n: int, G: Array, k: int) -> float:
     for i in range(n):
         row = rows[i]
         if row["static"] > 1.0 and row["phase"] == st.TRIED and G[k, i] != 0.0:
-            before += row["slip"] * row["spare"]
-            beyond += row["slip"] * abs(row["gave"] - row["p"])
+            before += row["slip"] * row["reserve"]
+            beyond += row["slip"] * abs(row["p_static"] - row["p"])
             slip += row["slip"] * row["slip"]
             more += row["slip"] * (abs(y_of(rows, n, G, i)) - row["slip"])
     beyond *= slip / more

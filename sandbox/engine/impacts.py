@@ -63,7 +63,7 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
     place_as_found(table, i)
     normal_row(h, at.touches(table), i, row)
     start, trend = _motion(table, h, row, 0.0)
-    row["want"], row["trend"] = start, trend
+    row["bias"], row["trend"] = start, trend
     row["gap"], row["closing"], row["bend"] = max(t["gap"], 0.0), start, trend
     s = time_to_close(t["gap"], start, trend)
     if t["listed"] or (t["gap"] < 0.0 and not -h <= s < 0.0):
@@ -72,11 +72,11 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
         s = _within(h, s)
         _carry(table, h, i, s)
         normal_row(h, at.touches(table), i, row)
-        row["want"], row["trend"] = _motion(table, h, row, 0.0)
+        row["bias"], row["trend"] = _motion(table, h, row, 0.0)
         row["gap"] = t["gap"]
         if abs(s) < TIME_TOLERANCE * h:
             return s
-        row["bend"] = (row["want"] + row["trend"] * s - start) / s
+        row["bend"] = (row["bias"] + row["trend"] * s - start) / s
         s = time_to_close(t["gap"], start, row["bend"])
     return _within(h, s)
 
@@ -332,15 +332,15 @@ def _list(table: int, h: float, rows: Records) -> tuple[int, float]:
     touches, n, first = at.touches(table), 0, 0.0
     for i in range(at.touching(table)[0]):
         t = touches[i]
-        t["bounce"] = t["drag"] = t["led"] = 0.0
+        t["bounce"] = t["drag"] = t["gap_shift"] = 0.0
         if t["restitution"] > 0.0 and n + 1 < len(rows):
             first = min(first, meet(table, h, i, rows[n]))
             rows[n]["last"] = 0.0
             n += 1
             if t["friction"] > 0.0:
                 tangent_row(h, at.body(table), touches, i, n - 1, rows[n])
-                rows[n]["want"], rows[n]["trend"] = _motion(table, h, rows[n], 0.0)
-                rows[n]["want"] += t["belt"]
+                rows[n]["bias"], rows[n]["trend"] = _motion(table, h, rows[n], 0.0)
+                rows[n]["bias"] += t["belt"]
                 rows[n]["last"] = 0.0
                 n += 1
     return n, first
@@ -388,11 +388,11 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
                 unilateral.push(inverse_mass, rows[q], p * now, delayed)
                 for k in range(n):
                     change = G[k, q] * p
-                    rows[k]["want"] += change
+                    rows[k]["bias"] += change
                     if rows[k]["normal"] < 0:
                         rows[k]["closing"] += change
                         rows[k]["gap"] -= change * now
-                        touches[rows[k]["index"]]["led"] -= change * now
+                        touches[rows[k]["index"]]["gap_shift"] -= change * now
     return True
 
 
@@ -424,7 +424,7 @@ def _struck(
     fastest = 0.0
     for k in range(n):
         row = rows[k]
-        u = row["want"] + row["trend"] * now
+        u = row["bias"] + row["trend"] * now
         row["mode"], row["free"] = 0, u
         if row["normal"] < 0:
             row["mode"], row["high"] = -1, 0.0
@@ -529,7 +529,7 @@ def leave(table: int, h: float, n: int) -> None:
     for k in range(n):
         row = rows[k]
         if row["source"] == LIMITED and limits[row["index"]]["since"] >= h:
-            gain = (row["free"] - row["want"] - unilateral.rate(row, before)) / h
+            gain = (row["free"] - row["bias"] - unilateral.rate(row, before)) / h
             row["free"] -= max(gain, 0.0) * (limits[row["index"]]["since"] + h / 2)
 
 
@@ -552,8 +552,8 @@ def _since(table: int, h: float, row: Any, last: float, since: float) -> float:
         return 0.0
     if last > 0.0:
         return since + h if 0.0 < since < h else 0.0
-    start, free = unilateral.rate(row, at.before(table)), row["free"] - row["want"]
-    if row["want"] <= 0.0 or start >= 0.0:
+    start, free = unilateral.rate(row, at.before(table)), row["free"] - row["bias"]
+    if row["bias"] <= 0.0 or start >= 0.0:
         return 0.0
-    t = time_to_close(h * row["want"], (start + free) / 2, (free - start) / h)
+    t = time_to_close(h * row["bias"], (start + free) / 2, (free - start) / h)
     return max(h - t, 0.0)

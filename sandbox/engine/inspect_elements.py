@@ -125,7 +125,7 @@ def shared_problems(model: Model) -> Iterator[Problem]:
 
 def _apart(model: Model, joint: int, distance: float) -> tuple[str, str]:
     """The error of a joint's anchors at t = 0, and how to change the joint; empty without one."""
-    (least, most), keeps = model.joints.reach[joint].tolist(), model.joints.kind[joint].keeps
+    (shortest, longest), keeps = model.joints.reach[joint].tolist(), model.joints.kind[joint].keeps
     if keeps == "groove":
         length, word = slot_length(model, joint), "path" if model.joints.path[joint] else "groove"
         advice = f"move the {word} to the point"
@@ -135,18 +135,18 @@ def _apart(model: Model, joint: int, distance: float) -> tuple[str, str]:
         beyond = max(-float(place.along), float(place.along) - length, 0.0)
         off = math.hypot(float(place.across), beyond)
         return (f"its point is {mm(off)} off the {word}" if off > NEGLIGIBLE else ""), advice
-    field = "length" if keeps == "distance" else "longest" if distance > most else "shortest"
+    field = "length" if keeps == "distance" else "longest" if distance > longest else "shortest"
     advice = ("leave one anchor out" if keeps not in ("distance", "range") or distance < STRAIGHT
               else f"make {field!r} {fitting(distance)}")
     match keeps:
         case "point" if distance > NEGLIGIBLE:
             return f"its anchors are {mm(distance)} apart", advice
-        case "distance" if least <= NEGLIGIBLE:
+        case "distance" if shortest <= NEGLIGIBLE:
             return "its ends coincide, so it has no direction: use a pin", advice
-        case "distance" if abs(distance - least) > NEGLIGIBLE:
-            return f"its ends are {mm(distance)} apart, its length is {mm(least)}", advice
-        case "range" if not least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE:
-            return (f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}",
+        case "distance" if abs(distance - shortest) > NEGLIGIBLE:
+            return f"its ends are {mm(distance)} apart, its length is {mm(shortest)}", advice
+        case "range" if not shortest - NEGLIGIBLE <= distance <= longest + NEGLIGIBLE:
+            return (f"its ends are {mm(distance)} apart, it allows {mm(shortest)} to {mm(longest)}",
                     advice)
     return "", advice
 

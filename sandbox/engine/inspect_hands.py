@@ -243,6 +243,6 @@ def _slots(model: Model, names: tuple[str, ...]) -> Iterator[str]:
         lacks = {name: (way - rooms[name][0], way) for name, way in ways(model, names).items()
                  if name in rooms and way > rooms[name][0] + NEGLIGIBLE}
         if lacks:
-            most = max(lacks, key=lambda name: lacks[name][0])
-            yield (f"to close the empty hand up to its stops, {most!r} would have to move "
-                   f"{mm(lacks[most][1])}")
+            farthest = max(lacks, key=lambda name: lacks[name][0])
+            yield (f"to close the empty hand up to its stops, {farthest!r} would have to move "
+                   f"{mm(lacks[farthest][1])}")

@@ -216,17 +216,17 @@ def _modes(
     rows = np.array([supports.row_of(place, each.parts) for each in elements]) / weight
     rows = rows @ _motions(model, place, weight, joints)
     squares, shapes = np.linalg.eigh((rows * stiffness[:, None]).T @ rows)
-    least = supports.RANK * max(float(squares.max(initial=0.0)), 1e-300)
+    negligible = supports.RANK * max(float(squares.max(initial=0.0)), 1e-300)
     for square, shape in zip(squares, shapes.T, strict=True):
-        if square <= least:
+        if square <= negligible:
             continue
         moved = (rows @ shape)**2
         share = np.where(stiff, stiffness * moved, 0.0) / square
         if share.sum() > 0.5:
-            omega, most = math.sqrt(float(square)), int(share.argmax())
+            omega, largest = math.sqrt(float(square)), int(share.argmax())
             ratio = float(damping @ moved) / (2 * omega)
-            more = max(ENOUGH - ratio, 0.0) * 2 * omega / float(moved[most])
-            number = int(cable[most])
+            more = max(ENOUGH - ratio, 0.0) * 2 * omega / float(moved[largest])
+            number = int(cable[largest])
             yield _Mode(ratio, omega, number, float(model.tendons.damping[number]) + more)
 
 

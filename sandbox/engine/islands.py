@@ -199,7 +199,7 @@ def broken_limits(table: int, h: float, n: int) -> int:
         if not (piled(table, joint) and joint_holds(table, joint)):
             continue
         limit_row(table, h, i, row)
-        new = rate(row, at.velocity(table)) + row["want"] < -ABSOLUTE
+        new = rate(row, at.velocity(table)) + row["bias"] < -ABSOLUTE
         for k in range(first - 1, -1, -1):
             if not new or c[k]["touch"] >= 0:
                 break
@@ -249,13 +249,13 @@ def _gather_limit(table: int, h: float, i: int, k: int) -> None:
         J[2, r] = J[3, r] = 0.0
     one["n_last"], one["t_last"], one["friction"] = at.limits(table)[i]["impulse"], 0.0, 0.0
     one["base_n"], one["base_t"] = response(table, row), 1.0
-    one["soft_n"] = one["soft_t"] = one["want_t"] = one["along"] = one["bend"] = 0.0
-    one["want_n"] = row["want"]
+    one["soft_n"] = one["soft_t"] = one["bias_t"] = one["along"] = one["bend"] = 0.0
+    one["bias_n"] = row["bias"]
     for r in range(3):
         if one["a"] < 0:
-            one["want_n"] += J[0, r] * velocity[row["a"], r]
+            one["bias_n"] += J[0, r] * velocity[row["a"], r]
         if one["b"] < 0:
-            one["want_n"] += J[1, r] * velocity[row["b"], r]
+            one["bias_n"] += J[1, r] * velocity[row["b"], r]
     one["tolerance"] = ABSOLUTE + RELATIVE * abs(rate(row, velocity))
 
 
@@ -276,18 +276,18 @@ def _gather(table: int, h: float, i: int, k: int) -> None:
     J[3, 0], J[3, 1], J[3, 2] = tangent["bx"], tangent["by"], tangent["bt"]
     one["base_n"], one["base_t"] = response(table, normal), response(table, tangent)
     _soften(table, h, t, one)
-    one["bend"] = tangent["want"] - t["want_along"]
+    one["bend"] = tangent["bias"] - t["bias_along"]
     if k > 0:  # points of one face slide at one rate
         last = at.touches(table)[at.piled(table)[k - 1]["touch"]]
         if last["shape_a"] == t["shape_a"] and last["shape_b"] == t["shape_b"]:
             one["bend"] = at.piled(table)[k - 1]["bend"]
-    one["want_t"] = one["bend"] + one["along"]
+    one["bias_t"] = one["bend"] + one["along"]
     for body, key in ((t["a"], one["a"]), (t["b"], one["b"])):
         if key < 0:  # it may be scheduled
             side = 0 if body == t["a"] else 1
             for r in range(3):
-                one["want_n"] += J[side, r] * free[body, r]
-                one["want_t"] += J[2 + side, r] * free[body, r]
+                one["bias_n"] += J[side, r] * free[body, r]
+                one["bias_t"] += J[2 + side, r] * free[body, r]
     one["tolerance"] = max(abs(rate(normal, free)), abs(rate(tangent, free) + t["belt"]))
 
 
@@ -295,17 +295,17 @@ def _gather(table: int, h: float, i: int, k: int) -> None:
 def _soften(table: int, h: float, t: Any, one: Any) -> None:
     """Give a contact its compliance: that of its skin, or the one of rigid surfaces in piles."""
     if t["soft"] > 0.0:
-        one["want_n"], one["soft_n"] = t["want"], t["soft"]
-        one["along"], one["soft_t"] = t["want_along"], t["soft_along"]
+        one["bias_n"], one["soft_n"] = t["bias"], t["soft"]
+        one["along"], one["soft_t"] = t["bias_along"], t["soft_along"]
         one["stiffness"] = TANGENTIAL * at.skin(table)[0, t["a"], t["b"]]
         return
     k = STIFFNESS / (h * h * one["base_n"])
     c = 2.0 * DAMPING * math.sqrt(k / one["base_n"])
     gap = t["gap"] + 0.5 * h * h * t["acceleration"]
     one["soft_n"] = 1.0 / (h * (h * k + c))
-    one["want_n"] = gap / h
+    one["bias_n"] = gap / h
     if gap <= 0.0:  # an overlap that no load holds is undone slowly
-        one["want_n"] = max(k * gap / (h * k + c), -RETURN - one["soft_n"] * t["normal"])
+        one["bias_n"] = max(k * gap / (h * k + c), -RETURN - one["soft_n"] * t["normal"])
     one["stiffness"], one["soft_t"] = TANGENTIAL * k, one["soft_n"] / TANGENTIAL
     if t["stretch"] != t["stretch"]:
         t["stretch"] = -t["tangent"] / (h * one["stiffness"])
@@ -400,12 +400,12 @@ def soften(table: int, h: float) -> None:
         tangent_row(h, at.body(table), touches, i, 0, tangent)
         gap = t["gap"] + 0.5 * h * h * t["acceleration"]
         if gap > 0.0:
-            t["want"], t["soft"] = gap / h, 1.0 / (h * (h * k + c))
+            t["bias"], t["soft"] = gap / h, 1.0 / (h * (h * k + c))
         else:
-            t["want"], t["soft"] = spring_row(
+            t["bias"], t["soft"] = spring_row(
                 h, k, c, gap, rate(normal, before), response(table, normal))
-        sliding = rate(tangent, before) + tangent["want"]
-        t["want_along"], t["soft_along"] = spring_row(
+        sliding = rate(tangent, before) + tangent["bias"]
+        t["bias_along"], t["soft_along"] = spring_row(
             h, TANGENTIAL * k, TANGENTIAL * c, t["stretch"], sliding, response(table, tangent))
 
 
@@ -426,4 +426,4 @@ def stretch_skin(table: int, h: float, n: int) -> None:
                 stiffness = TANGENTIAL * skin[0, t["a"], t["b"]]
                 t["stretch"] = -row["p"] / (h * stiffness)
             elif t["normal"] > 0.0:
-                t["stretch"] += h * (rate(row, at.velocity(table)) + row["want"] - t["want_along"])
+                t["stretch"] += h * (rate(row, at.velocity(table)) + row["bias"] - t["bias_along"])

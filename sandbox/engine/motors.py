@@ -50,17 +50,17 @@ def brake_in_time(table: int, h: float, n: int) -> None:
         inertia = _held(table, h, m, q, False)
         loads = _held(table, h, m, q, True)
         way = 1.0 if motor["short"] > 0.0 else -1.0
-        spare = max(motor["most"] - max(way * loads, 0.0), MIN_SHARE * motor["most"])
-        can = CAUTION * spare / inertia
+        reserve = max(motor["maximum"] - max(way * loads, 0.0), MIN_SHARE * motor["maximum"])
+        can = CAUTION * reserve / inertia
         short = abs(motor["short"])
         speed = min(short / h, math.sqrt((can * h / 2) ** 2 + 2 * can * short) - can * h / 2)
         speed = motor["along"] + way * speed
         motor["command"] = min(max(speed, -motor["fastest"]), motor["fastest"])
     for q in range(m):
         row = rows[chosen[q]]
-        want = motors[row["index"]]["bend"] - motors[row["index"]]["command"]
-        row["free"] += want - row["want"]
-        row["want"] = want
+        bias = motors[row["index"]]["bend"] - motors[row["index"]]["command"]
+        row["free"] += bias - row["bias"]
+        row["bias"] = bias
 
 
 @kernel
@@ -75,7 +75,7 @@ def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
         A[r, r] += HOLD * row["base"]
         A[r, m] = 1.0 if r == q else 0.0
         if loads:
-            A[r, m] = (row["free"] - row["want"] - states[row["index"]]["seen"]) / h
+            A[r, m] = (row["free"] - row["bias"] - states[row["index"]]["seen"]) / h
     eliminate(A, m)
     return float(A[q, m])
 
@@ -86,14 +86,14 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
     out = at.rows(table)[n]
     motor, before = at.motors(table)[i], at.before(table)
     value = drive[motor["drive"]]
-    brake = motor["most"] != motor["most"]
-    most = h * min(value if brake else motor["most"], UNBOUNDED)
+    brake = motor["maximum"] != motor["maximum"]
+    limit = h * min(value if brake else motor["maximum"], UNBOUNDED)
     begin_row(out, DRIVEN, i, motor["a"], motor["b"], motor["impulse"], motor["mode"])
     put_coordinate(out, at.joints(table)[motor["joint"]], 1.0)
-    out["low"], out["high"] = -most, most
-    out["want"] = 0.0 if brake else -motor["sense"] * value
+    out["low"], out["high"] = -limit, limit
+    out["bias"] = 0.0 if brake else -motor["sense"] * value
     if motor["slope"] > 0.0:  # at mid-step, as dampers are
-        out["want"] = (before[motor["b"], 2] - before[motor["a"], 2]
+        out["bias"] = (before[motor["b"], 2] - before[motor["a"], 2]
                        - 2.0 * motor["sense"] * value)
         out["soft"] = 2.0 / (h * motor["slope"])
     if motor["law"] == PACED and not motor["line"]:
@@ -107,23 +107,23 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
         x, y = vector_ahead(line, h, body, before, ca, sa, cb, sb)
         motor["bend"] = (math.hypot(x, y) - place) / h - seen
     if motor["law"] == PACED:
-        out["want"] = motor["bend"] - value
+        out["bias"] = motor["bend"] - value
         return
     target = motor["sense"] * (value + motor["zero"])
     if motor["law"] == SPRUNG:
         k, c = motor["k"], motor["c"]
         lead = c + h * k if motor["stiff"] else c / 2 + h * k / 4
         out["soft"] = 1.0 / (h * lead)
-        out["want"] = -k * (target - place) / lead
+        out["bias"] = -k * (target - place) / lead
         if not motor["stiff"]:
-            out["want"] += (c - lead) / lead * seen
+            out["bias"] += (c - lead) / lead * seen
         return
     motor["seen"] = motor["along"] = seen
     if motor["target"] == motor["target"]:  # not in the first step, nor as it is taken up
         motor["along"] = (target - motor["target"]) / h
     motor["aim"] = target  # a step may be solved again: only its report makes it the last one
     motor["short"] = target - place - h * motor["along"]
-    out["want"] = motor["bend"] - motor["along"] - motor["short"] / h
+    out["bias"] = motor["bend"] - motor["along"] - motor["short"] / h
 
 
 @entry_point("actions")

@@ -215,7 +215,7 @@ def _rates(c: Records, J: Stack, n: int, v: Matrix, wanted: bool) -> None:
             yn += J[k, 1, 0] * v[b, 0] + J[k, 1, 1] * v[b, 1] + J[k, 1, 2] * v[b, 2]
             yt += J[k, 3, 0] * v[b, 0] + J[k, 3, 1] * v[b, 1] + J[k, 3, 2] * v[b, 2]
         if wanted:
-            one["yn"], one["yt"] = yn + one["want_n"], yt + one["want_t"]
+            one["yn"], one["yt"] = yn + one["bias_n"], yt + one["bias_t"]
         else:
             one["dyn"], one["dyt"] = yn, yt
 
@@ -463,7 +463,7 @@ def _sweep(table: int, n: int, v: Matrix) -> float:
             a, b = one["a"], one["b"]
             for axis in range(2):
                 i = 2 * axis
-                y = one["want_t"] if axis else one["want_n"]
+                y = one["bias_t"] if axis else one["bias_n"]
                 for r in range(3):
                     if a >= 0:
                         y += J[k, i, r] * v[a, r]

@@ -71,7 +71,7 @@ JOINT = np.dtype([
     ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]; of a groove its start
     ("b", np.int64), ("bx", float), ("by", float),
     ("gx", float), ("gy", float),   # direction of a groove in a, or of a rack in b, a unit vector
-    ("reach", float),       # distance kept; length of a groove, or least radius of curvature of a
+    ("reach", float),       # distance kept; length of a groove, or minimum radius of curvature of a
                             # path; what teeth bend about [m]
     ("turn", float),        # angle of b against a kept by what does not turn [rad]
     ("ra", float), ("rb", float),   # of teeth the base circles, of what rolls the circles; rb with
@@ -107,7 +107,7 @@ JOINT = np.dtype([
 LIMIT = np.dtype([
     ("joint", np.int64),
     ("what", np.int64),     # STOP, LINE or FLANK
-    ("side", float),        # +1 for the least value, -1 for the largest; which flank
+    ("side", float),        # +1 for the minimum, -1 for the maximum; which flank
     ("bound", float),       # [rad, m]
     ("since", float),       # time since it was hit, at the end of the last step, or 0 [s]
     ("next", float),        # scratch: the same of this step [s]
@@ -117,7 +117,7 @@ LIMIT = np.dtype([
 MOTOR = np.dtype([
     ("drive", np.int64), ("a", np.int64), ("b", np.int64),
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
-    ("most", float),        # of a motor [N m]; nan of a brake, whose value that is
+    ("maximum", float),        # of a motor [N m]; nan of a brake, whose value that is
     ("slope", float),       # of a motor with a line [N m s/rad]; nan of others
     ("bond", np.int64),      # BOND of the hinge, or -1
     ("law", np.int64),      # PACED, SPRUNG or PLACED
@@ -135,13 +135,13 @@ MOTOR = np.dtype([
     ("command", float),     # the rate that it is to have [rad/s]
     ("bend", float),        # rate by which its line grows besides in the step [m/s]
     ("impulse", float),     # on b, of the last step [N m s]
-    ("mode", np.int64),     # -1 and 1 at its least and largest torque, 0 in between
+    ("mode", np.int64),     # -1 and 1 at its minimum and maximum torque, 0 in between
 ])
 
 DRY_FRICTION = np.dtype([
     ("joint", np.int64),
     ("sum", np.int64),      # what the joint carries, counted on from bodies, slips and sums
-    ("most", float),        # friction that does not depend on the load [N m, N]
+    ("maximum", float),        # friction that does not depend on the load [N m, N]
     ("share", float),       # friction for 1 N that the joint carries [m, 1], or 0
     ("static", float),      # how many times as much it holds with
     ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
@@ -167,7 +167,7 @@ CABLE = np.dtype([
     ("c", float),           # [N s/m]; of a span it is this over what is in it [N s]
     ("whole", np.int64),    # of a span the tendon that it is of, or -1
     ("spans", np.int64), ("spans_end", np.int64),   # of a tendon that guides grip
-    ("least", float),       # so much of a tendon counts as being in a span, at least [m]
+    ("minimum", float),       # minimum length of tendon in a span [m]
     ("response", float),    # largest J M^-1 J^T in any pose [1/kg]
     ("row", np.int64),      # its unknown, or -1
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
@@ -215,13 +215,13 @@ SLIP = np.dtype([
 
 FLUID = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its chambers
-    ("least_ahead", float),     # the least k of its law (fluids.py)
+    ("ahead_min", float),     # minimum k of its law (fluids.py)
     ("ratio", float),       # its r
     ("drive", np.int64),    # that sets its pressure, or -1
     ("volume", float),      # at t = 0 [m^3]
     ("c", float),           # of a liquid [m^3/Pa]
     ("gas", float),         # the exponent of a gas, 0 of a liquid
-    ("start", float), ("least", float), ("most", float),    # pressure at t = 0, its bounds [Pa]
+    ("start", float), ("minimum", float), ("maximum", float),   # pressure at t = 0, bounds [Pa]
     ("response", float),    # largest A M^-1 A^T in any pose [m^4/kg]
     ("row", np.int64),      # its unknown
     ("content", float),     # at 0 Pa, of a liquid beside what filled it at t = 0 [m^3]
@@ -235,8 +235,8 @@ FLUID = np.dtype([
     ("rigid", float),       # pressure, were the volume to stay [Pa]
     ("yields", float),      # volume per pressure, there [m^3/Pa]
     ("swells", float),      # volume per content, at one pressure
-    ("lets", float),        # how much flow falls with its pressure, over valves [m^3/(s Pa)]
-    ("gets", float),        # flow where all pressures at the ends of valves are 0 [m^3/s]
+    ("conductance", float),        # how much flow falls with its pressure, over valves [m^3/(s Pa)]
+    ("supply", float),        # flow where all pressures at the ends of valves are 0 [m^3/s]
     ("step_work", float),   # [J]
 ])
 
@@ -261,8 +261,8 @@ VALVE = np.dtype([
     ("shut", np.int64),     # whether a check valve is
     ("loss", float),        # [J]
     ("about", float),       # the flow that its law is taken straight about [m^3/s]
-    ("lets", float),        # flow per pressure there [m^3/(s Pa)]
-    ("gets", float),        # flow without pressure there [m^3/s]
+    ("conductance", float),        # flow per pressure there [m^3/(s Pa)]
+    ("supply", float),        # flow without pressure there [m^3/s]
     ("step_loss", float),   # [J]
 ])
 

@@ -276,7 +276,7 @@ def jammed(table: int, n: int, slack: float) -> int:
             moving |= velocity[scheduled[i], j] != 0.0
     for k in range(n if moving else 0):
         row = rows[k]
-        overlaps = row["gentle"] == 1 and row["want"] <= -RETURN
+        overlaps = row["gentle"] == 1 and row["bias"] <= -RETURN
         if row["out"] and overlaps:
             a, b, v = row["a"], row["b"], velocity
             speeds = (

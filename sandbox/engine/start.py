@@ -56,7 +56,7 @@ def _jumps(tables: Tables, body: Array, drive: Array) -> Array:
     """Speeds at t = 0 of motors that kept theirs, minus those of their hinges, [nd]."""
     result, motors = np.zeros(drive.shape[1]), tables.elements.motors
     begins = 2 * drive[0] - drive[-1]
-    holds = (motors["mode"] == 0) & np.isfinite(motors["most"]) & np.isnan(
+    holds = (motors["mode"] == 0) & np.isfinite(motors["maximum"]) & np.isnan(
         motors["slope"])
     for motor in motors[holds & (motors["law"] == PACED)]:
         speed = motor["sense"] * rate(tables.elements.joints[motor["joint"]], body[:, 3:])

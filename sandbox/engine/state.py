@@ -38,8 +38,8 @@ BOUND = np.dtype([
     ("a", np.int64), ("b", np.int64),
     ("ax", float), ("ay", float), ("at", float),    # y = these times the velocities of a and b
     ("bx", float), ("by", float), ("bt", float),
-    ("want", float),        # added to y [m/s, rad/s]
-    ("trend", float),       # of impacts: how y, "want" at the pose, changes in the step [m/s^2]
+    ("bias", float),        # added to y [m/s, rad/s]
+    ("trend", float),       # of impacts: how y, "bias" at the pose, changes in the step [m/s^2]
     ("gap", float), ("closing", float), ("bend", float),    # gap there, its rate, how that changes
     ("soft", float),        # compliance: added to y for an impulse of 1
     ("measure", np.int64),  # whether the row acts on nothing: others are bounded by its impulse
@@ -52,8 +52,8 @@ BOUND = np.dtype([
     ("low", float), ("high", float),    # of the impulse, of rows that are not tangential
     ("static", float),      # static over sliding friction, of rows in joints and of contacts
     ("phase", np.int64),    # of these: SLIDES, HOLDS or TRIED
-    ("spare", float),       # bound in the last step, then what was left of it; nan where unknown
-    ("gave", float),        # impulse of the last step, then that with static friction
+    ("reserve", float),       # bound in the last step, then what was left of it; nan if unknown
+    ("p_static", float),        # impulse of the last step, then that with static friction
     ("slip", float),        # mode of the last step, then rate of slip with static friction
     ("mode", np.int64),     # -1, 0, 1: at low, in between (y = 0), at high
     ("last", float),        # impulse of the last step, which fades where it moves
@@ -105,13 +105,13 @@ TOUCH = np.dtype([
     ("listed", np.int64),   # whether its rows are among those solved
     ("late", np.int64),     # whether it is hit only because of the forces of this step
     ("belt", float),        # by how much surfaces that run add to its rate of sliding [m/s]
-    ("led", float),         # how far impacts of the step lead its gap back [m]
+    ("gap_shift", float),         # change of its gap at the pose by impacts of the step [m]
     ("instant", float),     # of its last impact in the step, after the pose [s]
     ("phase", np.int64),    # AWAY, CLOSING or RESTING
     ("sums", np.int64),     # its CONTACT_SUMS in this sample interval, or -1
     ("stretch", float),     # of the spring along a compliant contact [m]
-    ("want", float), ("soft", float),   # of its normal row, where its skin is soft, else 0
-    ("want_along", float), ("soft_along", float),   # of its tangential row, the same
+    ("bias", float), ("soft", float),   # of its normal row, where its skin is soft, else 0
+    ("bias_along", float), ("soft_along", float),   # of its tangential row, the same
 ])
 PILE_BODY = np.dtype([
     ("number", np.int64),   # of the body
@@ -136,7 +136,7 @@ PILED = np.dtype([
         "R_factored",           # its Rn in the factor
         "n_last", "t_last",     # impulses of the last step [N s]
         "n0", "t0", "n_best", "t_best", "pn", "pt",
-        "want_n", "want_t",     # added to the rates [m/s]
+        "bias_n", "bias_t",     # added to the rates [m/s]
         "bend",                 # what of that bodies that turn give along the contact
         "soft_n", "soft_t",     # compliance: rate for an impulse of 1
         "base_n", "base_t",     # response of the bodies to an impulse of 1

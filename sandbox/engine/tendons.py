@@ -202,7 +202,7 @@ def slip_rows(table: int, h: float, i: int, n: int) -> int:
     begin_row(out, CABLE_LOAD, i, slip["sum"], slip["sum"], slip["pressed"], 0)
     out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
     out["ax"], out["ay"] = -1.0, 0.0 if pulled else -1.0
-    out["want"] = -h * at.cables(table)[slip["after"]]["tension"] if pulled else 0.0
+    out["bias"] = -h * at.cables(table)[slip["after"]]["tension"] if pulled else 0.0
     out = rows[n + 1]
     begin_row(out, CABLE_FRICTION, i, slip["slide"], slip["slide"], slip["impulse"], slip["mode"])
     out["ax"], out["normal"], out["friction"] = -1.0, n, bound
@@ -432,7 +432,7 @@ def pull(table: int, drive: Array) -> None:
         cable["length"] = measure(cable, guides, body, False)
         if cable["whole"] >= 0:
             cable["wound"] = wound_up(cable, guides)
-            cable["inside"] = max(cable["least"], cable["rest"] - cable["wound"])
+            cable["inside"] = max(cable["minimum"], cable["rest"] - cable["wound"])
         if cable["row"] >= 0 or cable["kind"] == GRIPPED:
             continue
         if not holds(table, cable["bond"]):
