@@ -28,20 +28,17 @@ def formula(table: int, first: int, last: int, read: Array) -> None:
         if op in (ops.NUMBER, ops.NAME):
             top += 1
             if op == ops.NUMBER:
+                stack[top] = 0.0
                 stack[top, 0] = steps[n]["value"]
-            for j in range(stack.shape[1]):
-                if op == ops.NAME:
-                    stack[top, j] = read[int(steps[n]["value"]), j]
-                elif j > 0:
-                    stack[top, j] = 0.0
+            else:
+                stack[top] = read[int(steps[n]["value"])]
         elif op == ops.TABLE:
             y, slope = look_up(table, int(steps[n]["value"]), stack[top, 0])
             _chain(stack, top, y, slope)
         elif op == ops.SELECT:
             top -= 2
             chosen = top + 1 if stack[top, 0] != 0.0 else top + 2
-            for j in range(stack.shape[1]):
-                stack[top, j] = stack[chosen, j]
+            stack[top] = stack[chosen]
         elif op == ops.DROP:
             top -= 1
         elif ops.LT <= op < ops.NEXT_LT:
@@ -56,11 +53,9 @@ def formula(table: int, first: int, last: int, read: Array) -> None:
             so_far = stack[top - 2, 0]
             top -= 1
             _compare(stack, top, op - ops.NEXT_LT + ops.LT)
-            for j in range(stack.shape[1]):  # the result in front of what is compared next
-                stack[top - 1, j] = 0.0
+            stack[top - 1] = 0.0  # the result in front of what is compared next
             stack[top - 1, 0] = so_far * stack[top, 0]
-            for j in range(stack.shape[1]):
-                stack[top, j] = stack[top + 1, j]
+            stack[top] = stack[top + 1]
         elif op == ops.NEG:
             for j in range(stack.shape[1]):
                 stack[top, j] = -stack[top, j]
@@ -84,8 +79,7 @@ def _compare(stack: Array, k: int, op: int) -> None:
 @kernel
 def _whether(stack: Array, k: int, true: bool) -> None:
     """Put 1 for what is true, 0 otherwise; neither has a slope."""
-    for j in range(stack.shape[1]):
-        stack[k, j] = 0.0
+    stack[k] = 0.0
     stack[k, 0] = 1.0 if true else 0.0
 
 

@@ -231,27 +231,24 @@ class Live(Simulation):
             steps: from t = 0.
             progress: as that of :meth:`run`; an exception from it ends the run.
         """
-        other = Live(Checked(self.scene))
-        for each in self.inputs:
-            if each.step < steps:
-                other.run(each.step, progress=progress)
-                other._repeat(each)
-        other.run(steps, progress=progress)
-        return other
+        return self._repeated(steps, [each for each in self.inputs if each.step < steps], progress)
 
     def copy(self) -> Live:
         """Another simulation in the same state, as :meth:`again`, with the inputs since."""
-        other = self.again(self.steps)
-        for each in self.inputs:
-            if each.step == self.steps:
-                other._repeat(each)
-        return other
+        return self._repeated(self.steps, self.inputs, None)
 
-    def _repeat(self, done: Input) -> None:
-        if isinstance(done, Nudge):
-            self.push(done.body, done.at, done.force)
-        else:
-            self.give(done.name, done.value)
+    def _repeated(
+        self, steps: int, inputs: list[Input], progress: Callable[[float], None] | None,
+    ) -> Live:
+        other = Live(Checked(self.scene))
+        for each in inputs:
+            other.run(each.step, progress=progress)
+            if isinstance(each, Nudge):
+                other.push(each.body, each.at, each.force)
+            else:
+                other.give(each.name, each.value)
+        other.run(steps, progress=progress)
+        return other
 
     def played(self) -> Mechanism:
         """The inputs so far as a scene of its own."""

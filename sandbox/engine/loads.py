@@ -110,15 +110,10 @@ def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> N
     """The sum of a body's loads and its slopes; each load's own is kept."""
     loaded, numbers, results = at.loaded(table)[k], at.pressing(table)[k], at.loads(table)
     into, body, turn, ahead = at.felt(table), at.body(table), at.turn(table), h if end else 0.0
-    for m in range(3):
-        numbers[SUM, m] = 0.0
-        for j in range(3):
-            numbers[SLOPES + m, j] = 0.0
+    numbers[SUM:SLOPES + 3] = 0.0
     for i in range(loaded["first"], loaded["last"]):
         load, out = at.loads(table)[i], results[i]
-        for m in range(3):  # force, torque about the centre of mass, and their slopes
-            for j in range(4):
-                into[m, j] = 0.0
+        into[:] = 0.0  # force, torque about the centre of mass, and their slopes
         if load["last"] > load["first"]:
             b = load["body"]
             area, moment = below(
@@ -220,8 +215,7 @@ def _ask(table: int, k: int, h: float, after: Array) -> None:
     for m in range(3):
         e, r, rate = loaded["entry"] + m, rows[m], max(numbers[YIELDS, m], DRIVING / h)
         rhs[r], compliance[r] = 0.0, 1.0
-        for j in range(3):
-            J[e, j] = 0.0
+        J[e] = 0.0
         if h * abs(rate) > WEAK:
             compliance[r] = 1.0 / (h * rate)
             for j in range(3):

@@ -28,7 +28,7 @@ from sandbox.engine.inspect_control import Checked, Runnable, checked
 from sandbox.engine.islands import DAMPING, STIFFNESS, TANGENTIAL
 from sandbox.engine.sampler import Readings, Sampler
 from sandbox.engine.start import start
-from sandbox.engine.tables import WORKSPACE, Tables, enlarged, make_tables
+from sandbox.engine.tables import Tables, enlarged, make_tables
 from sandbox.engine.world import World
 from sandbox.errors import (
     ControllerFailed,
@@ -103,10 +103,7 @@ class Simulation:
         self._inputs = Inputs(world, self._clock)
         self._tables: Tables = make_tables(world)
         self._first_tables = self._tables
-        self._first_values = [
-            (array, array.copy()) for part in self._tables[:4]
-            for name, array in part._asdict().items()
-            if isinstance(array, np.ndarray) and array.flags.writeable and name not in WORKSPACE]
+        self._first_values = self._tables.saved()
         self._builder = self._make_builder(
             self._clock.samples, apart=self._clock.every > 1)
         self._max_bytes = recorded_bytes

@@ -32,6 +32,12 @@ class Tables(NamedTuple):
     result: st.Result
     pattern: Pattern
 
+    def saved(self) -> list[tuple[Any, Any]]:
+        """All arrays that a run changes but scratch ones, and copies of them."""
+        return [(array, array.copy()) for part in self[:4] for name, array in part._asdict().items()
+                if isinstance(array, np.ndarray) and array.flags.writeable
+                and name not in WORKSPACE]
+
 
 def make_tables(world: World) -> Tables:
     """Tables for all elements of the world's model."""
