@@ -53,7 +53,7 @@ _WORD = ir.IntType(64)
 _PROCESSES, _SHARE = 4, 5
 """Maximum number of processes that compile, and minimum number of entry points of each."""
 _entry_points: dict[str, EntryPoint] = {}
-_everything = False
+everything = False  # whether all entry points are compiled: results are the same
 
 
 class EntryPoint:
@@ -158,21 +158,10 @@ def entry_point(feature: str = "", *, default: int = 0) -> Callable[[Function], 
     return decorated
 
 
-@contextmanager
-def all_entry_points() -> Iterator[None]:
-    """Compile all entry points for runs that begin in this context; results are the same."""
-    global _everything
-    _everything = True
-    try:
-        yield
-    finally:
-        _everything = False
-
-
 def prepare(constants: Constants, elements: Elements, main: CalledFromPython) -> Integers:
     """Compile or load the entry points of a run and ``main``; addresses for its table."""
     wanted = [one for one in _entry_points.values()
-              if _everything or not one.feature or FEATURES[one.feature](constants, elements)]
+              if everything or not one.feature or FEATURES[one.feature](constants, elements)]
     addresses = np.zeros(len(_entry_points), dtype=np.int64)
     began = time.perf_counter()
     with fast_compilation(), _other_processes(wanted) as (others, own):

@@ -144,7 +144,7 @@ def release_friction(table: int, h: float, i: int, p: float) -> None:
 
 
 @entry_point("joint_friction")
-def add_friction_work(table: int, h: float, v: Matrix) -> None:
+def add_friction_work(table: int, v: Matrix) -> None:
     """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
     frictions = at.dry_friction(table)
     for i in range(len(frictions)):

@@ -158,28 +158,25 @@ CLOSINGS = 3  # maximum number of closures of joints after an impact
 
 
 @entry_point("bounces")
-def add_shift(table: int, h: float) -> None:
-    """Let ``velocity`` lead from the displaced pose, until :func:`remove_shift`."""
+def shift_velocity(table: int, h: float, shifted: bool) -> None:
+    """Let ``velocity`` lead from the displaced pose if ``shifted``, else from the pose again."""
     shift, velocity = at.shift(table), at.velocity(table)
+    if not shifted:
+        put(velocity, at.placed(table))
+        return
     put(at.placed(table), velocity)
     for b in range(len(shift)):
         for j in range(3):
             velocity[b, j] += shift[b, j] / h
 
 
-@entry_point("bounces")
-def remove_shift(table: int) -> None:
-    """Undo :func:`add_shift`."""
-    put(at.velocity(table), at.placed(table))
-
-
 @kernel
 def displaced_gaps(table: int, h: float) -> float:
     """:func:`joint_gaps` where the velocities lead from the displaced pose."""
     clear(at.unknowns(table)[4])
-    add_shift(table, h)
+    shift_velocity(table, h, True)
     gap = bilateral.joint_gaps(table, h)
-    remove_shift(table)
+    shift_velocity(table, h, False)
     return gap
 
 

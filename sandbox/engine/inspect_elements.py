@@ -320,32 +320,19 @@ def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Probl
     for k, (p, q) in enumerate(itertools.pairwise(points)):
         if k and len(tendon.guides) == 2:
             break  # the second half of a loop
-        after = (k + 1) % len(tendon.guides)
-        (ra, rb), gap = (tendon.path[k].radius, tendon.path[k + 1].radius), math.dist(p, q)
+        after, gap = (k + 1) % len(tendon.guides), math.dist(p, q)
+        radii = tendon.path[k].radius, tendon.path[k + 1].radius
         crossed = tendon.path[k].side != tendon.path[k + 1].side
-        reach = ra + rb if crossed else abs(ra - rb)
-        (small, inner), (large, outer) = sorted(((ra, k), (rb, after)))
+        reach = sum(radii) if crossed else max(radii) - min(radii)
         if gap < STRAIGHT:
             yield error("coincident-points", path, tendon.name, f"its guides {k} and {after} "
                         "coincide", "move one of them: the tendon between them has no direction")
-            continue
-        if gap >= reach:
-            continue
-        if not small:
-            message = (f"its guide {inner} is inside the wheel of its guide {outer}, {mm(gap)} "
-                       f"from its centre and {mm(large - gap)} deep")
-            advice = f"move guide {inner} out by this depth, or make the wheel smaller"
-        elif not crossed:
-            message = (f"the wheel of its guide {inner} is inside that of its guide {outer}: they "
-                       f"are {mm(gap)} apart, a tangent needs {mm(reach)}")
-            advice = (f"move one of them {mm(reach - gap)} further out, or make guide {outer} "
-                      "smaller")
-        else:
-            message = (f"the wheels of its guides {k} and {after} are {mm(gap)} apart, a crossed "
-                       f"tangent needs {mm(reach)}")
-            advice = (f"put them {mm(reach - gap)} further apart, make one smaller, or give both "
-                      "the same 'side'")
-        yield error("bad-tendon-path", path, tendon.name, message, advice)
+        elif gap < reach:
+            inside = "" if min(radii) and crossed else ", as one is inside the wheel of the other"
+            yield error("bad-tendon-path", path, tendon.name, f"its guides {k} and {after} are "
+                        f"{mm(gap)} apart, a {'crossed ' if crossed and min(radii) else ''}tangent "
+                        f"needs {mm(reach)}{inside}", f"put them {mm(reach - gap)} further apart, "
+                        "or make a wheel smaller")
 
 
 def _loop_problems(model: Model, i: int) -> Iterator[Problem]:

@@ -182,7 +182,7 @@ def add_work(table: int, h: float) -> None:
         action["work"] += h * power
     add_spring_work(table, h, v)
     add_cable_work(table, h, v)
-    add_friction_work(table, h, v)
+    add_friction_work(table, v)
     add_fluid_work(table, h, v)
     add_load_work(table, h, v)
 

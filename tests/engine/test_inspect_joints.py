@@ -113,12 +113,10 @@ BELT = {"closed": True, "pretension": "10 N"}
 
 
 @pytest.mark.parametrize(("guides", "more", "message", "advice"), [
-    ([POINT, WHEEL], {}, "its guide 0 is inside the wheel of its guide 1, 50 mm from",
-     "move guide 0 out"),
-    ([WHEEL, POINT], {}, "its guide 1 is inside the wheel of its guide 0, 50 mm from",
-     "move guide 1 out"),
+    ([POINT, WHEEL], {}, "its guides 0 and 1 are 50 mm apart, a tangent needs 80 mm, as one is "
+     "inside the wheel of the other", "put them 30 mm further apart"),
     ([{"body": "a", "at": [0.02, 0], "radius": 0.01}, WHEEL], {},
-     "the wheel of its guide 0 is inside that of its guide 1", "move one of them 50 mm further"),
+     "as one is inside the wheel of the other", "put them 50 mm further apart"),
     ([PULLEYS[0], {**PULLEYS[1], "side": "right"}], BELT, "a crossed tangent needs 100 mm",
      "put them 20 mm further apart"),
 ])
