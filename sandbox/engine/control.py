@@ -290,8 +290,8 @@ class Control:
         ends = [self._set(name, value) for name, value in event.set.items()]
         for names, held in ((event.release, False), (event.take_up, True)):
             for bond in map(self.model.bonds.name.index, names):
-                hold(self.readings.tables, bond, held=held)
-                ends.append(partial(hold, self.readings.tables, bond, held=not held))
+                hold(self.readings.sampler.tables, bond, held=held)
+                ends.append(partial(hold, self.readings.sampler.tables, bond, held=not held))
         if event.lasts is not None:
             self._endings.append((done + max(1, round(event.lasts / self.clock.step)), ends))
         if event.stop is not None:

@@ -27,9 +27,8 @@ def control_problems(mechanism: Mechanism) -> list[Problem]:
     known = LiveCatalogue(mechanism)
     problems: list[Problem] = []
     for i, controller in enumerate(mechanism.controllers):
-        texts = controller.readings
         several = isinstance(getattr(controller, "reads", ""), tuple)
-        for j, text in enumerate(texts):
+        for j, text in enumerate(controller.readings):
             place = f"$.controllers[{i}].{controller.reads_key}" + (f"[{j}]" if several else "")
             problems += unreadable(text, known, place)
     for i, event in enumerate(mechanism.events):
@@ -66,8 +65,7 @@ def checked(scene: Runnable, customs: Sequence[Custom]) -> Mechanism:
     else:
         mechanism = sound(scene)
         problems += control_problems(mechanism)
-    problems += nothing_to_run(mechanism)
-    problems += _custom_problems(mechanism, customs)
+    problems += [*nothing_to_run(mechanism), *_custom_problems(mechanism, customs)]
     if problems:
         raise SceneError(problems, name)
     return mechanism

@@ -77,20 +77,14 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                                 for piece, k in zip(pieces, owner.tolist(), strict=True)
                                 if may_touch[k])
         if fixed[joints.bodies[hinges[0], 0]] and distance - reach > NEGLIGIBLE:
-            short.append((distance - reach, name, own[0], reach, distance, nearest))
+            short.append(look(
+                "no-effect", f"$.bodies[{own[0]}]", name, f"reaches {mm(reach)} from its first "
+                "hinge, and the nearest object that it may touch, "
+                f"{model.bodies.name[nearest]!r}, is {mm(distance)} from it",
+                f"move either by {mm(distance - reach)} or more, or make it longer"))
     del holders  # which keep the pieces alive
-    if len(short) < fingers and not all(fixed[i] for i in objects):
-        return
-    for nearest in dict.fromkeys(finger[-1] for finger in short):
-        alike = [finger for finger in short if finger[-1] == nearest]
-        lack, name, body, reach, distance, _ = max(alike)
-        others = [finger[1] for finger in alike if finger[1] != name]
-        yield look(
-            "no-effect", f"$.bodies[{body}]", name,
-            f"reaches {mm(reach)} from its first hinge, and the nearest object that it may touch, "
-            f"{model.bodies.name[nearest]!r}, is {mm(distance)} from it"
-            + (f" (the same for {len(others)} more: {listed(others)})" if others else ""),
-            f"move either by {mm(lack)} or more, or make it longer")
+    if len(short) == fingers or all(fixed[i] for i in objects):
+        yield from short
 
 
 class StringEnd(NamedTuple):

@@ -250,10 +250,8 @@ RESULTS: dict[tuple[str, str], tuple[str, str]] = {
 class Readings:
     """Functions that read the state of one run; :meth:`Control.moved` updates it."""
 
-    def __init__(
-        self, world: World, tables: Tables, sampler: Sampler, catalogue: Catalogue,
-    ) -> None:
-        self.world, self.tables, self.model = world, tables, world.model
+    def __init__(self, world: World, sampler: Sampler, catalogue: Catalogue) -> None:
+        self.world, self.model = world, world.model
         self.sampler, self.catalogue = sampler, catalogue
         self.drive: Array = np.zeros(len(self.model.drives.name))
         self.now = 0.0
@@ -273,14 +271,14 @@ class Readings:
             raise KeyError(name)
         if source.quantity in BOND_QUANTITIES:
             number = self.model.bonds.of(source.kind)[source.index]
-            return _item(self.tables.elements.bonds["held"], int(number))
+            return _item(self.sampler.tables.elements.bonds["held"], int(number))
         if place := RESULTS.get((source.kind, source.quantity)):
             return self._result(*place, source.index)
         read: Callable[[Source], Read] = getattr(self, f"_{source.kind}")
         return read(source)
 
     def _result(self, table: str, column: str, index: int) -> Read:
-        records = getattr(self.tables.elements, table)
+        records = getattr(self.sampler.tables.elements, table)
         if key := NUMBERS.get(table):
             index = int(np.flatnonzero(records[key] == index)[0])
         return _item(records[column], index)
@@ -296,15 +294,15 @@ class Readings:
     def _drive(self, source: Source) -> Read:
         if source.quantity == "value":
             return lambda: self.drive.item(source.index)
-        actions = self.tables.elements.actions
+        actions = self.sampler.tables.elements.actions
         row = int(np.flatnonzero((actions["drive"] == source.index) & (actions["motor"] >= 0))[0])
         sense, given = float(actions["sense"][row]), self._result("actions", "torque", row)
         return lambda: sense * given()
 
     def _body(self, source: Source) -> Read:
-        index, state = source.index, self.tables.state
+        index, state = source.index, self.sampler.tables.state
         n, item = int(self.world.number[index]), state.body.item
-        mean = self.tables.result.before.item
+        mean = self.sampler.tables.result.before.item
         cx, cy = self.model.bodies.centre[index].tolist()
         h, what = self.world.h, source.quantity
         j = {"vx": 0, "ax": 0, "vy": 1, "ay": 1}.get(what, 2)
@@ -324,8 +322,8 @@ class Readings:
     def _joint(self, source: Source) -> Read:
         joints, index = self.model.joints, source.index
         a, b = self.world.number[joints.bodies[index]].tolist()
-        item, mean = self.tables.state.body.item, self.tables.result.before.item
-        fx, fy, dx, dy, ta, tb = (_item(self.tables.elements.joints[name], index)
+        item, mean = self.sampler.tables.state.body.item, self.sampler.tables.result.before.item
+        fx, fy, dx, dy, ta, tb = (_item(self.sampler.tables.elements.joints[name], index)
                                   for name in ("fx", "fy", "dx", "dy", "ta", "tb"))
         sense, zero = joints.sense[index].item(), joints.zero[index].item()
 
@@ -360,7 +358,7 @@ class Readings:
             return self._at_guide(source.index, *at)
         length = self._result("cables", "length", source.index)
         start = float(self.sampler.builder.statics["tendon_initial"][source.index])
-        tendons, states = self.model.tendons, self.tables.elements.guides
+        tendons, states = self.model.tendons, self.sampler.tables.elements.guides
         guides, radius = tendons.guides(source.index), tendons.guide_radius
         wheels = [
             (_item(states["wrap"], end), states["wrap0"][end].item(), sign * radius[end].item())
@@ -373,7 +371,7 @@ class Readings:
 
     def _at_guide(self, tendon: int, what: str, number: int) -> Read:
         """A quantity of a guide, or the tension of a straight piece."""
-        tendons, elements = self.model.tendons, self.tables.elements
+        tendons, elements = self.model.tendons, self.sampler.tables.elements
         guide = int(tendons.first[tendon]) + number
         if what == "lifted":
             return _item(elements.guides["lifted"], guide)

@@ -109,7 +109,7 @@ class Simulation:
         self._max_bytes = recorded_bytes
         self._sampler = Sampler(world, self._tables, self._builder, self._clock.every)
         self._catalogue = Catalogue(self.mechanism)
-        self._readings = Readings(world, self._tables, self._sampler, self._catalogue)
+        self._readings = Readings(world, self._sampler, self._catalogue)
         self._read: dict[str, Read] = {}
         self._begin(began)
 
@@ -289,7 +289,6 @@ class Simulation:
         world.enlarge(found, 4 * (rows + 1))
         self._tables = enlarged(self._tables, world.room)
         self._sampler.enlarge(self._tables)
-        self._readings.tables = self._tables
 
     def set(self, drive: str, value: float | None) -> None:
         """Set a drive from the next step on, in SI; None lets it follow its signal again.
@@ -331,7 +330,6 @@ class Simulation:
         self._builder = self._make_builder(
             self._clock.samples, apart=self._clock.every > 1)
         self._sampler.restart(self._tables, self._builder)
-        self._readings.tables = self._tables
         self._begin(began)
 
     def copy(self) -> Simulation:

@@ -244,6 +244,7 @@ class Filters:
     group: Integers  # of each body, in the model's order, [nb]
     category: Integers  # bits
     mask: Integers
+    exact: bool  # whether these are the rules; else contacts are filtered later
     allowed: Flags  # pairs that may touch, [nb, nb]
     friction: Array
     static: Array
@@ -271,10 +272,11 @@ def make_filters(model: Model) -> Filters:
             group[members] = number
             settled[block] = True
     rows = allowed | settled
-    bits, mask = np.ones(count, dtype=np.int64), np.ones(count, dtype=np.int64)
+    bits, mask, exact = np.ones(count, dtype=np.int64), np.ones(count, dtype=np.int64), True
     if count:
         kinds, kind = np.unique(rows, axis=0, return_inverse=True)
-        if len(kinds) <= CATEGORIES:  # beyond that contacts are filtered later
+        exact = len(kinds) <= CATEGORIES
+        if exact:
             bits = np.left_shift(np.int64(1), kind.reshape(-1).astype(np.int64))
             mask = np.bitwise_or.reduce(np.where(rows, bits, 0), axis=1)
     materials = [mechanism.materials.get(body.material or "", Material())
@@ -286,7 +288,7 @@ def make_filters(model: Model) -> Filters:
             if value is not None:
                 words.fill(table, rule, value)
     friction, static, restitution = pairs
-    return Filters(group, bits, mask, allowed, friction, static, restitution,
+    return Filters(group, bits, mask, exact, allowed, friction, static, restitution,
                    pair_skins(mechanism))
 
 
