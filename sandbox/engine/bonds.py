@@ -126,7 +126,7 @@ def release_rows(table: int, h: float) -> None:
 
 @kernel
 def remaining_gap(table: int, bond: int, ahead: float) -> tuple[float, float, float]:
-    """The gaps [m, m, rad] that a joint may have so much later than now [s]."""
+    """The gaps [m, m, rad] that a joint may have ``ahead`` [s] of now."""
     if bond < 0:
         return 0.0, 0.0, 0.0
     state, over = at.bonds(table)[bond], at.bonds(table)[bond]["over"]

@@ -19,8 +19,8 @@ the pressures about that of the attempt before: it adds to the rows of its two l
 they meet, and attempts are made until flows stay (Newton's method). Pressures at their
 minimum or maximum, or set by a drive, are those of a line with a very large compliance.
 
-Afterwards M grows by what flowed in. The volume is worked out anew in every step, so that no error
-adds up.
+Afterwards M grows by the inflow. The volume is computed from the pose in every step, so that errors
+do not accumulate.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Expressions in the compiled step: a stack machine that gives values with their slopes.
 
-Each number on the stack is [value, d/dp, d/dq, ...]: what is read begins with the slopes that its
-reader gives it, and every operation carries them on by the chain rule. So laws are linearised
-exactly, without differences. Where a function has a kink it has the slope of one side, and where
-a slope is no number (that of a root at 0) it counts as none.
+Each number on the stack is [value, d/dp, d/dq, ...]: arguments have the slopes given with them, and
+each operation applies the chain rule. So laws are linearised exactly. At a kink a function has the
+slope of one side; a slope that is not finite (that of a root at 0) counts as 0.
 """
 
 from __future__ import annotations
@@ -69,7 +68,7 @@ def formula(table: int, first: int, last: int, read: Array) -> None:
 
 @kernel
 def _compare(stack: Array, k: int, op: int) -> None:
-    """1 or 0 for what stands at ``k`` and above it, of whether they compare so."""
+    """Compare the numbers at ``k`` and above it: 1 or 0."""
     a, b = stack[k, 0], stack[k + 1, 0]
     true = ((op == ops.LT and a < b) or (op == ops.LE and a <= b) or (op == ops.GT and a > b)
             or (op == ops.GE and a >= b) or (op == ops.EQ and a == b) or (op == ops.NE and a != b))
@@ -78,7 +77,7 @@ def _compare(stack: Array, k: int, op: int) -> None:
 
 @kernel
 def _whether(stack: Array, k: int, true: bool) -> None:
-    """Put 1 for what is true, 0 otherwise; neither has a slope."""
+    """Put 1 for true, 0 otherwise; neither has a slope."""
     stack[k] = 0.0
     stack[k, 0] = 1.0 if true else 0.0
 

@@ -46,7 +46,7 @@ NOTHING = 1e-13  # change of rates [m/s, rad/s] by rounding, which is not solved
 
 @kernel
 def _along(table: int, h: float, dry: Any, out: Any) -> None:
-    """The free rate of a joint, with what its way bends, and a return to where it held."""
+    """The free rate of a joint, with its curvature, and a return to where it held."""
     joint, body, before, turn = (
         at.joints(table)[dry["joint"]], at.body(table), at.before(table), at.turn(table))
     put_coordinate(out, joint, 1.0)
@@ -111,8 +111,8 @@ def change_friction(table: int, n: int) -> bool:
         y = unknown[joint["row_y"]] if joint["row_y"] >= 0 else 0.0
         size = math.hypot(x, y)
         off = size + row["ax"] * x + row["ay"] * y
-        felt = off * friction["friction"] * friction["base"]
-        if off > SAME * size and felt > NOTHING:
+        change = off * friction["friction"] * friction["base"]
+        if off > SAME * size and change > NOTHING:
             frictions[i]["ux"], frictions[i]["uy"] = x / size, y / size
             row["ax"], row["ay"] = -x / size, -y / size
             changed = True

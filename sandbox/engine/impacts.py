@@ -189,7 +189,7 @@ def answer_of_joints(table: int, velocity: Array) -> None:
 
 @kernel
 def add_joints(table: int, velocity: Array, times: float) -> None:
-    """Add what these impulses of joints alone do to velocities."""
+    """Add the changes of velocities by these impulses of joints alone."""
     joints, impulses, entry_row = at.joints(table), at.unknowns(table)[5], at.entry_row(table)
     entry_body, WJ = at.entry_body(table), at.entries(table)[1]
     for k in range(len(joints)):

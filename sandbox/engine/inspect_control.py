@@ -1,4 +1,4 @@
-"""Looks controllers and events over: what they read, and whether they read what they write."""
+"""Checks of controllers and events: their readings, and algebraic loops."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
 
 
 def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
-    """Laws without memory that read, directly or through each other, what they write."""
+    """Loops of laws without memory that read each other's outputs."""
     controllers = mechanism.controllers
     laws = [("law", i) for i, law in enumerate(controllers) if law.immediate]
     writer = {f"{name}.value": law for law in laws for name in controllers[law[1]].written}

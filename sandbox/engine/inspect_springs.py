@@ -10,9 +10,7 @@
   with C between; beyond, it turns the hinge the other way (rho_0 + w_0 of equations (22)-(23)).
 - **Undamped tendons**: one from :data:`RIGID` on is solved at the end of a step h, which acts as a
   damper h k along it, besides its own c: of a mode of w the damping ratio is
-  zeta = (c + h k) w / (2 k), large for a small mass and small for a large one. No default suits
-  both: k times 1 ms takes the peak of a 0.5 kg weight that is released from 2 to 1.5 weights, and
-  leaves 20 kg ringing for 1.8 s.
+  zeta = (c + h k) w / (2 k), large for a small mass and small for a large one.
 
 Modes are those of the pose at t = 0 with joints, springs, dampers and taut tendons that no drive
 pulls; contacts and gravity are left out. They are computed again with all tendons taut.

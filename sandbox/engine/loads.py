@@ -11,11 +11,11 @@ rates l along them, and each is a row J = M^1/2 q
 
 beside F(u), which is among the known forces. Where l is below 0 the load drives; h l > -1 then says
 that the body keeps some of its inertia, and the matrix its pivots. What is left of L, which turns
-the velocity and does no work, is found by repetition: the loads are asked for F with the velocities
-that came of the step, and where that is another, the step is solved again with u there.
+the velocity and does no work, is found by iteration: F is evaluated at the velocities after the
+step; where it differs, the step is solved again with u there.
 
-Which way a law is taken follows from the largest rate l of what it would be at the step's end, its
-slopes by the place among them:
+How a law is integrated follows from its largest rate l at the step's end, slopes by position
+included:
 
     h l below 1    F(x, (v_before + v) / 2, (v - v_before) / h)     (second order)
     above          F(x + h v, v, (v - v_before) / h)                (the step's end)
@@ -58,7 +58,7 @@ def _set(read: Array, k: int, value: float, by_x: float, by_y: float, by_turn: f
 def _motion(
     table: int, load: Any, h: float, after: Array, end: bool, lag: float,
 ) -> tuple[float, float, float, float]:
-    """Set what a law reads, with slopes; cosine and sine of the body's angle, arm of the force."""
+    """Set the arguments of a law and their slopes; cosine, sine of the angle, arm of the force."""
     body, before, read = at.body(table), at.before(table), at.read_names(table)
     b = load["body"]
     ahead, share = (h, 1.0) if end else (0.0, 0.5)
@@ -75,7 +75,7 @@ def _motion(
     _set(read, VY, v + w * rx, 0.0, share, rx * share - w * ry * ahead)
     _set(read, OMEGA, w, 0.0, 0.0, share)
     al = (after[b, 2] - before[b, 2]) / h
-    turned = al * rx - w * w * ry, al * ry + w * w * rx  # what the arm's turn changes of it
+    turned = al * rx - w * w * ry, al * ry + w * w * rx  # its change by the turning arm
     _set(read, AX, (after[b, 0] - before[b, 0]) / h - al * ry - w * w * rx, lag, 0.0,
          -lag * ry - 2.0 * w * rx * share - turned[0] * ahead)
     _set(read, AY, (after[b, 1] - before[b, 1]) / h + al * rx - w * w * ry, 0.0, lag,
@@ -108,11 +108,11 @@ def _turn(pairs: Array, k: int, c: float, s: float, ahead: float) -> None:
 @kernel
 def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> None:
     """The sum of a body's loads and its slopes; each load's own is kept."""
-    loaded, numbers, results = at.loaded(table)[k], at.pressing(table)[k], at.loads(table)
-    into, body, turn, ahead = at.felt(table), at.body(table), at.turn(table), h if end else 0.0
+    loaded, numbers, into = at.loaded(table)[k], at.pressing(table)[k], at.load_terms(table)
+    body, turn, ahead = at.body(table), at.turn(table), h if end else 0.0
     numbers[SUM:SLOPES + 3] = 0.0
     for i in range(loaded["first"], loaded["last"]):
-        load, out = at.loads(table)[i], results[i]
+        load = at.loads(table)[i]
         into[:] = 0.0  # force, torque about the centre of mass, and their slopes
         if load["last"] > load["first"]:
             b = load["body"]
@@ -138,7 +138,7 @@ def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> N
             numbers[SUM, m] += into[m, 0]
             for j in range(3):
                 numbers[SLOPES + m, j] += into[m, 1 + j]
-        out["fx"], out["fy"], out["torque"] = into[0, 0], into[1, 0], into[2, 0]
+        load["fx"], load["fy"], load["torque"] = into[0, 0], into[1, 0], into[2, 0]
 
 
 @kernel
@@ -207,7 +207,7 @@ def press(table: int, h: float) -> None:
 
 
 @kernel
-def _ask(table: int, k: int, h: float, after: Array) -> None:
+def _set_rows(table: int, k: int, h: float, after: Array) -> None:
     """Set the rows of a body for the linearisation of its loads at the velocities ``after``."""
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
     loaded, numbers, J = at.loaded(table)[k], at.pressing(table)[k], at.entries(table)[0]
@@ -229,7 +229,7 @@ def load_rows(table: int, h: float) -> None:
     loaded = at.loaded(table)
     for k in range(len(loaded)):
         if loaded[k]["row"] >= 0:
-            _ask(table, k, h, at.before(table))
+            _set_rows(table, k, h, at.before(table))
 
 
 @entry_point("loads")
@@ -256,7 +256,7 @@ def change_loads(table: int, h: float) -> bool:
             w = inverse[b, 1] if j == 2 else inverse[b, 0]
             free[b, j] += h * w * (numbers[SUM, j] - numbers[GIVEN, j])
             numbers[GIVEN, j] = numbers[SUM, j]
-        _ask(table, k, h, at.velocity(table))
+        _set_rows(table, k, h, at.velocity(table))
     return changed
 
 

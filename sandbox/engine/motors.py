@@ -119,7 +119,7 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
             out["bias"] += (c - lead) / lead * seen
         return
     motor["seen"] = motor["along"] = seen
-    if motor["target"] == motor["target"]:  # not in the first step, nor as it is taken up
+    if motor["target"] == motor["target"]:  # not in the first step, nor in that of its engagement
         motor["along"] = (target - motor["target"]) / h
     motor["aim"] = target  # a step may be solved again: only its report makes it the last one
     motor["short"] = target - place - h * motor["along"]

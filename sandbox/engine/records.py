@@ -79,14 +79,14 @@ JOINT = np.dtype([
     ("push", float),        # of gears: 1 side by side, -1 one inside the other
     ("tilt_c", float), ("tilt_s", float),   # of a rack: of its pressure angle
     ("k", float),           # of teeth without play [N/m]
-    ("start", float), ("start_back", float),    # what its flanks, or its rolling, begin with [m]
+    ("start", float), ("start_back", float),    # initial gaps of flanks, or slip [m]
     ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1; of what rolls the
                                                 # second is that along the circles
     ("row_turn", np.int64),     # unknown of its couple, or -1
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, two a row; how many
     ("hinge", np.int64), ("stopped", np.int64),     # whether it has an angle; and stops
     ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
-    ("zero", float),        # what its angle is less by [rad]
+    ("zero", float),        # subtracted from its angle [rad]
     ("bond", np.int64),      # its BOND, or -1
     ("line", np.int64),     # whether its length is recorded: of an actuator, a slot with a path
     ("span", np.int64), ("span_end", np.int64),     # SPANs of the path of a slot; -1 without
@@ -99,7 +99,7 @@ JOINT = np.dtype([
                                             # act in another pose
     ("twist_a", float), ("twist_b", float),     # for the same reason moments on a and b [N m s]
     ("way", float),         # its free coordinate: along a groove, distance, angle of a pin [m, rad]
-    ("rate", float),        # of what is recorded of this, in samples only [m/s, rad/s]
+    ("rate", float),        # its rate, in samples only [m/s, rad/s]
     ("fx", float), ("fy", float),   # its force on b [N]
     ("couple", float),      # on b [N m]
 ])
@@ -126,7 +126,7 @@ MOTOR = np.dtype([
     ("k", float), ("c", float),     # with which it goes to a place [N m/rad, N m s/rad]
     ("stiff", np.int64),    # whether these are taken at the step's end
     ("fastest", float),     # that it goes there [rad/s]
-    ("zero", float),        # what the hinge's angle is less by [rad]
+    ("zero", float),        # subtracted from the hinge's angle [rad]
     ("target", float),      # the place that it was to be at after the last step, nan before [rad]
     ("aim", float),         # the same after this one [rad]
     ("short", float),       # by how much it is not where it was to be [rad]
@@ -140,7 +140,7 @@ MOTOR = np.dtype([
 
 DRY_FRICTION = np.dtype([
     ("joint", np.int64),
-    ("sum", np.int64),      # what the joint carries, counted on from bodies, slips and sums
+    ("sum", np.int64),      # number of the load of its joint, after bodies, slips and sums
     ("maximum", float),        # friction that does not depend on the load [N m, N]
     ("share", float),       # friction for 1 N that the joint carries [m, 1], or 0
     ("static", float),      # how many times as much it holds with
@@ -164,7 +164,7 @@ CABLE = np.dtype([
     ("lifts", np.int64),    # whether it can lift off any of its wheels
     ("drive", np.int64),    # that pulls it, or -1
     ("stiffener", np.int64),    # drive that sets its stiffness, or -1
-    ("c", float),           # [N s/m]; of a span it is this over what is in it [N s]
+    ("c", float),           # [N s/m]; of a span times its length of tendon [N s]
     ("whole", np.int64),    # of a span the tendon that it is of, or -1
     ("spans", np.int64), ("spans_end", np.int64),   # of a tendon that guides grip
     ("minimum", float),       # minimum length of tendon in a span [m]
@@ -174,9 +174,9 @@ CABLE = np.dtype([
     ("into", np.int64), ("out_of", np.int64),   # entries of what slips into a span and out of it
     ("bond", np.int64),      # BOND of the tendon, or -1
     ("active", np.int64),   # whether it pulled in the last solve
-    ("k", float),           # in force [N/m]; of a span it is this over what is in it [N]
-    ("rest", float),        # length up to which it is slack; of a span with what it wound up [m]
-    ("inside", float),      # what is in a span between its wheels [m]
+    ("k", float),           # current [N/m]; of a span times its length of tendon [N]
+    ("rest", float),        # rest length; of a span with what its wheels wound up [m]
+    ("inside", float),      # length of tendon in a span between its wheels [m]
     ("work", float),        # [J]
     ("length", float),      # [m]
     ("wound", float),       # share of that which a span's wheels have wound up since t = 0 [m]
@@ -224,11 +224,11 @@ FLUID = np.dtype([
     ("start", float), ("minimum", float), ("maximum", float),   # pressure at t = 0, bounds [Pa]
     ("response", float),    # largest A M^-1 A^T in any pose [m^4/kg]
     ("row", np.int64),      # its unknown
-    ("content", float),     # at 0 Pa, of a liquid beside what filled it at t = 0 [m^3]
+    ("content", float),     # at 0 Pa; of a liquid beyond that at t = 0 [m^3]
     ("mode", np.int64),     # -1 not full, 0 full, 1 let out by its relief
     ("spilled", float),     # by the relief [m^3]
     ("work", float),        # done on the bodies [J]
-    ("grown", float),       # volume, beside that at t = 0 [m^3]
+    ("grown", float),       # growth of its volume since t = 0 [m^3]
     ("pressure", float),    # [Pa]
     ("ahead", float),       # the k of its law: steps from the pose to its instant
     ("flow", float),        # into it [m^3/s]
@@ -260,7 +260,7 @@ VALVE = np.dtype([
     ("flow", float),        # from a to b [m^3/s]
     ("shut", np.int64),     # whether a check valve is
     ("loss", float),        # [J]
-    ("about", float),       # the flow that its law is taken straight about [m^3/s]
+    ("about", float),       # the flow about which its law is linearised [m^3/s]
     ("conductance", float),        # flow per pressure there [m^3/(s Pa)]
     ("supply", float),        # flow without pressure there [m^3/s]
     ("step_loss", float),   # [J]
@@ -286,7 +286,7 @@ LOAD = np.dtype([
     ("y_code", np.int64), ("y_end", np.int64),  # its torque, or -1
     ("t_code", np.int64), ("t_end", np.int64),
     ("timed", np.int64),    # whether it depends on time
-    ("first", np.int64), ("last", np.int64),    # sides of what a liquid lifts
+    ("first", np.int64), ("last", np.int64),    # sides of the outline in a liquid
     ("level", float),       # of the liquid [m]
     ("lift", float),        # its force per area below that [N/m^2]
     ("work", float),        # done on the body [J]

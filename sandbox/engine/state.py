@@ -44,7 +44,7 @@ BOUND = np.dtype([
     ("soft", float),        # compliance: added to y for an impulse of 1
     ("measure", np.int64),  # whether the row acts on nothing: others are bounded by its impulse
     ("gentle", np.int64),   # whether an overlap is undone slowly
-    ("hold", float),        # how strongly its impulse is held to the last, as a share of base
+    ("hold", float),        # weight of its last impulse, as a share of base
     ("passive", np.int64),  # whether it is friction that must not drive where its measure is < 0
     ("tight", float),       # share of its measure by which it may exceed its bound; 0 for any
     ("normal", np.int64),   # of a tangential row the normal one; -1 of others
@@ -255,10 +255,10 @@ class Result(NamedTuple):
     shift: Annotated[Array, "bodies 3"]  # displacement of the pose by later impacts
     turn: Annotated[Array, "bodies 2"]  # cosine and sine of the bodies' angles
     pressing: Annotated[Array, "loaded numbers 3"]  # NUMBERS of the loaded bodies
-    felt: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
+    load_terms: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
     belts: Annotated[Array, "bodies"]  # speeds of surfaces, counter-clockwise [m/s]
     stack: Annotated[Array, "stack 4"]  # scratch of laws: values with their slopes
-    read_names: Annotated[Array, "names 4"]  # scratch: what a law reads, values with slopes
+    read_names: Annotated[Array, "names 4"]  # scratch: arguments of a law with slopes
     entries: Annotated[Array, "2 entries 3"]  # J and W J of the entries
     values: Annotated[Array, "values"]  # the matrix and its factor
     unknowns: Annotated[Array, "6 unknowns"]
@@ -268,7 +268,7 @@ class Result(NamedTuple):
     rows: Annotated[Records, BOUND, "rows"]  # the rows that are solved for
     columns: Annotated[Array, "rows unknowns"]  # L^-1 R W C^T of each
     reached: Annotated[Integers, "rows unknowns"]  # which unknowns are not 0 in it
-    delassus: Annotated[Array, "rows rows"]  # what the rows make of one another, G
+    delassus: Annotated[Array, "rows rows"]  # coupling of the rows, G
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
     pile_counts: Annotated[Integers, "2"]

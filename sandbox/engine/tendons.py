@@ -228,7 +228,7 @@ def slipped(table: int, h: float) -> None:
         slip = slips[i]
         before, after = slip["before"], slip["after"]
         cable = cables[before]
-        # rates of soft spans stand in the rows by what they make of one another
+        # rates of soft spans are scaled in the rows
         scale = (cable["c"] + h * cable["k"]) / (cable["inside"] * cable_lead(table, h, before))
         rate = unknown[slip["row"]] / scale
         slip["rate"] = rate
@@ -329,7 +329,7 @@ def cable_rows(table: int, h: float) -> None:
         rhs[r] = cable_rate(table, h, i)
         compliance[r] = 1.0 / (h * cable_lead(table, h, i))
     slips = at.slips(table)
-    for i in range(len(slips)):  # what a drive pulls with goes to the last guide that holds
+    for i in range(len(slips)):  # the pull of a drive acts at the last guide that holds
         end = slips[i]["after"]
         if cables[end]["kind"] == PULL:
             rhs[slips[i]["row"]] = -h * cables[end]["tension"]
@@ -348,7 +348,7 @@ def cable_lead(table: int, h: float, i: int) -> float:
 
 @kernel
 def cable_rate(table: int, h: float, i: int) -> float:
-    """The rate at which a taut tendon wants to shorten, were there no tension [m/s]."""
+    """The rate at which a taut tendon would shorten without tension [m/s]."""
     cable = at.cables(table)[i]
     share = 1.0 / cable["inside"] if cable["whole"] >= 0 else 1.0
     lead = cable_lead(table, h, i)
@@ -462,7 +462,7 @@ def add_cable_work(table: int, h: float, v: Array) -> None:
                 cables[i]["step_work"] += cables[k]["step_work"]
             cables[i]["work"] += cables[i]["step_work"]
     slips = at.slips(table)
-    for i in range(len(slips)):  # what a drive pulls over the last guide is work of it, too
+    for i in range(len(slips)):  # work of a drive on tendon that slips over the last guide
         end = slips[i]["after"]
         if cables[end]["kind"] == PULL:
             drawn = h * cables[end]["tension"] * slips[i]["rate"]
