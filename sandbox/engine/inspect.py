@@ -68,7 +68,7 @@ def look_over(mechanism: Mechanism) -> Inspection:
         *hand_problems(model, allowed), *of.line_problems(model), *of.load_problems(model),
         *against_step(model),
         *(problem for problem in ringing_problems(model) if problem.path not in astray),
-        *without_arm(model), *of.unmoved(model), *_of_scene(mechanism),
+        *without_arm(model), *_of_scene(mechanism),
         *check_quantities(mechanism), *check_shown(mechanism), *control_problems(mechanism),
         *of.beyond_stops(model), *of.idle_problems(model), *of.grasp_problems(model, allowed),
         *_of_run(mechanism)]

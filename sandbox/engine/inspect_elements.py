@@ -504,25 +504,11 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
              for name in sorted(names_read(meter))]
     for path, name in read if alone else ():
         body, _, quantity = name.rpartition(".")
-        if any(fnmatchcase(one, quantity) for one in GRASP):
-            for each in itertools.islice((one for one in alone if fnmatchcase(one, body)), 1):
-                yield look("no-effect", path, each, f"measures the grasp of {each}, but no part of "
-                           "a hand can touch it", "a body that moves, or one with a role such as "
-                           f"{listed(OF_HANDS[:2])}, and contact rules that let it")
-
-
-def unmoved(model: Model) -> Iterator[Problem]:
-    """Forces, torques and pulls on bodies that cannot move freely."""
-    drives, tendons = model.drives, model.tendons
-    for i in drives.giving("force", "torque", "tension").tolist():
-        kind, target = drives.kind[i], int(drives.target[i])
-        moved = (np.array([target]) if kind.gives == "force" else
-                 model.joints.bodies[target] if kind.gives == "torque" else
-                 tendons.guide_body[tendons.guides(target)])
-        if not kind.limited and not model.bodies.free[moved].any():
-            yield look("no-effect", f"$.drives[{i}]", drives.name[i],
-                       f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely",
-                       "it changes nothing")
+        each = next((one for one in alone if fnmatchcase(one, body)), "")
+        if each and any(fnmatchcase(one, quantity) for one in GRASP):
+            yield look("no-effect", path, each, f"measures the grasp of {each}, but no part of a "
+                       "hand can touch it", "a body that moves, or one with a role such as "
+                       f"{listed(OF_HANDS[:2])}, and contact rules that let it")
 
 
 INSTANTS = 257  # instants of a run at which the target of a drive is checked
@@ -530,7 +516,8 @@ INSTANTS = 257  # instants of a run at which the target of a drive is checked
 
 def idle_problems(model: Model) -> Iterator[Problem]:
     """Drives and events without effect, or outside of limits."""
-    bonds, drives, joints, events = model.bonds, model.drives, model.joints, model.mechanism.events
+    bonds, drives, joints, tendons = model.bonds, model.drives, model.joints, model.tendons
+    events = model.mechanism.events
     loose = {bonds.name[bond] for bond in np.flatnonzero(
         ~bonds.held | np.isfinite(bonds.breaks_at) | (bonds.drive >= 0))}
     loose |= {name for event in events for name in event.release}
@@ -548,6 +535,13 @@ def idle_problems(model: Model) -> Iterator[Problem]:
         if not bonds.begins(bond) and bonds.drive[bond] < 0 and bonds.name[bond] not in taken:
             yield look("no-effect", path, name, f"acts on {bonds.name[bond]}, which is released "
                        "from the start and never taken up", "an event or a drive that takes it up")
+        moved = ([target] if kind.gives == "force" else
+                 joints.bodies[target].tolist() if kind.gives == "torque" else
+                 tendons.guide_body[tendons.guides(target)].tolist() if kind.gives == "tension"
+                 else [])
+        if moved and not kind.limited and not model.bodies.free[moved].any():
+            yield look("no-effect", path, name, f"acts on {model.bodies.name[moved[0]]!r}, which "
+                       "cannot move freely", "it changes nothing")
         if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
             yield look("no-effect", f"{path}.body", name, f"{model.bodies.name[target]} has no "
                        "shapes, so it has no surface to drive", "a shape of that body")
