@@ -460,9 +460,7 @@ def _add_row(build: Builder, found: CableTables, e: int, slides: list[int]) -> N
     cable["entries"], own["entry"] = len(bodies), cable["entry"] + place
 
 
-def _add_spans(
-    build: Builder, found: CableTables, spans: list[CableSpan], stiff: Flags,
-) -> None:
+def _add_spans(build: Builder, found: CableTables, spans: list[CableSpan], stiff: Flags) -> None:
     """The spans after the whole tendons, and the slips between them."""
     tendons, bodies, cables = build.model.tendons, len(build.inverse_mass), found.cables
     h = build.h

@@ -414,9 +414,7 @@ def _next(table: int, h: float, rows: Records, n: int, now: float, end: float) -
 
 
 @kernel
-def _struck(
-    rows: Records, n: int, touches: Records, now: float, end: float, near: float,
-) -> float:
+def _struck(rows: Records, n: int, touches: Records, now: float, end: float, near: float) -> float:
     """Prepare the contacts that are hit now, with gaps up to ``near``; the fastest approach."""
     fastest = 0.0
     for k in range(n):

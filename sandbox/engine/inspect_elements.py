@@ -69,9 +69,7 @@ def deg(angle: float) -> str:
     return f"{math.degrees(angle):.4g} deg"
 
 
-def groups(
-    model: Model, *, springs: bool = False, contacts: Flags | None = None,
-) -> list[Integers]:
+def groups(model: Model, *, springs: bool = False, contacts: Flags | None = None) -> list[Integers]:
     """Groups of free bodies that joints, tendons, and optionally springs and contacts connect."""
     tendons, free = model.tendons, np.flatnonzero(model.bodies.free)
     found = np.zeros((len(model.bodies.name),) * 2, dtype=bool)
@@ -264,9 +262,7 @@ def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
     return problems, len(depths)
 
 
-def placed_shapes(
-    bodies: Iterable[Body],
-) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
+def placed_shapes(bodies: Iterable[Body]) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
     """Objects that keep the shapes alive; the shapes at t = 0; the index of each one's body."""
     holders, pieces, owner = [], [], []
     for i, body in enumerate(bodies):

@@ -235,9 +235,7 @@ def _weight(model: Model, bodies: Integers) -> Array:
     return weight
 
 
-def _motions(
-    model: Model, place: Mapping[int, int], weight: Array, joints: Sequence[int],
-) -> Array:
+def _motions(model: Model, place: Mapping[int, int], weight: Array, joints: Sequence[int]) -> Array:
     """A basis of the motions that joints allow, times the roots of the masses, [3 n, freedoms]."""
     pose = model.bodies.pose
     found = [supports.row_of(place, [(body, supports.about_centre(model, pose, body, each))

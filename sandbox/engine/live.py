@@ -219,9 +219,7 @@ class Live(Simulation):
         super().restart()
         self.inputs, self._grasped, self._next_push = [], None, None
 
-    def again(
-        self, steps: int, *, progress: Callable[[float], None] | None = None,
-    ) -> Live:
+    def again(self, steps: int, *, progress: Callable[[float], None] | None = None) -> Live:
         """Another simulation after so many steps, with the same inputs before.
 
         It runs from t = 0: the contact search of pymunk starts with the contacts of the last step,
@@ -255,9 +253,7 @@ class Live(Simulation):
         return played(self.scene, self.inputs, self.steps)
 
 
-def _pair(
-    numbers: Sequence[float], path: str, dimension: str | None = None,
-) -> tuple[float, float]:
+def _pair(numbers: Sequence[float], path: str, dimension: str | None = None) -> tuple[float, float]:
     try:
         x, y = (in_range(float(number), dimension) + 0.0 for number in numbers)  # no -0.0
     except (TypeError, ValueError) as error:

@@ -164,9 +164,7 @@ class _PymunkRun:
                 arrays["spring_length"][i] = arrays["joint_angle"][j]
                 arrays["spring_force"][i] = damping - joints.sense[j] * self._force(name)
 
-    def _between(
-        self, arrays: Arrays, bodies: Iterable[int], points: Array,
-    ) -> tuple[float, float]:
+    def _between(self, arrays: Arrays, bodies: Iterable[int], points: Array) -> tuple[float, float]:
         """Distance of points of two bodies [m] and its rate [m/s], at a sample."""
         way, velocity = np.zeros(2), np.zeros(2)
         for sign, body, at in zip((-1.0, 1.0), bodies, points, strict=True):

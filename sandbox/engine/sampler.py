@@ -50,9 +50,7 @@ NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pum
 class Sampler:
     """Raw samples of a run, and their conversion into rows of the recording."""
 
-    def __init__(
-        self, world: World, tables: Tables, builder: RecordingBuilder, every: int,
-    ) -> None:
+    def __init__(self, world: World, tables: Tables, builder: RecordingBuilder, every: int) -> None:
         self.world, self.tables, self.builder, self.every = world, tables, builder, every
         self.model = world.model
         self.kept = make_snapshot(CHUNK, tables, max(MIN_CONTACTS, 2 * world.room.contacts))

@@ -99,9 +99,7 @@ def _response(model: Model, pushes: Iterable[tuple[int, float, float]]) -> float
                      for body, (force, moment) in total.items() if bodies.free[body]))
 
 
-def _at_points(
-    model: Model, bodies: Integers, points: Array,
-) -> Iterator[tuple[int, float, float]]:
+def _at_points(model: Model, bodies: Integers, points: Array) -> Iterator[tuple[int, float, float]]:
     """Unit forces at points of bodies, with their largest moments about the centres of mass."""
     for body, point in zip(bodies.tolist(), points, strict=True):
         yield body, 1.0, _lever(model, body, point)

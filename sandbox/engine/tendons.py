@@ -105,9 +105,7 @@ def _along(cable: Any, guides: Records, pose: Array, start: bool) -> float:
 
 
 @kernel
-def _stretch(
-    a: Any, b: Any, pose: Array,
-) -> tuple[float, float, float, float, float, float, float]:
+def _stretch(a: Any, b: Any, pose: Array) -> tuple[float, float, float, float, float, float, float]:
     """Length of the tendon between two guides [m], its direction; the guides from their centres."""
     qa, qb = pose[a["body"]], pose[b["body"]]
     ca, sa, cb, sb = math.cos(qa[2]), math.sin(qa[2]), math.cos(qb[2]), math.sin(qb[2])

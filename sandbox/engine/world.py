@@ -155,9 +155,7 @@ Pieces = dict[int, list[list[tuple[kinds.Solid, float, int]]]]
 [m] and numbers from 1."""
 
 
-def _shape_tables(
-    model: Model, order: Integers, number: Integers,
-) -> tuple[ShapeTables, Pieces]:
+def _shape_tables(model: Model, order: Integers, number: Integers) -> tuple[ShapeTables, Pieces]:
     rows: list[tuple[float, ...]] = []
     faces: list[tuple[float, ...]] = []
     vertices: list[Array] = []
