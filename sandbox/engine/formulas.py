@@ -29,15 +29,16 @@ def formula(table: int, first: int, last: int, read: Array) -> None:
             if op == ops.NUMBER:
                 stack[top] = 0.0
                 stack[top, 0] = steps[n]["value"]
-            else:
-                stack[top] = read[int(steps[n]["value"])]
+            for j in range(stack.shape[1] if op == ops.NAME else 0):
+                stack[top, j] = read[int(steps[n]["value"]), j]
         elif op == ops.TABLE:
             y, slope = look_up(table, int(steps[n]["value"]), stack[top, 0])
             _chain(stack, top, y, slope)
         elif op == ops.SELECT:
             top -= 2
             chosen = top + 1 if stack[top, 0] != 0.0 else top + 2
-            stack[top] = stack[chosen]
+            for j in range(stack.shape[1]):
+                stack[top, j] = stack[chosen, j]
         elif op == ops.DROP:
             top -= 1
         elif ops.LT <= op < ops.NEXT_LT:
@@ -54,7 +55,8 @@ def formula(table: int, first: int, last: int, read: Array) -> None:
             _compare(stack, top, op - ops.NEXT_LT + ops.LT)
             stack[top - 1] = 0.0  # the result in front of what is compared next
             stack[top - 1, 0] = so_far * stack[top, 0]
-            stack[top] = stack[top + 1]
+            for j in range(stack.shape[1]):
+                stack[top, j] = stack[top + 1, j]
         elif op == ops.NEG:
             for j in range(stack.shape[1]):
                 stack[top, j] = -stack[top, j]
