@@ -242,15 +242,12 @@ def _motions(model: Model, place: Mapping[int, int], weight: Array, joints: Sequ
                             for body, each in row if body in place])
              for joint in joints for row in supports.joint_rows(
                  model, pose, joint, flank=int(model.joints.play[joint] == 0))]
-    if not found:
-        return np.eye(len(weight))
-    lines = np.array(found) / weight
+    lines = np.array(found).reshape(-1, len(weight)) / weight
     if len(lines) > lines.shape[1]:  # redundant rows: the left vectors are not needed
         lines = np.asarray(np.linalg.qr(lines, mode="r"))
     _, values, right = np.linalg.svd(lines)
     rank = int(np.count_nonzero(values > supports.RANK * values.max(initial=0.0)))
-    motions: Array = right[rank:].T
-    return motions
+    return np.asarray(right[rank:].T)
 
 
 def _spring(model: Model, spring: int) -> supports.Parts:

@@ -139,17 +139,14 @@ def _meetings(
         groups[i].add(j)
         groups[j].add(i)
     for body, own in enumerate(on):
-        own_rows = {entries[entry][0] for entry in own}
+        met = own_rows = {entries[entry][0] for entry in own}
         if body in hubs:
             k = hubs.index(body)
-            axes = set(range(first[k], first[k + 1]))
-            for i in axes:
-                groups[i] |= own_rows
-            for row in own_rows:
-                groups[row] |= axes
-        else:
-            for row in own_rows:
-                groups[row] |= own_rows
+            met = set(range(first[k], first[k + 1]))
+        for row in own_rows:
+            groups[row] |= met
+        for i in met:
+            groups[i] |= own_rows
     return groups
 
 
