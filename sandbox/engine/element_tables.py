@@ -221,10 +221,8 @@ def limit_table(build: Builder) -> Records:
     return records_of(rows, records.LIMIT)
 
 
-def dry_friction_table(
-    joints: Records, model: Model, first: int,
-) -> tuple[Records, list[tuple[int, int]]]:
-    """Dry friction of joints, and the pairs of rows whose load bounds it."""
+def dry_friction_table(joints: Records, model: Model, first: int) -> Records:
+    """Dry friction of joints; sums of the rows whose load bounds it are counted from ``first``."""
     friction = model.joints
     held = friction.frictional[joints["row"][friction.frictional] >= 0]
     table = fill(records.DRY_FRICTION, len(held), ux=1.0, bound=np.nan, joint=held, sum=-1,
@@ -234,8 +232,7 @@ def dry_friction_table(
                               else of_joint.turning(model, j)) for j in held]
     loaded = table["share"] > 0
     table["sum"][loaded] = first + np.arange(np.count_nonzero(loaded))
-    return table, [(one, two if two >= 0 else one)
-                   for one, two in joints[["row", "row_y"]][held[loaded]].tolist()]
+    return table
 
 
 def spring_table(build: Builder) -> Records:
@@ -402,8 +399,6 @@ class CableTables(NamedTuple):
     guides: Records
     slips: Records
     drag: Array  # of the slips of loops [N s^2/m], 0 of others
-    sums: list[tuple[int, int]]
-    """Rows of the spans on either side of each guide, or of the one span."""
 
 
 def cable_tables(build: Builder) -> CableTables:
@@ -428,7 +423,7 @@ def cable_tables(build: Builder) -> CableTables:
                          ("c", tendons.damping), ("response", stiffnesses.cable_responses(model))):
         cables[name][:whole] = values
     found = CableTables(cables, guides, np.zeros(len(tendons.grips), records.SLIP),
-                        np.zeros(len(tendons.grips)), [])
+                        np.zeros(len(tendons.grips)))
     stiff = stiffnesses.stiff_cables(model, build.h)
     for e, cable in enumerate(cables):
         cable["lifts"] = guides["lifts"][cable["first"]:cable["last"]].any()
@@ -506,5 +501,3 @@ def _add_spans(build: Builder, found: CableTables, spans: list[CableSpan], stiff
         first = tendons.closed[cable] and slip["guide"] == path.start
         slip["twin"] = path.stop - 1 if first else -1
         slip["slide"], slip["sum"] = bodies + k, bodies + count + k
-        one, two = (int(cables[e]["row"]) for e in (before[k], after[k]))
-        found.sums.append((one, two if two >= 0 else one))

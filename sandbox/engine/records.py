@@ -28,11 +28,11 @@ ACTION = np.dtype([
     ("motor", np.int64),    # -1, or the number of a motor or brake
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
     ("bond", np.int64),      # BOND of the hinge, or -1
-    ("runs", np.int64),     # whether it is the surface of a that runs
+    ("runs", np.int64),     # whether it drives the surface of a
     ("fx", float), ("fy", float),   # of a force, in the world [N]
     ("work", float),        # done on the bodies since t = 0 [J]
-    ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]; of a surface
-                            # that runs its power [W]
+    ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]; of a driven
+                            # surface its power [W]
     ("step_work", float),   # of the last step [J]
 ])
 
@@ -123,16 +123,16 @@ MOTOR = np.dtype([
     ("law", np.int64),      # PACED, SPRUNG or PLACED
     ("joint", np.int64),    # that it drives
     ("line", np.int64),     # whether that is an actuator, which it lengthens [N, m for N m, rad]
-    ("k", float), ("c", float),     # with which it goes to a place [N m/rad, N m s/rad]
+    ("k", float), ("c", float),     # of a servo [N m/rad, N m s/rad]
     ("stiff", np.int64),    # whether these are taken at the step's end
-    ("fastest", float),     # that it goes there [rad/s]
+    ("fastest", float),     # maximum rate [rad/s]
     ("zero", float),        # subtracted from the hinge's angle [rad]
-    ("target", float),      # the place that it was to be at after the last step, nan before [rad]
-    ("aim", float),         # the same after this one [rad]
-    ("short", float),       # by how much it is not where it was to be [rad]
+    ("target", float),      # its target after the last step, nan before [rad]
+    ("aim", float),         # its target after this one [rad]
+    ("short", float),       # distance from its target [rad]
     ("along", float),       # the rate of its target [rad/s]
     ("seen", float),        # its rate before the step [rad/s]
-    ("command", float),     # the rate that it is to have [rad/s]
+    ("command", float),     # rate to be reached [rad/s]
     ("bend", float),        # rate by which its line grows besides in the step [m/s]
     ("impulse", float),     # on b, of the last step [N m s]
     ("mode", np.int64),     # -1 and 1 at its minimum and maximum torque, 0 in between
@@ -143,7 +143,7 @@ DRY_FRICTION = np.dtype([
     ("sum", np.int64),      # number of the load of its joint, after bodies, slips and sums
     ("maximum", float),        # friction that does not depend on the load [N m, N]
     ("share", float),       # friction for 1 N that the joint carries [m, 1], or 0
-    ("static", float),      # how many times as much it holds with
+    ("static", float),      # ratio of static to sliding friction
     ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
     ("pressed", float),     # of the joint, on which the friction depends [N s]
     ("mode", np.int64),     # -1 and 1 where it slipped, 0 where it held

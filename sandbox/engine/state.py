@@ -60,10 +60,10 @@ BOUND = np.dtype([
     ("p", float),           # impulse
     ("free", float),        # y without bounded rows
     ("base", float),        # y for an impulse of 1, bilateral rows left out
-    ("back", float),        # how much of free asks an overlap back, not above 0
-    ("out", np.int64),      # whether joints hold it, so that it neither sees nor gives anything
+    ("back", float),        # part of free that undoes an overlap, at most 0
+    ("out", np.int64),      # whether joints hold both bodies, so that it has no effect
     ("branch", np.int64),   # how many unknowns its column has
-    ("wrong", float),       # by what rate its mode is broken
+    ("wrong", float),       # rate by which its mode is violated
 ])
 
 BODY = np.dtype([
@@ -104,7 +104,7 @@ TOUCH = np.dtype([
     ("mode", np.int64),     # of the tangential row: -1 and 1 slide, 0 sticks
     ("listed", np.int64),   # whether its rows are among those solved
     ("late", np.int64),     # whether it is hit only because of the forces of this step
-    ("belt", float),        # by how much surfaces that run add to its rate of sliding [m/s]
+    ("belt", float),        # velocity of driven surfaces along it [m/s]
     ("gap_shift", float),         # change of its gap at the pose by impacts of the step [m]
     ("instant", float),     # of its last impact in the step, after the pose [s]
     ("phase", np.int64),    # AWAY, CLOSING or RESTING
@@ -137,10 +137,10 @@ PILED = np.dtype([
         "n_last", "t_last",     # impulses of the last step [N s]
         "n0", "t0", "n_best", "t_best", "pn", "pt",
         "bias_n", "bias_t",     # added to the rates [m/s]
-        "bend",                 # what of that bodies that turn give along the contact
+        "bend",                 # share of that by turning bodies, along the contact
         "soft_n", "soft_t",     # compliance: rate for an impulse of 1
         "base_n", "base_t",     # response of the bodies to an impulse of 1
-        "stiffness", "along",   # tangential [N/m]; what of want_t its spring gives
+        "stiffness", "along",   # tangential [N/m]; share of bias_t by its spring
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
 ])  # a contact of a pile while its step is solved (piles)
 IN_PILE = -1  # value of a contact's "listed" that keeps it from the rows of the direct solver

@@ -49,12 +49,17 @@ def make_tables(world: World) -> Tables:
     spans = et.add_paths(joints, model, shapes.spans)
     rigid = len(build.rows)
     springs, cables = et.spring_table(build), et.cable_tables(build)
-    frictions, sums = et.dry_friction_table(joints, model, count + 2 * len(cables.slips))
+    slips = cables.slips
+    frictions = et.dry_friction_table(joints, model, count + 2 * len(slips))
+    by_load = joints[frictions["joint"][frictions["sum"] >= 0]]
+    spans_of_slips = (cables.cables["row"][slips[name]].tolist() for name in ("before", "after"))
+    sums = [(one, two if two >= 0 else one) for one, two in [  # rows whose impulses bound friction
+        *zip(*spans_of_slips, strict=True), *by_load[["row", "row_y"]].tolist()]]
     fluids, meet = et.fluid_tables(build)
     loads, loaded, sides = et.load_tables(build)
-    pattern = make_pattern(build.rows, build.inverse_mass, rigid, slips=len(cables.slips),
-                           sums=[*cables.sums, *sums], joined=meet)
-    cables.slips["row"] = pattern.hubs[cables.slips["slide"], 0]
+    pattern = make_pattern(build.rows, build.inverse_mass, rigid, slips=len(slips), sums=sums,
+                           joined=meet)
+    slips["row"] = pattern.hubs[slips["slide"], 0]
     valves = fluids["valves"]
     valves["slot"][(valves["a"] >= 0) & (valves["b"] >= 0)] = pattern.joined
     for table, names in ((joints, et.JOINT_ROWS), (springs, ("row",)), (cables.cables, ("row",)),
@@ -68,7 +73,7 @@ def make_tables(world: World) -> Tables:
     motors["target"] = math.nan
     elements = st.Elements(
         actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
-        slips=cables.slips, joints=joints, limits=et.limit_table(build), motors=motors,
+        slips=slips, joints=joints, limits=et.limit_table(build), motors=motors,
         dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
     piled = pile_tables(pattern, build.inverse_mass, elements, shapes.shapes)
     curves, knots = curve_tables(list(model.mechanism.functions.values()))
@@ -109,7 +114,7 @@ def make_tables(world: World) -> Tables:
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they are in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
-    result.unknowns[1][cables.slips["row"]] = -cables.drag
+    result.unknowns[1][slips["row"]] = -cables.drag
     return Tables(constants, elements, state, result, pattern)
 
 
