@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pymunk
@@ -73,11 +73,24 @@ class World:
         """Of each body, by the model's number, and of each of its shapes, convex ones each."""
         self.bodies = [self._add_body(i) for i in self.order.tolist()]  # in pymunk's order
         joints = self.model.joints
-        for a, b in self.number[joints.bodies[~joints.collide]].tolist():
-            # a constraint without force, which keeps its bodies from touching
-            joint = pymunk.SlideJoint(
-                self.bodies[a], self.bodies[b], (0.0, 0.0), (0.0, 0.0), 0.0, math.inf)
-            joint.collide_bodies, joint.max_force = False, 0.0
+        for i, pair in enumerate(self.number[joints.bodies].tolist()):
+            a, b = (self.bodies[body] for body in pair)
+            keeps, centres = joints.kind[i].keeps, self.model.bodies.centre[joints.bodies[i]]
+            on_a, on_b = map(tuple, (joints.anchor[i] - centres).tolist())
+            reach = joints.reach[i].tolist()
+            joint: Any  # without force: it keeps its bodies from touching (and -0.0 from velocities)
+            if keeps == "point":
+                joint = pymunk.PivotJoint(a, b, on_a, on_b)
+            elif keeps == "groove" and joints.path[i] is None:
+                start, end = map(tuple, (joints.groove[i] - centres[0]).tolist())
+                joint = pymunk.GrooveJoint(a, b, start, end, on_b)
+            elif keeps == "distance":
+                joint = pymunk.PinJoint(a, b, on_a, on_b)
+                joint.distance = reach[0]
+            else:
+                joint = pymunk.SlideJoint(
+                    a, b, on_a, on_b, *(reach if keeps == "range" else (0.0, math.inf)))
+            joint.collide_bodies, joint.max_force = bool(joints.collide[i]), 0.0
             self.space.add(joint)
         self.room = Room(contacts=32 + 8 * len(self.shape_tables.shapes),
                          rows=64 + 4 * len(self.bodies))
