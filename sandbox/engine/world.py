@@ -78,7 +78,7 @@ class World:
             keeps, centres = joints.kind[i].keeps, self.model.bodies.centre[joints.bodies[i]]
             on_a, on_b = map(tuple, (joints.anchor[i] - centres).tolist())
             reach = joints.reach[i].tolist()
-            joint: Any  # without force: it keeps its bodies from touching (and -0.0 from velocities)
+            joint: Any  # without force, to keep its bodies from touching; removes -0.0, too
             if keeps == "point":
                 joint = pymunk.PivotJoint(a, b, on_a, on_b)
             elif keeps == "groove" and joints.path[i] is None:
