@@ -257,8 +257,9 @@ def _pair(numbers: Sequence[float], path: str, dimension: str | None = None) -> 
     try:
         x, y = (in_range(float(number), dimension) + 0.0 for number in numbers)  # no -0.0
     except (TypeError, ValueError) as error:
-        raise bad_argument(f"{numbers!r} is not [x, y]", path, getattr(
-            error, "allowed", "") or "two finite numbers") from None
+        reason, allowed = ((f": {error.message}", error.allowed)
+                           if isinstance(error, WrongValueError) else ("", "two finite numbers"))
+        raise bad_argument(f"{numbers!r} is not [x, y]{reason}", path, allowed) from None
     return x, y
 
 
