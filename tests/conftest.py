@@ -33,7 +33,7 @@ def pytest_report_header() -> str:
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the engine once, before worker processes look for it in the cache."""
     if getattr(session.config.option, "numprocesses", None):
-        from sandbox.engine.entry_points import all_entry_points
+        from tests.support.entry_points import all_entry_points
 
         with all_entry_points():
             sandbox.Simulation({"bodies": [{"name": "puck", "mass": 1, "inertia": 1}]})

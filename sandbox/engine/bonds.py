@@ -126,7 +126,7 @@ def release_rows(table: int, h: float) -> None:
 
 @kernel
 def remaining_gap(table: int, bond: int, ahead: float) -> tuple[float, float, float]:
-    """The gaps [m, m, rad] that a joint may have so much later than now [s]."""
+    """The gaps [m, m, rad] that a joint may have ``ahead`` [s] of now."""
     if bond < 0:
         return 0.0, 0.0, 0.0
     state, over = at.bonds(table)[bond], at.bonds(table)[bond]["over"]
@@ -141,7 +141,6 @@ def remaining_gap(table: int, bond: int, ahead: float) -> tuple[float, float, fl
 
 @kernel
 def _look(table: int, k: int) -> None:
-    """Store the gaps of a joint that engages, and their rates."""
     joint, body, before, turn = (
         at.joints(table)[k], at.body(table), at.before(table), at.turn(table))
     state = at.bonds(table)[joint["bond"]]

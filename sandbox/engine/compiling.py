@@ -75,11 +75,3 @@ def report_compiled(seconds: float, *, in_workers: bool = False) -> None:
         if one.in_workers == in_workers and one.active:
             one.active, one.over = False, True
             one.ended(seconds)
-
-
-def report_worker_compilation(seconds: float | None = None) -> None:
-    """Report that a worker process compiles, or the seconds that it took."""
-    if seconds is None:
-        report_began(in_workers=True)
-    else:
-        report_compiled(seconds, in_workers=True)

@@ -36,7 +36,7 @@ UNLIMITED = 1e300  # a change that no rate limit cuts; less than infinity, which
 
 
 class Setpoint:
-    """A signal at the instants of a controller's acts, or the value that an event set."""
+    """A signal at the instants of a controller's acts, or the value that an event has set."""
 
     def __init__(self, signal: AnySignal, period: float, last: int, tables: Tables) -> None:
         self.signal, self.period, self.last, self.tables = signal, period, last, tables
@@ -54,10 +54,10 @@ class Setpoint:
             return self.fixed
         if not self._first <= act < self._first + len(self._values):
             stop = min(act + CHUNK, max(act, self.last) + 1)
-            instants: Array = self.period * np.arange(act, stop, dtype=np.float64)
             try:
                 self._first, self._values = act, values(
-                    self.signal, instants, self.tables).tolist()
+                    self.signal, self.period * np.arange(act, stop, dtype=float),
+                    self.tables).tolist()
             except ValueError as error:
                 raise SceneError([Problem("bad-argument",
                                           f"a controller's target: {error}")]) from None
@@ -145,14 +145,14 @@ class ControlLoop:
                      for target, read in zip(self.targets, self.readings, strict=False)]
         return math.inf if any(map(math.isnan, distances)) else max(distances, default=0.0)
 
-    def refuse(self, t: float, wanted: Sequence[float]) -> None:
-        """Raise SimulationDiverged if something that is read or wanted is not a number."""
+    def refuse(self, t: float, outputs: Sequence[float]) -> None:
+        """Raise SimulationDiverged if a reading or an output is not finite."""
         for text, read in zip(self.reads, self.readings, strict=True):
             if not math.isfinite(value := read()):
                 raise SimulationDiverged(t, self.name, f"it reads {text}, which is {value}")
-        for drive, value in zip(self.drives, wanted, strict=True):
+        for drive, value in zip(self.drives, outputs, strict=True):
             if not math.isfinite(value):
-                raise SimulationDiverged(t, self.name, f"it wants {value} of {drive}")
+                raise SimulationDiverged(t, self.name, f"it sets {drive} to {value}")
 
 
 def _idle(t: float, number: int) -> None:
@@ -160,18 +160,17 @@ def _idle(t: float, number: int) -> None:
 
 
 def _single(loop: ControlLoop) -> Act:
-    """The act of a loop with one reading and one drive."""
     (read,), (target,), ((column, change, low, high),) = loop.readings, loop.targets, loop.bounds
     law, values, row = loop.law.act, loop.values.values, loop.values.row
 
     def act(t: float, number: int) -> None:
         goal = target.fixed
         now = values[column]
-        want, = law(t, (read(),), (target.at(number) if goal is None else goal,), (now,))
-        if not now - change <= want <= now + change:
-            loop.refuse(t, (want,))
-            want = now + change if want > now else now - change
-        values[column] = row[column] = high if want > high else low if want < low else want
+        new, = law(t, (read(),), (target.at(number) if goal is None else goal,), (now,))
+        if not now - change <= new <= now + change:
+            loop.refuse(t, (new,))
+            new = now + change if new > now else now - change
+        values[column] = row[column] = high if new > high else low if new < low else new
 
     return act
 
@@ -183,21 +182,16 @@ def _several(loop: ControlLoop) -> Act:
     def act(t: float, number: int) -> None:
         goals = [target.at(number) if target.fixed is None else target.fixed
                  for target in targets]
-        wanted = law(t, [read() for read in readings], goals,
-                     [values[bound[0]] for bound in bounds])
-        for want, (column, change, low, high) in zip(wanted, bounds, strict=True):
+        outputs = law(t, [read() for read in readings], goals,
+                      [values[bound[0]] for bound in bounds])
+        for new, (column, change, low, high) in zip(outputs, bounds, strict=True):
             now = values[column]
-            if not now - change <= want <= now + change:
-                loop.refuse(t, wanted)
-                want = now + change if want > now else now - change
-            values[column] = row[column] = high if want > high else low if want < low else want
+            if not now - change <= new <= now + change:
+                loop.refuse(t, outputs)
+                new = now + change if new > now else now - change
+            values[column] = row[column] = high if new > high else low if new < low else new
 
     return act
-
-
-def _call_all(ends: list[Callable[[], None]]) -> None:
-    for end in ends:
-        end()
 
 
 class Control:
@@ -218,7 +212,7 @@ class Control:
         """Events to come: the steps before each, those between checks of its condition, that."""
         for event in mechanism.events:
             self.add(event)
-        self._endings: list[tuple[int, Callable[[], None]]] = []
+        self._endings: list[tuple[int, list[Callable[[], None]]]] = []
         self._in_force: dict[str, dict[object, tuple[Any, ...]]] = {}
         """Of each name that events set its first state, then the states that they set."""
         self.happened: list[Happened] = []
@@ -235,9 +229,9 @@ class Control:
 
     def writer(self, drive: str) -> str:
         """The controller or event that sets a drive at some time; empty if none does."""
-        owners = [loop.name for loop in self.loops if drive in loop.drives]
-        owners += [event.name for event in self.mechanism.events if drive in event.set]
-        return owners[0] if owners else ""
+        return next((owner.name for owner in (*self.loops, *self.mechanism.events)
+                     if drive in (owner.drives if isinstance(owner, ControlLoop) else owner.set)),
+                    "")
 
     def ahead(self, done: int) -> int:
         """How many steps may be made after ``done`` before something may act again."""
@@ -256,9 +250,10 @@ class Control:
 
     def act(self, done: int) -> None:
         """Let events happen and controllers act that are due after ``done`` steps."""
-        for step, end in [ending for ending in self._endings if ending[0] <= done]:
-            end()
-            self._endings.remove((step, end))
+        for ending in [ending for ending in self._endings if ending[0] <= done]:
+            for end in ending[1]:
+                end()
+            self._endings.remove(ending)
         t = done * self.clock.step
         for pending in list(self._waiting):
             event, first, between, condition = pending
@@ -286,11 +281,10 @@ class Control:
         ends = [self._set(name, value) for name, value in event.set.items()]
         for names, held in ((event.release, False), (event.take_up, True)):
             for bond in map(self.model.bonds.name.index, names):
-                hold(self.readings.tables, bond, held=held)
-                ends.append(partial(hold, self.readings.tables, bond, held=not held))
+                hold(self.readings.sampler.tables, bond, held=held)
+                ends.append(partial(hold, self.readings.sampler.tables, bond, held=not held))
         if event.lasts is not None:
-            self._endings.append((done + max(1, round(event.lasts / self.clock.step)),
-                                  partial(_call_all, ends)))
+            self._endings.append((done + max(1, round(event.lasts / self.clock.step)), ends))
         if event.stop is not None:
             self._stop(Stop(event.name, event.stop, t, event.because))
 

@@ -1,13 +1,12 @@
 """Tables of elements for the compiled step: one record for each element, bodies in pymunk's order.
 
-The bilateral rows of elements are added to :class:`Rows` in this order.
+The bilateral rows of elements are added to a :class:`Builder` in this order.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -22,7 +21,7 @@ from sandbox.engine.tendons import measure
 from sandbox.engine.world import span_table
 from sandbox.model import joints as of_joint
 from sandbox.model.model import Model
-from sandbox.model.programs import MOVED, Program, curve_tables, stack_for, step_table
+from sandbox.model.programs import MOVED, Program, stack_for, step_table
 from sandbox.model.tendons import CableSpan, lifted_at_start, spans_of
 from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene.geometry import to_world
@@ -39,32 +38,30 @@ Row = dict[str, Any]
 Code = tuple[int, int]  # first step of a program and where it ends, -1 without one
 
 
-@dataclass
-class Rows:
-    """The bilateral rows: of each the bodies of its entries."""
+class Builder:
+    """What all tables of elements need, and the bilateral rows that they add.
 
-    bodies: list[list[int]] = field(default_factory=list)
-    entries: int = 0
+    ``order`` are the model's numbers of the bodies as pymunk lists them.
+    """
 
-    def add(self, *bodies: int) -> tuple[int, int]:
-        """A row; its number, and that of its first entry."""
-        self.bodies.append(list(bodies))
-        self.entries += len(bodies)
-        return len(self.bodies) - 1, self.entries - len(bodies)
-
-
-class PlacedBodies:
-    """Where bodies are; ``order`` are the model's numbers of the bodies as pymunk lists them."""
-
-    def __init__(self, model: Model, order: Integers) -> None:
+    def __init__(self, model: Model, order: Integers, h: float) -> None:
         bodies = model.bodies
-        self.model = model
+        self.model, self.h = model, h
         self.number: Integers = np.argsort(order)  # by the model's numbers, [nb]
         self.inverse_mass: Array = np.stack(
             [1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
         self.pose: Array = np.array([
             (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
             for i in order]).reshape(-1, 3)  # of the centres of mass, in pymunk's order, [nb, 3]
+        self.rows: list[list[int]] = []  # of each bilateral row the bodies of its entries
+        self.entries = 0
+        self.steps, self.stack, self.codes = _laws(model)
+
+    def add(self, *bodies: int) -> tuple[int, int]:
+        """A row; its number, and that of its first entry."""
+        self.rows.append(list(bodies))
+        self.entries += len(bodies)
+        return len(self.rows) - 1, self.entries - len(bodies)
 
     def local(self, body: int, point: Array) -> Array:
         """A point of a body's frame seen from its centre of mass [m]."""
@@ -72,9 +69,7 @@ class PlacedBodies:
 
     def ends(self, bodies: Integers, *points: Array) -> Row:
         """Bodies ``a`` and ``b`` of an element, and its points on them."""
-        row: Row = {}
-        for end, body in zip("ab", bodies.tolist(), strict=True):
-            row[end] = int(self.number[body])
+        row: Row = dict(zip("ab", self.number[bodies].tolist(), strict=True))
         for end, body, point in zip("ab", bodies.tolist(), points, strict=False):
             row[f"{end}x"], row[f"{end}y"] = self.local(body, point)
         return row
@@ -82,6 +77,17 @@ class PlacedBodies:
     def moves(self, row: Row) -> bool:
         """Whether one of the two bodies moves freely."""
         return bool(self.inverse_mass[[row["a"], row["b"]]].any())
+
+
+def _laws(model: Model) -> tuple[Records, Array, dict[int, Code]]:
+    """Steps of the programs of all laws; a stack for them; places of programs by id."""
+    programs: list[Program] = [law.program for law in model.springs.law if law is not None]
+    programs += [part for law in model.loads.law if law is not None
+                 for part in law.programs if part is not None]
+    steps, ends = step_table(programs)
+    return steps, stack_for(programs, 3), {
+        id(program): code
+        for program, code in zip(programs, pairwise(ends.tolist()), strict=True)}
 
 
 def fill(record: np.dtype[Any], count: int, **columns: Any) -> Records:
@@ -93,19 +99,16 @@ def fill(record: np.dtype[Any], count: int, **columns: Any) -> Records:
 
 
 def records_of(rows: Sequence[Row], record: np.dtype[Any]) -> Records:
-    """A table of rows that are given as mappings; fields left out are 0."""
-    table = np.zeros(len(rows), record)
-    for row, values in zip(table, rows, strict=True):
-        for key, value in values.items():
-            row[key] = value
-    return table
+    """A table of rows; fields left out are 0."""
+    return np.array([tuple(row.get(name, 0) for name in record.names or ()) for row in rows],
+                    record)
 
 
-def drive_tables(places: PlacedBodies, h: float) -> tuple[Records, Records]:
+def drive_tables(build: Builder) -> tuple[Records, Records]:
     """MOTOR, of motors, servos and brakes; ACTION, of all drives that act on bodies."""
-    model = places.model
+    model = build.model
     drives, joints, bonds = model.drives, model.joints, model.bonds
-    stiff = stiffnesses.stiff_servos(model, h)
+    stiff = stiffnesses.stiff_servos(model, build.h)
     motors: list[Row] = []
     actions: list[Row] = []
     for i in drives.giving("force", "torque", "push", "surface").tolist():
@@ -113,16 +116,16 @@ def drive_tables(places: PlacedBodies, h: float) -> tuple[Records, Records]:
         action: Row = {"drive": i, "motor": -1, "bond": -1, "joint": -1, "b": -1}
         actions.append(action)
         if kind.gives == "surface":
-            action |= {"a": places.number[target], "runs": 1, "sense": drives.sense[i]}
+            action |= {"a": build.number[target], "runs": 1, "sense": drives.sense[i]}
             continue
         if kind.gives == "force":
-            x, y = places.local(target, drives.at[i])
+            x, y = build.local(target, drives.at[i])
             dx, dy = drives.direction[i]
-            action |= {"a": places.number[target], "x": x, "y": y, "dx": dx, "dy": dy,
+            action |= {"a": build.number[target], "x": x, "y": y, "dx": dx, "dy": dy,
                        "turning": drives.turning[i]}
             continue
         line = kind.gives == "push"
-        shared = places.ends(joints.bodies[target]) | {
+        shared = build.ends(joints.bodies[target]) | {
             "drive": i, "joint": target, "line": line, "bond": bonds.joint[target],
             "sense": 1.0 if line else joints.sense[target]}
         action |= shared
@@ -137,16 +140,16 @@ def drive_tables(places: PlacedBodies, h: float) -> tuple[Records, Records]:
     return records_of(motors, records.MOTOR), records_of(actions, records.ACTION)
 
 
-def joint_table(places: PlacedBodies, rows: Rows) -> Records:
+def joint_table(build: Builder) -> Records:
     """All joints; their rows are added."""
-    model = places.model
+    model = build.model
     joints, poses = model.joints, model.bodies.pose
     table: list[Row] = []
     for i, kind in enumerate(joints.kind):
         bodies, path, start = joints.bodies[i], joints.path[i], joints.anchor[i, 0]
         if kind.keeps == "groove":
             start = joints.groove[i, 0] if path is None else path.nodes[0, :2]
-        row = places.ends(bodies, start, joints.anchor[i, 1]) | {
+        row = build.ends(bodies, start, joints.anchor[i, 1]) | {
             "keeps": KEEPS[kind.keeps], "row": -1, "row_y": -1, "row_turn": -1,
             "turn": poses[bodies[1], 2] - poses[bodies[0], 2], "hinge": joints.angle[i],
             "stopped": np.isfinite(joints.stops[i]).all(), "sense": joints.sense[i],
@@ -162,21 +165,19 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
             row["reach"] = joints.reach[i, 0]
         if kind.keeps == "roll" or kind.teeth:
             row |= _wheel_fields(model, i)
-        if places.moves(row):
-            a, b, row["entry"] = row["a"], row["b"], rows.entries
-            if kind.keeps != "range" and not joints.play[i] > 0:
-                row["row"], _ = rows.add(a, b)
-            if kind.keeps in ("point", "roll"):
-                row["row_y"], _ = rows.add(a, b)
-            if not joints.turns[i]:
-                row["row_turn"], _ = rows.add(a, b)
-            row["entries"] = rows.entries - row["entry"]
+        if build.moves(row):
+            a, b, row["entry"] = row["a"], row["b"], build.entries
+            for name, needed in (("row", kind.keeps != "range" and not joints.play[i] > 0),
+                                 ("row_y", kind.keeps in ("point", "roll")),
+                                 ("row_turn", not joints.turns[i])):
+                if needed:
+                    row[name], _ = build.add(a, b)
+            row["entries"] = build.entries - row["entry"]
         table.append(row)
     return records_of(table, records.JOINT)
 
 
 def _wheel_fields(model: Model, i: int) -> Row:
-    """Fields of JOINT of wheels and racks."""
     joints, pose = model.joints, model.bodies.pose
     keeps, (ra, rb), sign = joints.kind[i].keeps, joints.radii[i], -1.0 if joints.inside[i] else 1.0
     c, s = math.cos(joints.pressure[i]), math.sin(joints.pressure[i])
@@ -193,9 +194,9 @@ def _wheel_fields(model: Model, i: int) -> Row:
     return row | {"tilt_c": c, "tilt_s": s, "gx": gx, "gy": gy, "reach": ra}
 
 
-def limit_table(places: PlacedBodies) -> Records:
+def limit_table(build: Builder) -> Records:
     """Stops of hinges, limits of lengths and of grooves, play of teeth."""
-    joints = places.model.joints
+    joints = build.model.joints
     rows: list[Row] = []
 
     def add(joint: int, what: int, low: float, high: float) -> None:
@@ -205,7 +206,7 @@ def limit_table(places: PlacedBodies) -> Records:
             and not (what == records.LINE and side > 0 and bound <= 0.0 and high == math.inf))
 
     for i, kind in enumerate(joints.kind):
-        if not places.moves(places.ends(joints.bodies[i])):
+        if not build.moves(build.ends(joints.bodies[i])):
             continue
         if np.isfinite(joints.stops[i]).all():
             low, high = sorted(joints.sense[i] * (joints.stops[i] + joints.zero[i]))
@@ -213,37 +214,32 @@ def limit_table(places: PlacedBodies) -> Records:
         if kind.keeps == "range":
             add(i, records.LINE, *joints.reach[i])
         if kind.keeps == "groove":
-            add(i, records.LINE, 0.0, of_joint.slot_length(places.model, i))
+            add(i, records.LINE, 0.0, of_joint.slot_length(build.model, i))
         if joints.play[i] > 0:
             play = joints.play[i] * math.cos(joints.pressure[i]) / 2
             add(i, records.FLANK, -play, -play)
     return records_of(rows, records.LIMIT)
 
 
-def dry_friction_table(
-    joints: Records, model: Model, first: int,
-) -> tuple[Records, list[tuple[int, int]]]:
-    """Dry friction of joints, and the pairs of rows whose load bounds it."""
+def dry_friction_table(joints: Records, model: Model, first: int) -> Records:
+    """Dry friction of joints; sums of the rows whose load bounds it are counted from ``first``."""
     friction = model.joints
     held = friction.frictional[joints["row"][friction.frictional] >= 0]
     table = fill(records.DRY_FRICTION, len(held), ux=1.0, bound=np.nan, joint=held, sum=-1,
-                 most=friction.friction[held], share=friction.coefficient[held],
+                 maximum=friction.friction[held], share=friction.coefficient[held],
                  static=friction.static[held])
     table["mode"] = [-np.sign(of_joint.sliding(model, j) if friction.kind[j].keeps == "groove"
                               else of_joint.turning(model, j)) for j in held]
     loaded = table["share"] > 0
     table["sum"][loaded] = first + np.arange(np.count_nonzero(loaded))
-    return table, [(one, two if two >= 0 else one)
-                   for one, two in joints[["row", "row_y"]][held[loaded]].tolist()]
+    return table
 
 
-def spring_table(
-    places: PlacedBodies, h: float, laws: dict[int, Code], rows: Rows,
-) -> Records:
+def spring_table(build: Builder) -> Records:
     """Rotary springs, straight springs, damping of hinges."""
-    model = places.model
+    model = build.model
     springs, joints, bonds = model.springs, model.joints, model.bonds
-    stiff, response = stiffnesses.too_stiff(model, h), stiffnesses.responses(model)
+    stiff, response = stiffnesses.too_stiff(model, build.h), stiffnesses.responses(model)
     table: list[Row] = []
     for i in np.argsort(springs.straight, kind="stable").tolist():
         law = springs.law[i]
@@ -251,65 +247,50 @@ def spring_table(
             "number": i, "joint": -1, "drive": springs.drive[i], "k": springs.stiffness[i],
             "sense": 1.0, "row": -1, "bond": bonds.spring[i], "hinge_bond": -1,
             "of_rate": law is not None and law.of_rate, "response": response[i]}
-        row["code"], row["code_end"] = laws[id(law.program)] if law else (-1, -1)
+        row["code"], row["code_end"] = build.codes[id(law.program)] if law else (-1, -1)
         if springs.straight[i]:
-            row |= places.ends(springs.bodies[i], *springs.anchor[i])
+            row |= build.ends(springs.bodies[i], *springs.anchor[i])
             row["c"], row["rest"] = springs.damping[i], springs.rest[i]
             row["way"] = springs.start[i]  # it is read before the first step
         else:  # its damper is that of the hinge
             joint = int(springs.joint[i])
-            row |= places.ends(joints.bodies[joint]) | {
+            row |= build.ends(joints.bodies[joint]) | {
                 "joint": joint, "turning": 1, "sense": joints.sense[joint], "c": 0.0,
                 "hinge_bond": bonds.joint[joint]}
             row["rest"] = joints.sense[joint] * (springs.rest[i] + joints.zero[joint])
         row["kind"] = (records.STIFF if stiff[i] else records.DAMPED if row["c"] > 0
                        else records.ELASTIC)
-        if (row["kind"] != records.ELASTIC or law) and places.moves(row):
-            row["row"], row["entry"] = rows.add(row["a"], row["b"])
+        if (row["kind"] != records.ELASTIC or law) and build.moves(row):
+            row["row"], row["entry"] = build.add(row["a"], row["b"])
         table.append(row)
     for joint in joints.hinges.tolist():
-        row = places.ends(joints.bodies[joint]) | {
+        row = build.ends(joints.bodies[joint]) | {
             "number": -1, "joint": joint, "turning": 1, "kind": records.DAMPED, "drive": -1,
             "c": model.hinge_damping[joint], "sense": 1.0, "code": -1, "bond": -1,
             "hinge_bond": bonds.joint[joint]}
-        if row["c"] > 0 and places.moves(row):
-            row["row"], row["entry"] = rows.add(row["a"], row["b"])
+        if row["c"] > 0 and build.moves(row):
+            row["row"], row["entry"] = build.add(row["a"], row["b"])
             table.append(row)
     return records_of(table, records.SPRING)
 
 
-def law_tables(model: Model) -> tuple[dict[str, Any], Array, dict[int, Code]]:
-    """Programs of all laws and the scene's tables; a stack for them; places of programs by id."""
-    programs: list[Program] = [law.program for law in model.springs.law if law is not None]
-    programs += [part for law in model.loads.law if law is not None
-                 for part in law.programs if part is not None]
-    steps, ends = step_table(programs)
-    curves, knots = curve_tables(list(model.mechanism.functions.values()))
-    codes = {id(program): code
-             for program, code in zip(programs, pairwise(ends.tolist()), strict=True)}
-    return ({"steps": steps, "curves": curves, "knots": knots},
-            stack_for(programs, 3), codes)
-
-
-def load_tables(
-    places: PlacedBodies, laws: dict[int, Code], rows: Rows,
-) -> tuple[Records, Records, Array]:
+def load_tables(build: Builder) -> tuple[Records, Records, Array]:
     """LOAD, LOADED and outlines in liquids; three rows for a body whose loads depend on motion."""
-    model, given = places.model, places.model.loads
-    order = np.argsort(places.number[given.body], kind="stable")
+    model, given = build.model, build.model.loads
+    order = np.argsort(build.number[given.body], kind="stable")
     loads: list[Row] = []
     for i in order.tolist():
         body, law = int(given.body[i]), given.law[i]
-        x, y = places.local(body, given.at[i])
+        x, y = build.local(body, given.at[i])
         mass = model.bodies.mass[body]
         loads.append({
-            "number": i, "body": places.number[body], "x": x, "y": y, "turning": given.turning[i],
+            "number": i, "body": build.number[body], "x": x, "y": y, "turning": given.turning[i],
             "scale": mass if given.per_mass[i] else 1.0, "mass": mass,
             "inertia": model.bodies.inertia[body],
             "timed": law is not None and "t" in law.names, "first": given.first[i],
             "last": given.first[i + 1], "level": given.level[i], "lift": given.lift[i]})
         for axis, part in zip("xyt", law.programs if law else 3 * [None], strict=True):
-            code = (-1, -1) if part is None else laws[id(part)]
+            code = (-1, -1) if part is None else build.codes[id(part)]
             loads[-1][f"{axis}_code"], loads[-1][f"{axis}_end"] = code
     table = records_of(loads, records.LOAD)
     bodies, first = np.unique(table["body"], return_index=True)
@@ -318,9 +299,9 @@ def load_tables(
     for row in loaded:
         own = [given.law[i] for i in table["number"][row["first"]:row["last"]]]
         if any(law is not None and law.names & MOVED for law in own):
-            row["entry"] = rows.entries
+            row["entry"] = build.entries
             for name in JOINT_ROWS:
-                row[name], _ = rows.add(int(row["body"]))
+                row[name], _ = build.add(int(row["body"]))
     sides, centres = given.sides.copy(), model.bodies.centre[given.body]
     centre = np.repeat(centres, np.diff(given.first), axis=0)
     sides[:, :2] -= centre
@@ -329,36 +310,35 @@ def load_tables(
     return table, loaded, sides
 
 
-def fluid_tables(
-    places: PlacedBodies, h: float, rows: Rows,
-) -> tuple[dict[str, Records], list[tuple[int, int]]]:
+def fluid_tables(build: Builder) -> tuple[dict[str, Records], list[tuple[int, int]]]:
     """Lines, chambers, valves and pumps; rows of lines that meet at valves."""
-    model, drives = places.model, places.model.drives
+    model, drives = build.model, build.model.drives
     lines, joints = model.lines, model.joints
     chambers: list[Row] = []
     for n, joint in enumerate(lines.joint.tolist()):
         sense, zero = (joints.sense[joint], joints.zero[joint]) if joint >= 0 else (1.0, 0.0)
-        ends = places.ends(lines.bodies[n], *(() if joint >= 0 else lines.anchor[n]))
+        ends = build.ends(lines.bodies[n], *(() if joint >= 0 else lines.anchor[n]))
         chambers.append(ends | {"turns": joint >= 0, "gain": sense * lines.gain[n],
                                 "start": sense * (lines.start[n] + zero)})
     fluids = fill(
         records.FLUID, len(lines.name), first=lines.first[:-1], last=lines.first[1:],
         drive=lines.drive, volume=lines.volume, c=lines.compliance, gas=np.nan_to_num(lines.gas),
-        start=lines.pressure, pressure=lines.pressure, least=lines.least, most=lines.most,
+        start=lines.pressure, pressure=lines.pressure, minimum=lines.least,
+        maximum=lines.most,
         response=stiffnesses.line_responses(model))
     with np.errstate(divide="ignore"):
         of_gas = fluids["volume"] * (fluids["start"] / ATMOSPHERE + 1.0) ** (1.0 / fluids["gas"])
     fluids["content"] = np.where(fluids["gas"] > 0, of_gas, fluids["c"] * fluids["start"])
-    stiff = h * h * fluids["response"] > records.SOFT * lines.compliance
+    stiff = build.h * build.h * fluids["response"] > records.SOFT * lines.compliance
     meet = [(a, b) for a, b in model.valves.lines.tolist() if a >= 0 and b >= 0]
     beside = stiff.copy()  # stiff lines, and those that valves join to them
     for a, b in len(meet) * meet:
         beside[a] = beside[b] = beside[a] or beside[b]
-    fluids["least_ahead"], fluids["ratio"] = stiff, np.where(beside, 1.5, 2.0)
+    fluids["ahead_min"], fluids["ratio"] = stiff, np.where(beside, 1.5, 2.0)
     for fluid in fluids:
         own = chambers[fluid["first"]:fluid["last"]]
         bodies = sorted({chamber[end] for chamber in own for end in "ab"})
-        fluid["row"], entry = rows.add(*bodies)
+        fluid["row"], entry = build.add(*bodies)
         for chamber in own:
             for end in "ab":
                 chamber[f"entry_{end}"] = entry + bodies.index(chamber[end])
@@ -419,13 +399,11 @@ class CableTables(NamedTuple):
     guides: Records
     slips: Records
     drag: Array  # of the slips of loops [N s^2/m], 0 of others
-    sums: list[tuple[int, int]]
-    """Rows of the spans on either side of each guide, or of the one span."""
 
 
-def cable_tables(places: PlacedBodies, h: float, rows: Rows) -> CableTables:
+def cable_tables(build: Builder) -> CableTables:
     """Tables of all tendons; their rows are added."""
-    model, tendons = places.model, places.model.tendons
+    model, tendons = build.model, build.model.tendons
     whole = len(tendons.name)
     spans = [span for cable in range(whole) for span in spans_of(tendons, cable)]
     path = np.array([*range(len(tendons.guide_body)), *(g for span in spans for g in span.guides)],
@@ -433,7 +411,7 @@ def cable_tables(places: PlacedBodies, h: float, rows: Rows) -> CableTables:
     body, off = tendons.guide_body[path], lifted_at_start(model)[path]
     x, y = (tendons.guide_at[path] - model.bodies.centre[body]).T
     guides = fill(
-        records.GUIDE, len(path), body=places.number[body], x=x, y=y,
+        records.GUIDE, len(path), body=build.number[body], x=x, y=y,
         radius=tendons.guide_radius[path], turns=tendons.guide_turns[path],
         lifts=np.isin(path, tendons.wheels), lifted=off, wrap=np.where(off, BESIDE, 0.0))
     ends = np.cumsum([*np.diff(tendons.first), *(len(span.guides) for span in spans)])
@@ -445,12 +423,12 @@ def cable_tables(places: PlacedBodies, h: float, rows: Rows) -> CableTables:
                          ("c", tendons.damping), ("response", stiffnesses.cable_responses(model))):
         cables[name][:whole] = values
     found = CableTables(cables, guides, np.zeros(len(tendons.grips), records.SLIP),
-                        np.zeros(len(tendons.grips)), [])
-    stiff, turn = stiffnesses.stiff_cables(model, h), np.zeros((len(places.pose), 2))
-    note_turns(places.pose, turn)
+                        np.zeros(len(tendons.grips)))
+    stiff, turn = stiffnesses.stiff_cables(model, build.h), np.zeros((len(build.pose), 2))
+    note_turns(build.pose, turn)
     for e, cable in enumerate(cables):
         cable["lifts"] = guides["lifts"][cable["first"]:cable["last"]].any()
-        cable["length"] = measure(cable, guides, places.pose, turn, True)
+        cable["length"] = measure(cable, guides, build.pose, turn, True)
         if e >= whole:
             continue
         length = float(cable["length"])
@@ -464,26 +442,24 @@ def cable_tables(places: PlacedBodies, h: float, rows: Rows) -> CableTables:
         cable["kind"] = (records.PULL if cable["drive"] >= 0 else records.STIFF if stiff[e]
                          else records.DAMPED if cable["c"] > 0 else records.ELASTIC)
         if cable["kind"] in (records.STIFF, records.DAMPED) and cable["response"] > 0:
-            _add_row(found, rows, e, [])
-    _add_spans(places, found, spans, rows, stiff, h)
+            _add_row(build, found, e, [])
+    _add_spans(build, found, spans, stiff)
     return found
 
 
-def _add_row(found: CableTables, rows: Rows, e: int, slides: list[int]) -> None:
+def _add_row(build: Builder, found: CableTables, e: int, slides: list[int]) -> None:
     """The row of a tendon: entries of its bodies, then of the slips into it and out of it."""
     cable = found.cables[e]
     own = found.guides[cable["first"]:cable["last"]]
     bodies, place = np.unique(own["body"], return_inverse=True)
-    cable["row"], cable["entry"] = rows.add(*bodies.tolist(), *slides)
+    cable["row"], cable["entry"] = build.add(*bodies.tolist(), *slides)
     cable["entries"], own["entry"] = len(bodies), cable["entry"] + place
 
 
-def _add_spans(
-    places: PlacedBodies, found: CableTables, spans: list[CableSpan], rows: Rows, stiff: Flags,
-    h: float,
-) -> None:
+def _add_spans(build: Builder, found: CableTables, spans: list[CableSpan], stiff: Flags) -> None:
     """The spans after the whole tendons, and the slips between them."""
-    tendons, bodies, cables = places.model.tendons, len(places.inverse_mass), found.cables
+    tendons, bodies, cables = build.model.tendons, len(build.inverse_mass), found.cables
+    h = build.h
     whole, count = len(tendons.name), len(tendons.grips)
     for e, span in enumerate(spans, start=whole):
         cable, own = cables[e], cables[span.tendon]
@@ -495,7 +471,7 @@ def _add_spans(
         if span.out_of < 0 and own["drive"] >= 0:
             cable["kind"], cable["drive"] = records.PULL, own["drive"]
             continue
-        _add_row(found, rows, e, [bodies + k for k in (span.into, span.out_of) if k >= 0])
+        _add_row(build, found, e, [bodies + k for k in (span.into, span.out_of) if k >= 0])
         entry = cable["entry"] + cable["entries"]
         if span.into >= 0:
             cable["into"], entry = entry, entry + 1
@@ -526,5 +502,3 @@ def _add_spans(
         first = tendons.closed[cable] and slip["guide"] == path.start
         slip["twin"] = path.stop - 1 if first else -1
         slip["slide"], slip["sum"] = bodies + k, bodies + count + k
-        one, two = (int(cables[e]["row"]) for e in (before[k], after[k]))
-        found.sums.append((one, two if two >= 0 else one))

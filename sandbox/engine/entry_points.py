@@ -32,7 +32,6 @@ from numba.core.caching import FunctionCache
 from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
-from sandbox.engine import source_hash
 from sandbox.engine.compiling import processors, report_compiled, report_progress
 from sandbox.engine.kernel import entry_point_compiler, fast_compilation, kernel
 from sandbox.engine.memory import TABLE_WORDS
@@ -51,12 +50,10 @@ _numba_config: Any = config
 _function_cache: Any = FunctionCache
 _options: dict[str, Any] = {"error_model": "numpy", "pipeline_class": entry_point_compiler}
 _WORD = ir.IntType(64)
-_OBSOLETE = 7 * 86400
-"""Cached code of other versions of an entry point is deleted after this time [s]."""
 _PROCESSES, _SHARE = 4, 5
 """Maximum number of processes that compile, and minimum number of entry points of each."""
 _entry_points: dict[str, EntryPoint] = {}
-_everything = False
+everything = False  # whether all entry points are compiled: results are the same
 
 
 class EntryPoint:
@@ -65,12 +62,6 @@ class EntryPoint:
     def __init__(self, function: Callable[..., Any], feature: str, default: int) -> None:
         self.py_func, self.name, self.feature = function, function.__name__, feature
         self.default, self.signature = default, _signature(function)
-        if self.name in _entry_points:
-            raise ValueError(f"there are two entry points named {self.name}")
-        if _places.cache_info().currsize:
-            raise RuntimeError(f"the entry point {self.name} is defined after the first run")
-        if feature and feature not in FEATURES:
-            raise ValueError(f"the entry point {self.name} names an unknown feature '{feature}'")
         _entry_points[self.name] = self
 
     @property
@@ -121,11 +112,8 @@ class EntryPoint:
     @cached_property
     def compiled(self) -> Any:
         """Numba's C callback, compiled now or loaded from the cache."""
-        made = _cached(self.py_func, self.source, lambda function, cache: cfunc(
+        return _cached(self.py_func, self.source, lambda function, cache: cfunc(
             self.signature, cache=cache, **_options)(function))
-        if not made.cache_hits:
-            _remove_obsolete(made, self.name)
-        return made
 
 
 @cache
@@ -147,8 +135,6 @@ class CalledFromPython:
     def compiled(self) -> Any:
         """The compiled function."""
         self._dispatcher.compile(_signature(self.py_func).args)
-        if not self._dispatcher.stats.cache_hits:
-            _remove_obsolete(self._dispatcher, self.py_func.__name__)
         return self._dispatcher
 
     @property
@@ -172,21 +158,10 @@ def entry_point(feature: str = "", *, default: int = 0) -> Callable[[Function], 
     return decorated
 
 
-@contextmanager
-def all_entry_points() -> Iterator[None]:
-    """Compile all entry points for runs that begin in this context; results are the same."""
-    global _everything
-    _everything = True
-    try:
-        yield
-    finally:
-        _everything = False
-
-
 def prepare(constants: Constants, elements: Elements, main: CalledFromPython) -> Integers:
     """Compile or load the entry points of a run and ``main``; addresses for its table."""
     wanted = [one for one in _entry_points.values()
-              if _everything or not one.feature or FEATURES[one.feature](constants, elements)]
+              if everything or not one.feature or FEATURES[one.feature](constants, elements)]
     addresses = np.zeros(len(_entry_points), dtype=np.int64)
     began = time.perf_counter()
     with fast_compilation(), _other_processes(wanted) as (others, own):
@@ -270,15 +245,6 @@ def _cached(
         raise
     except (RuntimeError, OSError):  # no place for a cache; no room left
         return compiled(source, False)
-
-
-def _remove_obsolete(made: Any, name: str) -> None:
-    folder = getattr(getattr(made, "_cache", None), "cache_path", None)  # private in Numba
-    pattern = f"{Path(source_hash.__file__).stem}.{name}_{'[0-9a-f]' * 16}-*.nb[ic]"
-    for path in Path(folder).glob(pattern) if folder else ():
-        with contextlib.suppress(OSError):
-            if time.time() - path.stat().st_mtime > _OBSOLETE:
-                path.unlink()
 
 
 FEATURES: dict[str, Callable[[Constants, Elements], bool]] = {

@@ -16,11 +16,11 @@ Volume and content are then those of one instant, k steps after the pose, to sec
 
 Lines that valves join have one r, so that the matrix is symmetric. A valve's flow is linearised in
 the pressures about that of the attempt before: it adds to the rows of its two lines, and to where
-they meet, and attempts are made until flows stay (Newton's method). Pressures at their least or
-their most, or that a drive gives, are those of a line that yields without end.
+they meet, and attempts are made until flows stay (Newton's method). Pressures at their
+minimum or maximum, or set by a drive, are those of a line with a very large compliance.
 
-Afterwards M grows by what flowed in. The volume is worked out anew in every step, so that no error
-adds up.
+Afterwards M grows by the inflow. The volume is computed from the pose in every step, so that errors
+do not accumulate.
 """
 
 from __future__ import annotations
@@ -66,8 +66,17 @@ def swell(table: int, drive: Array) -> None:
                 chamber["x"], chamber["y"] = x, y
                 chamber["ta"], chamber["tb"] = ay * x - ax * y, bx * y - by * x
             grown += gain * (way - chamber["start"])
-        fluids[i]["grown"] = grown
-        _fill(fluids[i])
+        fluid = fluids[i]
+        fluid["grown"], fluid["ahead"] = grown, fluid["ahead_min"]
+        if fluid["gas"] == 0.0:
+            fluid["rigid"] = (fluid["content"] - grown) / fluid["c"]
+            fluid["yields"], fluid["swells"] = fluid["c"], 1.0
+        else:
+            volume = max(fluid["volume"] + grown, SMALLEST * fluid["volume"])
+            pressure = ATMOSPHERE * (fluid["content"] / volume) ** fluid["gas"]
+            fluid["rigid"] = pressure - ATMOSPHERE
+            fluid["yields"] = volume / (fluid["gas"] * pressure)
+            fluid["swells"] = volume / fluid["content"]
     valves = at.valves(table)
     for i in range(len(valves)):
         valves[i]["about"] = valves[i]["flow"]
@@ -75,21 +84,6 @@ def swell(table: int, drive: Array) -> None:
             across = (_rigid(fluids, drive, valves[i]["a"])
                       - _rigid(fluids, drive, valves[i]["b"]))
             valves[i]["about"] = math.copysign(math.sqrt(abs(across) / valves[i]["k"]), across)
-
-
-@kernel
-def _fill(fluid: Any) -> None:
-    """The pressure of a line at its volume and content, and its compliance there."""
-    fluid["ahead"] = fluid["least_ahead"]
-    if fluid["gas"] == 0.0:
-        fluid["rigid"] = (fluid["content"] - fluid["grown"]) / fluid["c"]
-        fluid["yields"], fluid["swells"] = fluid["c"], 1.0
-        return
-    volume = max(fluid["volume"] + fluid["grown"], SMALLEST * fluid["volume"])
-    pressure = ATMOSPHERE * (fluid["content"] / volume) ** fluid["gas"]
-    fluid["rigid"] = pressure - ATMOSPHERE
-    fluid["yields"] = volume / (fluid["gas"] * pressure)
-    fluid["swells"] = volume / fluid["content"]
 
 
 @kernel
@@ -124,8 +118,8 @@ def _straighten(table: int, drive: Array) -> None:
             v["about"] = 0.0
             continue
         r, k = v["r"] / opening, v["k"] / (opening * opening)
-        least = math.sqrt(LAMINAR / k) if v["r"] == 0.0 else 0.0
-        slope = r + 2.0 * k * max(abs(v["about"]), least)
+        smallest = math.sqrt(LAMINAR / k) if v["r"] == 0.0 else 0.0
+        slope = r + 2.0 * k * max(abs(v["about"]), smallest)
         v["conductance"], v["supply"] = 1.0 / slope, k * abs(v["about"]) * v["about"] / slope
         both = _swells(fluids, v)
         for end in range(2):
@@ -174,7 +168,8 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
     for i in range(len(fluids)):
         fluid, r = fluids[i], fluids[i]["row"]
         if fluid["conductance"] > 0.0:  # only ahead within a step, so that attempts end
-            fluid["ahead"] = max(fluid["ahead"], 0.5 - fluid["yields"] / (2.0 * h * fluid["conductance"]))
+            fluid["ahead"] = max(
+                fluid["ahead"], 0.5 - fluid["yields"] / (2.0 * h * fluid["conductance"]))
         after, before, inflow = _weights(fluid)
         compliance[r] = (fluid["yields"] / h + inflow * fluid["conductance"]) / (after * h)
         rhs[r] = (fluid["yields"] * fluid["rigid"] / h + inflow * fluid["supply"]
@@ -186,7 +181,6 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
 
 @kernel
 def _given(fluid: Any, drive: Array) -> float:
-    """The pressure of a line that has a given one [Pa]."""
     if fluid["drive"] >= 0:
         return float(min(max(drive[fluid["drive"]], fluid["minimum"]), fluid["maximum"]))
     return float(fluid["minimum"] if fluid["mode"] < 0 else fluid["maximum"])
@@ -198,8 +192,9 @@ def join_lines(table: int, h: float) -> None:
     valves, values, fluids = at.valves(table), at.values(table), at.fluids(table)
     for i in range(len(valves)):
         if valves[i]["slot"] >= 0:
-            values[valves[i]["slot"]] -= (fluids[valves[i]["a"]]["ratio"]
-                                          * _swells(fluids, valves[i]) * valves[i]["conductance"] / h)
+            v = valves[i]
+            values[v["slot"]] -= (
+                fluids[v["a"]]["ratio"] * _swells(fluids, v) * v["conductance"] / h)
 
 
 @kernel
@@ -235,7 +230,6 @@ def pressures(table: int, h: float, drive: Array) -> None:
 
 @kernel
 def _across(table: int, valve: int) -> float:
-    """Pressure at a valve's ``a`` above that at its ``b`` [Pa]."""
     v, fluids = at.valves(table)[valve], at.fluids(table)
     high = fluids[v["a"]]["pressure"] if v["a"] >= 0 else 0.0
     low = fluids[v["b"]]["pressure"] if v["b"] >= 0 else 0.0
@@ -266,11 +260,15 @@ def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     valves = at.valves(table)
     for i in range(len(valves)):
         if valves[i]["one_way"]:
-            off = _turned(table, i)
-            if off > 0.0 and attempt < ALL:
+            v, across = valves[i], _across(table, i)
+            size = EVEN * (1.0 + (abs(fluids[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
+                           + (abs(fluids[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
+            # the linearised flow has the right sign before the pressure has it
+            off = across if v["shut"] else -across if through(table, i) < 0.0 else 0.0
+            if off > size and attempt < ALL:
                 _turn(table, i)
                 changed = True
-            elif off > worst:
+            elif off > max(size, worst):
                 worst, which = off, len(fluids) + i
     if worst > 0.0:
         changed = True
@@ -305,8 +303,8 @@ def _flows(table: int) -> bool:
         uneven = v["a"] >= 0 and v["b"] >= 0 and (
             fluids[v["a"]]["swells"] != fluids[v["b"]]["swells"])
         if v["k"] > 0.0 or uneven:
-            least = math.sqrt(LAMINAR * EVEN / v["k"]) if v["k"] > 0.0 else 0.0
-            changed |= abs(flow - last) > EVEN * max(abs(flow), abs(last)) + least
+            smallest = math.sqrt(LAMINAR * EVEN / v["k"]) if v["k"] > 0.0 else 0.0
+            changed |= abs(flow - last) > EVEN * max(abs(flow), abs(last)) + smallest
     return changed
 
 
@@ -317,41 +315,30 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
     fluid, mode = fluids[line], fluids[line]["mode"]
     if fluid["drive"] >= 0:
         return 0.0, 0
-    p, least, most = fluid["pressure"], fluid["minimum"], fluid["maximum"]
+    p, low, high = fluid["pressure"], fluid["minimum"], fluid["maximum"]
     if mode == 0:
-        if p < least - EVEN * (abs(least) + 1.0):
-            return float(least - p), -1
-        if p > most + EVEN * (abs(most) + 1.0):
-            return float(p - most), 1
+        if p < low - EVEN * (abs(low) + 1.0):
+            return float(low - p), -1
+        if p > high + EVEN * (abs(high) + 1.0):
+            return float(p - high), 1
         return 0.0, 0
     after, _, inflow = _weights(fluid)
-    flow = fluid["supply"] - fluid["conductance"] * p  # into the line, as volume in it, as the rows had it
+    flow = fluid["supply"] - fluid["conductance"] * p  # volume into the line, as in the rows
     for i in range(len(valves)):
         a, b = valves[i]["a"], valves[i]["b"]
         if (a == line and b >= 0) or (b == line and a >= 0):
             flow += (_swells(fluids, valves[i]) * valves[i]["conductance"]
                      * fluids[b if a == line else a]["pressure"])
-    spare = (fluid["yields"] * (fluid["rigid"] - p) + h * inflow * flow
+    excess = (fluid["yields"] * (fluid["rigid"] - p) + h * inflow * flow
              - growing(table, h, line)) / (fluid["yields"] + h * h * after * fluid["response"])
-    off = spare if mode < 0 else -spare
+    off = excess if mode < 0 else -excess
     return float(off if off > EVEN * (abs(p) + 1.0) else 0.0), 0
-
-
-@kernel
-def _turned(table: int, valve: int) -> float:
-    """Pressure by which a check valve contradicts its state."""
-    v, fluids, across = at.valves(table)[valve], at.fluids(table), _across(table, valve)
-    size = EVEN * (1.0 + (abs(fluids[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
-                   + (abs(fluids[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
-    # the linearised flow has the right sign before it is found, the pressure may not have it
-    off = across if v["shut"] else -across if through(table, valve) < 0.0 else 0.0
-    return float(off if off > size else 0.0)
 
 
 @entry_point("fluids")
 def report_lines(table: int, h: float, drive: Array) -> None:
     """Pressures and flows of the step, and the contents of lines after it."""
-    fluids = at.fluids(table)
+    fluids, pumps = at.fluids(table), at.pumps(table)
     if len(fluids) == 0:
         return
     pressures(table, h, drive)
@@ -361,12 +348,18 @@ def report_lines(table: int, h: float, drive: Array) -> None:
         new = fluid["content"] + h * fluid["flow"]
         if fluid["drive"] >= 0 or fluid["mode"] > 0:
             fluid["ahead"] = 0.5  # its content is that of the step's end
-            holds = _holds(fluid, growing(table, h, i))
+            more = growing(table, h, i)
+            content = fluid["grown"] + more + fluid["c"] * fluid["pressure"]
+            if fluid["gas"] > 0.0:
+                volume = max(fluid["volume"] + fluid["grown"] + more, SMALLEST * fluid["volume"])
+                content = volume * (fluid["pressure"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"])
             if fluid["drive"] < 0:
-                fluid["spilled"] += new - holds
-            else:  # the source supplies the rest
-                _give(table, i, (holds - new) / h)
-            new = holds
+                fluid["spilled"] += new - content
+            for n in range(len(pumps)):  # a source without resistance supplies the rest
+                if fluid["drive"] >= 0 and pumps[n]["line"] == i and pumps[n]["source"]:
+                    pumps[n]["flow"] += (content - new) / h
+                    fluid["flow"] += (content - new) / h
+            new = content
         if fluid["gas"] > 0.0:
             new = max(new, SMALLEST * fluid["volume"])
         fluid["content"] = new
@@ -392,25 +385,6 @@ def _gather(table: int, drive: Array) -> None:
         if pump["r"] > 0.0:
             pump["flow"] = (value - line["pressure"]) / pump["r"]
         line["flow"] += pump["flow"]
-
-
-@kernel
-def _give(table: int, line: int, flow: float) -> None:
-    """Add a flow to that of a line's source without resistance."""
-    pumps = at.pumps(table)
-    for i in range(len(pumps)):
-        if pumps[i]["line"] == line and pumps[i]["source"]:
-            pumps[i]["flow"] += flow
-            at.fluids(table)[line]["flow"] += flow
-
-
-@kernel
-def _holds(fluid: Any, growing: float) -> float:
-    """Content of a line at its pressure [m^3]."""
-    if fluid["gas"] == 0.0:
-        return float(fluid["grown"] + growing + fluid["c"] * fluid["pressure"])
-    volume = max(fluid["volume"] + fluid["grown"] + growing, SMALLEST * fluid["volume"])
-    return float(volume * (fluid["pressure"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"]))
 
 
 @entry_point("fluids", default=1)

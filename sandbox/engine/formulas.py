@@ -1,9 +1,8 @@
 """Expressions in the compiled step: a stack machine that gives values with their slopes.
 
-Each number on the stack is [value, d/dp, d/dq, ...]: what is read begins with the slopes that its
-reader gives it, and every operation carries them on by the chain rule. So laws are linearised
-exactly, without differences. Where a function has a kink it has the slope of one side, and where
-a slope is no number (that of a root at 0) it counts as none.
+Each number on the stack is [value, d/dp, d/dq, ...]: arguments have the slopes given with them, and
+each operation applies the chain rule. So laws are linearised exactly. At a kink a function has the
+slope of one side; a slope that is not finite (that of a root at 0) counts as 0.
 """
 
 from __future__ import annotations
@@ -28,12 +27,10 @@ def formula(table: int, first: int, last: int, read: Array) -> None:
         if op in (ops.NUMBER, ops.NAME):
             top += 1
             if op == ops.NUMBER:
+                stack[top] = 0.0
                 stack[top, 0] = steps[n]["value"]
-            for j in range(stack.shape[1]):
-                if op == ops.NAME:
-                    stack[top, j] = read[int(steps[n]["value"]), j]
-                elif j > 0:
-                    stack[top, j] = 0.0
+            for j in range(stack.shape[1] if op == ops.NAME else 0):
+                stack[top, j] = read[int(steps[n]["value"]), j]
         elif op == ops.TABLE:
             y, slope = look_up(table, int(steps[n]["value"]), stack[top, 0])
             _chain(stack, top, y, slope)
@@ -56,8 +53,7 @@ def formula(table: int, first: int, last: int, read: Array) -> None:
             so_far = stack[top - 2, 0]
             top -= 1
             _compare(stack, top, op - ops.NEXT_LT + ops.LT)
-            for j in range(stack.shape[1]):  # the result in front of what is compared next
-                stack[top - 1, j] = 0.0
+            stack[top - 1] = 0.0  # the result in front of what is compared next
             stack[top - 1, 0] = so_far * stack[top, 0]
             for j in range(stack.shape[1]):
                 stack[top, j] = stack[top + 1, j]
@@ -74,7 +70,7 @@ def formula(table: int, first: int, last: int, read: Array) -> None:
 
 @kernel
 def _compare(stack: Array, k: int, op: int) -> None:
-    """1 or 0 for what stands at ``k`` and above it, of whether they compare so."""
+    """Compare the numbers at ``k`` and above it: 1 or 0."""
     a, b = stack[k, 0], stack[k + 1, 0]
     true = ((op == ops.LT and a < b) or (op == ops.LE and a <= b) or (op == ops.GT and a > b)
             or (op == ops.GE and a >= b) or (op == ops.EQ and a == b) or (op == ops.NE and a != b))
@@ -83,9 +79,8 @@ def _compare(stack: Array, k: int, op: int) -> None:
 
 @kernel
 def _whether(stack: Array, k: int, true: bool) -> None:
-    """Put 1 for what is true, 0 otherwise; neither has a slope."""
-    for j in range(stack.shape[1]):
-        stack[k, j] = 0.0
+    """Put 1 for true, 0 otherwise; neither has a slope."""
+    stack[k] = 0.0
     stack[k, 0] = 1.0 if true else 0.0
 
 
@@ -99,7 +94,6 @@ def _chain(stack: Array, k: int, value: float, slope: float) -> None:
 
 @kernel
 def _two(stack: Array, k: int, op: int) -> None:
-    """An operation on the number at ``k`` and the one above it."""
     a, b = stack[k, 0], stack[k + 1, 0]
     value, by_a, by_b = a + b, 1.0, 1.0
     if op == ops.SUB:
@@ -136,7 +130,6 @@ def _two(stack: Array, k: int, op: int) -> None:
 
 @kernel
 def _one(stack: Array, k: int, op: int) -> None:
-    """A function of the number at ``k``."""
     x = stack[k, 0]
     value, slope = math.nan, 0.0
     if op == ops.SIN:

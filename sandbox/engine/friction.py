@@ -46,7 +46,7 @@ NOTHING = 1e-13  # change of rates [m/s, rad/s] by rounding, which is not solved
 
 @kernel
 def _along(table: int, h: float, dry: Any, out: Any) -> None:
-    """The free rate of a joint, with what its way bends, and a return to where it held."""
+    """The free rate of a joint, with its curvature, and a return to where it held."""
     joint, body, before, turn = (
         at.joints(table)[dry["joint"]], at.body(table), at.before(table), at.turn(table))
     put_coordinate(out, joint, 1.0)
@@ -88,8 +88,8 @@ def friction_rows(table: int, h: float, i: int, n: int) -> int:
     begin_row(out, st.JOINT_FRICTION, i, joint["a"], joint["b"], dry["impulse"], dry["mode"])
     out["passive"] = 1
     _along(table, h, dry, out)
-    most = 0.0 if by_load else h * more * dry["maximum"]
-    out["low"], out["high"] = -most, most
+    limit = 0.0 if by_load else h * more * dry["maximum"]
+    out["low"], out["high"] = -limit, limit
     out["normal"], out["friction"] = n if by_load else -1, more * dry["share"]
     out["static"], out["phase"] = dry["static"], st.HOLDS if holds and more > 1.0 else st.SLIDES
     out["reserve"], out["p_static"], out["slip"] = dry["bound"], dry["impulse"], dry["mode"]
@@ -111,8 +111,8 @@ def change_friction(table: int, n: int) -> bool:
         y = unknown[joint["row_y"]] if joint["row_y"] >= 0 else 0.0
         size = math.hypot(x, y)
         off = size + row["ax"] * x + row["ay"] * y
-        felt = off * friction["friction"] * friction["base"]
-        if off > SAME * size and felt > NOTHING:
+        change = off * friction["friction"] * friction["base"]
+        if off > SAME * size and change > NOTHING:
             frictions[i]["ux"], frictions[i]["uy"] = x / size, y / size
             row["ax"], row["ay"] = -x / size, -y / size
             changed = True
@@ -144,7 +144,7 @@ def release_friction(table: int, h: float, i: int, p: float) -> None:
 
 
 @entry_point("joint_friction")
-def add_friction_work(table: int, h: float, v: Matrix) -> None:
+def add_friction_work(table: int, v: Matrix) -> None:
     """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
     frictions = at.dry_friction(table)
     for i in range(len(frictions)):

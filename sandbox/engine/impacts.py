@@ -83,7 +83,6 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
 
 @kernel
 def _within(h: float, s: float) -> float:
-    """An instant of this step, which rounding may have put just outside; 0 for any other."""
     return min(max(s, -h), h) if abs(s) <= h * (1.0 + TIME_TOLERANCE) else 0.0
 
 
@@ -100,13 +99,6 @@ def _motion(table: int, h: float, row: Any, s: float) -> tuple[float, float]:
     """The rate of a row at the instant ``s``, and how it changes with s."""
     before, free = unilateral.rate(row, at.before(table)), unilateral.rate(row, at.velocity(table))
     return before + (0.5 + s / h) * (free - before), (free - before) / h
-
-
-@kernel
-def tangent_motion(table: int, h: float, row: Any, belt: float) -> None:
-    """Rate and trend of a tangential row."""
-    row["bias"], row["trend"] = _motion(table, h, row, 0.0)
-    row["bias"] += belt
 
 
 @kernel
@@ -166,44 +158,26 @@ CLOSINGS = 3  # maximum number of closures of joints after an impact
 
 
 @entry_point("bounces")
-def add_shift(table: int, h: float) -> None:
-    """Let ``velocity`` lead from the displaced pose, until :func:`remove_shift`."""
+def shift_velocity(table: int, h: float, shifted: bool) -> None:
+    """Let ``velocity`` lead from the displaced pose if ``shifted``, else from the pose again."""
     shift, velocity = at.shift(table), at.velocity(table)
+    if not shifted:
+        put(velocity, at.placed(table))
+        return
     put(at.placed(table), velocity)
     for b in range(len(shift)):
         for j in range(3):
             velocity[b, j] += shift[b, j] / h
 
 
-@entry_point("bounces")
-def remove_shift(table: int) -> None:
-    """Undo :func:`add_shift`."""
-    put(at.velocity(table), at.placed(table))
-
-
 @kernel
 def displaced_gaps(table: int, h: float) -> float:
     """:func:`joint_gaps` where the velocities lead from the displaced pose."""
     clear(at.unknowns(table)[4])
-    add_shift(table, h)
+    shift_velocity(table, h, True)
     gap = bilateral.joint_gaps(table, h)
-    remove_shift(table)
+    shift_velocity(table, h, False)
     return gap
-
-
-@kernel
-def place_joints(table: int, h: float, now: float) -> None:
-    """Coefficients of the joints where the step leads at an instant."""
-    body, turn, kept = at.body(table), at.turn(table), at.placed(table)
-    for b in range(len(body)):
-        for j in range(3):
-            kept[b, j] = body[b, j]
-            body[b, j] += now * mean(table, h, now, b, j)
-    bilateral.note_turns(body, turn)
-    bilateral.joint_rows(table, h)
-    release_rows(table, h)
-    put(body, kept)
-    bilateral.note_turns(body, turn)
 
 
 @kernel
@@ -215,7 +189,7 @@ def answer_of_joints(table: int, velocity: Array) -> None:
 
 @kernel
 def add_joints(table: int, velocity: Array, times: float) -> None:
-    """Add what these impulses of joints alone do to velocities."""
+    """Add the changes of velocities by these impulses of joints alone."""
     joints, impulses, entry_row = at.joints(table), at.unknowns(table)[5], at.entry_row(table)
     entry_body, WJ = at.entry_body(table), at.entries(table)[1]
     for k in range(len(joints)):
@@ -286,7 +260,9 @@ def lead_back(table: int, h: float, n: int) -> None:
     forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
     m = 0
     for q in range(unilateral.choose(rows, n, chosen)):
-        if _held_before(table, rows[chosen[q]]):
+        row = rows[chosen[q]]  # active before the impacts; not a contact that closes in the step
+        contact = row["source"] == NORMAL or row["source"] == TANGENT
+        if (at.found(table)[row["index"]]["listed"] == 1) if contact else not row["measure"]:
             chosen[m] = chosen[q]
             m += 1
     unilateral.make_system(rows, n, at.delassus(table), A, chosen, m)
@@ -305,30 +281,15 @@ def lead_back(table: int, h: float, n: int) -> None:
             _answer(table, k + 1, rows[k + 1]["mode"] * rows[k + 1]["friction"] * A[q, m])
     backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
     bilateral.apply_impulses(table, unknowns[4], shift)
-    _close(table, h)
-
-
-@kernel
-def _close(table: int, h: float) -> None:
-    """Displace the pose further, so that joints are closed where the velocities lead from there."""
-    unknowns = at.unknowns(table)
     clear(unknowns[5])
-    for _ in range(CLOSINGS):
+    for _ in range(CLOSINGS):  # joints are to be closed where the velocities lead from there
         if displaced_gaps(table, h) < bilateral.closed(h):
             break
         forward(at.starts(table), at.below(table), at.values(table), unknowns[4])
         backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
         for r in range(unknowns.shape[1]):
             unknowns[4, r] *= h
-        bilateral.apply_impulses(table, unknowns[4], at.shift(table))
-
-
-@kernel
-def _held_before(table: int, row: Any) -> bool:
-    """Whether a row was active before the impacts; a contact that closes in the step was not."""
-    if row["source"] == NORMAL or row["source"] == TANGENT:
-        return bool(at.found(table)[row["index"]]["listed"] == 1)
-    return not row["measure"]
+        bilateral.apply_impulses(table, unknowns[4], shift)
 
 
 @kernel
@@ -376,7 +337,8 @@ def _list(table: int, h: float, rows: Records) -> tuple[int, float]:
             n += 1
             if t["friction"] > 0.0:
                 tangent_row(h, at.body(table), touches, i, n - 1, rows[n])
-                tangent_motion(table, h, rows[n], t["belt"])
+                rows[n]["bias"], rows[n]["trend"] = _motion(table, h, rows[n], 0.0)
+                rows[n]["bias"] += t["belt"]
                 rows[n]["last"] = 0.0
                 n += 1
     return n, first
@@ -453,9 +415,7 @@ def _next(table: int, h: float, rows: Records, n: int, now: float, end: float) -
 
 
 @kernel
-def _struck(
-    rows: Records, n: int, touches: Records, now: float, end: float, near: float,
-) -> float:
+def _struck(rows: Records, n: int, touches: Records, now: float, end: float, near: float) -> float:
     """Prepare the contacts that are hit now, with gaps up to ``near``; the fastest approach."""
     fastest = 0.0
     for k in range(n):
@@ -502,8 +462,17 @@ def foresee_impacts(table: int, h: float, kept: int) -> bool:
         rows = at.rows(table)[len(at.rows(table)) // 2:]
         n, now = _list(table, h, rows)
         now = _next(table, h, rows, n, now, REBOUND)
-        if now <= h:
-            place_joints(table, h, now)
+        if now <= h:  # coefficients of the joints where the step leads then
+            body, turn, pose = at.body(table), at.turn(table), at.placed(table)
+            for b in range(len(body)):
+                for j in range(3):
+                    pose[b, j] = body[b, j]
+                    body[b, j] += now * mean(table, h, now, b, j)
+            bilateral.note_turns(body, turn)
+            bilateral.joint_rows(table, h)
+            release_rows(table, h)
+            put(body, pose)
+            bilateral.note_turns(body, turn)
     return True
 
 

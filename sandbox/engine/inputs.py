@@ -10,7 +10,6 @@ the scheme is a leapfrog of second order.
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass
 
@@ -87,17 +86,16 @@ class Inputs:
         controlled = {name for controller in self.mechanism.controllers
                       if controller.active and f"{controller.name}.active" not in switched
                       for name in controller.written}
-        drives = self.mechanism.drives
-        varied = any(not isinstance(drives[i].value, Constant) and drives[i].name not in controlled
-                     for i in self._circles)
+        varied = any(not isinstance(drive.value, Constant) and drive.name not in controlled
+                     for drive in map(self.mechanism.drives.__getitem__, self._circles))
         return 1 if varied else CHUNK
 
-    def rows(self, k: int, most: int) -> Array:
-        """Values of all drives for up to ``most`` steps from step k, fewer at a chunk's end."""
+    def rows(self, k: int, maximum: int) -> Array:
+        """Values of all drives for up to ``maximum`` steps from step k, fewer at a chunk's end."""
         if not self._start <= k < self._start + len(self._drives):
             self._fill(k)
         row = k - self._start
-        return self._drives[row : row + most]
+        return self._drives[row : row + maximum]
 
     def apply(self, row: Array) -> None:
         """Set the radii in pymunk, from the values of all drives [nd]."""
@@ -129,8 +127,7 @@ class Inputs:
             held.position, held.angle = (x, y), angle
             vx, vy, held.angular_velocity = speed.tolist()
             held.velocity = vx, vy
-            for shape in itertools.chain(*self.world.shapes[index]):
-                self.world.space.reindex_shape(shape)
+            self.world.space.reindex_shapes_for_body(held)
         self.world.read()
 
     def places(self, k: int) -> Array:
@@ -168,7 +165,6 @@ class Inputs:
         return found
 
     def _poses(self, body: Body, path: Path, first: int, last: int) -> Array:
-        """Poses of steps ``first`` … ``last``, [n, 3]."""
         times = self.clock.force_time(np.arange(first, last + 1))
         poses = np.tile([*body.at, body.angle], (len(times), 1))
         for axis, signal in enumerate((path.x, path.y, path.angle)):

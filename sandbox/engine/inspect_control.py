@@ -1,4 +1,4 @@
-"""Looks controllers and events over: what they read, and whether they read what they write."""
+"""Checks of controllers and events: their readings, and algebraic loops."""
 
 from __future__ import annotations
 
@@ -27,9 +27,8 @@ def control_problems(mechanism: Mechanism) -> list[Problem]:
     known = LiveCatalogue(mechanism)
     problems: list[Problem] = []
     for i, controller in enumerate(mechanism.controllers):
-        texts = controller.readings
         several = isinstance(getattr(controller, "reads", ""), tuple)
-        for j, text in enumerate(texts):
+        for j, text in enumerate(controller.readings):
             place = f"$.controllers[{i}].{controller.reads_key}" + (f"[{j}]" if several else "")
             problems += unreadable(text, known, place)
     for i, event in enumerate(mechanism.events):
@@ -66,15 +65,13 @@ def checked(scene: Runnable, customs: Sequence[Custom]) -> Mechanism:
     else:
         mechanism = sound(scene)
         problems += control_problems(mechanism)
-    problems += nothing_to_run(mechanism)
-    problems += _custom_problems(mechanism, customs)
+    problems += [*nothing_to_run(mechanism), *_custom_problems(mechanism, customs)]
     if problems:
         raise SceneError(problems, name)
     return mechanism
 
 
 def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterator[Problem]:
-    """What is wrong with Python callables as controllers of a mechanism."""
     known, near = LiveCatalogue(mechanism), NearMisses()
     drives = dict.fromkeys(drive.name for drive in mechanism.drives)
     taken = {name for controller in mechanism.controllers for name in controller.written}
@@ -148,7 +145,7 @@ def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
 
 
 def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
-    """Laws without memory that read, directly or through each other, what they write."""
+    """Loops of laws without memory that read each other's outputs."""
     controllers = mechanism.controllers
     laws = [("law", i) for i, law in enumerate(controllers) if law.immediate]
     writer = {f"{name}.value": law for law in laws for name in controllers[law[1]].written}

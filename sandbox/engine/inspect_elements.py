@@ -5,15 +5,16 @@ cos a' = (r_a + r_b) cos a / distance. Beyond cos a' = 1 the base circles have n
 and no step can be made.
 
 Shapes are sorted along the longer axis, and compared with those whose boxes overlap. At most
-:data:`MAX_PAIRS` pairs of shapes (and :data:`MAX_BOXES` pairs of boxes) are compared; the report
-says if this is not all of them.
+:data:`MAX_PAIRS` pairs of shapes are compared; the report says if this is not all of them.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -30,7 +31,7 @@ from sandbox.model.meters import names_read
 from sandbox.model.model import NONE, Model
 from sandbox.model.supports import parting_wheels, shared_joints
 from sandbox.model.tendons import lifted_at_start, passes_by
-from sandbox.numeric import Array, Flags, Integers, connected_components
+from sandbox.numeric import Flags, Integers, connected_components
 from sandbox.samples.cables import lengths_at_start, rest_lengths, wraps_at_start
 from sandbox.samples.grasps import OF_HANDS, of_hand
 from sandbox.scene.bodies import Body
@@ -68,9 +69,7 @@ def deg(angle: float) -> str:
     return f"{math.degrees(angle):.4g} deg"
 
 
-def groups(
-    model: Model, *, springs: bool = False, contacts: Flags | None = None,
-) -> list[Integers]:
+def groups(model: Model, *, springs: bool = False, contacts: Flags | None = None) -> list[Integers]:
     """Groups of free bodies that joints, tendons, and optionally springs and contacts connect."""
     tendons, free = model.tendons, np.flatnonzero(model.bodies.free)
     found = np.zeros((len(model.bodies.name),) * 2, dtype=bool)
@@ -124,7 +123,7 @@ def shared_problems(model: Model) -> Iterator[Problem]:
 
 def _apart(model: Model, joint: int, distance: float) -> tuple[str, str]:
     """The error of a joint's anchors at t = 0, and how to change the joint; empty without one."""
-    (least, most), keeps = model.joints.reach[joint].tolist(), model.joints.kind[joint].keeps
+    (shortest, longest), keeps = model.joints.reach[joint].tolist(), model.joints.kind[joint].keeps
     if keeps == "groove":
         length, word = slot_length(model, joint), "path" if model.joints.path[joint] else "groove"
         advice = f"move the {word} to the point"
@@ -134,45 +133,37 @@ def _apart(model: Model, joint: int, distance: float) -> tuple[str, str]:
         beyond = max(-float(place.along), float(place.along) - length, 0.0)
         off = math.hypot(float(place.across), beyond)
         return (f"its point is {mm(off)} off the {word}" if off > NEGLIGIBLE else ""), advice
-    field = "length" if keeps == "distance" else "longest" if distance > most else "shortest"
+    field = "length" if keeps == "distance" else "longest" if distance > longest else "shortest"
     advice = ("leave one anchor out" if keeps not in ("distance", "range") or distance < STRAIGHT
               else f"make {field!r} {fitting(distance)}")
     match keeps:
         case "point" if distance > NEGLIGIBLE:
             return f"its anchors are {mm(distance)} apart", advice
-        case "distance" if least <= NEGLIGIBLE:
+        case "distance" if shortest <= NEGLIGIBLE:
             return "its ends coincide, so it has no direction: use a pin", advice
-        case "distance" if abs(distance - least) > NEGLIGIBLE:
-            return f"its ends are {mm(distance)} apart, its length is {mm(least)}", advice
-        case "range" if not least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE:
-            return (f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}",
+        case "distance" if abs(distance - shortest) > NEGLIGIBLE:
+            return f"its ends are {mm(distance)} apart, its length is {mm(shortest)}", advice
+        case "range" if not shortest - NEGLIGIBLE <= distance <= longest + NEGLIGIBLE:
+            return (f"its ends are {mm(distance)} apart, it allows {mm(shortest)} to {mm(longest)}",
                     advice)
     return "", advice
-
-
-ASKEW = 1e-4  # maximum sine of the angle between the pitch line of a rack and its groove
 
 
 def wheel_problems(model: Model) -> Iterator[Problem]:
     """Gears, racks and rolling circles that do not meet, or whose centres are not held."""
     joints, springs = model.joints, model.springs
-    askew = set()
     for i in joints.keeping("gear", "roll", "rack").tolist():
-        if joints.kind[i].keeps != "rack":
-            yield from _circles(model, i)
-            continue
-        slide = _slide(model, i)
-        askew |= {i} if slide else set()
-        yield from _rack(model, i, slide)
-    tied = {*springs.bodies[springs.straight].ravel().tolist(), *model.tendons.guide_body.tolist()}
-    for i in sorted(parting_wheels(model, model.bodies.pose) - askew):
+        yield from (_rack if joints.kind[i].keeps == "rack" else _circles)(model, i)
+    bound = {*springs.bodies[springs.straight].ravel().tolist(), *model.tendons.guide_body.tolist()}
+    for i in sorted(parting_wheels(model, model.bodies.pose)):
         path, name, bodies = f"$.joints[{i}]", joints.name[i], joints.bodies[i].tolist()
-        whose = "its rack at the gear" if joints.kind[i].keeps == "rack" else "its wheels together"
-        if not tied & set(bodies):
+        rack = joints.kind[i].keeps == "rack"
+        whose = "its rack at the gear" if rack else "its wheels together"
+        if not bound & set(bodies):
             one, other = (model.bodies.name[body] for body in bodies)
             yield look("bad-mesh", path, name, f"no joint holds {whose}: teeth push {one!r} and "
                        f"{other!r} apart", "give each a bearing: a pin on the ground or on a "
-                       "carrier, of a rack a slot")
+                       "carrier, of a rack a slot along its pitch line")
         elif not joints.play[i] > 0:
             yield look("bad-mesh", path, name, f"only springs or tendons hold {whose}: without "
                        "backlash the teeth get an impact when the other flank takes over",
@@ -208,61 +199,22 @@ def _circles(model: Model, joint: int) -> Iterator[Problem]:
                    f"would push at {deg(math.acos(share))} instead of {deg(pressure)}", advice)
 
 
-def _rack(model: Model, joint: int, slide: tuple[int, Vec] | None) -> Iterator[Problem]:
-    """A rack whose pitch line is not at the pitch circle, or not along the slot that it slides in.
-
-    ``slide`` is such a slot, and its direction.
-    """
-    joints, path, name = model.joints, f"$.joints[{joint}]", model.joints.name[joint]
-    right = float(joints.radii[joint, 0])
-    if slide:
-        slot, (x, y) = slide
-        gx, gy = joints.along[joint].tolist()
-        off = abs(abs(_from_pitch_line(model, joint, (x, y))) - right)
-        move = f", and move the rack or its 'on_b' by {fitting(off)}" if off > NEGLIGIBLE else ""
-        yield look("bad-mesh", f"{path}.along", name, "its pitch line is turned by "
-                   f"{deg(math.acos(min(abs(gx * x + gy * y), 1.0)))} from the groove of "
-                   f"{joints.name[slot]!r}, in which its rack slides: its teeth leave the gear, or "
-                   f"jam", f"make 'along' [{x + 0.0:.6g}, {y + 0.0:.6g}]{move}")
-    elif abs((off := _from_pitch_line(model, joint)) - right) > NEGLIGIBLE:
+def _rack(model: Model, joint: int) -> Iterator[Problem]:
+    """A rack whose pitch line is not at the pitch circle."""
+    joints, pitch = model.joints, float(model.joints.radii[joint, 0])
+    rack = model.mechanism.bodies[joints.bodies[joint, 1]]
+    x, y = to_body(pose_of(rack), model.ends(joint)[0])
+    (bx, by), (gx, gy) = joints.anchor[joint, 1].tolist(), joints.along[joint].tolist()
+    off = float(gx * (y - by) - gy * (x - bx))  # of the gear's centre from the pitch line
+    if abs(off - pitch) > NEGLIGIBLE:
         instead = f", or make 'radius' {fitting(off)}" if off > NEGLIGIBLE else ""
-        yield look("bad-mesh", path, name, f"does not mesh at t = 0: its pitch line is {mm(off)} "
-                   f"from the gear's centre, the pitch circle has a radius of {mm(right)}",
-                   f"move the rack or its 'on_b' by {fitting(abs(off - right))}{instead}")
+        yield look("bad-mesh", f"$.joints[{joint}]", joints.name[joint], "does not mesh at t = 0: "
+                   f"its pitch line is {mm(off)} from the gear's centre, the pitch circle has a "
+                   f"radius of {mm(pitch)}",
+                   f"move the rack or its 'on_b' by {fitting(abs(off - pitch))}{instead}")
 
 
-def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
-    """A slot in which a rack slides in another direction than its pitch line, and the direction."""
-    joints, free = model.joints, model.bodies.free
-    gear, rack = joints.bodies[joint].tolist()
-    pins = joints.bodies[joints.keeping("point")]
-    holders = {gear, *pins[(pins == gear).any(axis=1)].ravel().tolist()} - {rack}
-    for i in joints.keeping("groove").tolist():
-        pair = joints.bodies[i].tolist()
-        if joints.path[i] or joints.turns[i] or rack not in pair:
-            continue
-        other = pair[1 - pair.index(rack)]
-        if other not in holders and (free[other] or free[sorted(holders)].all()):
-            continue
-        start, end = (model.at_start(pair[0], point) for point in joints.groove[i])
-        turned = pose_of(model.mechanism.bodies[rack])[2]
-        x, y = to_body((0.0, 0.0, turned), (end[0] - start[0], end[1] - start[1]))
-        length, (gx, gy) = math.hypot(x, y), joints.along[joint].tolist()
-        if length > STRAIGHT and abs(gx * y - gy * x) > ASKEW * length:
-            return i, (x / length, y / length)
-    return None
-
-
-def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> float:
-    """Distance at t = 0 [m] of a gear's centre from the pitch line of its rack."""
-    joints = model.joints
-    x, y = to_body(pose_of(model.mechanism.bodies[joints.bodies[joint, 1]]), model.ends(joint)[0])
-    bx, by = joints.anchor[joint, 1].tolist()
-    gx, gy = joints.along[joint].tolist() if along is None else along
-    return float(gx * (y - by) - gy * (x - bx))
-
-
-MAX_PAIRS, MAX_BOXES = 20_000, 50_000_000  # of compared shapes, and of boxes
+MAX_PAIRS = 20_000  # of compared shapes
 MAX_REPORTED = 100  # maximum number of reported overlaps; further ones are counted
 
 
@@ -277,18 +229,21 @@ def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
     order = np.argsort(boxes[:, axis], kind="stable")
     low, high = boxes[order, :2], boxes[order, 2:]
     ends = np.searchsorted(low[:, axis], high[:, axis], side="right")
-    looked, seen, whole, depths = 0, 0, True, dict[tuple[int, int], float]()
+    looked, whole, depths = 0, True, dict[tuple[int, int], float]()
     for place, end in enumerate(ends.tolist()):
-        i, later = int(order[place]), slice(place + 1, min(end, place + 1 + MAX_BOXES - seen))
+        i, later = int(order[place]), slice(place + 1, end)
         meets = ((low[later, 1 - axis] <= high[place, 1 - axis])
                  & (high[later, 1 - axis] >= low[place, 1 - axis])
                  & allowed[owner[i], owner[order[later]]])
         others = order[later][meets]
-        whole = later.stop >= end and len(others) <= MAX_PAIRS - looked
-        seen += max(end - place - 1, 0)
+        whole = looked + len(others) <= MAX_PAIRS
         for j in others[:MAX_PAIRS - looked].tolist():
             pair = (int(min(owner[i], owner[j])), int(max(owner[i], owner[j])))
-            depths[pair] = max(_depth(pieces[i], pieces[j]), depths.get(pair, 0.0))
+            depth = 0.0
+            with suppress(AssertionError):  # pymunk raises it if there is no point
+                points = pieces[i].shapes_collide(pieces[j]).points
+                depth = max((abs(point.distance) for point in points), default=0.0)
+            depths[pair] = max(depth, depths.get(pair, 0.0))
         looked = min(looked + len(others), MAX_PAIRS)
         if not whole:
             break
@@ -307,9 +262,7 @@ def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
     return problems, len(depths)
 
 
-def placed_shapes(
-    bodies: Iterable[Body],
-) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
+def placed_shapes(bodies: Iterable[Body]) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
     """Objects that keep the shapes alive; the shapes at t = 0; the index of each one's body."""
     holders, pieces, owner = [], [], []
     for i, body in enumerate(bodies):
@@ -322,15 +275,6 @@ def placed_shapes(
                 pieces[-1].cache_bb()
                 owner.append(i)
     return holders, pieces, np.array(owner, dtype=np.int64)
-
-
-def _depth(one: pymunk.Shape, other: pymunk.Shape) -> float:
-    """Depth of the overlap of two shapes [m]; 0 if there is none."""
-    try:
-        points = one.shapes_collide(other).points
-    except AssertionError:  # pymunk raises it if there is no point
-        return 0.0
-    return max((abs(point.distance) for point in points), default=0.0)
 
 
 MAX_STRETCH = 0.1  # accepted elongation of an inextensible tendon at t = 0, relative
@@ -348,7 +292,16 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
         astray = list(_without_way(tendon, path, points))
         yield from astray
         if not astray:  # otherwise it has no length
-            yield from _stretched(tendon, path, lengths[i], rests[i])
+            if rests[i] <= 0.0 and tendon.pretension is not None:
+                yield error("tendon-length", path, tendon.name,
+                            f"a pretension of {tendon.pretension:g} N is too large for a tendon of "
+                            f"{tendon.stiffness:g} N/m on a path of {mm(lengths[i])}",
+                            f"less than {tendon.stiffness * lengths[i]:.3g} N, or a stiffer tendon")
+            elif tendon.stiffness >= RIGID and lengths[i] > (1 + MAX_STRETCH) * rests[i]:
+                yield look("tendon-length", path, tendon.name, "is shorter than its path, which is "
+                           f"{mm(lengths[i])} long at t = 0: it begins with "
+                           f"{tendon.stiffness * (lengths[i] - rests[i]):.3g} N",
+                           f"a rest_length near {mm(lengths[i])}, or a pretension")
             yield from _off_wheels(model, i, off, points)
         yield from _without_effect(tendon, path)
         if tendon.closed:
@@ -363,36 +316,22 @@ def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Probl
     for k, (p, q) in enumerate(itertools.pairwise(points)):
         if k and len(tendon.guides) == 2:
             break  # the second half of a loop
-        after = (k + 1) % len(tendon.guides)
-        (ra, rb), gap = (tendon.path[k].radius, tendon.path[k + 1].radius), math.dist(p, q)
+        after, gap = (k + 1) % len(tendon.guides), math.dist(p, q)
+        radii = tendon.path[k].radius, tendon.path[k + 1].radius
         crossed = tendon.path[k].side != tendon.path[k + 1].side
-        reach = ra + rb if crossed else abs(ra - rb)
-        (small, inner), (large, outer) = sorted(((ra, k), (rb, after)))
+        reach = sum(radii) if crossed else max(radii) - min(radii)
         if gap < STRAIGHT:
             yield error("coincident-points", path, tendon.name, f"its guides {k} and {after} "
                         "coincide", "move one of them: the tendon between them has no direction")
-            continue
-        if gap >= reach:
-            continue
-        if not small:
-            message = (f"its guide {inner} is inside the wheel of its guide {outer}, {mm(gap)} "
-                       f"from its centre and {mm(large - gap)} deep")
-            advice = f"move guide {inner} out by this depth, or make the wheel smaller"
-        elif not crossed:
-            message = (f"the wheel of its guide {inner} is inside that of its guide {outer}: they "
-                       f"are {mm(gap)} apart, a tangent needs {mm(reach)}")
-            advice = (f"move one of them {mm(reach - gap)} further out, or make guide {outer} "
-                      "smaller")
-        else:
-            message = (f"the wheels of its guides {k} and {after} are {mm(gap)} apart, a crossed "
-                       f"tangent needs {mm(reach)}")
-            advice = (f"put them {mm(reach - gap)} further apart, make one smaller, or give both "
-                      "the same 'side'")
-        yield error("bad-tendon-path", path, tendon.name, message, advice)
+        elif gap < reach:
+            inside = "" if min(radii) and crossed else ", as one is inside the wheel of the other"
+            yield error("bad-tendon-path", path, tendon.name, f"its guides {k} and {after} are "
+                        f"{mm(gap)} apart, a {'crossed ' if crossed and min(radii) else ''}tangent "
+                        f"needs {mm(reach)}{inside}", f"put them {mm(reach - gap)} further apart, "
+                        "or make a wheel smaller")
 
 
 def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
-    """A loop with a pull drive, or one that crosses itself."""
     tendon, path = model.mechanism.tendons[i], f"$.tendons[{i}]"
     if (drive := int(model.tendons.drive[i])) != NONE:
         yield error("not-settable", f"$.drives[{drive}].tendon", model.drives.name[drive],
@@ -411,7 +350,6 @@ def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
 
 
 def _without_effect(tendon: Tendon, path: str) -> Iterator[Problem]:
-    """Friction and turns without effect, loops that turn no wheel."""
     last, frictions = len(tendon.guides) - 1, [guide.friction for guide in tendon.guides]
     if tendon.closed and any(guide.radius for guide in tendon.guides) and not any(frictions):
         yield look("no-effect", f"{path}.guides", tendon.name,
@@ -456,20 +394,6 @@ def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator
             yield look("bad-tendon-path", path, tendon.name, "begins off its wheel: it passes "
                        f"the wheel {mm(far)} away", "\"begins\": \"off\", if it is to meet "
                        f"the wheel later; side {other!r}, if the wheel is to bend it")
-
-
-def _stretched(tendon: Tendon, path: str, length: float, rest: float) -> Iterator[Problem]:
-    """A tendon with too large an elongation at t = 0, from its rest length or pretension."""
-    if rest <= 0.0 and tendon.pretension is not None:
-        yield error("tendon-length", path, tendon.name,
-                    f"a pretension of {tendon.pretension:g} N is too large for a tendon of "
-                    f"{tendon.stiffness:g} N/m on a path of {mm(length)}",
-                    f"less than {tendon.stiffness * length:.3g} N, or a stiffer tendon")
-    elif tendon.stiffness >= RIGID and length > (1 + MAX_STRETCH) * rest:
-        yield look("tendon-length", path, tendon.name,
-                   f"is shorter than its path, which is {mm(length)} long at t = 0: it begins with "
-                   f"{tendon.stiffness * (length - rest):.3g} N",
-                   f"a rest_length near {mm(length)}, or a pretension")
 
 
 def line_problems(model: Model) -> Iterator[Problem]:
@@ -529,7 +453,16 @@ SLENDER = 10.0  # largest 1 + m r^2/I of ordinary bodies: a rod pushed at its en
 def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     """Connected bodies with a mass ratio above :data:`UNLIKE`; ``allowed`` pairs may touch."""
     bodies, free = model.bodies, np.flatnonzero(model.bodies.free)
-    reach = _reaches(model)
+    reach = np.zeros(len(bodies.name))  # largest distance of a point of attack from the centre
+    attacked = [
+        (model.joints.bodies.ravel(), model.joints.anchor.reshape(-1, 2)),
+        (model.tendons.guide_body, model.tendons.guide_at)]
+    for i, body in enumerate(model.mechanism.bodies):
+        points = np.array([point for shape in body.shapes for point in outline(shape)])
+        attacked.append((np.full(len(points), i), points.reshape(-1, 2)))
+    for on, points in attacked:
+        off = points - bodies.centre[on]
+        np.fmax.at(reach, on, np.hypot(off[:, 0], off[:, 1]))
     share = np.ones(len(bodies.name))
     share[free] += reach[free] ** 2 * bodies.mass[free] / bodies.inertia[free]
     lightest = np.where(share > SLENDER, bodies.mass / share, bodies.mass)
@@ -555,21 +488,6 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                 "forces may be wrong: make the two more alike")
 
 
-def _reaches(model: Model) -> Array:
-    """Largest distance of a point of attack from the centre of mass [m], [nb]."""
-    bodies, joints, tendons = model.bodies, model.joints, model.tendons
-    reach = np.zeros(len(bodies.name))
-    for on, points in ((joints.bodies.ravel(), joints.anchor.reshape(-1, 2)),
-                       (tendons.guide_body, tendons.guide_at)):
-        off = points - bodies.centre[on]
-        np.fmax.at(reach, on, np.hypot(off[:, 0], off[:, 1]))
-    for body, spec in enumerate(model.mechanism.bodies):
-        for shape in spec.shapes:
-            off = np.array(outline(shape)) - bodies.centre[body]
-            reach[body] = max(reach[body], float(np.hypot(off[:, 0], off[:, 1]).max()))
-    return reach
-
-
 def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     """Grasp measures of bodies that no hand can touch; ``allowed`` pairs may touch, [nb, nb]."""
     mechanism = model.mechanism
@@ -582,25 +500,11 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
              for name in sorted(names_read(meter))]
     for path, name in read if alone else ():
         body, _, quantity = name.rpartition(".")
-        if any(fnmatchcase(one, quantity) for one in GRASP):
-            for each in itertools.islice((one for one in alone if fnmatchcase(one, body)), 1):
-                yield look("no-effect", path, each, f"measures the grasp of {each}, but no part of "
-                           "a hand can touch it", "a body that moves, or one with a role such as "
-                           f"{listed(OF_HANDS[:2])}, and contact rules that let it")
-
-
-def unmoved(model: Model) -> Iterator[Problem]:
-    """Forces, torques and pulls on bodies that cannot move freely."""
-    drives, tendons = model.drives, model.tendons
-    for i in drives.giving("force", "torque", "tension").tolist():
-        kind, target = drives.kind[i], int(drives.target[i])
-        moved = (np.array([target]) if kind.gives == "force" else
-                 model.joints.bodies[target] if kind.gives == "torque" else
-                 tendons.guide_body[tendons.guides(target)])
-        if not kind.limited and not model.bodies.free[moved].any():
-            yield look("no-effect", f"$.drives[{i}]", drives.name[i],
-                       f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely",
-                       "it changes nothing")
+        each = next((one for one in alone if fnmatchcase(one, body)), "")
+        if each and any(fnmatchcase(one, quantity) for one in GRASP):
+            yield look("no-effect", path, each, f"measures the grasp of {each}, but no part of a "
+                       "hand can touch it", "a body that moves, or one with a role such as "
+                       f"{listed(OF_HANDS[:2])}, and contact rules that let it")
 
 
 INSTANTS = 257  # instants of a run at which the target of a drive is checked
@@ -608,7 +512,8 @@ INSTANTS = 257  # instants of a run at which the target of a drive is checked
 
 def idle_problems(model: Model) -> Iterator[Problem]:
     """Drives and events without effect, or outside of limits."""
-    bonds, drives, joints, events = model.bonds, model.drives, model.joints, model.mechanism.events
+    bonds, drives, joints, tendons = model.bonds, model.drives, model.joints, model.tendons
+    events = model.mechanism.events
     loose = {bonds.name[bond] for bond in np.flatnonzero(
         ~bonds.held | np.isfinite(bonds.breaks_at) | (bonds.drive >= 0))}
     loose |= {name for event in events for name in event.release}
@@ -626,6 +531,13 @@ def idle_problems(model: Model) -> Iterator[Problem]:
         if not bonds.begins(bond) and bonds.drive[bond] < 0 and bonds.name[bond] not in taken:
             yield look("no-effect", path, name, f"acts on {bonds.name[bond]}, which is released "
                        "from the start and never taken up", "an event or a drive that takes it up")
+        moved = ([target] if kind.gives == "force" else
+                 joints.bodies[target].tolist() if kind.gives == "torque" else
+                 tendons.guide_body[tendons.guides(target)].tolist() if kind.gives == "tension"
+                 else [])
+        if moved and not kind.limited and not model.bodies.free[moved].any():
+            yield look("no-effect", path, name, f"acts on {model.bodies.name[moved[0]]!r}, which "
+                       "cannot move freely", "it changes nothing")
         if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
             yield look("no-effect", f"{path}.body", name, f"{model.bodies.name[target]} has no "
                        "shapes, so it has no surface to drive", "a shape of that body")
@@ -656,13 +568,19 @@ def beyond_stops(model: Model) -> Iterator[Problem]:
     stops = {f"{joints.name[i]}.angle": joints.stops[i].tolist() for i in joints.stopped}
     free = (-math.inf, math.inf)
     for i, event in enumerate(mechanism.events):
-        for name, sign, value in _bounds(event.when or ""):
-            low, high = stops.get(name, free)
-            if (sign > 0 and value >= high) or (sign < 0 and value <= low):
+        compared = re.fullmatch(r"=?\s*([^<>=]+?)\s*([<>])=?\s*([^<>=]+?)\s*", event.when or "")
+        if compared is None:
+            continue
+        name, symbol, value = compared.groups()
+        if name not in stops:
+            name, symbol, value = value, "<" if symbol == ">" else ">", name
+        low, high = stops.get(name, free)
+        with suppress(ValueError):  # no number
+            number = parse_expression(value).evaluate({})
+            if number >= high if symbol == ">" else number <= low:
                 yield look("outside-limits", f"$.events[{i}].when", event.name,
-                           f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, but its "
-                           f"stops are at {low:.4g} and {high:.4g} rad",
-                           "it will probably never happen")
+                           f"waits for {name} {symbol} {number:.4g} rad, but its stops are at "
+                           f"{low:.4g} and {high:.4g} rad", "it will probably never happen")
     for i, controller in enumerate(mechanism.controllers):
         for name, target in zip(controller.readings, controller.signals, strict=False):
             low, high = stops.get(name, free)
@@ -673,18 +591,3 @@ def beyond_stops(model: Model) -> Iterator[Problem]:
                 yield look("outside-limits", f"$.controllers[{i}]", controller.name,
                            f"leads {name} to {goal:.4g} rad, but its stops are at {low:.4g} and "
                            f"{high:.4g} rad", "it cannot reach this")
-
-
-def _bounds(text: str) -> Iterator[tuple[str, int, float]]:
-    """(name, +1 for above or -1 for below, value) of a plain comparison with a number."""
-    body = text.removeprefix("=")
-    for sign, symbol in ((1, ">"), (-1, "<")):
-        if body.count(symbol) != 1:
-            continue
-        left, _, right = body.partition(symbol)
-        for name, other, side in ((left, right, sign), (right, left, -sign)):
-            try:
-                value = parse_expression(other.strip("= ")).evaluate({})
-            except ValueError:
-                continue
-            yield name.strip("= "), side, float(value)

@@ -77,20 +77,14 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                                 for piece, k in zip(pieces, owner.tolist(), strict=True)
                                 if may_touch[k])
         if fixed[joints.bodies[hinges[0], 0]] and distance - reach > NEGLIGIBLE:
-            short.append((distance - reach, name, own[0], reach, distance, nearest))
+            short.append(look(
+                "no-effect", f"$.bodies[{own[0]}]", name, f"reaches {mm(reach)} from its first "
+                "hinge, and the nearest object that it may touch, "
+                f"{model.bodies.name[nearest]!r}, is {mm(distance)} from it",
+                f"move either by {mm(distance - reach)} or more, or make it longer"))
     del holders  # which keep the pieces alive
-    if len(short) < fingers and not all(fixed[i] for i in objects):
-        return
-    for nearest in dict.fromkeys(finger[-1] for finger in short):
-        alike = [finger for finger in short if finger[-1] == nearest]
-        lack, name, body, reach, distance, _ = max(alike)
-        others = [finger[1] for finger in alike if finger[1] != name]
-        yield look(
-            "no-effect", f"$.bodies[{body}]", name,
-            f"reaches {mm(reach)} from its first hinge, and the nearest object that it may touch, "
-            f"{model.bodies.name[nearest]!r}, is {mm(distance)} from it"
-            + (f" (the same for {len(others)} more: {listed(others)})" if others else ""),
-            f"move either by {mm(lack)} or more, or make it longer")
+    if len(short) == fingers or all(fixed[i] for i in objects):
+        yield from short
 
 
 class StringEnd(NamedTuple):
@@ -145,24 +139,19 @@ def _shortening(model: Model, fingers: list[Chain], tendon: int) -> float:
         return math.nan
     lengths = []
     for angles in (start, stops[:, 1], stops[:, 0]):
-        poses = _poses(model, chain, sense * (angles - start))
+        poses = dict[int, Pose]()  # of the phalanges after each hinge has turned
+        for (body, hinge), turn in zip(chain.items(), np.cumsum(sense * (angles - start)).tolist(),
+                                       strict=True):
+            before = int(joints.bodies[hinge, 0])
+            x, y = to_world(poses.get(before, tuple(model.bodies.pose[before])),
+                            tuple(joints.anchor[hinge, 0]))
+            angle = float(model.bodies.pose[body, 2]) + turn
+            dx, dy = to_world((0.0, 0.0, angle), tuple(joints.anchor[hinge, 1]))
+            poses[body] = x - dx, y - dy, angle
         lengths.append(sum(math.dist(*(to_world(
             poses.get(body, tuple(model.bodies.pose[body])), tuple(tendons.guide_at[guide]))
             for body, guide in pair)) for pair in pieces))
     return lengths[0] - min(lengths)
-
-
-def _poses(model: Model, chain: Chain, turns: Array) -> dict[int, Pose]:
-    """Poses of the phalanges after each hinge has turned counter-clockwise [rad] from t = 0."""
-    joints, poses = model.joints, dict[int, Pose]()
-    for (body, hinge), total in zip(chain.items(), np.cumsum(turns).tolist(), strict=True):
-        before = int(joints.bodies[hinge, 0])
-        x, y = to_world(poses.get(before, tuple(model.bodies.pose[before])),
-                        tuple(joints.anchor[hinge, 0]))
-        angle = float(model.bodies.pose[body, 2]) + total
-        dx, dy = to_world((0.0, 0.0, angle), tuple(joints.anchor[hinge, 1]))
-        poses[body] = x - dx, y - dy, angle
-    return poses
 
 
 def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[StringEnd]]:
@@ -190,10 +179,9 @@ MAX_ERROR = 0.01  # of a rocker's shares, beyond which it is reported
 def reaches(model: Model) -> Iterator[str]:
     """A line for every tree of rockers or pulleys: ``tree: …``."""
     for group in model.mechanism.groups:
-        if group.tree:
-            words = [*_rockers(model, group.bodies), *_slots(model, group.bodies)]
-            if words:
-                yield f"{group.name}: {'; '.join(words)}"
+        words = [*_rockers(model, group.bodies), *_slots(model, group.bodies)] if group.tree else []
+        if words:
+            yield f"{group.name}: {'; '.join(words)}"
 
 
 def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
@@ -249,6 +237,6 @@ def _slots(model: Model, names: tuple[str, ...]) -> Iterator[str]:
         lacks = {name: (way - rooms[name][0], way) for name, way in ways(model, names).items()
                  if name in rooms and way > rooms[name][0] + NEGLIGIBLE}
         if lacks:
-            most = max(lacks, key=lambda name: lacks[name][0])
-            yield (f"to close the empty hand up to its stops, {most!r} would have to move "
-                   f"{mm(lacks[most][1])}")
+            farthest = max(lacks, key=lambda name: lacks[name][0])
+            yield (f"to close the empty hand up to its stops, {farthest!r} would have to move "
+                   f"{mm(lacks[farthest][1])}")

@@ -10,9 +10,7 @@
   with C between; beyond, it turns the hinge the other way (rho_0 + w_0 of equations (22)-(23)).
 - **Undamped tendons**: one from :data:`RIGID` on is solved at the end of a step h, which acts as a
   damper h k along it, besides its own c: of a mode of w the damping ratio is
-  zeta = (c + h k) w / (2 k), large for a small mass and small for a large one. No default suits
-  both: k times 1 ms takes the peak of a 0.5 kg weight that is released from 2 to 1.5 weights, and
-  leaves 20 kg ringing for 1.8 s.
+  zeta = (c + h k) w / (2 k), large for a small mass and small for a large one.
 
 Modes are those of the pose at t = 0 with joints, springs, dampers and taut tendons that no drive
 pulls; contacts and gravity are left out. They are computed again with all tendons taut.
@@ -76,7 +74,11 @@ def _against(
     h = model.mechanism.run.step
     if 1.01 * bound * h * max(k * h / COARSE**2, c / OVERDAMPED) < 1:
         return  # its response is no larger than the bound
-    softness = _softness(model, parts, hinge)
+    bodies = np.unique([body for body, _ in parts])
+    weight, place = _weight(model, bodies), supports.places(bodies)
+    motions = _motions(model, place, weight, () if hinge == NONE else (hinge,))
+    # response of two bodies, which a hinge may join, to unit pushes [1/kg, 1/(kg m^2)]
+    softness = float(np.sum((supports.row_of(place, parts) / weight @ motions)**2))
     pace, rate = math.sqrt(k * softness), c * softness
     if h * h * k * bound > SOFT:
         fine = min(COARSE / pace if pace else math.inf, math.sqrt(SOFT / (k * bound)))
@@ -92,14 +94,6 @@ def _against(
         yield look("stiff-step", path, name, "the damper is too strong for the step: alone it "
                    f"would settle in {1 / rate:.2g} s, the step is {h:.2g} s",
                    f"use a step of {OVERDAMPED / rate:.2g} s")
-
-
-def _softness(model: Model, parts: supports.Parts, hinge: int) -> float:
-    """Response of two bodies, which a hinge may join, to unit pushes [1/kg, 1/(kg m^2)]."""
-    bodies = np.unique([body for body, _ in parts])
-    weight, place = _weight(model, bodies), supports.places(bodies)
-    motions = _motions(model, place, weight, () if hinge == NONE else (hinge,))
-    return float(np.sum((supports.row_of(place, parts) / weight @ motions)**2))
 
 
 def without_arm(model: Model) -> Iterator[Problem]:
@@ -154,8 +148,6 @@ class _Mode(NamedTuple):
 
 
 class _Element(NamedTuple):
-    """A spring, tendon or damper."""
-
     parts: supports.Parts  # forces and moments about the centres of mass of 1 N or 1 N m of it
     stiffness: float
     damping: float  # with h k added if it is solved at the end of a step h
@@ -167,9 +159,17 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
     free = np.asarray(model.tendons.drive == NONE)
     if not (free & (model.tendons.stiffness >= RIGID)).any():
         return
-    pulls = pulls_at_start(model)
     now = free & ~np.asarray(lengths_at_start(model) < rest_lengths(model) - STRAIGHT)
-    elements = _elements(model, pulls)
+    h, springs, tendons = model.mechanism.run.step, model.springs, model.tendons
+    damping = tendons.damping + h * tendons.stiffness * stiffnesses.stiff_cables(model, h)
+    elements = [_Element(list(pulls.items()), float(k), float(damping[i]), i) for i, (pulls, k)
+                in enumerate(zip(pulls_at_start(model), tendons.stiffness, strict=True))]
+    largest = stiffnesses.largest_stiffness(model)
+    damping = springs.damping + np.where(stiffnesses.too_stiff(model, h), h * largest, 0.0)
+    elements += [_Element(_spring(model, i), float(k), float(damping[i]))
+                 for i, k in enumerate(largest)]
+    elements += [_Element(_about(model, j), 0.0, float(model.joints.damping[j]))
+                 for j in np.flatnonzero(model.joints.damping > 0).tolist()]
     ringing = _ringing(model, elements, now)
     later = {} if (now == free).all() else _ringing(model, elements, free)
     for cable, mode in sorted((later | ringing).items()):
@@ -180,21 +180,6 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
                    f"{100 * LEFT:.0f} % in {periods:.3g} periods, "
                    f"{2 * math.pi * periods / mode.omega:.2g} s", "with 'damping' "
                    f"{mode.damping:.3g} N s/m it would take {PERIODS} periods")
-
-
-def _elements(model: Model, pulls: list[dict[int, Array]]) -> list[_Element]:
-    """All tendons, springs and dampers of hinges."""
-    h, springs, joints = model.mechanism.run.step, model.springs, model.joints
-    tendons = model.tendons
-    damping = tendons.damping + h * tendons.stiffness * stiffnesses.stiff_cables(model, h)
-    found = [_Element(list(pulls[i].items()), float(k), float(damping[i]), i)
-             for i, k in enumerate(tendons.stiffness)]
-    largest = stiffnesses.largest_stiffness(model)
-    damping = springs.damping + np.where(stiffnesses.too_stiff(model, h), h * largest, 0.0)
-    found += [_Element(_spring(model, i), float(k), float(damping[i]))
-              for i, k in enumerate(largest)]
-    return found + [_Element(_about(model, j), 0.0, float(joints.damping[j]))
-                    for j in np.flatnonzero(joints.damping > 0).tolist()]
 
 
 def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _Mode]:
@@ -229,17 +214,17 @@ def _modes(
     rows = np.array([supports.row_of(place, each.parts) for each in elements]) / weight
     rows = rows @ _motions(model, place, weight, joints)
     squares, shapes = np.linalg.eigh((rows * stiffness[:, None]).T @ rows)
-    least = supports.RANK * max(float(squares.max(initial=0.0)), 1e-300)
+    negligible = supports.RANK * max(float(squares.max(initial=0.0)), 1e-300)
     for square, shape in zip(squares, shapes.T, strict=True):
-        if square <= least:
+        if square <= negligible:
             continue
         moved = (rows @ shape)**2
         share = np.where(stiff, stiffness * moved, 0.0) / square
         if share.sum() > 0.5:
-            omega, most = math.sqrt(float(square)), int(share.argmax())
+            omega, largest = math.sqrt(float(square)), int(share.argmax())
             ratio = float(damping @ moved) / (2 * omega)
-            more = max(ENOUGH - ratio, 0.0) * 2 * omega / float(moved[most])
-            number = int(cable[most])
+            more = max(ENOUGH - ratio, 0.0) * 2 * omega / float(moved[largest])
+            number = int(cable[largest])
             yield _Mode(ratio, omega, number, float(model.tendons.damping[number]) + more)
 
 
@@ -250,24 +235,19 @@ def _weight(model: Model, bodies: Integers) -> Array:
     return weight
 
 
-def _motions(
-    model: Model, place: Mapping[int, int], weight: Array, joints: Sequence[int],
-) -> Array:
+def _motions(model: Model, place: Mapping[int, int], weight: Array, joints: Sequence[int]) -> Array:
     """A basis of the motions that joints allow, times the roots of the masses, [3 n, freedoms]."""
     pose = model.bodies.pose
     found = [supports.row_of(place, [(body, supports.about_centre(model, pose, body, each))
                             for body, each in row if body in place])
              for joint in joints for row in supports.joint_rows(
                  model, pose, joint, flank=int(model.joints.play[joint] == 0))]
-    if not found:
-        return np.eye(len(weight))
-    lines = np.array(found) / weight
+    lines = np.array(found).reshape(-1, len(weight)) / weight
     if len(lines) > lines.shape[1]:  # redundant rows: the left vectors are not needed
         lines = np.asarray(np.linalg.qr(lines, mode="r"))
     _, values, right = np.linalg.svd(lines)
     rank = int(np.count_nonzero(values > supports.RANK * values.max(initial=0.0)))
-    motions: Array = right[rank:].T
-    return motions
+    return np.asarray(right[rank:].T)
 
 
 def _spring(model: Model, spring: int) -> supports.Parts:

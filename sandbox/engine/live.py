@@ -27,7 +27,7 @@ from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.model.supports import together
 from sandbox.numeric import Array
-from sandbox.recording.builder import Latest, RecordingBuilder
+from sandbox.recording.builder import Latest
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.check.control import check_control
@@ -52,17 +52,21 @@ class Live(Simulation):
         SceneError: as :class:`Simulation`.
     """
 
+    _keeps_all = False
+
     def __init__(self, scene: Scene | Mechanism | Checked) -> None:
-        self.scene = checked(scene, ())  # without the drives of the hand
+        self.scene = scene = checked(scene, ())  # without the drives of the hand
         self.inputs: list[Input] = []  # pushes and settings so far, in order
-        super().__init__(Checked(_endless(self.scene)))
+        run = scene.run.model_copy(update={"duration": ENDLESS, "sample_rate": 1 / scene.run.step})
+        free = [body.name for body in scene.bodies if body.motion == "dynamic"]
+        hand = pushing_drives(  # if a body can be pushed
+            scene, [Nudge(0, body, (0.0, 0.0), (0.0, 0.0)) for body in free[:1]])
+        super().__init__(Checked(scene.model_copy(update={
+            "run": run, "drives": (*scene.drives, *hand)})))
         self._grasped: tuple[str, tuple[float, float]] | None = None  # body and point
         self._next_push: tuple[str, tuple[float, float], tuple[float, float]] | None = None
         """Body, point and force from the next step on."""
         self._hand = np.arange(len(self.scene.drives), len(self.mechanism.drives))
-
-    def _room(self) -> RecordingBuilder:
-        return Latest(self.mechanism, 0, self._statics(), model=self._model)
 
     def latest(self) -> Arrays:
         """The samples since the last call, at most some hundreds, as arrays of a recording.
@@ -103,11 +107,9 @@ class Live(Simulation):
         Raises:
             SceneError: as :meth:`give`; None, since a drive keeps the last value set.
         """
-        if value is None:
-            raise bad_argument(f"{quoted(drive)} needs a value", "set", "a finite number")
         self.give(drive, value)
 
-    def give(self, name: str, value: float) -> None:
+    def give(self, name: str, value: float | None) -> None:
         """Set a drive, a target or a switch from the next step on, as an event does.
 
         Args:
@@ -124,7 +126,7 @@ class Live(Simulation):
             raise SceneError([Problem(
                 "name-not-found", f"there is nothing named {quoted(name)} to set", "give",
                 allowed=listed(known) or "none: there are no drives")])
-        if not _finite(value):
+        if not (isinstance(value, Real) and math.isfinite(value)):
             raise bad_argument(f"{value!r} is not a value for {quoted(name)}", "give",
                                "a finite number")
         try:
@@ -134,11 +136,9 @@ class Live(Simulation):
                 error, "give", message=f"value of {quoted(name)}: {error.message}")]) from None
         event = Event(name=PLAYED, at=self.time, set={name: float(value)})
         alone = self.scene.model_copy(update={"events": (event,), "run": self.mechanism.run})
-        wrong = [problem for problem in check_control(alone, lambda name: False)
-                 if parse_path(problem.path)[:1] == ("events",)]
-        if wrong:
-            raise SceneError([Problem(wrong[0].code, wrong[0].message, "give",
-                                      allowed=wrong[0].allowed, hint=wrong[0].hint)])
+        for problem in check_control(alone, lambda name: False):
+            if parse_path(problem.path)[:1] == ("events",):
+                raise SceneError([replace(problem, path="give", element="")])
         self.inputs.append(Setting(self.steps, name, float(value)))
         self._control.add(event)
 
@@ -164,13 +164,18 @@ class Live(Simulation):
                 "name-not-found", f"{quoted(body)} is no body that moves freely", "push",
                 allowed=listed(free) or "none: all bodies are held", hint=near(body, free))])
         push = Nudge(self.steps, body, place, strength)
-        before = next((one for one in reversed(self.inputs) if isinstance(one, Nudge)), None)
+        before = self.last_push
         if before is not None and replace(before, step=push.step) == push:
             return  # the same push
         if self.inputs and self.inputs[-1] is before and before.step == push.step:
             self.inputs.pop()  # replaced before the step
         self.inputs.append(push)
         self._next_push = body, place, strength
+
+    @property
+    def last_push(self) -> Nudge | None:
+        """The last push, of any hand."""
+        return next((one for one in reversed(self.inputs) if isinstance(one, Nudge)), None)
 
     def run(
         self, until: int | None = None, *, progress: Callable[[float], None] | None = None,
@@ -214,9 +219,7 @@ class Live(Simulation):
         super().restart()
         self.inputs, self._grasped, self._next_push = [], None, None
 
-    def again(
-        self, steps: int, *, progress: Callable[[float], None] | None = None,
-    ) -> Live:
+    def again(self, steps: int, *, progress: Callable[[float], None] | None = None) -> Live:
         """Another simulation after so many steps, with the same inputs before.
 
         It runs from t = 0: the contact search of pymunk starts with the contacts of the last step,
@@ -226,51 +229,38 @@ class Live(Simulation):
             steps: from t = 0.
             progress: as that of :meth:`run`; an exception from it ends the run.
         """
-        other = Live(Checked(self.scene))
-        for each in self.inputs:
-            if each.step < steps:
-                other.run(each.step, progress=progress)
-                other._repeat(each)
-        other.run(steps, progress=progress)
-        return other
+        return self._repeated(steps, [each for each in self.inputs if each.step < steps], progress)
 
     def copy(self) -> Live:
         """Another simulation in the same state, as :meth:`again`, with the inputs since."""
-        other = self.again(self.steps)
-        for each in self.inputs:
-            if each.step == self.steps:
-                other._repeat(each)
-        return other
+        return self._repeated(self.steps, self.inputs, None)
 
-    def _repeat(self, done: Input) -> None:
-        if isinstance(done, Nudge):
-            self.push(done.body, done.at, done.force)
-        else:
-            self.give(done.name, done.value)
+    def _repeated(
+        self, steps: int, inputs: list[Input], progress: Callable[[float], None] | None,
+    ) -> Live:
+        other = Live(Checked(self.scene))
+        for each in inputs:
+            other.run(each.step, progress=progress)
+            if isinstance(each, Nudge):
+                other.push(each.body, each.at, each.force)
+            else:
+                other.give(each.name, each.value)
+        other.run(steps, progress=progress)
+        return other
 
     def played(self) -> Mechanism:
         """The inputs so far as a scene of its own."""
         return played(self.scene, self.inputs, self.steps)
 
 
-def _endless(scene: Mechanism) -> Mechanism:
-    """The mechanism without an end, with drives that push if a body can be pushed."""
-    run = scene.run.model_copy(update={"duration": ENDLESS, "sample_rate": 1 / scene.run.step})
-    free = [body.name for body in scene.bodies if body.motion == "dynamic"]
-    hand = pushing_drives(scene, [Nudge(0, body, (0.0, 0.0), (0.0, 0.0)) for body in free[:1]])
-    return scene.model_copy(update={"run": run, "drives": (*scene.drives, *hand)})
-
-
-def _pair(numbers: Sequence[float], path: str) -> tuple[float, float]:
-    """Two finite numbers, or a SceneError."""
-    found = tuple(numbers) if isinstance(numbers, Sequence | np.ndarray) else ()
-    if len(found) != 2 or not all(map(_finite, found)):
-        raise bad_argument(f"{numbers!r} is not [x, y]", path, "two finite numbers")
-    return float(found[0]) + 0.0, float(found[1]) + 0.0  # no -0.0
-
-
-def _finite(value: object) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+def _pair(numbers: Sequence[float], path: str, dimension: str | None = None) -> tuple[float, float]:
+    try:
+        x, y = (in_range(float(number), dimension) + 0.0 for number in numbers)  # no -0.0
+    except (TypeError, ValueError) as error:
+        reason, allowed = ((f": {error.message}", error.allowed)
+                           if isinstance(error, WrongValueError) else ("", "two finite numbers"))
+        raise bad_argument(f"{numbers!r} is not [x, y]{reason}", path, allowed) from None
+    return x, y
 
 
 QUICK = 40.0  # w [1/s]: a tenth of the distance is left after 0.1 s
@@ -300,12 +290,15 @@ class Hand:
 
     def hold(self, body: str, at: Sequence[float], to: Sequence[float]) -> None:
         """Hold a body at a point of its frame, to draw it to a place in the world [m]."""
-        at, to = _place(at), _place(to)
+        at, to = _pair(at, "drag", "length"), _pair(to, "drag", "length")
         if (body, at) != (self.body, self.at):
             self.drop()
             self.live.push(body, at, (0.0, 0.0))  # which refuses a body that cannot be held
             index, bodies = self.model.names.body[body], self.model.bodies
-            whole = _joined_mass(self.model, index)
+            groups = (np.unique(self.model.joints.bodies[joints])
+                      for joints in together(self.model))
+            connected = next((group for group in groups if index in group), np.array([index]))
+            whole = float(bodies.mass[connected[bodies.free[connected]]].sum())
             arm = float(np.hypot(*(np.asarray(at, float) - bodies.centre[index])))
             alone = float(1 / (1 / bodies.mass[index] + arm**2 / bodies.inertia[index]))
             longest = max(EVERY, self.live.scene.run.step)
@@ -325,7 +318,7 @@ class Hand:
 
     def let_go(self) -> None:
         """End the push of another hand at this instant of the run."""
-        last = next((each for each in reversed(self.live.inputs) if isinstance(each, Nudge)), None)
+        last = self.live.last_push
         if last is not None and any(last.force) and not self.live.finished:
             self.live.push(last.body, last.at, (0.0, 0.0))
 
@@ -349,24 +342,3 @@ class Hand:
         (ax, ay), (cx, cy) = self.at, self.model.bodies.centre[self.model.names.body[self.body]]
         rx, ry = c * (ax - cx) - s * (ay - cy), s * (ax - cx) + c * (ay - cy)
         return (x + c * ax - s * ay, y + s * ax + c * ay), (vx - rate * ry, vy + rate * rx)
-
-
-def _place(numbers: Sequence[float]) -> tuple[float, float]:
-    """Two lengths [m], or a SceneError."""
-    try:
-        x, y = (in_range(float(number), "length") for number in numbers)
-    except (TypeError, ValueError) as error:
-        reason, allowed = ((error.message, error.allowed) if isinstance(error, WrongValueError)
-                           else ("it has other numbers", "two finite numbers"))
-        raise bad_argument(
-            f"{tuple(numbers)!r} is no place: {reason}", "drag", allowed) from None
-    return x, y
-
-
-def _joined_mass(model: Model, body: int) -> float:
-    """The total mass of a free body and of the free bodies that joints connect with it."""
-    for joints in together(model):
-        found = np.unique(model.joints.bodies[joints])
-        if body in found:
-            return float(model.bodies.mass[found[model.bodies.free[found]]].sum())
-    return float(model.bodies.mass[body])

@@ -11,11 +11,11 @@ rates l along them, and each is a row J = M^1/2 q
 
 beside F(u), which is among the known forces. Where l is below 0 the load drives; h l > -1 then says
 that the body keeps some of its inertia, and the matrix its pivots. What is left of L, which turns
-the velocity and does no work, is found by repetition: the loads are asked for F with the velocities
-that came of the step, and where that is another, the step is solved again with u there.
+the velocity and does no work, is found by iteration: F is evaluated at the velocities after the
+step; where it differs, the step is solved again with u there.
 
-Which way a law is taken follows from the largest rate l of what it would be at the step's end, its
-slopes by the place among them:
+How a law is integrated follows from its largest rate l at the step's end, slopes by position
+included:
 
     h l below 1    F(x, (v_before + v) / 2, (v - v_before) / h)     (second order)
     above          F(x + h v, v, (v - v_before) / h)                (the step's end)
@@ -58,7 +58,7 @@ def _set(read: Array, k: int, value: float, by_x: float, by_y: float, by_turn: f
 def _motion(
     table: int, load: Any, h: float, after: Array, end: bool, lag: float,
 ) -> tuple[float, float, float, float]:
-    """Set what a law reads, with slopes; cosine and sine of the body's angle, arm of the force."""
+    """Set the arguments of a law and their slopes; cosine, sine of the angle, arm of the force."""
     body, before, read = at.body(table), at.before(table), at.read_names(table)
     b = load["body"]
     ahead, share = (h, 1.0) if end else (0.0, 0.5)
@@ -75,7 +75,7 @@ def _motion(
     _set(read, VY, v + w * rx, 0.0, share, rx * share - w * ry * ahead)
     _set(read, OMEGA, w, 0.0, 0.0, share)
     al = (after[b, 2] - before[b, 2]) / h
-    turned = al * rx - w * w * ry, al * ry + w * w * rx  # what the arm's turn changes of it
+    turned = al * rx - w * w * ry, al * ry + w * w * rx  # its change by the turning arm
     _set(read, AX, (after[b, 0] - before[b, 0]) / h - al * ry - w * w * rx, lag, 0.0,
          -lag * ry - 2.0 * w * rx * share - turned[0] * ahead)
     _set(read, AY, (after[b, 1] - before[b, 1]) / h + al * rx - w * w * ry, 0.0, lag,
@@ -106,28 +106,14 @@ def _turn(pairs: Array, k: int, c: float, s: float, ahead: float) -> None:
 
 
 @kernel
-def _part(table: int, into: Array, k: int, code: int, code_end: int, scale: float) -> None:
-    """Put one number of a law into row ``k``, if it has a program."""
-    if code >= 0:
-        formula(table, code, code_end, at.read_names(table))
-        for j in range(4):
-            into[k, j] = scale * at.stack(table)[0, j]
-
-
-@kernel
 def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> None:
     """The sum of a body's loads and its slopes; each load's own is kept."""
-    loaded, numbers, results = at.loaded(table)[k], at.pressing(table)[k], at.loads(table)
-    into, body, turn, ahead = at.felt(table), at.body(table), at.turn(table), h if end else 0.0
-    for m in range(3):
-        numbers[SUM, m] = 0.0
-        for j in range(3):
-            numbers[SLOPES + m, j] = 0.0
+    loaded, numbers, into = at.loaded(table)[k], at.pressing(table)[k], at.load_terms(table)
+    body, turn, ahead = at.body(table), at.turn(table), h if end else 0.0
+    numbers[SUM:SLOPES + 3] = 0.0
     for i in range(loaded["first"], loaded["last"]):
-        load, out = at.loads(table)[i], results[i]
-        for m in range(3):  # force, torque about the centre of mass, and their slopes
-            for j in range(4):
-                into[m, j] = 0.0
+        load = at.loads(table)[i]
+        into[:] = 0.0  # force, torque about the centre of mass, and their slopes
         if load["last"] > load["first"]:
             b = load["body"]
             area, moment = below(
@@ -136,9 +122,13 @@ def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> N
             into[1, 0], into[2, 0] = load["lift"] * area, load["lift"] * moment
         else:
             c, s, rx, ry = _motion(table, load, h, after, end, lag)
-            _part(table, into, 0, load["x_code"], load["x_end"], load["scale"])
-            _part(table, into, 1, load["y_code"], load["y_end"], load["scale"])
-            _part(table, into, 2, load["t_code"], load["t_end"], 1.0)
+            codes = load["x_code"], load["y_code"], load["t_code"]
+            code_ends = load["x_end"], load["y_end"], load["t_end"]
+            for m in range(3):
+                if codes[m] >= 0:
+                    formula(table, codes[m], code_ends[m], at.read_names(table))
+                    for j in range(4):
+                        into[m, j] = (load["scale"] if m < 2 else 1.0) * at.stack(table)[0, j]
             if load["turning"]:
                 _turn(into, 0, c, s, ahead)
             for j in range(4):
@@ -148,7 +138,7 @@ def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> N
             numbers[SUM, m] += into[m, 0]
             for j in range(3):
                 numbers[SLOPES + m, j] += into[m, 1 + j]
-        out["fx"], out["fy"], out["torque"] = into[0, 0], into[1, 0], into[2, 0]
+        load["fx"], load["fy"], load["torque"] = into[0, 0], into[1, 0], into[2, 0]
 
 
 @kernel
@@ -165,31 +155,25 @@ def _rates(numbers: Array, w: float, wt: float) -> None:
             break
         for i in range(2):
             for j in range(i + 1, 3):
-                _rotate(A, Q, i, j)
+                if A[i, j] == 0.0 or not math.isfinite(A[i, j]):
+                    continue
+                turn = (A[j, j] - A[i, i]) / (2.0 * A[i, j])
+                t = math.copysign(1.0, turn) / (abs(turn) + math.sqrt(1.0 + turn * turn))
+                c = 1.0 / math.sqrt(1.0 + t * t)
+                s = t * c
+                for n in range(3):
+                    x, y = A[n, i], A[n, j]
+                    A[n, i], A[n, j] = c * x - s * y, s * x + c * y
+                for n in range(3):
+                    x, y = A[i, n], A[j, n]
+                    A[i, n], A[j, n] = c * x - s * y, s * x + c * y
+                    x, y = Q[i, n], Q[j, n]
+                    Q[i, n], Q[j, n] = c * x - s * y, s * x + c * y
+                A[i, j] = A[j, i] = 0.0
     for i in range(3):
         numbers[YIELDS, i] = A[i, i]
         for j in range(3):
             Q[i, j] /= root[j]
-
-
-@kernel
-def _rotate(A: Array, Q: Array, i: int, j: int) -> None:
-    """One of Jacobi's rotations, that makes A[i, j] 0; rows of Q are the axes."""
-    if A[i, j] == 0.0 or not math.isfinite(A[i, j]):
-        return
-    turn = (A[j, j] - A[i, i]) / (2.0 * A[i, j])
-    t = math.copysign(1.0, turn) / (abs(turn) + math.sqrt(1.0 + turn * turn))
-    c = 1.0 / math.sqrt(1.0 + t * t)
-    s = t * c
-    for n in range(3):
-        x, y = A[n, i], A[n, j]
-        A[n, i], A[n, j] = c * x - s * y, s * x + c * y
-    for n in range(3):
-        x, y = A[i, n], A[j, n]
-        A[i, n], A[j, n] = c * x - s * y, s * x + c * y
-        x, y = Q[i, n], Q[j, n]
-        Q[i, n], Q[j, n] = c * x - s * y, s * x + c * y
-    A[i, j] = A[j, i] = 0.0
 
 
 @kernel
@@ -223,7 +207,7 @@ def press(table: int, h: float) -> None:
 
 
 @kernel
-def _ask(table: int, k: int, h: float, after: Array) -> None:
+def _set_rows(table: int, k: int, h: float, after: Array) -> None:
     """Set the rows of a body for the linearisation of its loads at the velocities ``after``."""
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
     loaded, numbers, J = at.loaded(table)[k], at.pressing(table)[k], at.entries(table)[0]
@@ -231,8 +215,7 @@ def _ask(table: int, k: int, h: float, after: Array) -> None:
     for m in range(3):
         e, r, rate = loaded["entry"] + m, rows[m], max(numbers[YIELDS, m], DRIVING / h)
         rhs[r], compliance[r] = 0.0, 1.0
-        for j in range(3):
-            J[e, j] = 0.0
+        J[e] = 0.0
         if h * abs(rate) > WEAK:
             compliance[r] = 1.0 / (h * rate)
             for j in range(3):
@@ -246,7 +229,7 @@ def load_rows(table: int, h: float) -> None:
     loaded = at.loaded(table)
     for k in range(len(loaded)):
         if loaded[k]["row"] >= 0:
-            _ask(table, k, h, at.before(table))
+            _set_rows(table, k, h, at.before(table))
 
 
 @entry_point("loads")
@@ -273,7 +256,7 @@ def change_loads(table: int, h: float) -> bool:
             w = inverse[b, 1] if j == 2 else inverse[b, 0]
             free[b, j] += h * w * (numbers[SUM, j] - numbers[GIVEN, j])
             numbers[GIVEN, j] = numbers[SUM, j]
-        _ask(table, k, h, at.velocity(table))
+        _set_rows(table, k, h, at.velocity(table))
     return changed
 
 
@@ -355,20 +338,14 @@ def _arc(x: float, d: float, r: float, start: float, span: float) -> tuple[float
         low = max(begin, math.pi - half + turn)
         high = min(begin + span, math.tau + half + turn)
         if high > low:
-            a, b = _flat(d, r, high) - _flat(d, r, low), _flat_x(d, r, high) - _flat_x(d, r, low)
-            one += a
-            two += x * a + b
+            (a, b), (before, before_x) = _up_to(d, r, high), _up_to(d, r, low)
+            one += a - before
+            two += x * (a - before) + (b - before_x)
     return one, two
 
 
 @kernel
-def _flat(d: float, r: float, phi: float) -> float:
-    """Of the arc up to an angle ∫ d dx."""
-    return -r * (r * (phi - math.sin(phi) * math.cos(phi)) / 2 - d * math.cos(phi))
-
-
-@kernel
-def _flat_x(d: float, r: float, phi: float) -> float:
-    """Of the arc up to an angle ∫ x d dx, x from its centre."""
-    s = math.sin(phi)
-    return -r * r * (d * s**2 / 2 + r * s**3 / 3)
+def _up_to(d: float, r: float, phi: float) -> tuple[float, float]:
+    """Of an arc up to an angle ∫ d dx and ∫ x d dx, x from its centre."""
+    s, c = math.sin(phi), math.cos(phi)
+    return -r * (r * (phi - s * c) / 2 - d * c), -r * r * (d * s**2 / 2 + r * s**3 / 3)

@@ -9,7 +9,8 @@ used: :class:`Memory` keeps them alive. Views are made from the fields of
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,13 +40,9 @@ class Memory(NamedTuple):
     kept: tuple[Any, ...]  # the table and the arrays themselves
 
 
-def make_memory(
-    native: Native, constants: Constants, elements: Elements, state: State, result: Result,
-    pattern: Pattern, snapshot: Snapshot, entry_points: Integers,
-) -> Memory:
-    """The table of a run."""
-    values: tuple[Any, ...] = (
-        *native, *constants, *elements, *state, *result, *pattern, *snapshot)
+def make_memory(parts: Iterable[Any], h: float, entry_points: Integers) -> Memory:
+    """The table of a run; ``parts`` as in :data:`_PARTS`."""
+    values = tuple(itertools.chain.from_iterable(parts))
     table = np.zeros((len(values), WIDTH), dtype=np.int64)
     for row, value in zip(table, values, strict=True):
         if isinstance(value, np.ndarray):
@@ -56,7 +53,7 @@ def make_memory(
         elif isinstance(value, int):
             row[0] = value
     whole = np.concatenate([table.ravel(), entry_points])
-    return Memory(whole.ctypes.data, constants.h, (whole, *values))
+    return Memory(whole.ctypes.data, h, (whole, *values))
 
 
 def _view(name: str, place: int, dtype: Any, shape: list[str]) -> Any:

@@ -58,17 +58,17 @@ def brake_in_time(table: int, h: float, n: int) -> None:
         inertia = _held(table, h, m, q, False)
         loads = _held(table, h, m, q, True)
         way = 1.0 if motor["short"] > 0.0 else -1.0
-        spare = max(motor["maximum"] - max(way * loads, 0.0), MIN_SHARE * motor["maximum"])
-        can = CAUTION * spare / inertia
+        reserve = max(motor["maximum"] - max(way * loads, 0.0), MIN_SHARE * motor["maximum"])
+        can = CAUTION * reserve / inertia
         short = abs(motor["short"])
         speed = min(short / h, math.sqrt((can * h / 2) ** 2 + 2 * can * short) - can * h / 2)
         speed = motor["along"] + way * speed
         motor["command"] = min(max(speed, -motor["fastest"]), motor["fastest"])
     for q in range(m):
         row = rows[chosen[q]]
-        want = motors[row["index"]]["bend"] - motors[row["index"]]["command"]
-        row["free"] += want - row["bias"]
-        row["bias"] = want
+        bias = motors[row["index"]]["bend"] - motors[row["index"]]["command"]
+        row["free"] += bias - row["bias"]
+        row["bias"] = bias
 
 
 @kernel
@@ -96,10 +96,10 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
     motor, before = at.motors(table)[i], at.before(table)
     value = drive[motor["drive"]]
     brake = motor["maximum"] != motor["maximum"]
-    most = h * min(value if brake else motor["maximum"], UNBOUNDED)
+    limit = h * min(value if brake else motor["maximum"], UNBOUNDED)
     begin_row(out, DRIVEN, i, motor["a"], motor["b"], motor["impulse"], motor["mode"])
     put_coordinate(out, at.joints(table)[motor["joint"]], 1.0)
-    out["low"], out["high"] = -most, most
+    out["low"], out["high"] = -limit, limit
     out["bias"] = 0.0 if brake else -motor["sense"] * value
     if motor["slope"] > 0.0:  # at mid-step, as dampers are
         out["bias"] = (before[motor["b"], 2] - before[motor["a"], 2]
@@ -128,7 +128,7 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
             out["bias"] += (c - lead) / lead * seen
         return
     motor["seen"] = motor["along"] = seen
-    if motor["target"] == motor["target"]:  # not in the first step, nor as it is taken up
+    if motor["target"] == motor["target"]:  # not in the first step, nor in that of its engagement
         motor["along"] = (target - motor["target"]) / h
     motor["aim"] = target  # a step may be solved again: only its report makes it the last one
     motor["short"] = target - place - h * motor["along"]

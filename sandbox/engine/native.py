@@ -26,7 +26,7 @@ from pymunk._chipmunk_cffi import ffi, lib
 from sandbox.numeric import Array, Integers, Records
 
 _cgutils: Any = cgutils
-_WORD, _REAL, _INT, _BYTE = ir.IntType(64), ir.DoubleType(), ir.IntType(32), ir.IntType(8)
+_WORD, _BYTE = ir.IntType(64), ir.IntType(8)
 
 
 def _caller(result: Any, *arguments: Any) -> Any:
@@ -38,26 +38,6 @@ def _caller(result: Any, *arguments: Any) -> Any:
         return context.get_dummy_value() if result == types.void else value
 
     return result(types.intp, *arguments), generate
-
-
-def _loaded(kind: ir.Type, result: Any = types.intp) -> Any:
-    """An intrinsic that reads a number at an address."""
-    def at(context: Any, address: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            value = builder.load(builder.inttoptr(args[0], kind.as_pointer()))
-            return builder.sext(value, _WORD) if kind == _INT else value
-
-        return result(types.intp), generate
-
-    return intrinsic(at)
-
-
-def _byte_to(context: Any, address: Any, value: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        builder.store(builder.trunc(args[1], _BYTE), builder.inttoptr(args[0], _BYTE.as_pointer()))
-        return context.get_dummy_value()
-
-    return types.void(types.intp, types.intp), generate
 
 
 def _pointer_to(context: Any, address: Any) -> Any:
@@ -83,8 +63,6 @@ call_each: Any = intrinsic(lambda context, address, space, function, data: _call
 call_for_word: Any = intrinsic(lambda context, address, subject: _caller(types.intp, types.intp))
 call_for_words: Any = intrinsic(lambda context, address, one, two: _caller(
     types.intp, types.intp, types.intp))
-real_at, word_at, int_at = _loaded(_REAL, types.float64), _loaded(_WORD), _loaded(_INT)
-byte_to: Any = intrinsic(_byte_to)
 as_pointer: Any = intrinsic(_pointer_to)
 copy_words: Any = intrinsic(_copy)  # copy so many words of 8 bytes
 
@@ -184,38 +162,45 @@ def _free(table: Integers) -> None:
     free(int(table[2]))
 
 
+def _struct(name: str, **fields: tuple[str, int, Any]) -> np.dtype[Any]:
+    """Fields of a struct of pymunk: of each its member, bytes after the member's start, type."""
+    return np.dtype({
+        "names": list(fields), "formats": [kind for _, _, kind in fields.values()],
+        "offsets": [ffi.offsetof(name, member) + more for member, more, _ in fields.values()],
+        "itemsize": ffi.sizeof(name)})
+
+
 @cache
 def _note() -> Any:
-    # offsets in pymunk's structs; their values are part of the cache key
-    a_at, b_at, count_at, points_at, normal_at, processed_at = (
-        ffi.offsetof("struct cpArbiter", name)
-        for name in ("a", "b", "count", "contacts", "n", "processCollision"))
-    r1_at, r2_at, hash_at = (
-        ffi.offsetof("struct cpContact", name) for name in ("r1", "r2", "hash"))
-    size, itemsize = ffi.sizeof("struct cpContact"), FOUND.itemsize
+    arbiter_type = _struct(
+        "struct cpArbiter", a=("a", 0, np.int64), b=("b", 0, np.int64), nx=("n", 0, float),
+        ny=("n", 8, float), count=("count", 0, np.intc), points=("contacts", 0, np.int64),
+        process=("processCollision", 0, np.int8))
+    point_type = _struct(
+        "struct cpContact", ax=("r1", 0, float), ay=("r1", 8, float), bx=("r2", 0, float),
+        by=("r2", 8, float), feature=("hash", 0, np.int64))
+    itemsize = FOUND.itemsize
 
-    def note(arbiter: int, space: int, table: Any) -> None:
-        byte_to(arbiter + processed_at, 0)
-        count = int_at(arbiter + count_at)
-        point = word_at(arbiter + points_at)
-        a = call_for_word(table[3], word_at(arbiter + a_at)) - 1
-        b = call_for_word(table[3], word_at(arbiter + b_at)) - 1
+    def note(address: int, space: int, table: Any) -> None:
+        arbiter = carray(as_pointer(address), (1,), arbiter_type)[0]
+        arbiter["process"] = 0
+        count = arbiter["count"]
+        points = carray(as_pointer(arbiter["points"]), (count,), point_type)
+        a = call_for_word(table[3], arbiter["a"]) - 1
+        b = call_for_word(table[3], arbiter["b"]) - 1
         if table[0] + count > table[1]:
             room = 2 * (table[0] + count)
             table[2] = call_for_words(table[4], table[2], room * itemsize)
             table[1] = room
         raw = carray(as_pointer(table[2]), (table[1],), FOUND)
-        for _ in range(count):
-            n = table[0]
-            table[0] = n + 1
-            found = raw[n]
+        for i in range(count):
+            found, point = raw[table[0]], points[i]
+            table[0] += 1
             found["shape_a"], found["shape_b"] = a, b
-            found["feature"] = word_at(point + hash_at)
-            found["nx"] = real_at(arbiter + normal_at)
-            found["ny"] = real_at(arbiter + normal_at + 8)
-            found["ax"], found["ay"] = real_at(point + r1_at), real_at(point + r1_at + 8)
-            found["bx"], found["by"] = real_at(point + r2_at), real_at(point + r2_at + 8)
-            point += size
+            found["feature"] = point["feature"]
+            found["nx"], found["ny"] = arbiter["nx"], arbiter["ny"]
+            found["ax"], found["ay"] = point["ax"], point["ay"]
+            found["bx"], found["by"] = point["bx"], point["by"]
 
     from sandbox.engine.source_hash import cacheable
 

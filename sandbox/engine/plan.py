@@ -113,7 +113,14 @@ def make_pattern(
     reached = [{int(place[entries[entry][0]]) for entry in own} for own in inner]
     for body in [*hubs, *range(count, len(unknown))]:
         reached[body] = {int(i) for i in unknown[body]}
-    branches = [_branch(own, columns) for own in reached]
+    branches = []
+    for own in reached:
+        waiting = list(own)
+        for i in waiting:  # grows to the root of the elimination tree
+            if columns[i] and columns[i][0] not in own:
+                own.add(columns[i][0])
+                waiting.append(columns[i][0])
+        branches.append(sorted(own))
     return Pattern(
         place[:len(rows)], unknown, starts, _flat(columns), np.array(updates, dtype=np.int64),
         place[np.array([row for row, _ in entries], dtype=np.int64)],
@@ -127,29 +134,23 @@ def _meetings(
     entries: list[tuple[int, int]], on: list[list[int]], hubs: list[int], first: list[int],
     joined: Sequence[tuple[int, int]],
 ) -> list[set[int]]:
-    """Which unknowns meet: of rows, then of the hubs, whose own begin at ``first``."""
     groups: list[set[int]] = [set() for _ in range(first[-1])]
     for i, j in joined:
         groups[i].add(j)
         groups[j].add(i)
     for body, own in enumerate(on):
-        own_rows = {entries[entry][0] for entry in own}
+        met = own_rows = {entries[entry][0] for entry in own}
         if body in hubs:
             k = hubs.index(body)
-            axes = set(range(first[k], first[k + 1]))
-            for i in axes:
-                groups[i] |= own_rows
-            for row in own_rows:
-                groups[row] |= axes
-        else:
-            for row in own_rows:
-                groups[row] |= own_rows
+            met = set(range(first[k], first[k + 1]))
+        for row in own_rows:
+            groups[row] |= met
+        for i in met:
+            groups[i] |= own_rows
     return groups
 
 
-def _left_over(
-    rows: Sequence[Sequence[int]], on: list[list[int]], hubs: list[int],
-) -> list[int]:
+def _left_over(rows: Sequence[Sequence[int]], on: list[list[int]], hubs: list[int]) -> list[int]:
     """Rows for which the freedoms of the bodies that are no hubs, three each, do not suffice.
 
     Each row takes a freedom of one of its bodies, others giving way where they can (augmenting
@@ -213,17 +214,6 @@ def elimination(
             if not waits[j]:
                 heapq.heappush(heap, (len(graph[j]), j))
     return order, met
-
-
-def _branch(first: set[int], columns: list[list[int]]) -> list[int]:
-    found: set[int] = set()
-    for i in first:
-        while i not in found:
-            found.add(i)
-            if not columns[i]:
-                break
-            i = columns[i][0]
-    return sorted(found)
 
 
 def _starts(lists: list[list[int]]) -> Integers:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.elements.element import RELEASED, Element
+from sandbox.elements.element import RELEASED
 from sandbox.engine import pymunk_scene
 from sandbox.engine.inspect_control import Runnable, checked
 from sandbox.engine.pymunk_scene import Scene
@@ -20,8 +20,7 @@ from sandbox.engine.world import Filters, make_filters
 from sandbox.errors import Problem, SceneError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
-from sandbox.model.pairs import joined
-from sandbox.scene.bodies import Body, Box, Capsule, Circle, Material, Polygon, Solid
+from sandbox.scene.bodies import Body, Box, Capsule, Circle, Material, Polygon
 from sandbox.scene.geometry import corners, solids
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.expressions import parse_expression
@@ -63,12 +62,11 @@ class PymunkDraft:
         self.mechanism, self.model = mechanism, compile_mechanism(mechanism)
         self.calls: list[Call] = []
         filters = make_filters(self.model)
-        if problems := [
-            Problem("no-counterpart", f"pymunk has no counterpart of {what}", path=name,
-                    allowed="the solver 'direct', or a scene without it (--without "
-                    "NAME of 'sandbox export')")
-            for name, what in _without_counterpart(self.model, filters)
-        ]:
+        problems = [Problem(
+            "no-counterpart", f"pymunk has no counterpart of {what}", path=name, allowed="the "
+            "solver 'direct', or a scene without it (--without NAME of 'sandbox export')")
+            for name, what in _without_counterpart(self.model, filters)]
+        if problems:
             raise SceneError(problems)
         for index, body in enumerate(mechanism.bodies):
             self._add_body(index, body, filters)
@@ -122,7 +120,15 @@ class PymunkDraft:
     def _add_body(self, index: int, body: Body, filters: Filters) -> None:
         bodies = self.model.bodies
         material = self.mechanism.materials.get(body.material or "", Material())
-        shapes = [_shape(solid) for shape in body.shapes for solid, _ in solids(shape)]
+        shapes: list[tuple[Any, ...]] = []
+        for solid in (solid for shape in body.shapes for solid, _ in solids(shape)):
+            match solid:
+                case Circle():
+                    shapes.append(("Circle", solid.radius, solid.at))
+                case Capsule():
+                    shapes.append(("Segment", solid.start, solid.end, solid.radius))
+                case Box() | Polygon():
+                    shapes.append(("Poly", tuple(corners(solid))))
         settings: dict[str, Any] = {"moves": bool(bodies.scheduled[index])}
         if bodies.free[index]:
             settings = {"mass": bodies.mass[index], "moment": bodies.inertia[index],
@@ -200,43 +206,19 @@ def _value(signal: AnySignal) -> Any:
     return Formula(signal.expression)
 
 
-def _shape(solid: Solid) -> tuple[Any, ...]:
-    match solid:
-        case Circle():
-            return "Circle", solid.radius, solid.at
-        case Capsule():
-            return "Segment", solid.start, solid.end, solid.radius
-        case Box() | Polygon():
-            return "Poly", tuple(corners(solid))
-
-
 def _without_counterpart(model: Model, filters: Filters) -> Iterator[tuple[str, str]]:
-    """Names of elements that pymunk lacks, and what they are."""
     mechanism = model.mechanism
     for kind in LISTS:
-        element: Element
         for element in getattr(mechanism, kind):
             if what := element.without_pymunk(mechanism):
                 yield getattr(element, "name", kind), what
-    for event in mechanism.events:
-        yield event.name, "an event"
-    for name in model.bonds.name:
-        yield name, RELEASED
-    for name, material in mechanism.materials.items():
-        if material.static > 1:
-            yield f"materials.{name}", "static friction above that of sliding"
-        if material.skin:
-            yield f"materials.{name}", "soft skin"
-    for rule in mechanism.contacts:
-        if (rule.static or 1) > 1:
-            yield f"contacts.{'/'.join(rule.between)}", "static friction above that of sliding"
-    group, category, mask = filters.group, filters.category, filters.mask
-    meets = (category[:, None] & mask != 0) & (category & mask[:, None] != 0)
-    meets &= (group[:, None] != group) | (group == 0)
-    a, b = joined(model)
-    meets[a, b] = meets[b, a] = False
-    rests = ~model.bodies.free
-    meets[np.ix_(rests, rests)] = False
-    np.fill_diagonal(meets, val=False)
-    if (meets != filters.allowed).any():
+    yield from ((event.name, "an event") for event in mechanism.events)
+    yield from ((name, RELEASED) for name in model.bonds.name)
+    pairs = {f"contacts.{'/'.join(rule.between)}": rule.static for rule in mechanism.contacts}
+    own = {f"materials.{name}": material for name, material in mechanism.materials.items()}
+    for name, static in [*((name, each.static) for name, each in own.items()), *pairs.items()]:
+        if (static or 1) > 1:
+            yield name, "static friction above that of sliding"
+    yield from ((name, "soft skin") for name, material in own.items() if material.skin)
+    if not filters.exact:
         yield "contacts", "contact rules with more than 32 kinds of bodies"

@@ -73,8 +73,6 @@ def run_pymunk(
 
 
 class _PymunkRun:
-    """A scene of pymunk and the recording of it so far."""
-
     def __init__(self, mechanism: Mechanism) -> None:
         draft = PymunkDraft(mechanism)
         self.model, self.scene = draft.model, build(mechanism, draft)
@@ -106,7 +104,6 @@ class _PymunkRun:
         arrays["body_velocity"][:] = (before + after) / 2
         arrays["body_acceleration"][:] = (after - before) / self.scene.h
         self._record_joints(arrays)
-        self._record_springs(arrays)
         tendons = self.scene.tendons.values()
         arrays["tendon_length"][:] = [tendon.measure()[0] for tendon in tendons]
         arrays["tendon_tension"][:] = [tendon.tension for tendon in tendons]
@@ -127,7 +124,6 @@ class _PymunkRun:
         return np.array([(*body.velocity, body.angular_velocity) for body in self.bodies])
 
     def _force(self, constraint: str) -> float:
-        """Force or torque of a constraint in the last step; 0 if there is none."""
         made = self.scene.constraints.get(constraint)
         return 0.0 if made is None else made.impulse / self.scene.h
 
@@ -156,8 +152,6 @@ class _PymunkRun:
             to_low, to_high = np.abs(arrays["joint_angle"][j] - joints.stops[j])
             arrays["joint_stop"][j] = self._force(f"{joints.name[j]}.stop") * (
                 1.0 if to_low < to_high else -1.0)
-
-    def _record_springs(self, arrays: Arrays) -> None:
         springs = self.model.springs
         for i, name in enumerate(springs.name):
             if springs.straight[i]:
@@ -168,23 +162,20 @@ class _PymunkRun:
                 j = int(springs.joint[i])
                 damping = math.copysign(self._force(f"{name}.work"), arrays["joint_rate"][j])
                 arrays["spring_length"][i] = arrays["joint_angle"][j]
-                arrays["spring_force"][i] = damping - self.model.joints.sense[j] * self._force(name)
+                arrays["spring_force"][i] = damping - joints.sense[j] * self._force(name)
 
-    def _between(
-        self, arrays: Arrays, bodies: Iterable[int], points: Array,
-    ) -> tuple[float, float]:
+    def _between(self, arrays: Arrays, bodies: Iterable[int], points: Array) -> tuple[float, float]:
         """Distance of points of two bodies [m] and its rate [m/s], at a sample."""
-        places, velocities = [], []
-        for body, at in zip(bodies, points, strict=True):
+        way, velocity = np.zeros(2), np.zeros(2)
+        for sign, body, at in zip((-1.0, 1.0), bodies, points, strict=True):
             made = self.bodies[body]
-            places.append(np.array(made.local_to_world(tuple(at))))
-            arm = places[-1] - made.local_to_world(made.center_of_gravity)
+            point = np.array(made.local_to_world(tuple(at)))
+            arm = point - made.local_to_world(made.center_of_gravity)
             vx, vy, omega = arrays["body_velocity"][body]
-            velocities.append(np.array([vx - omega * arm[1], vy + omega * arm[0]]))
-        way = places[1] - places[0]
+            way += sign * point
+            velocity += sign * np.array([vx - omega * arm[1], vy + omega * arm[0]])
         distance = float(np.hypot(*way))
-        rate = float(way @ (velocities[1] - velocities[0]))
-        return distance, rate / distance if distance else 0.0
+        return distance, float(way @ velocity) / distance if distance else 0.0
 
     def _record_contacts(self) -> None:
         rows: list[tuple[float, ...]] = []

@@ -28,11 +28,11 @@ ACTION = np.dtype([
     ("motor", np.int64),    # -1, or the number of a motor or brake
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
     ("bond", np.int64),      # BOND of the hinge, or -1
-    ("runs", np.int64),     # whether it is the surface of a that runs
+    ("runs", np.int64),     # whether it drives the surface of a
     ("fx", float), ("fy", float),   # of a force, in the world [N]
     ("work", float),        # done on the bodies since t = 0 [J]
-    ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]; of a surface
-                            # that runs its power [W]
+    ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]; of a driven
+                            # surface its power [W]
     ("step_work", float),   # of the last step [J]
 ])
 
@@ -71,7 +71,7 @@ JOINT = np.dtype([
     ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]; of a groove its start
     ("b", np.int64), ("bx", float), ("by", float),
     ("gx", float), ("gy", float),   # direction of a groove in a, or of a rack in b, a unit vector
-    ("reach", float),       # distance kept; length of a groove, or least radius of curvature of a
+    ("reach", float),       # distance kept; length of a groove, or minimum radius of curvature of a
                             # path; what teeth bend about [m]
     ("turn", float),        # angle of b against a kept by what does not turn [rad]
     ("ra", float), ("rb", float),   # of teeth the base circles, of what rolls the circles; rb with
@@ -79,14 +79,14 @@ JOINT = np.dtype([
     ("push", float),        # of gears: 1 side by side, -1 one inside the other
     ("tilt_c", float), ("tilt_s", float),   # of a rack: of its pressure angle
     ("k", float),           # of teeth without play [N/m]
-    ("start", float), ("start_back", float),    # what its flanks, or its rolling, begin with [m]
+    ("start", float), ("start_back", float),    # initial gaps of flanks, or slip [m]
     ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1; of what rolls the
                                                 # second is that along the circles
     ("row_turn", np.int64),     # unknown of its couple, or -1
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, two a row; how many
     ("hinge", np.int64), ("stopped", np.int64),     # whether it has an angle; and stops
     ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
-    ("zero", float),        # what its angle is less by [rad]
+    ("zero", float),        # subtracted from its angle [rad]
     ("bond", np.int64),      # its BOND, or -1
     ("line", np.int64),     # whether its length is recorded: of an actuator, a slot with a path
     ("span", np.int64), ("span_end", np.int64),     # SPANs of the path of a slot; -1 without
@@ -99,7 +99,7 @@ JOINT = np.dtype([
                                             # act in another pose
     ("twist_a", float), ("twist_b", float),     # for the same reason moments on a and b [N m s]
     ("way", float),         # its free coordinate: along a groove, distance, angle of a pin [m, rad]
-    ("rate", float),        # of what is recorded of this, in samples only [m/s, rad/s]
+    ("rate", float),        # its rate, in samples only [m/s, rad/s]
     ("fx", float), ("fy", float),   # its force on b [N]
     ("couple", float),      # on b [N m]
 ])
@@ -107,7 +107,7 @@ JOINT = np.dtype([
 LIMIT = np.dtype([
     ("joint", np.int64),
     ("what", np.int64),     # STOP, LINE or FLANK
-    ("side", float),        # +1 for the least value, -1 for the largest; which flank
+    ("side", float),        # +1 for the minimum, -1 for the maximum; which flank
     ("bound", float),       # [rad, m]
     ("since", float),       # time since it was hit, at the end of the last step, or 0 [s]
     ("next", float),        # scratch: the same of this step [s]
@@ -123,27 +123,27 @@ MOTOR = np.dtype([
     ("law", np.int64),      # PACED, SPRUNG or PLACED
     ("joint", np.int64),    # that it drives
     ("line", np.int64),     # whether that is an actuator, which it lengthens [N, m for N m, rad]
-    ("k", float), ("c", float),     # with which it goes to a place [N m/rad, N m s/rad]
+    ("k", float), ("c", float),     # of a servo [N m/rad, N m s/rad]
     ("stiff", np.int64),    # whether these are taken at the step's end
-    ("fastest", float),     # that it goes there [rad/s]
-    ("zero", float),        # what the hinge's angle is less by [rad]
-    ("target", float),      # the place that it was to be at after the last step, nan before [rad]
-    ("aim", float),         # the same after this one [rad]
-    ("short", float),       # by how much it is not where it was to be [rad]
+    ("fastest", float),     # maximum rate [rad/s]
+    ("zero", float),        # subtracted from the hinge's angle [rad]
+    ("target", float),      # its target after the last step, nan before [rad]
+    ("aim", float),         # its target after this one [rad]
+    ("short", float),       # distance from its target [rad]
     ("along", float),       # the rate of its target [rad/s]
     ("seen", float),        # its rate before the step [rad/s]
-    ("command", float),     # the rate that it is to have [rad/s]
+    ("command", float),     # rate to be reached [rad/s]
     ("bend", float),        # rate by which its line grows besides in the step [m/s]
     ("impulse", float),     # on b, of the last step [N m s]
-    ("mode", np.int64),     # -1 and 1 at its least and largest torque, 0 in between
+    ("mode", np.int64),     # -1 and 1 at its minimum and maximum torque, 0 in between
 ])
 
 DRY_FRICTION = np.dtype([
     ("joint", np.int64),
-    ("sum", np.int64),      # what the joint carries, counted on from bodies, slips and sums
+    ("sum", np.int64),      # number of the load of its joint, after bodies, slips and sums
     ("maximum", float),        # friction that does not depend on the load [N m, N]
     ("share", float),       # friction for 1 N that the joint carries [m, 1], or 0
-    ("static", float),      # how many times as much it holds with
+    ("static", float),      # ratio of static to sliding friction
     ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
     ("pressed", float),     # of the joint, on which the friction depends [N s]
     ("mode", np.int64),     # -1 and 1 where it slipped, 0 where it held
@@ -164,19 +164,19 @@ CABLE = np.dtype([
     ("lifts", np.int64),    # whether it can lift off any of its wheels
     ("drive", np.int64),    # that pulls it, or -1
     ("stiffener", np.int64),    # drive that sets its stiffness, or -1
-    ("c", float),           # [N s/m]; of a span it is this over what is in it [N s]
+    ("c", float),           # [N s/m]; of a span times its length of tendon [N s]
     ("whole", np.int64),    # of a span the tendon that it is of, or -1
     ("spans", np.int64), ("spans_end", np.int64),   # of a tendon that guides grip
-    ("minimum", float),       # so much of a tendon counts as being in a span, at least [m]
+    ("minimum", float),       # minimum length of tendon in a span [m]
     ("response", float),    # largest J M^-1 J^T in any pose [1/kg]
     ("row", np.int64),      # its unknown, or -1
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
     ("into", np.int64), ("out_of", np.int64),   # entries of what slips into a span and out of it
     ("bond", np.int64),      # BOND of the tendon, or -1
     ("active", np.int64),   # whether it pulled in the last solve
-    ("k", float),           # in force [N/m]; of a span it is this over what is in it [N]
-    ("rest", float),        # length up to which it is slack; of a span with what it wound up [m]
-    ("inside", float),      # what is in a span between its wheels [m]
+    ("k", float),           # current [N/m]; of a span times its length of tendon [N]
+    ("rest", float),        # rest length; of a span with what its wheels wound up [m]
+    ("inside", float),      # length of tendon in a span between its wheels [m]
     ("work", float),        # [J]
     ("length", float),      # [m]
     ("wound", float),       # share of that which a span's wheels have wound up since t = 0 [m]
@@ -215,20 +215,20 @@ SLIP = np.dtype([
 
 FLUID = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its chambers
-    ("least_ahead", float),     # the least k of its law (fluids.py)
+    ("ahead_min", float),     # minimum k of its law (fluids.py)
     ("ratio", float),       # its r
     ("drive", np.int64),    # that sets its pressure, or -1
     ("volume", float),      # at t = 0 [m^3]
     ("c", float),           # of a liquid [m^3/Pa]
     ("gas", float),         # the exponent of a gas, 0 of a liquid
-    ("start", float), ("minimum", float), ("maximum", float),    # pressure at t = 0, its bounds [Pa]
+    ("start", float), ("minimum", float), ("maximum", float),   # pressure at t = 0, bounds [Pa]
     ("response", float),    # largest A M^-1 A^T in any pose [m^4/kg]
     ("row", np.int64),      # its unknown
-    ("content", float),     # at 0 Pa, of a liquid beside what filled it at t = 0 [m^3]
+    ("content", float),     # at 0 Pa; of a liquid beyond that at t = 0 [m^3]
     ("mode", np.int64),     # -1 not full, 0 full, 1 let out by its relief
     ("spilled", float),     # by the relief [m^3]
     ("work", float),        # done on the bodies [J]
-    ("grown", float),       # volume, beside that at t = 0 [m^3]
+    ("grown", float),       # growth of its volume since t = 0 [m^3]
     ("pressure", float),    # [Pa]
     ("ahead", float),       # the k of its law: steps from the pose to its instant
     ("flow", float),        # into it [m^3/s]
@@ -260,7 +260,7 @@ VALVE = np.dtype([
     ("flow", float),        # from a to b [m^3/s]
     ("shut", np.int64),     # whether a check valve is
     ("loss", float),        # [J]
-    ("about", float),       # the flow that its law is taken straight about [m^3/s]
+    ("about", float),       # the flow about which its law is linearised [m^3/s]
     ("conductance", float),        # flow per pressure there [m^3/(s Pa)]
     ("supply", float),        # flow without pressure there [m^3/s]
     ("step_loss", float),   # [J]
@@ -286,7 +286,7 @@ LOAD = np.dtype([
     ("y_code", np.int64), ("y_end", np.int64),  # its torque, or -1
     ("t_code", np.int64), ("t_end", np.int64),
     ("timed", np.int64),    # whether it depends on time
-    ("first", np.int64), ("last", np.int64),    # sides of what a liquid lifts
+    ("first", np.int64), ("last", np.int64),    # sides of the outline in a liquid
     ("level", float),       # of the liquid [m]
     ("lift", float),        # its force per area below that [N/m^2]
     ("work", float),        # done on the body [J]

@@ -158,12 +158,16 @@ def add_work(table: int, h: float) -> None:
     for i in range(len(body)):
         for j in range(3):
             v[i, j] = (body[i, 3 + j] + before[i, j]) / 2 + shift[i, j] / h
-    actions, motors = at.actions(table), at.motors(table)
+    actions, motors, touches = at.actions(table), at.motors(table), at.touches(table)
     for i in range(len(actions)):
         action = actions[i]
         a = action["a"]
         if action["runs"]:
-            action["torque"] = _tangential_impulse(table, a) * at.belts(table)[a] / h
+            along = 0.0  # impulse on what touches the body along its surface, counter-clockwise
+            for k in range(at.touching(table)[0]):
+                if touches[k]["a"] == a or touches[k]["b"] == a:
+                    along += touches[k]["tangent"] + touches[k]["drag"]
+            action["torque"] = along * at.belts(table)[a] / h
             action["step_work"] = h * action["torque"]
             action["work"] += action["step_work"]
             continue
@@ -178,19 +182,9 @@ def add_work(table: int, h: float) -> None:
         action["work"] += h * power
     add_spring_work(table, h, v)
     add_cable_work(table, h, v)
-    add_friction_work(table, h, v)
+    add_friction_work(table, v)
     add_fluid_work(table, h, v)
     add_load_work(table, h, v)
-
-
-@kernel
-def _tangential_impulse(table: int, body: int) -> float:
-    """Impulse on what touches a body along the body's surface, counter-clockwise [N s]."""
-    touches, p = at.touches(table), 0.0
-    for i in range(at.touching(table)[0]):
-        if touches[i]["a"] == body or touches[i]["b"] == body:
-            p += touches[i]["tangent"] + touches[i]["drag"]
-    return p
 
 
 TOGETHER = 1e-6  # share of a step within which two elements break at once
@@ -210,14 +204,14 @@ def breaks(table: int, h: float, n: int) -> bool:
     for i in range(len(bonds)):
         if bonds[i]["held"] == 0:
             continue
-        load, most, last = bonds[i]["load"], bonds[i]["breaks_at"], bonds[i]["last_load"]
-        when = _when(load, most, last)
+        load, strength, last = bonds[i]["load"], bonds[i]["breaks_at"], bonds[i]["last_load"]
+        when = _when(load, strength, last)
         if when > first + TOGETHER or when > 1.0:
             continue
         # not more is taken back than the impulse of the last step
         share = 0.0
         if last == last:
-            share = max((when - 0.5) * most, -0.5 * last) / load
+            share = max((when - 0.5) * strength, -0.5 * last) / load
         bonds[i]["held"], bonds[i]["broke"] = 0, 1
         if made[2] < len(broken):
             one = broken[made[2]]
@@ -236,13 +230,13 @@ def breaks(table: int, h: float, n: int) -> bool:
 
 
 @kernel
-def _when(load: float, most: float, last: float) -> float:
-    """Share of the step at which a load reaches ``most``, or NEVER; ``last`` may be nan."""
-    if not load > most:
+def _when(load: float, strength: float, last: float) -> float:
+    """Share of the step at which a load reaches the strength, or NEVER; ``last`` may be nan."""
+    if not load > strength:
         return NEVER
     if last != last:
         return 0.5
-    return (most - last) / (load - last) if last < most else 0.0
+    return (strength - last) / (load - last) if last < strength else 0.0
 
 
 @kernel
@@ -264,10 +258,10 @@ def _load(table: int, h: float, n: int, bond: int) -> float:
     cable = at.cables(table)[i]
     if cable["kind"] != records.GRIPPED:
         return _tension(table, h, i)
-    most = 0.0
+    largest = 0.0
     for k in range(cable["spans"], cable["spans_end"]):
-        most = max(most, _tension(table, h, k))
-    return most
+        largest = max(largest, _tension(table, h, k))
+    return largest
 
 
 @kernel
@@ -289,7 +283,6 @@ def _give(table: int, entry: int, count: int, p: float) -> None:
 
 @kernel
 def _cut_rows(table: int, entry: int, count: int, share: float) -> None:
-    """Keep a ``share`` of the impulses of rows, and empty these."""
     impulses, entry_row = at.unknowns(table)[3], at.entry_row(table)
     for e in range(entry, entry + count):
         _give(table, e, 1, share * impulses[entry_row[e]])
@@ -309,7 +302,21 @@ def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
     joint["fy"] *= share
     joint["couple"] *= share
     _cut_rows(table, joint["entry"], joint["entries"], share)
-    _cut_bounded(table, n, j, share)
+    rows, limits, motors = at.rows(table), at.limits(table), at.motors(table)
+    for k in range(len(limits)):
+        if limits[k]["joint"] == j:
+            limits[k]["impulse"] = 0.0
+    for k in range(n):  # bounded rows of its limits, its dry friction, motors and servos about it
+        source, i, p = rows[k]["source"], rows[k]["index"], share * rows[k]["p"]
+        if source == sources.LIMITED and limits[i]["joint"] == j:
+            limits[i]["impulse"] = p
+        elif source == sources.JOINT_FRICTION and at.dry_friction(table)[i]["joint"] == j:
+            at.dry_friction(table)[i]["impulse"] = p
+        elif source == sources.DRIVEN and motors[i]["bond"] == joint["bond"]:
+            motors[i]["impulse"] = p
+        else:
+            continue
+        push(at.inverse_mass(table), rows[k], p, at.free(table))
     springs, actions = at.springs(table), at.actions(table)
     for k in range(len(springs)):
         if springs[k]["hinge_bond"] == joint["bond"] and holds(table, springs[k]["bond"]):
@@ -318,27 +325,6 @@ def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
         if actions[k]["bond"] == joint["bond"] and actions[k]["motor"] < 0:
             _kick_along(table, at.joints(table)[actions[k]["joint"]], -h * actions[k]["torque"])
             actions[k]["torque"] = 0.0
-
-
-@kernel
-def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
-    """The same for its limits and dry friction, and for motors and servos about it."""
-    rows, limits = at.rows(table), at.limits(table)
-    motors, bond = at.motors(table), at.joints(table)[j]["bond"]
-    for k in range(len(limits)):
-        if limits[k]["joint"] == j:
-            limits[k]["impulse"] = 0.0
-    for k in range(n):
-        source, i, p = rows[k]["source"], rows[k]["index"], share * rows[k]["p"]
-        if source == sources.LIMITED and limits[i]["joint"] == j:
-            limits[i]["impulse"] = p
-        elif source == sources.JOINT_FRICTION and at.dry_friction(table)[i]["joint"] == j:
-            at.dry_friction(table)[i]["impulse"] = p
-        elif source == sources.DRIVEN and at.motors(table)[i]["bond"] == bond:
-            motors[i]["impulse"] = p
-        else:
-            continue
-        push(at.inverse_mass(table), rows[k], p, at.free(table))
 
 
 @kernel

@@ -204,9 +204,9 @@ def _bends(joints: Records, h: float, velocity: Array) -> bool:
 
 @entry_point()
 def joint_gaps(table: int, h: float) -> float:
-    """Let joints ask, in the scratch, for closed gaps where ``velocity`` leads; the largest gap."""
+    """Set rates that close the gaps of joints after the step, in the scratch; the largest gap."""
     joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
-    asked, kept = at.unknowns(table)[4], at.unknowns(table)[5]
+    targets, kept = at.unknowns(table)[4], at.unknowns(table)[5]
     turn = at.ahead(table)
     # the rows foresaw the bend of the velocities before
     if not (_bends(joints, h, velocity) or _bends(joints, h, at.before(table))):
@@ -223,7 +223,7 @@ def joint_gaps(table: int, h: float) -> float:
         if q.toothed(joint):
             gap = wheel_gap(table, h, k)
             gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"]) - kept[joint["row"]]
-            asked[joint["row"]] = -gap / h
+            targets[joint["row"]] = -gap / h
             worst = max(worst, abs(gap))
             continue
         ca, sa = turn[a, 0], turn[a, 1]
@@ -232,15 +232,15 @@ def joint_gaps(table: int, h: float) -> float:
         if joint["span"] >= 0:
             x = q.path_gap(table, h, k)
         x -= left_x + kept[joint["row"]]
-        asked[joint["row"]] = -x / h
+        targets[joint["row"]] = -x / h
         worst = max(worst, abs(x))
         if joint["keeps"] == POINT:
             y -= left_y + kept[joint["row_y"]]
-            asked[joint["row_y"]] = -y / h
+            targets[joint["row_y"]] = -y / h
             worst = max(worst, abs(y))
         if joint["keeps"] == ROLL:
             gap = wheel_gap(table, h, k) - kept[joint["row_y"]]
-            asked[joint["row_y"]] = -gap / h
+            targets[joint["row_y"]] = -gap / h
             worst = max(worst, abs(gap))
     return worst
 
@@ -261,12 +261,12 @@ def note_turns(body: Array, turn: Array) -> None:
 
 
 @kernel
-def right_side(table: int, free: Array, asked: Array, rhs: Array) -> None:
+def right_side(table: int, free: Array, targets: Array, rhs: Array) -> None:
     """Right sides of rows less their rates at the free velocities [nb, 3]."""
     entry_row, entry_body, hubs = at.entry_row(table), at.entry_body(table), at.hubs(table)
     inverse_mass, J = at.inverse_mass(table), at.entries(table)[0]
     for r in range(len(rhs)):
-        rhs[r] = asked[r]
+        rhs[r] = targets[r]
     row, x = 0, 0.0
     for e in range(len(entry_row)):  # those of a row one after the other
         b = entry_body[e]
@@ -284,11 +284,11 @@ def right_side(table: int, free: Array, asked: Array, rhs: Array) -> None:
 
 
 @kernel
-def answer(table: int, free: Array, asked: Array, impulses: Array) -> None:
-    """Impulses [m] of bilateral rows with right sides ``asked`` at free velocities [nb, 3]."""
+def answer(table: int, free: Array, targets: Array, impulses: Array) -> None:
+    """Impulses [m] of bilateral rows with right sides ``targets`` at free velocities [nb, 3]."""
     solved, starts, below, values = (
         at.unknowns(table)[2], at.starts(table), at.below(table), at.values(table))
-    right_side(table, free, asked, solved)
+    right_side(table, free, targets, solved)
     forward(starts, below, values, solved)
     for r in range(len(solved)):
         impulses[r] = solved[r]

@@ -50,9 +50,7 @@ NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pum
 class Sampler:
     """Raw samples of a run, and their conversion into rows of the recording."""
 
-    def __init__(
-        self, world: World, tables: Tables, builder: RecordingBuilder, every: int,
-    ) -> None:
+    def __init__(self, world: World, tables: Tables, builder: RecordingBuilder, every: int) -> None:
         self.world, self.tables, self.builder, self.every = world, tables, builder, every
         self.model = world.model
         self.kept = make_snapshot(CHUNK, tables, max(MIN_CONTACTS, 2 * world.room.contacts))
@@ -61,7 +59,8 @@ class Sampler:
         self.memory = self._memory()
 
     def _memory(self) -> Memory:
-        return make_memory(self.world.native, *self.tables, self.kept, self._entry_points)
+        return make_memory((self.world.native, *self.tables, self.kept), self.world.h,
+                           self._entry_points)
 
     def restart(self, tables: Tables, builder: RecordingBuilder) -> None:
         """Start another recording, with tables of no more room than those so far."""
@@ -78,10 +77,9 @@ class Sampler:
 
     def _lengthen(self, **rows: int) -> None:
         for name, count in rows.items():
-            old = getattr(self.kept, name)
-            new = np.zeros(max(count, len(old)), old.dtype)
-            new[:len(old)] = old
-            self.kept = self.kept._replace(**{name: new})  # type: ignore[arg-type]
+            array = getattr(self.kept, name).copy()
+            array.resize(max(count, len(array)), refcheck=False)  # filled with zeros
+            self.kept = self.kept._replace(**{name: array})
         self.memory = self._memory()
 
     def make_room(self) -> None:
@@ -128,8 +126,22 @@ class Sampler:
         arrays["load_force"][:, elements.loads["number"]] = np.stack(
             [loads["fx"], loads["fy"]], axis=-1)
         arrays["solver_residual"][:, 0] = kept.residual[:n]
-        self._write_drives(arrays, n)
+        actions, cables, pumps = elements.actions, elements.cables, elements.pumps["drive"]
+        torque, work = self._of("actions", n)["torque"], arrays["drive_work"]
+        arrays["drive_value"][:] = kept.drive[:n]
+        limited, runs, pulled = actions["motor"] >= 0, actions["runs"] == 1, cables["kind"] == PULL
+        arrays["drive_torque"][:, actions["drive"][limited]] = (
+            actions["sense"][limited] * torque[:, limited])
+        arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
+        work[:] = 0.0
+        work[:, actions["drive"]] = self._column("actions", n, "work")
+        work[:, pumps] = self._column("pumps", n, "work")
+        work[:, cables["drive"][pulled]] = self._column("cables", n, "work")[:, pulled]
         self.builder.put(done, arrays)
+        self._write_contacts(done, n)
+
+    def _write_contacts(self, done: int, n: int) -> None:
+        kept, order = self.kept, self.world.order
         sample = np.repeat(np.arange(done, done + n), np.diff(kept.fill[:n], prepend=0))
         self.builder.contacts.replace(
             done, *self._contact_rows(sample, kept.contacts[:kept.fill[n - 1]]).values())
@@ -139,7 +151,7 @@ class Sampler:
         # means of samples whose intervals are complete, and had several forces
         self.builder.means.replace(done, moved + done, kept.means[moved])
         fill = kept.mean_fill[:moved[-1] + 1]
-        found, order = kept.mean_contacts[:fill[-1]], self.world.order
+        found = kept.mean_contacts[:fill[-1]]
         numbers = found.view(np.float64).reshape(-1, 9)[:, 2:]
         self.builder.mean_contacts.replace(
             done, np.repeat(np.arange(done, done + len(fill)), np.diff(fill, prepend=0)),
@@ -165,7 +177,6 @@ class Sampler:
         return column - found[f"step_{name}"] / 2 if name in ("work", "loss") else column
 
     def _write_joints(self, arrays: Arrays, n: int) -> None:
-        """Joints with their limits and dry friction."""
         elements, results = self.tables.elements, self._of("joints", n)
         arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
         arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
@@ -184,23 +195,7 @@ class Sampler:
             arrays["joint_stop"][:, limit["joint"]] += (
                 sense * limit["side"] * impulse / self.world.h)
 
-    def _write_drives(self, arrays: Arrays, n: int) -> None:
-        elements = self.tables.elements
-        actions, cables, pumps = elements.actions, elements.cables, elements.pumps["drive"]
-        torque, work = self._of("actions", n)["torque"], arrays["drive_work"]
-        arrays["drive_value"][:] = self.kept.drive[:n]
-        limited, runs = actions["motor"] >= 0, actions["runs"] == 1
-        arrays["drive_torque"][:, actions["drive"][limited]] = (
-            actions["sense"][limited] * torque[:, limited])
-        arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
-        pulled = cables["kind"] == PULL
-        work[:] = 0.0
-        work[:, actions["drive"]] = self._column("actions", n, "work")
-        work[:, pumps] = self._column("pumps", n, "work")
-        work[:, cables["drive"][pulled]] = self._column("cables", n, "work")[:, pulled]
-
     def _write_springs(self, arrays: Arrays, n: int) -> None:
-        """Springs and the damping of hinges, which springs with a rotary damper share."""
         joints, springs = self.model.joints, self.tables.elements.springs
         results, work = self._of("springs", n), self._column("springs", n, "work")
         damped = springs["number"] < 0
@@ -233,7 +228,6 @@ class Sampler:
                         samples=1, bodies=len(self.world.bodies))
 
     def _contact_rows(self, sample: Integers, kept: Records) -> dict[str, NDArray[Any]]:
-        """The columns of contact rows, forces in N."""
         order = self.world.order
         normal = -np.stack([kept["nx"], kept["ny"]], axis=1)  # to the first body
         along = np.stack([kept["ny"], -kept["nx"]], axis=1)
@@ -255,10 +249,8 @@ RESULTS: dict[tuple[str, str], tuple[str, str]] = {
 class Readings:
     """Functions that read the state of one run; :meth:`Control.moved` updates it."""
 
-    def __init__(
-        self, world: World, tables: Tables, sampler: Sampler, catalogue: Catalogue,
-    ) -> None:
-        self.world, self.tables, self.model = world, tables, world.model
+    def __init__(self, world: World, sampler: Sampler, catalogue: Catalogue) -> None:
+        self.world, self.model = world, world.model
         self.sampler, self.catalogue = sampler, catalogue
         self.drive: Array = np.zeros(len(self.model.drives.name))
         self.now = 0.0
@@ -277,18 +269,17 @@ class Readings:
         if not row_of(source.kind, source.quantity).live:
             raise KeyError(name)
         if source.kind == "solver":
-            return _item(self.tables.state.accuracy, 0)
+            return _item(self.sampler.tables.state.accuracy, 0)
         if source.quantity in BOND_QUANTITIES:
             number = self.model.bonds.of(source.kind)[source.index]
-            return _item(self.tables.elements.bonds["held"], int(number))
+            return _item(self.sampler.tables.elements.bonds["held"], int(number))
         if place := RESULTS.get((source.kind, source.quantity)):
             return self._result(*place, source.index)
         read: Callable[[Source], Read] = getattr(self, f"_{source.kind}")
         return read(source)
 
     def _result(self, table: str, column: str, index: int) -> Read:
-        """A result of an element."""
-        records = getattr(self.tables.elements, table)
+        records = getattr(self.sampler.tables.elements, table)
         if key := NUMBERS.get(table):
             index = int(np.flatnonzero(records[key] == index)[0])
         return _item(records[column], index)
@@ -304,37 +295,36 @@ class Readings:
     def _drive(self, source: Source) -> Read:
         if source.quantity == "value":
             return lambda: self.drive.item(source.index)
-        actions = self.tables.elements.actions
+        actions = self.sampler.tables.elements.actions
         row = int(np.flatnonzero((actions["drive"] == source.index) & (actions["motor"] >= 0))[0])
         sense, given = float(actions["sense"][row]), self._result("actions", "torque", row)
         return lambda: sense * given()
 
     def _body(self, source: Source) -> Read:
-        index, state = source.index, self.tables.state
+        index, state = source.index, self.sampler.tables.state
         n, item = int(self.world.number[index]), state.body.item
-        mean = self.tables.result.before.item
+        mean = self.sampler.tables.result.before.item
         cx, cy = self.model.bodies.centre[index].tolist()
-        rates, gains = {"vx": 0, "vy": 1, "omega": 2}, {"ax": 0, "ay": 1, "alpha": 2}
-        if source.quantity in rates:
-            j = rates[source.quantity]
+        h, what = self.world.h, source.quantity
+        j = {"vx": 0, "ax": 0, "vy": 1, "ay": 1}.get(what, 2)
+        if what in ("vx", "vy", "omega"):
             return lambda: 0.5 * (item(n, 3 + j) + mean(n, j))
-        if source.quantity in gains:
-            j, h = gains[source.quantity], self.world.h
+        if what in ("ax", "ay", "alpha"):
             return lambda: (item(n, 3 + j) - mean(n, j)) / h
-        if source.quantity == "angle":
+        if what == "angle":
             return lambda: item(n, 2)
-        if source.quantity == "x":
+        if what == "x":
             return lambda: item(n, 0) - math.cos(item(n, 2)) * cx + math.sin(item(n, 2)) * cy
-        if source.quantity == "y":
+        if what == "y":
             return lambda: item(n, 1) - math.sin(item(n, 2)) * cx - math.cos(item(n, 2)) * cy
-        touch = source.quantity.removeprefix("contact.")
+        touch = what.removeprefix("contact.")
         return lambda: float(self.contacts.of_body(index, touch)[0])
 
     def _joint(self, source: Source) -> Read:
         joints, index = self.model.joints, source.index
         a, b = self.world.number[joints.bodies[index]].tolist()
-        item, mean = self.tables.state.body.item, self.tables.result.before.item
-        fx, fy, dx, dy, ta, tb = (_item(self.tables.elements.joints[name], index)
+        item, mean = self.sampler.tables.state.body.item, self.sampler.tables.result.before.item
+        fx, fy, dx, dy, ta, tb = (_item(self.sampler.tables.elements.joints[name], index)
                                   for name in ("fx", "fy", "dx", "dy", "ta", "tb"))
         sense, zero = joints.sense[index].item(), joints.zero[index].item()
 
@@ -369,19 +359,25 @@ class Readings:
             return self._at_guide(source.index, *at)
         length = self._result("cables", "length", source.index)
         start = float(self.sampler.builder.statics["tendon_initial"][source.index])
-        wound = self._wound_up(source.index)
-        return (lambda: start - length() + wound()) if wound else lambda: start - length()
+        tendons, states = self.model.tendons, self.sampler.tables.elements.guides
+        guides, radius = tendons.guides(source.index), tendons.guide_radius
+        wheels = [
+            (_item(states["wrap"], end), states["wrap0"][end].item(), sign * radius[end].item())
+            for end, sign in ((guides.start, -1.0), (guides.stop - 1, 1.0))
+            if radius[end] and not tendons.closed[source.index]]
+        if not wheels:
+            return lambda: start - length()
+        # what wheels at its ends have wound up since t = 0 counts, too
+        return lambda: start - length() + sum(r * (angle() - first) for angle, first, r in wheels)
 
     def _at_guide(self, tendon: int, what: str, number: int) -> Read:
         """A quantity of a guide, or the tension of a straight piece."""
-        tendons, elements = self.model.tendons, self.tables.elements
+        tendons, elements = self.model.tendons, self.sampler.tables.elements
         guide = int(tendons.first[tendon]) + number
         if what == "lifted":
-            lifted = _item(elements.guides["lifted"], guide)
-            return lambda: float(lifted())
+            return _item(elements.guides["lifted"], guide)
         if what == "slip":
-            slip = int(np.flatnonzero(tendons.grips == guide)[0])
-            return _item(elements.slips["way"], slip)
+            return _item(elements.slips["way"], int(np.flatnonzero(tendons.grips == guide)[0]))
         piece = np.flatnonzero(tendons.stretch_tendon == tendon)[number]
         last = _item(elements.cables["tension"], tendon)
         behind = [_item(elements.slips["force"], k) for k in tendons.gripped(tendon).tolist()
@@ -392,16 +388,6 @@ class Readings:
         grown = self._result("fluids", "grown", source.index)
         volume = float(self.model.lines.volume[source.index])
         return lambda: volume + grown()
-
-    def _wound_up(self, tendon: int) -> Read | None:
-        """Length that wheels at a tendon's ends have wound up since t = 0 [m]; None without any."""
-        if self.model.tendons.closed[tendon]:
-            return None
-        guides, states = self.model.tendons.guides(tendon), self.tables.elements.guides
-        radius = self.model.tendons.guide_radius
-        ends = [(_item(states["wrap"], end), float(states["wrap0"][end]), float(sign * radius[end]))
-                for end, sign in ((guides.start, -1.0), (guides.stop - 1, 1.0)) if radius[end]]
-        return (lambda: sum(r * (angle() - start) for angle, start, r in ends)) if ends else None
 
     def _group(self, source: Source) -> Read:
         names = self.model.mechanism.groups[source.index].bodies

@@ -17,7 +17,7 @@ def simulate(
     scene: Runnable, *, progress: Callable[[float], None] | None = None,
     controllers: Sequence[Custom] = (), recorded_bytes: float = RECORDED_BYTES,
 ) -> Recording:
-    """Run a scene from t = 0 and return what it did.
+    """Run a scene from t = 0 and return its recording.
 
     Args:
         scene: a scene or an expanded mechanism, its control checked already or not; or what

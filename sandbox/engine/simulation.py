@@ -28,7 +28,7 @@ from sandbox.engine.inspect_control import Checked, Runnable, checked
 from sandbox.engine.islands import DAMPING, STIFFNESS, TANGENTIAL
 from sandbox.engine.sampler import Readings, Sampler
 from sandbox.engine.start import start
-from sandbox.engine.tables import WORKSPACE, Tables, enlarged, make_tables
+from sandbox.engine.tables import Tables, enlarged, make_tables
 from sandbox.engine.world import World
 from sandbox.errors import (
     ControllerFailed,
@@ -43,8 +43,7 @@ from sandbox.errors import (
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.supports import together
-from sandbox.numeric import Array
-from sandbox.recording.builder import RECORDED_BYTES, RecordingBuilder
+from sandbox.recording.builder import RECORDED_BYTES, Latest, RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import (
     FAILED,
@@ -80,6 +79,8 @@ class Simulation:
             not have; a joint along a line, or a tendon between guides, that has no direction.
     """
 
+    _keeps_all = True
+
     def __init__(
         self, scene: Runnable, *, controllers: Sequence[Custom] = (),
         recorded_bytes: float = RECORDED_BYTES,
@@ -102,15 +103,13 @@ class Simulation:
         self._inputs = Inputs(world, self._clock)
         self._tables: Tables = make_tables(world)
         self._first_tables = self._tables
-        self._first_values = [
-            (array, array.copy()) for part in self._tables[:4]
-            for name, array in part._asdict().items()
-            if isinstance(array, np.ndarray) and array.flags.writeable and name not in WORKSPACE]
-        self._builder = self._room()
+        self._first_values = self._tables.saved()
+        self._builder = self._make_builder(
+            self._clock.samples, apart=self._clock.every > 1)
         self._max_bytes = recorded_bytes
         self._sampler = Sampler(world, self._tables, self._builder, self._clock.every)
         self._catalogue = Catalogue(self.mechanism)
-        self._readings = Readings(world, self._tables, self._sampler, self._catalogue)
+        self._readings = Readings(world, self._sampler, self._catalogue)
         self._read: dict[str, Read] = {}
         self._begin(began)
 
@@ -145,8 +144,7 @@ class Simulation:
         return self._control.stopped if self._ended else None
 
     @property
-    def _ended(self) -> bool:
-        """Whether an event has stopped it; never before the first sample."""
+    def _ended(self) -> bool:  # by an event; never before the first sample
         return self._control.stopped is not None and self._done >= self._clock.every
 
     def __getitem__(self, quantity: str) -> float:
@@ -158,9 +156,6 @@ class Simulation:
             UnknownQuantityError: not in the catalogue; with a near miss.
             SceneError: a quantity of complete runs only, such as ``work``; or no expression.
         """
-        if not isinstance(quantity, str):
-            raise bad_argument(f"{quantity!r} is not the name of a quantity", "simulation",
-                         "a name such as 'finger.tendon.tension'")
         if quantity not in self._read:
             try:
                 self._read[quantity] = self._readings.of(quantity)
@@ -214,15 +209,11 @@ class Simulation:
                 self._loop(until, progress)
             finally:
                 self._wall["simulate"] += time.perf_counter() - began
-        except (SimulationDiverged, RecordingFull, ControllerFailed) as error:
-            self._failed = error
-            error.recording = self.recording()  # the run is over: it shares the memory
-            raise
-        except KeyboardInterrupt:
-            recording = self.finish(INTERRUPTED)
-            last = float(recording.time[-1]) if len(recording) else 0.0
-            self._failed = Interrupted(last, recording=recording)
-            raise self._failed from None
+        except (SimulationDiverged, RecordingFull, ControllerFailed, KeyboardInterrupt) as error:
+            ended = Interrupted(self.time) if isinstance(error, KeyboardInterrupt) else error
+            self._failed = ended
+            ended.recording = self.recording()  # the run is over: it shares the memory
+            raise ended from error.__cause__
         except BaseException as error:
             self._failed = SandboxError(f"this simulation ended at t = {self.time:.6g} s: "
                                         f"{type(error).__name__}: {error}", code="run-ended")
@@ -230,10 +221,10 @@ class Simulation:
 
     def _loop(self, until: int, progress: Callable[[float], None] | None) -> None:
         clock, inputs, control, sampler = self._clock, self._inputs, self._control, self._sampler
-        most, every = min(BLOCK, inputs.at_once), clock.every
+        maximum, every = min(BLOCK, inputs.at_once), clock.every
         controlled, drives, done = bool(control), control.drives, self._done
         while done < until:
-            count = min(most, until - done)
+            count = min(maximum, until - done)
             if controlled:
                 control.act(done)
                 if self._ended:
@@ -298,7 +289,6 @@ class Simulation:
         world.enlarge(found, 4 * (rows + 1))
         self._tables = enlarged(self._tables, world.room)
         self._sampler.enlarge(self._tables)
-        self._readings.tables = self._tables
 
     def set(self, drive: str, value: float | None) -> None:
         """Set a drive from the next step on, in SI; None lets it follow its signal again.
@@ -337,9 +327,9 @@ class Simulation:
         for array, value in self._first_values:
             array[...] = value
         self._tables = self._first_tables
-        self._builder = self._room()
+        self._builder = self._make_builder(
+            self._clock.samples, apart=self._clock.every > 1)
         self._sampler.restart(self._tables, self._builder)
-        self._readings.tables = self._tables
         self._begin(began)
 
     def copy(self) -> Simulation:
@@ -371,7 +361,7 @@ class Simulation:
                   else LIMITED if isinstance(failed, RecordingFull)
                   else f"{FAILED}{failed}" if isinstance(failed, ControllerFailed)
                   else str(failed) if isinstance(failed, SimulationDiverged) else "")
-        return self.finish(reason, copied=not self.finished and failed is None)
+        return self.finish(reason, copied=not self.finished)
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:
         """The recording so far, and the reason of an early end.
@@ -399,30 +389,25 @@ class Simulation:
         ), copied=copied)
 
     def _contact_solver(self) -> dict[str, float]:
-        """How contacts, limits and friction were solved: see :class:`Outcome`."""
-        tables, accuracy = self._tables, self._tables.state.accuracy.tolist()
-        if not (len(tables.constants.shapes) or len(tables.elements.limits)
-                or len(tables.elements.motors)):
+        (constants, elements, state), h = self._tables[:3], self._clock.step
+        if not (len(constants.shapes) or len(elements.limits) or len(elements.motors)):
             return {}
-        found = {"residual": accuracy[1], "time_s": accuracy[2] * self._clock.step,
-                 "steps_above_1e-8": accuracy[4],
-                 "relaxed_steps": float(self._tables.state.standing[0])}
-        if accuracy[3]:
-            found |= {"compliant_steps": accuracy[3], "stiffness": STIFFNESS, "damping": DAMPING,
-                      "tangential": TANGENTIAL}
-        return found
+        _, largest, step, piled, coarse = state.accuracy.tolist()
+        found = {"residual": largest, "time_s": step * h, "steps_above_1e-8": coarse,
+                 "relaxed_steps": float(state.standing[0])}
+        return found | ({"compliant_steps": piled, "stiffness": STIFFNESS, "damping": DAMPING,
+                         "tangential": TANGENTIAL} if piled else {})
 
-    def _room(self) -> RecordingBuilder:
-        return RecordingBuilder(
-            self.mechanism, self._clock.samples, self._statics(), apart=self._clock.every > 1,
-            model=self._model)
-
-    def _statics(self) -> dict[str, Array]:
+    def _make_builder(self, samples: int, *, apart: bool = False) -> RecordingBuilder:
         bodies = self._model.bodies
         tendons = self._tables.elements.cables[:len(self._model.tendons.name)]
-        return {"body_centre": bodies.centre, "body_mass": bodies.mass,
-                "body_inertia": bodies.inertia, "tendon_initial": tendons["length"].copy(),
-                "tendon_rest": tendons["rest"].copy()}
+        statics = {"body_centre": bodies.centre, "body_mass": bodies.mass,
+                   "body_inertia": bodies.inertia, "tendon_initial": tendons["length"].copy(),
+                   "tendon_rest": tendons["rest"].copy()}
+        if not self._keeps_all:
+            return Latest(self.mechanism, 0, statics, model=self._model)
+        return RecordingBuilder(
+            self.mechanism, samples, statics, apart=apart, model=self._model)
 
 
 def _whole(number: object, path: str) -> int:
@@ -448,20 +433,20 @@ def diverged(now: float, world: World, tables: Tables, control: Control) -> Simu
             now, model.lines.name[burst[0]],
             "its pressure has run away; a relief, or a smaller flow, may help")
     loads = model.loads
-    for out in tables.elements.loads:
-        if not np.isfinite([out["fx"], out["fy"], out["torque"]]).all():
-            row = out["number"]
+    for row in tables.elements.loads:
+        if not np.isfinite([row["fx"], row["fy"], row["torque"]]).all():
+            load = row["number"]
             return SimulationDiverged(
-                now, model.bodies.name[loads.body[row]],
-                f"the load {model.mechanism.loads[loads.load[row]].name!r} has no finite "
+                now, model.bodies.name[loads.body[load]],
+                f"the load {model.mechanism.loads[loads.load[load]].name!r} has no finite "
                 "value there: a division by zero, or out of range")
     body = np.abs(world.body)
     finite = np.isfinite(body).all(axis=1)
-    worst = np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1))
+    worst = int(np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1)))
     reason = "its motion has run away" if finite.all() else "its motion is no longer a number"
     helps = f"smaller forces, or a smaller run.step than {world.h:g} s, may help"
-    driver = _driver(tables, _joined(world, int(worst)))
-    if driver >= 0:
+    driver = _driver(tables, _joined(world, worst))
+    if driver is not None:
         reason += (f", driven by {model.bodies.name[world.order[driver]]}, which moves on a "
                    "schedule: past a dead centre or out of reach the connected bodies cannot "
                    "follow")
@@ -472,21 +457,17 @@ def diverged(now: float, world: World, tables: Tables, control: Control) -> Simu
         now, model.bodies.name[world.order[worst]], f"{reason}; {helps}")
 
 
-def _driver(tables: Tables, bodies: Container[int]) -> int:
-    """The first of some bodies, in pymunk's order, that moves on a schedule, or -1."""
-    moving = [body for body in tables.constants.scheduled.tolist()
-              if tables.result.velocity[body].any() and body in bodies]
-    return moving[0] if moving else -1
+def _driver(tables: Tables, bodies: Container[int]) -> int | None:
+    """The first of some bodies, in pymunk's order, that moves on a schedule."""
+    return next((body for body in tables.constants.scheduled.tolist()
+                 if tables.result.velocity[body].any() and body in bodies), None)
 
 
 def _joined(world: World, body: int) -> set[int]:
     """The bodies, in pymunk's order, that joints connect with one through free bodies."""
-    place = {number: i for i, number in enumerate(world.order)}
-    for joints in together(world.model):
-        found = {place[number] for number in world.model.joints.bodies[joints].ravel().tolist()}
-        if body in found:
-            return found
-    return set()
+    groups = (set(world.number[world.model.joints.bodies[joints]].ravel().tolist())
+              for joints in together(world.model))
+    return next((found for found in groups if body in found), set())
 
 
 def _jammed(now: float, world: World, tables: Tables) -> Jammed:
@@ -499,11 +480,10 @@ def _jammed(now: float, world: World, tables: Tables) -> Jammed:
     found = {body for pair in pairs for body in pair}
     joined = set().union(*(_joined(world, body) for body in found))
     driver = next(body for body in (_driver(tables, some) for some in (
-        found, joined, range(len(names)))) if body >= 0)
+        found, joined, range(len(names)))) if body is not None)
     free = tables.constants.inverse_mass[:, 0] > 0
     walls = [pair for pair in pairs if any(not free[body] and body != driver for body in pair)]
     one, other = sorted((walls or pairs)[0], key=lambda body: (body != driver, not free[body]))
-    who = f"{names[driver]}, which moves on a schedule, "
     what = f"drives {names[one]} against" if one != driver else "is driven against"
-    return Jammed(now, names[driver],
-                  f"{who}{what} {names[other]}, and neither can move away")
+    return Jammed(now, names[driver], f"{names[driver]}, which moves on a schedule, {what} "
+                  f"{names[other]}, and neither can move away")

@@ -7,8 +7,6 @@ hash covers these, so old machine code is never loaded after a change.
 
 from __future__ import annotations
 
-import builtins
-import dis
 import hashlib
 import platform
 import types
@@ -69,40 +67,30 @@ def _base() -> tuple[object, ...]:
 
 @cache
 def _describe(function: Source) -> tuple[str, list[Source]]:
-    """The code of one function with the values that it takes from outside, and what it calls."""
     calls: list[Source] = []
-    parts = [function.__module__, function.__qualname__, repr(function.__defaults__),
-             repr(function.__kwdefaults__)]
+    scope, values = function.__globals__, dict[str, Any]()
     closed = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
-    parts += [f"{name}={_value(cell.cell_contents, calls)}" for name, cell in closed]
+    values.update((name, cell.cell_contents) for name, cell in closed)
+    parts: list[object] = [function.__module__, function.__qualname__, function.__defaults__,
+                           function.__kwdefaults__]
     codes = [function.__code__]
-    while codes:
-        code = codes.pop()
-        parts += [code.co_code.hex(), repr(code.co_names), repr(code.co_varnames),
-                  f"{code.co_argcount} {code.co_kwonlyargcount} {code.co_flags}"]
-        for i, value in enumerate(code.co_consts):
-            if isinstance(value, types.CodeType):
-                codes.append(value)
-            docstring = i == 0 and isinstance(value, str) and value == function.__doc__
-            parts.append("None" if docstring or value is None or value in codes
-                         else f"{type(value).__name__} {value!r}")
-        steps = list(dis.get_instructions(code))
-        for step, following in zip(steps, [*steps[1:], None], strict=True):
-            if step.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
-                parts.append(f"{step.argval}={_global(function, step.argval, following, calls)}")
-    return "\n".join(parts), calls
-
-
-def _global(
-    function: Source, name: str, following: dis.Instruction | None, calls: list[Source],
-) -> str:
-    scope = function.__globals__
-    if name not in scope:
-        return f"builtin {getattr(builtins, name).__name__}"
-    value = scope[name]
-    if isinstance(value, types.ModuleType) and following is not None:
-        value = getattr(value, following.argval)
-    return _value(value, calls)
+    for code in codes:  # nested ones are added
+        nested = [each for each in code.co_consts if isinstance(each, types.CodeType)]
+        codes += nested
+        parts += [code.co_code, code.co_names, code.co_varnames, code.co_argcount,
+                  code.co_kwonlyargcount, code.co_flags,
+                  *(None if each in nested or each == function.__doc__ else each
+                    for each in code.co_consts)]
+        for name in code.co_names:
+            value = scope.get(name)
+            if not isinstance(value, types.ModuleType):
+                values |= {name: value} if name in scope else {}
+            elif value.__name__ not in ("math", "numpy"):  # their versions are in the base
+                values.update((f"{name}.{each}", attribute) for each in code.co_names
+                              if not isinstance(attribute := getattr(value, each, value),
+                                                types.ModuleType))
+    found = [f"{name}={_value(value, calls)}" for name, value in sorted(values.items())]
+    return "\n".join([*map(repr, parts), *found]), calls
 
 
 def _value(value: Any, calls: list[Source]) -> str:
@@ -121,9 +109,6 @@ def _value(value: Any, calls: list[Source]) -> str:
         return f"{type(value).__name__} {value!r}"
     if isinstance(value, np.dtype):
         return repr(value)
-    if isinstance(value, types.BuiltinFunctionType | np.ufunc) or (
-            isinstance(value, type) and value.__module__ in ("builtins", "numpy")):
-        return f"{getattr(value, '__module__', '')}.{value.__name__}"
     if type(value).__name__ == "_Intrinsic":  # of native.py, which is part of the base
         return f"{value._defn.__module__}.{value._name}"
     raise TypeError(f"compiled functions cannot use {value!r} of type {type(value).__name__}; "

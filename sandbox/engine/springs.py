@@ -85,11 +85,8 @@ def spring_rows(table: int, h: float, drive: Array) -> None:
 
 @kernel
 def _law(table: int, s: Any, extent: float, speed: float, drive: Array) -> None:
-    """Compute the force of a spring's law and its slopes by stretch and rate, as a formula."""
     read = at.read_names(table)
-    for i in range(3):
-        for j in range(read.shape[1]):
-            read[i, j] = 0.0
+    read[:3] = 0.0
     read[0, 0], read[0, 1] = extent, 1.0
     read[1, 0], read[1, 2] = speed, 1.0
     read[2, 0] = s["k"] if s["drive"] < 0 else drive[s["drive"]]

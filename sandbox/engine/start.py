@@ -19,7 +19,7 @@ from sandbox.engine.advance import UNKEPT, advance
 from sandbox.engine.coordinates import rate
 from sandbox.engine.memory import Memory
 from sandbox.engine.records import PACED
-from sandbox.engine.tables import WORKSPACE, Tables
+from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.numeric import Array
 
@@ -30,35 +30,24 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
     """Put the bodies where the first step begins; False if a trial step lacked room."""
     first = world.body.copy()
     free = tables.constants.inverse_mass[:, 0] > 0
-    results = tables.result._asdict()
-    changing = [*tables.elements, *tables.state,
-                *(results[name] for name in results if name not in WORKSPACE)]
-    kept = [array.copy() for array in changing]
-    shift = np.zeros((len(first), 3))
-    trial_drive = drive[:1].copy()
+    saved, trial_drive = tables.saved(), drive[:1].copy()
+    joints, motors = tables.elements.joints, tables.elements.motors
     for trial in range(TIMES):
         advance(memory.address, memory.h, trial_drive, speeds, UNKEPT, UNKEPT)
         if trial == 0:
-            trial_drive[0] -= _jumps(tables, first, drive)
+            kept_speed = ((motors["mode"] == 0) & np.isfinite(motors["maximum"])
+                          & np.isnan(motors["slope"]) & (motors["law"] == PACED))
+            for motor in motors[kept_speed]:
+                speed = motor["sense"] * rate(joints[motor["joint"]], first[:, 3:])
+                at_start = (2 * drive[0] - drive[-1])[motor["drive"]]
+                trial_drive[0, motor["drive"]] -= at_start - speed
         enough = not tables.state.touching[1]
         gained = memory.h / 8 * (world.velocity - first[:, 3:])
         hit = tables.state.touches["bounce"][:tables.state.touching[0]].any()
-        for array, value in zip(changing, kept, strict=True):
+        for array, value in saved:
             array[...] = value
         shift = np.where(free[:, None] & np.isfinite(gained) & ~hit, gained, 0.0)
         world.place(first[:, :3] + shift, first[:, 3:])
         if not enough:
             return False
     return True
-
-
-def _jumps(tables: Tables, body: Array, drive: Array) -> Array:
-    """Speeds at t = 0 of motors that kept theirs, minus those of their hinges, [nd]."""
-    result, motors = np.zeros(drive.shape[1]), tables.elements.motors
-    begins = 2 * drive[0] - drive[-1]
-    holds = (motors["mode"] == 0) & np.isfinite(motors["maximum"]) & np.isnan(
-        motors["slope"])
-    for motor in motors[holds & (motors["law"] == PACED)]:
-        speed = motor["sense"] * rate(tables.elements.joints[motor["joint"]], body[:, 3:])
-        result[motor["drive"]] += begins[motor["drive"]] - speed
-    return result

@@ -44,7 +44,7 @@ BOUND = np.dtype([
     ("soft", float),        # compliance: added to y for an impulse of 1
     ("measure", np.int64),  # whether the row acts on nothing: others are bounded by its impulse
     ("gentle", np.int64),   # whether an overlap is undone slowly
-    ("hold", float),        # how strongly its impulse is held to the last, as a share of base
+    ("hold", float),        # weight of its last impulse, as a share of base
     ("passive", np.int64),  # whether it is friction that must not drive where its measure is < 0
     ("tight", float),       # share of its measure by which it may exceed its bound; 0 for any
     ("normal", np.int64),   # of a tangential row the normal one; -1 of others
@@ -52,7 +52,7 @@ BOUND = np.dtype([
     ("low", float), ("high", float),    # of the impulse, of rows that are not tangential
     ("static", float),      # static over sliding friction, of rows in joints and of contacts
     ("phase", np.int64),    # of these: SLIDES, HOLDS or TRIED
-    ("reserve", float),       # bound in the last step, then what was left of it; nan where unknown
+    ("reserve", float),       # bound in the last step, then what was left of it; nan if unknown
     ("p_static", float),        # impulse of the last step, then that with static friction
     ("slip", float),        # mode of the last step, then rate of slip with static friction
     ("mode", np.int64),     # -1, 0, 1: at low, in between (y = 0), at high
@@ -61,8 +61,8 @@ BOUND = np.dtype([
     ("p", float),           # impulse
     ("free", float),        # y without bounded rows
     ("base", float),        # y for an impulse of 1, bilateral rows left out
-    ("back", float),        # how much of free asks an overlap back, not above 0
-    ("out", np.int64),      # whether joints hold it, so that it neither sees nor gives anything
+    ("back", float),        # part of free that undoes an overlap, at most 0
+    ("out", np.int64),      # whether joints hold both bodies, so that it has no effect
     ("branch", np.int64),   # how many unknowns its column has
     ("violation", float),   # of its mode, as a rate
 ])
@@ -105,8 +105,8 @@ TOUCH = np.dtype([
     ("mode", np.int64),     # of the tangential row: -1 and 1 slide, 0 sticks
     ("listed", np.int64),   # whether its rows are among those solved
     ("late", np.int64),     # whether it is hit only because of the forces of this step
-    ("belt", float),        # by how much surfaces that run add to its rate of sliding [m/s]
-    ("gap_shift", float),         # how far impacts of the step lead its gap back [m]
+    ("belt", float),        # velocity of driven surfaces along it [m/s]
+    ("gap_shift", float),         # change of its gap at the pose by impacts of the step [m]
     ("instant", float),     # of its last impact in the step, after the pose [s]
     ("phase", np.int64),    # AWAY, CLOSING or RESTING
     ("sums", np.int64),     # its CONTACT_SUMS in this sample interval, or -1
@@ -139,10 +139,10 @@ PILED = np.dtype([
         "n_last", "t_last",     # impulses of the last step [N s]
         "n0", "t0", "n_best", "t_best", "pn", "pt",
         "bias_n", "bias_t",     # added to the rates [m/s]
-        "bend",                 # what of that bodies that turn give along the contact
+        "bend",                 # share of that by turning bodies, along the contact
         "soft_n", "soft_t",     # compliance: rate for an impulse of 1
         "base_n", "base_t",     # response of the bodies to an impulse of 1
-        "stiffness", "along",   # tangential [N/m]; what of want_t its spring gives
+        "stiffness", "along",   # tangential [N/m]; share of bias_t by its spring
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
 ])  # a contact or a bounded row of a joint in a pile while its step is solved (piles)
 IN_PILE = -1  # value of a contact's "listed" that keeps it from the rows of the direct solver
@@ -263,11 +263,11 @@ class Result(NamedTuple):
     turn: Annotated[Array, "bodies 2"]  # cosine and sine of the bodies' angles
     ahead: Annotated[Array, "bodies 3"]  # the same of other angles, and these: of one step on
     pressing: Annotated[Array, "loaded numbers 3"]  # NUMBERS of the loaded bodies
-    felt: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
+    load_terms: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
     boxes: Annotated[Array, "bodies 4"]  # bounds of the bodies' shapes: least x, y, largest x, y
     belts: Annotated[Array, "bodies"]  # speeds of surfaces, counter-clockwise [m/s]
     stack: Annotated[Array, "stack 4"]  # scratch of laws: values with their slopes
-    read_names: Annotated[Array, "names 4"]  # scratch: what a law reads, values with slopes
+    read_names: Annotated[Array, "names 4"]  # scratch: arguments of a law with slopes
     entries: Annotated[Array, "2 entries 3"]  # J and W J of the entries
     values: Annotated[Array, "values"]  # the matrix and its factor
     unknowns: Annotated[Array, "6 unknowns"]
@@ -277,7 +277,7 @@ class Result(NamedTuple):
     rows: Annotated[Records, BOUND, "rows"]  # the rows that are solved for
     columns: Annotated[Array, "rows unknowns"]  # L^-1 R W C^T of each
     reached: Annotated[Integers, "rows unknowns"]  # which unknowns are not 0 in it
-    delassus: Annotated[Array, "rows rows"]  # what the rows make of one another, G
+    delassus: Annotated[Array, "rows rows"]  # coupling of the rows, G
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
     pile_counts: Annotated[Integers, "2"]

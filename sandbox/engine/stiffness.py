@@ -18,8 +18,7 @@ from sandbox.elements.tendons import RIGID
 from sandbox.engine.records import SOFT
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.mechanism import Mechanism
-from sandbox.values.signals import AnySignal, Table, values
+from sandbox.values.signals import Table, values
 
 
 def too_stiff(model: Model, h: float) -> Flags:
@@ -41,7 +40,7 @@ def stiff_servos(model: Model, h: float) -> Flags:
 
 def stiff_cables(model: Model, h: float) -> Flags:
     """Whether each tendon, if no drive pulls it, is solved at the end of a step h [s], [nt]."""
-    k = largest_cable_stiffness(model)
+    k = _largest_set(model, model.tendons.stiffness, model.tendons.stiffener)
     return np.asarray((k >= RIGID) | (h * h * k * cable_responses(model) > SOFT))
 
 
@@ -100,9 +99,7 @@ def _response(model: Model, pushes: Iterable[tuple[int, float, float]]) -> float
                      for body, (force, moment) in total.items() if bodies.free[body]))
 
 
-def _at_points(
-    model: Model, bodies: Integers, points: Array,
-) -> Iterator[tuple[int, float, float]]:
+def _at_points(model: Model, bodies: Integers, points: Array) -> Iterator[tuple[int, float, float]]:
     """Unit forces at points of bodies, with their largest moments about the centres of mass."""
     for body, point in zip(bodies.tolist(), points, strict=True):
         yield body, 1.0, _lever(model, body, point)
@@ -145,11 +142,6 @@ def largest_stiffness(model: Model) -> Array:
     return found
 
 
-def largest_cable_stiffness(model: Model) -> Array:
-    """The largest stiffness [N/m] of every tendon, shape [nt]; as :func:`largest_stiffness`."""
-    return _largest_set(model, model.tendons.stiffness, model.tendons.stiffener)
-
-
 def _largest_set(model: Model, own: Array, setter: Integers) -> Array:
     """The largest of stiffnesses, of which drives set some (their numbers, or -1)."""
     mechanism, found, highest = model.mechanism, own.copy(), dict[str, float]()
@@ -158,9 +150,13 @@ def _largest_set(model: Model, own: Array, setter: Integers) -> Array:
     for name, value in [*set_to, *(pair for each in mechanism.events for pair in each.set.items())]:
         highest[name] = max(value, highest.get(name, 0.0))
     for i in np.flatnonzero(setter >= 0).tolist():
-        drive = mechanism.drives[setter[i]]
-        own_value = float(found[i]) if drive.value is None else _largest(drive.value, mechanism)
-        found[i] = max(own_value, highest.get(drive.name, 0.0))
+        drive, value = mechanism.drives[setter[i]], float(found[i])
+        if isinstance(drive.value, Table):
+            value = max(y for _, y in drive.value.table)
+        elif drive.value is not None:
+            instants = np.linspace(0.0, mechanism.run.duration, INSTANTS)
+            value = float(values(drive.value, instants, mechanism.functions).max())
+        found[i] = max(value, highest.get(drive.name, 0.0))
     return found
 
 
@@ -174,10 +170,3 @@ def range_of_stretch(model: Model, spring: int) -> Array:
     if not math.isfinite(high - low):
         low, high = min(rest, start) - math.pi, max(rest, start) + math.pi
     return np.linspace(low, max(high, low + MIN_RANGE), TRIED) - rest
-
-
-def _largest(signal: AnySignal, mechanism: Mechanism) -> float:
-    if isinstance(signal, Table):
-        return max(value for _, value in signal.table)
-    instants = np.linspace(0.0, mechanism.run.duration, INSTANTS)
-    return float(values(signal, instants, mechanism.functions).max())

@@ -11,7 +11,6 @@ from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulation import Simulation, diverged
 from sandbox.errors import SimulationDiverged
 from sandbox.numeric import Array, Integers
-from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
@@ -101,8 +100,7 @@ class Still(Simulation):
 
     def recording(self) -> Recording:
         """The sample of the last step that was ``kept``."""
-        builder = RecordingBuilder(self.mechanism, 1, self._statics(), model=self._model)
-        self._sampler.builder = builder
+        self._sampler.builder = builder = self._make_builder(1)
         self._sampler.write()
         clock = self._clock
         return builder.finish(np.array([float(clock.force_time(clock.steps))]), Outcome(

@@ -15,6 +15,7 @@ from sandbox.engine.pile_rows import pile_tables
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
 from sandbox.engine.world import Room, World
+from sandbox.model.programs import curve_tables
 
 WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen",
              "pile_adjacent", "pile_work", "pile_vectors", "pile_diagonal", "pile_lower",
@@ -33,25 +34,33 @@ class Tables(NamedTuple):
     result: st.Result
     pattern: Pattern
 
+    def saved(self) -> list[tuple[Any, Any]]:
+        """All arrays that a run changes but scratch ones, and copies of them."""
+        return [(array, array.copy()) for part in self[:4] for name, array in part._asdict().items()
+                if isinstance(array, np.ndarray) and array.flags.writeable
+                and name not in WORKSPACE]
+
 
 def make_tables(world: World) -> Tables:
     """Tables for all elements of the world's model."""
-    model, h, order, shapes = world.model, world.h, world.order, world.shape_tables
-    places, rows = et.PlacedBodies(model, order), et.Rows()
-    count = len(order)
-    motors, actions = et.drive_tables(places, h)
-    joints = et.joint_table(places, rows)
+    model, order, shapes = world.model, world.order, world.shape_tables
+    build, count = et.Builder(model, order, world.h), len(order)
+    motors, actions = et.drive_tables(build)
+    joints = et.joint_table(build)
     spans = et.add_paths(joints, model, shapes.spans)
-    rigid = len(rows.bodies)
-    programs, stack, codes = et.law_tables(model)
-    springs = et.spring_table(places, h, codes, rows)
-    cables = et.cable_tables(places, h, rows)
-    frictions, sums = et.dry_friction_table(joints, model, count + 2 * len(cables.slips))
-    fluids, meet = et.fluid_tables(places, h, rows)
-    loads, loaded, sides = et.load_tables(places, codes, rows)
-    pattern = make_pattern(rows.bodies, places.inverse_mass, rigid, slips=len(cables.slips),
-                           sums=[*cables.sums, *sums], joined=meet)
-    cables.slips["row"] = pattern.hubs[cables.slips["slide"], 0]
+    rigid = len(build.rows)
+    springs, cables = et.spring_table(build), et.cable_tables(build)
+    slips = cables.slips
+    frictions = et.dry_friction_table(joints, model, count + 2 * len(slips))
+    by_load = joints[frictions["joint"][frictions["sum"] >= 0]]
+    spans_of_slips = (cables.cables["row"][slips[name]].tolist() for name in ("before", "after"))
+    sums = [(one, two if two >= 0 else one) for one, two in [  # rows whose impulses bound friction
+        *zip(*spans_of_slips, strict=True), *by_load[["row", "row_y"]].tolist()]]
+    fluids, meet = et.fluid_tables(build)
+    loads, loaded, sides = et.load_tables(build)
+    pattern = make_pattern(build.rows, build.inverse_mass, rigid, slips=len(slips), sums=sums,
+                           joined=meet)
+    slips["row"] = pattern.hubs[slips["slide"], 0]
     valves = fluids["valves"]
     valves["slot"][(valves["a"] >= 0) & (valves["b"] >= 0)] = pattern.joined
     for table, names in ((joints, et.JOINT_ROWS), (springs, ("row",)), (cables.cables, ("row",)),
@@ -65,14 +74,15 @@ def make_tables(world: World) -> Tables:
     motors["target"] = math.nan
     elements = st.Elements(
         actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
-        slips=cables.slips, joints=joints, limits=et.limit_table(places), motors=motors,
+        slips=slips, joints=joints, limits=et.limit_table(build), motors=motors,
         dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
     has = np.bincount(shapes.shapes["body"], minlength=count) > 0
-    piled = pile_tables(pattern, places.inverse_mass, elements, shapes.shapes)
+    piled = pile_tables(pattern, build.inverse_mass, elements, shapes.shapes)
+    curves, knots = curve_tables(list(model.mechanism.functions.values()))
     pairs, filters = np.ix_(order, order), world.filters
     constants = st.Constants(
-        h=h, gravity=np.array(model.mechanism.gravity, dtype=float),
-        inverse_mass=places.inverse_mass, bodies=bodies,
+        h=world.h, gravity=np.array(model.mechanism.gravity, dtype=float),
+        inverse_mass=build.inverse_mass, bodies=bodies,
         scheduled=np.flatnonzero(model.bodies.scheduled[order]), wheels=model.tendons.wheels,
         sides=sides, shapes=shapes.shapes, faces=shapes.faces, vertices=shapes.vertices,
         spans=spans,
@@ -83,7 +93,7 @@ def make_tables(world: World) -> Tables:
         loose=piled.loose, pile_nodes=piled.nodes, pile_blocks=piled.blocks,
         pile_entries=piled.entries,
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
-        **programs)
+        steps=build.steps, curves=curves, knots=knots)
     piles, unknowns = len(piled.cluster), len(pattern.starts) - 1
     nodes = piles + len(piled.nodes)
     sizes = {name: len(array) for name, array in constants._asdict().items() if name != "h"}
@@ -104,11 +114,11 @@ def make_tables(world: World) -> Tables:
         broken=np.zeros(max(BREAKS_EACH * breaking, MIN_BREAKS if breaking else 0), BROKEN))
     state.last_drive[:] = math.nan
     result: st.Result = st.allocate(
-        st.Result, sizes, velocity=world.velocity, before=world.velocity.copy(), stack=stack)
+        st.Result, sizes, velocity=world.velocity, before=world.velocity.copy(), stack=build.stack)
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they are in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
-    result.unknowns[1][cables.slips["row"]] = -cables.drag
+    result.unknowns[1][slips["row"]] = -cables.drag
     result.ahead[:] = math.nan
     return Tables(constants, elements, state, result, pattern)
 

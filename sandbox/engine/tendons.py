@@ -53,9 +53,7 @@ def _near(angle: float, last: float) -> float:
 
 
 @kernel
-def measure(
-    cable: Any, guides: Records, pose: Array, turn: Array, start: bool,
-) -> float:
+def measure(cable: Any, guides: Records, pose: Array, turn: Array, start: bool) -> float:
     """Length of a tendon [m] at ``pose`` [nb, 3]; fills its J. ``start``: count turns anew."""
     length: float = _along(cable, guides, pose, turn, start)
     if cable["lifts"] and not start:
@@ -67,9 +65,7 @@ def measure(
 
 
 @kernel
-def _along(
-    cable: Any, guides: Records, pose: Array, turn: Array, start: bool,
-) -> float:
+def _along(cable: Any, guides: Records, pose: Array, turn: Array, start: bool) -> float:
     """The length over the guides that the tendon lies on, as :func:`measure` has it."""
     length = 0.0
     first, last = cable["first"], cable["last"]
@@ -186,25 +182,21 @@ def wound_up(cable: Any, guides: Records) -> float:
 EXCESS = 1e-10  # accepted excess of friction, as a share of both tensions: stiff cables hardly slip
 
 
-@kernel
-def _bend(table: int, slip: Any) -> float:
-    """The angle that a tendon bends by at a guide [rad]; 0 where it does not touch its wheel."""
-    g, guides = slip["guide"], at.guides(table)
-    if guides[g]["radius"] != 0.0:
-        twin = slip["twin"] if slip["twin"] >= 0 else g
-        return max(0.0, float(guides[twin]["wrap"]))
-    x, y = guides[g]["jx"], guides[g]["jy"]
-    if slip["twin"] >= 0:
-        x += guides[slip["twin"]]["jx"]
-        y += guides[slip["twin"]]["jy"]
-    return 2.0 * math.asin(min(1.0, 0.5 * math.hypot(x, y)))
-
-
 @entry_point("slips")
 def slip_rows(table: int, h: float, i: int, n: int) -> int:
     """Add the rows of guide ``i``: the sum of the tensions, and friction; how many there are."""
-    slip, rows = at.slips(table)[i], at.rows(table)
-    bound = math.tanh(0.5 * slip["friction"] * _bend(table, slip))
+    slip, rows, guides = at.slips(table)[i], at.rows(table), at.guides(table)
+    first = guides[slip["guide"]]
+    last = guides[slip["twin"]] if slip["twin"] >= 0 else first
+    if first["radius"] != 0.0:  # 0 where it does not touch its wheel
+        bend = max(0.0, float(last["wrap"]))
+    else:
+        x, y = first["jx"], first["jy"]
+        if slip["twin"] >= 0:
+            x += last["jx"]
+            y += last["jy"]
+        bend = 2.0 * math.asin(min(1.0, 0.5 * math.hypot(x, y)))
+    bound = math.tanh(0.5 * slip["friction"] * bend)
     if bound <= 0.0:
         return n
     pulled = at.cables(table)[slip["after"]]["kind"] == PULL
@@ -238,7 +230,7 @@ def slipped(table: int, h: float) -> None:
         slip = slips[i]
         before, after = slip["before"], slip["after"]
         cable = cables[before]
-        # rates of soft spans stand in the rows by what they make of one another
+        # rates of soft spans are scaled in the rows
         scale = (cable["c"] + h * cable["k"]) / (cable["inside"] * cable_lead(table, h, before))
         rate = unknown[slip["row"]] / scale
         slip["rate"] = rate
@@ -339,7 +331,7 @@ def cable_rows(table: int, h: float) -> None:
         rhs[r] = cable_rate(table, h, i)
         compliance[r] = 1.0 / (h * cable_lead(table, h, i))
     slips = at.slips(table)
-    for i in range(len(slips)):  # what a drive pulls with goes to the last guide that holds
+    for i in range(len(slips)):  # the pull of a drive acts at the last guide that holds
         end = slips[i]["after"]
         if cables[end]["kind"] == PULL:
             rhs[slips[i]["row"]] = -h * cables[end]["tension"]
@@ -358,7 +350,7 @@ def cable_lead(table: int, h: float, i: int) -> float:
 
 @kernel
 def cable_rate(table: int, h: float, i: int) -> float:
-    """The rate at which a taut tendon wants to shorten, were there no tension [m/s]."""
+    """The rate at which a taut tendon would shorten without tension [m/s]."""
     cable = at.cables(table)[i]
     share = 1.0 / cable["inside"] if cable["whole"] >= 0 else 1.0
     lead = cable_lead(table, h, i)
@@ -472,7 +464,7 @@ def add_cable_work(table: int, h: float, v: Array) -> None:
                 cables[i]["step_work"] += cables[k]["step_work"]
             cables[i]["work"] += cables[i]["step_work"]
     slips = at.slips(table)
-    for i in range(len(slips)):  # what a drive pulls over the last guide is work of it, too
+    for i in range(len(slips)):  # work of a drive on tendon that slips over the last guide
         end = slips[i]["after"]
         if cables[end]["kind"] == PULL:
             drawn = h * cables[end]["tension"] * slips[i]["rate"]

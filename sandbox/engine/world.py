@@ -58,12 +58,8 @@ class World:
         self.velocity: Array = np.zeros((count, 3))
         self.writer = native.Channel(PUSH, self.velocity)
         self.placer = native.Channel(POSE, self.placed)
+        self.shape_tables, self._pieces = _shape_tables(model, self.order, self.number)
         self.renew()
-        self.shape_tables = ShapeTables(
-            np.array(self._shape_rows, dtype=SHAPE),
-            np.array([tuple(arc) for faces in self._faces for arc in faces.tolist()], dtype=FACE),
-            np.concatenate([np.zeros((0, 2)), *self._cores]),
-            np.concatenate([np.zeros(0, dtype=SPAN), *self._spans]))
 
     def renew(self) -> None:
         """Make the space and all in it anew, as at the start."""
@@ -72,17 +68,14 @@ class World:
         self.space.collision_persistence = 1  # an arbiter lives as long as its contact
         self.shapes: dict[int, list[list[pymunk.Shape]]] = {}
         """Of each body, by the model's number, and of each of its shapes, convex ones each."""
-        self._shape_rows: list[tuple[float, ...]] = []
-        self._faces: list[Array] = []
-        self._cores: list[Array] = []
-        self._spans: list[Records] = []
         self.bodies = [self._add_body(i) for i in self.order.tolist()]  # in pymunk's order
         for a, b in self.number[np.stack(joined(self.model), axis=1)].tolist():
             # the constraint that costs least, without force: it keeps its bodies from touching
             motor = pymunk.SimpleMotor(self.bodies[a], self.bodies[b], 0.0)
             motor.collide_bodies, motor.max_force = False, 0.0
             self.space.add(motor)
-        self.room = Room(contacts=32 + 8 * len(self._shape_rows), rows=64 + 4 * len(self.bodies))
+        self.room = Room(contacts=32 + 8 * len(self.shape_tables.shapes),
+                         rows=64 + 4 * len(self.bodies))
         self.finder = native.Finder(self.space, self.room.contacts)
         self.native = native.make_native(self.space, self.writer, self.placer, self.finder)
         self.read()
@@ -123,41 +116,62 @@ class World:
             body.position = spec.at
             body.angle = spec.angle  # of a scheduled one set anew by sandbox.engine.inputs
         self.space.add(body)
-        self.shapes[index] = found = []
-        for shape in spec.shapes:
-            margin = min(MARGIN * _extent(shape), MAX_MARGIN)
-            first, last, closed = -1, -1, isinstance(shape, kinds.Polygon)
-            if isinstance(shape, kinds.Polygon | kinds.Polyline) and shape.nodes:
-                first = sum(map(len, self._spans))
-                for nodes in true_curves(shape):
-                    self._spans.append(span_table(
-                        nodes, centre, sum(map(len, self._spans)), closed=closed))
-                last = sum(map(len, self._spans))
-            curve = first, last, int(closed and first >= 0), len(self._shape_rows)
-            found.append([self._add_shape(body, solid, faces, margin, centre, index, curve)
-                          for solid, faces in solids(shape)])
+        rule = pymunk.ShapeFilter(*(int(each[index]) for each in (
+            self.filters.group, self.filters.category, self.filters.mask)))
+        self.shapes[index] = []
+        for pieces in self._pieces[index]:
+            self.shapes[index].append([])
+            for piece, margin, number in pieces:
+                shape = make_shape(body, piece, centre, margin)
+                shape.filter, shape.collision_type = rule, number
+                self.shapes[index][-1].append(shape)
+                self.space.add(shape)
         return body
 
-    def _add_shape(
-        self, body: pymunk.Body, spec: kinds.Solid, faces: Array | None, margin: float, centre: Vec,
-        index: int, curve: tuple[int, int, int, int],
-    ) -> pymunk.Shape:
-        shape = make_shape(body, spec, centre, margin)
-        filters: Filters = self.filters
-        shape.filter = pymunk.ShapeFilter(
-            int(filters.group[index]), int(filters.category[index]), int(filters.mask[index]))
-        first, last = -1, -1
-        if faces is not None:
-            first = sum(map(len, self._faces))
-            last = first + len(faces)
-            self._faces.append(faces)
-        vertex, (points, radius) = sum(map(len, self._cores)), core(spec)
-        self._cores.append(np.array(points) - centre)
-        self._shape_rows.append((int(self.number[index]), margin, first, last, vertex,
-                                 vertex + len(points), radius, *curve))
-        shape.collision_type = len(self._shape_rows)
-        self.space.add(shape)
-        return shape
+
+class ShapeTables(NamedTuple):
+    """Tables of the constants of the same names (:mod:`sandbox.engine.state`)."""
+
+    shapes: Records
+    faces: Records
+    vertices: Array
+    spans: Records
+
+
+Pieces = dict[int, list[list[tuple[kinds.Solid, float, int]]]]
+"""Of each body, by the model's number, and of each of its shapes: convex shapes with their margins
+[m] and numbers from 1."""
+
+
+def _shape_tables(model: Model, order: Integers, number: Integers) -> tuple[ShapeTables, Pieces]:
+    rows: list[tuple[float, ...]] = []
+    faces: list[tuple[float, ...]] = []
+    vertices: list[Array] = []
+    spans, pieces = [np.zeros(0, dtype=SPAN)], Pieces()
+    for index in order.tolist():
+        centre = model.bodies.centre[index, 0].item(), model.bodies.centre[index, 1].item()
+        pieces[index] = []
+        for shape in model.mechanism.bodies[index].shapes:
+            margin, leader, curve = min(MARGIN * _extent(shape), MAX_MARGIN), len(rows), (-1, -1, 0)
+            if isinstance(shape, kinds.Polygon | kinds.Polyline) and shape.nodes:
+                first, closed = sum(map(len, spans)), isinstance(shape, kinds.Polygon)
+                for nodes in true_curves(shape):
+                    spans.append(span_table(
+                        nodes, centre, sum(map(len, spans)), closed=closed))
+                curve = first, sum(map(len, spans)), int(closed)
+            pieces[index].append([])
+            for piece, arcs in solids(shape):
+                face, vertex, (points, radius) = (-1, -1), len(vertices), core(piece)
+                if arcs is not None:
+                    face = len(faces), len(faces) + len(arcs)
+                    faces += map(tuple, arcs.tolist())
+                vertices += [*(np.array(points) - centre)]
+                rows.append((int(number[index]), margin, *face, vertex, len(vertices), radius,
+                             *curve, leader))
+                pieces[index][-1].append((piece, margin, len(rows)))
+    return ShapeTables(
+        np.array(rows, dtype=SHAPE), np.array(faces, dtype=FACE),
+        np.array(vertices).reshape(-1, 2), np.concatenate(spans)), pieces
 
 
 def _extent(spec: kinds.Shape) -> float:
@@ -179,10 +193,10 @@ def _extent(spec: kinds.Shape) -> float:
 def span_table(nodes: Array, centre: Vec, first: int, *, closed: bool) -> Records:
     """The SPANs of one curve; ``first`` is the number of its first one."""
     spans = spans_of(nodes - [*centre, 0.0, 0.0], closed=closed)
-    found, count = np.zeros(len(spans.terms), dtype=SPAN), len(spans.terms)
+    found = np.zeros(len(spans.terms), dtype=SPAN)
     for name, column in zip(SPAN.names or (), spans.terms.T, strict=False):
         found[name] = column
-    number = first + np.arange(count)
+    number = first + np.arange(len(found))
     found["before"], found["after"] = np.roll(number, 1), np.roll(number, -1)
     found["corner"] = spans.corner
     if not closed:
@@ -216,6 +230,7 @@ class Filters:
     group: Integers  # of each body, in the model's order, [nb]
     category: Integers  # bits
     mask: Integers
+    exact: bool  # whether these are the rules; else contacts are filtered later
     allowed: Flags  # pairs that may touch, [nb, nb]
     friction: Array
     static: Array
@@ -243,15 +258,13 @@ def make_filters(model: Model) -> Filters:
             group[members] = number
             settled[block] = True
     rows = allowed | settled
-    kinds, kind = 0, np.zeros(0, dtype=np.int64)  # number of different rows, and of each body's
+    bits, mask, exact = np.ones(count, dtype=np.int64), np.ones(count, dtype=np.int64), True
     if count:
-        found, inverse = np.unique(rows, axis=0, return_inverse=True)
-        kinds, kind = len(found), np.reshape(inverse, -1).astype(np.int64)
-    bits = np.left_shift(np.int64(1), kind) if kinds <= CATEGORIES else np.ones_like(kind)
-    mask = np.ones(count, dtype=np.int64)  # beyond that contacts are filtered later
-    if kinds <= CATEGORIES:
-        mask = np.array(
-            [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
+        kinds, kind = np.unique(rows, axis=0, return_inverse=True)
+        exact = len(kinds) <= CATEGORIES
+        if exact:
+            bits = np.left_shift(np.int64(1), kind.reshape(-1).astype(np.int64))
+            mask = np.bitwise_or.reduce(np.where(rows, bits, 0), axis=1)
     materials = [mechanism.materials.get(body.material or "", Material())
                  for body in mechanism.bodies]
     roots = np.sqrt([[m.friction, m.static, m.restitution] for m in materials]).reshape(-1, 3).T
@@ -261,17 +274,8 @@ def make_filters(model: Model) -> Filters:
             if value is not None:
                 words.fill(table, rule, value)
     friction, static, restitution = pairs
-    return Filters(group, bits, mask, allowed, friction, static, restitution,
+    return Filters(group, bits, mask, exact, allowed, friction, static, restitution,
                    pair_skins(mechanism))
-
-
-class ShapeTables(NamedTuple):
-    """Tables of the constants of the same names (:mod:`sandbox.engine.state`)."""
-
-    shapes: Records
-    faces: Records
-    vertices: Array
-    spans: Records
 
 
 class Room(NamedTuple):

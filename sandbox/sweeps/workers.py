@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from sandbox import __version__
-from sandbox.engine.compiling import on_compiling, report_worker_compilation
+from sandbox.engine.compiling import on_compiling, report_began, report_compiled
 from sandbox.errors import SandboxError
 from sandbox.sweeps.job import DIED, Point, SweepJob, SweepRow, Task
 from sandbox.sweeps.processes import preload
@@ -110,7 +110,11 @@ class Processes:
             ready = self._pool.submit(_prepare)
             while not wait([ready], timeout=0.1).done or not self._notices.empty():
                 while not self._notices.empty():
-                    report_worker_compilation(self._notices.get())
+                    seconds = self._notices.get()
+                    if seconds is None:
+                        report_began(in_workers=True)
+                    else:
+                        report_compiled(seconds, in_workers=True)
             if not ready.exception():
                 return
         raise SandboxError("a worker process ended before it could begin; a script that starts "

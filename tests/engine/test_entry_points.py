@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -205,19 +204,3 @@ def test_documented_interfaces_of_numba_suffice(monkeypatch: pytest.MonkeyPatch)
         assert kernels.kernel_options() == {}
         assert CalledFromPython(outer)(1) == 5
     kernels._tested_compilers.cache_clear()
-
-
-def test_old_code_of_other_versions_is_removed(tmp_path: Path):
-    made = SimpleNamespace(_cache=SimpleNamespace(cache_path=str(tmp_path)))
-    names = {name: f"source_hash.{name}-1.py311.nbi" for name in (
-        "act_0000000000000000", "act_1111111111111111", "act_late_1111111111111111",
-        "act_2222222222222222")}
-    for name in names.values():
-        (tmp_path / name).touch()
-        os.utime(tmp_path / name, (0, time.time() - 30 * 86400))
-    os.utime(tmp_path / names["act_2222222222222222"])  # another checkout is at work
-    os.utime(tmp_path / names["act_0000000000000000"])  # just compiled
-    entry_points._remove_obsolete(made, "act")
-    assert {path.name for path in tmp_path.iterdir()} == {
-        names[kept] for kept in ("act_0000000000000000", "act_late_1111111111111111",
-                                 "act_2222222222222222")}

@@ -53,17 +53,6 @@ def test_a_finger_that_is_too_short_is_reported(mechanism: Mechanism) -> None:
         "'object0', is 116.5 mm from it", "move either by 16.99 mm or more, or make it longer")]
 
 
-def test_fingers_that_lack_the_same_object_share_a_line() -> None:
-    """From hinges at 0, -10 and -20 mm to a disc of 10 mm at 200 mm: 190, 200 and 210 mm."""
-    parts = [{**FINGER, "name": f"f{k}", "at": [-0.01 * k, 0]} for k in (0, 1, 2)]
-    far = {"name": "disc", "motion": "fixed", "role": "object", **disc(0.2, 0)}
-    ((finger, message, advice),) = reach_of(expand(load_scene({"bodies": [far], "parts": parts})))
-    assert finger == "f2"
-    assert message.endswith(
-        "'disc', is 210 mm from it (the same for 2 more: 'f0', 'f1')")
-    assert advice.startswith("move either by 110.5 mm or more")
-
-
 @pytest.mark.parametrize("mechanism", [
     hand(disc(0.1, 0)),
     hand(),

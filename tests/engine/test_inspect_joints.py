@@ -74,18 +74,16 @@ def rack(along: list[float], *, angle: float = 0.0, y: float = -0.06, groove_on:
 
 
 @pytest.mark.parametrize("groove_on", ["ground", "rack"])
-@pytest.mark.parametrize(("along", "angle", "right", "turn"), [
-    ([1, 1], 0.0, [1.0, 0.0], "45 deg"),
-    ([1, 0], math.pi / 6, [math.cos(math.pi / 6), -0.5], "30 deg"),
+@pytest.mark.parametrize(("along", "angle", "right"), [
+    ([1, 1], 0.0, [1.0, 0.0]),
+    ([1, 0], math.pi / 6, [math.cos(math.pi / 6), -0.5]),
 ])
 def test_a_rack_that_slides_across_its_pitch_line(
-    groove_on: str, along: list[float], angle: float, right: list[float], turn: str,
+    groove_on: str, along: list[float], angle: float, right: list[float],
 ) -> None:
-    (problem,) = problems_of(rack(along, angle=angle, groove_on=groove_on))
-    assert problem.path == "$.joints[2].along"
-    assert f"turned by {turn} from the groove of 'rail'" in problem.message
-    x, y = (float(f"{v:.6g}") + 0.0 for v in right)
-    assert problem.advice.startswith(f"make 'along' [{x:g}, {y:.6g}], and move the rack")
+    found = problems_of(rack(along, angle=angle, groove_on=groove_on))
+    assert {problem.path for problem in found} == {"$.joints[2]"}
+    assert "no joint holds its rack at the gear" in found[-1].message
     assert problems_of(rack(right, angle=angle, groove_on=groove_on, y=-0.05)) == []
 
 
@@ -115,12 +113,10 @@ BELT = {"closed": True, "pretension": "10 N"}
 
 
 @pytest.mark.parametrize(("guides", "more", "message", "advice"), [
-    ([POINT, WHEEL], {}, "its guide 0 is inside the wheel of its guide 1, 50 mm from",
-     "move guide 0 out"),
-    ([WHEEL, POINT], {}, "its guide 1 is inside the wheel of its guide 0, 50 mm from",
-     "move guide 1 out"),
+    ([POINT, WHEEL], {}, "its guides 0 and 1 are 50 mm apart, a tangent needs 80 mm, as one is "
+     "inside the wheel of the other", "put them 30 mm further apart"),
     ([{"body": "a", "at": [0.02, 0], "radius": 0.01}, WHEEL], {},
-     "the wheel of its guide 0 is inside that of its guide 1", "move one of them 50 mm further"),
+     "as one is inside the wheel of the other", "put them 50 mm further apart"),
     ([PULLEYS[0], {**PULLEYS[1], "side": "right"}], BELT, "a crossed tangent needs 100 mm",
      "put them 20 mm further apart"),
 ])

@@ -117,7 +117,7 @@ def test_a_live_simulation_keeps_only_its_last_steps() -> None:
     (lambda live: live.give("lfit", 1.0), "lift"),
     (lambda live: live.give("lift", math.nan), "finite"),
     (lambda live: live.give("lift", 1e30), "value of 'lift'"),
-    (lambda live: live.set("lift", None), "needs a value"),
+    (lambda live: live.set("lift", None), "None is not a value for"),
     (lambda live: live.push("floor", (0, 0), (1, 0)), "moves freely"),
     (lambda live: live.push("a", (0, 0), (1, 0, 0)), "two finite numbers"),
 ])

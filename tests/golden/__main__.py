@@ -6,8 +6,8 @@ import sys
 import time
 from argparse import ArgumentParser
 
-from sandbox.engine.entry_points import all_entry_points
 from sandbox.errors import SandboxError
+from tests.support.entry_points import all_entry_points
 
 from .digest import (
     differences,

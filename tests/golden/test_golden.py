@@ -71,7 +71,7 @@ def test_another_process_gives_the_same_bytes() -> None:
     """In another order, another environment, and with all entry points compiled."""
     script = """if True:
         import json, sys
-        from sandbox.engine.entry_points import all_entry_points
+        from tests.support.entry_points import all_entry_points
         from tests.golden.digest import digest
         from tests.golden.scenes import SCENES, recording_of
         with all_entry_points():
