@@ -294,8 +294,7 @@ def lead_back(table: int, h: float, n: int) -> None:
         k = chosen[q]
         A[q, m] = 0.0 if rows[k]["out"] else -unilateral.free_rate(
             table, rows[k], Y[k], reached[k], shift, 0.0)
-    unilateral.factor_system(A, m, chosen[n:])
-    unilateral.solve_system(A, m, chosen[n:])
+    unilateral.eliminate(A, m, chosen[n:])
     for r in range(unknowns.shape[1]):
         unknowns[4, r] = unknowns[2, r]
     for q in range(m):
@@ -453,9 +452,7 @@ def _next(table: int, h: float, rows: Records, n: int, now: float, end: float) -
 
 
 @kernel
-def _struck(
-    rows: Records, n: int, touches: Records, now: float, end: float, near: float,
-) -> float:
+def _struck(rows: Records, n: int, touches: Records, now: float, end: float, near: float) -> float:
     """Prepare the contacts that are hit now, with gaps up to ``near``; the fastest approach."""
     fastest = 0.0
     for k in range(n):

@@ -147,9 +147,7 @@ def _meetings(
     return groups
 
 
-def _left_over(
-    rows: Sequence[Sequence[int]], on: list[list[int]], hubs: list[int],
-) -> list[int]:
+def _left_over(rows: Sequence[Sequence[int]], on: list[list[int]], hubs: list[int]) -> list[int]:
     """Rows for which the freedoms of the bodies that are no hubs, three each, do not suffice.
 
     Each row takes a freedom of one of its bodies, others giving way where they can (augmenting

@@ -53,9 +53,7 @@ def _near(angle: float, last: float) -> float:
 
 
 @kernel
-def measure(
-    cable: Any, guides: Records, pose: Array, turn: Array, start: bool,
-) -> float:
+def measure(cable: Any, guides: Records, pose: Array, turn: Array, start: bool) -> float:
     """Length of a tendon [m] at ``pose`` [nb, 3]; fills its J. ``start``: count turns anew."""
     length: float = _along(cable, guides, pose, turn, start)
     if cable["lifts"] and not start:
@@ -67,9 +65,7 @@ def measure(
 
 
 @kernel
-def _along(
-    cable: Any, guides: Records, pose: Array, turn: Array, start: bool,
-) -> float:
+def _along(cable: Any, guides: Records, pose: Array, turn: Array, start: bool) -> float:
     """The length over the guides that the tendon lies on, as :func:`measure` has it."""
     length = 0.0
     first, last = cable["first"], cable["last"]
