@@ -391,9 +391,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
 
 
 @CalledFromPython
-def advance(
-    table: int, h: float, drive: Matrix, speeds: Stack, due: int, every: int,
-) -> int:
+def advance(table: int, h: float, drive: Matrix, speeds: Stack, due: int, every: int) -> int:
     """Make one step for each row of ``drive`` [n, nd]; returns the number of valid steps.
 
     Step ``due`` of these, counted from 1, is sampled, and then each ``every``-th. Fewer steps are

@@ -191,9 +191,7 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
 
 
 @kernel
-def free_rate(
-    table: int, row: Any, y: Array, reached: Integers, free: Array, f: float,
-) -> float:
+def free_rate(table: int, row: Any, y: Array, reached: Integers, free: Array, f: float) -> float:
     """``f`` and what a row makes of free velocities and of what bilateral rows add to them."""
     hubs, values, solved = at.hubs(table), at.values(table), at.unknowns(table)[2]
     a, b, diagonal = row["a"], row["b"], len(values) - len(solved)
@@ -246,9 +244,7 @@ def solve_modes(
 
 
 @kernel
-def search_modes(
-    rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float,
-) -> bool:
+def search_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float) -> bool:
     """Change the row with the largest violation times a random number, until none is left."""
     random = 1
     for _ in range(TRIES):
@@ -346,6 +342,13 @@ def solve_system(A: Array, m: int, swaps: Integers) -> None:
         for q in range(r + 1, m):
             x -= A[r, q] * A[q, m]
         A[r, m] = x / A[r, r]
+
+
+@kernel
+def eliminate(A: Array, m: int, swaps: Integers) -> None:
+    """Solve a system in place; the solution stands in the last column."""
+    factor_system(A, m, swaps)
+    solve_system(A, m, swaps)
 
 
 @kernel

@@ -145,9 +145,7 @@ def gap_acceleration(table: int, t: Any) -> float:
 
 
 @kernel
-def straight_curvature(
-    table: int, shape: Any, px: float, py: float, nx: float, ny: float,
-) -> Any:
+def straight_curvature(table: int, shape: Any, px: float, py: float, nx: float, ny: float) -> Any:
     """Curvature k / d of a shape without a curve at (px, py), from the centre of mass."""
     vertices, radius = at.vertices(table), shape["radius"]
     first, last = shape["vertex"], shape["vertex_end"]
@@ -248,9 +246,7 @@ def _curve_and_straight(table: int, found: Any) -> int:
 
 
 @kernel
-def _facing_side(
-    vertices: Array, first: int, last: int, x: float, y: float,
-) -> Any:
+def _facing_side(vertices: Array, first: int, last: int, x: float, y: float) -> Any:
     """The side of a line or polygon whose outer normal is nearest to (x, y), and that normal."""
     best, side, mx, my = -2.0, first, 0.0, 0.0
     for k in range(first, last if last - first > 2 else first + 1):
@@ -393,8 +389,8 @@ def apart(table: int) -> bool:
         for i in range(shapes[k]["vertex"], shapes[k]["vertex_end"]):
             x, y = c * vertices[i, 0] - s * vertices[i, 1], s * vertices[i, 0] + c * vertices[i, 1]
             x0, y0, x1, y1 = min(x0, x), min(y0, y), max(x1, x), max(y1, y)
-        x0, y0, x1, y1 = body[b, 0] + x0 - r, body[b, 1] + y0 - r, body[b, 0] + x1 + r, body[
-            b, 1] + y1 + r
+        x, y = body[b, 0], body[b, 1]
+        x0, y0, x1, y1 = x + x0 - r, y + y0 - r, x + x1 + r, y + y1 + r
         if b == last:
             x0, y0 = min(x0, boxes[b, 0]), min(y0, boxes[b, 1])
             x1, y1 = max(x1, boxes[b, 2]), max(y1, boxes[b, 3])

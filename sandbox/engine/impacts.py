@@ -270,8 +270,7 @@ def lead_back(table: int, h: float, n: int) -> None:
         k = chosen[q]
         A[q, m] = 0.0 if rows[k]["out"] else -unilateral.free_rate(
             table, rows[k], Y[k], reached[k], shift, 0.0)
-    unilateral.factor_system(A, m, chosen[n:])
-    unilateral.solve_system(A, m, chosen[n:])
+    unilateral.eliminate(A, m, chosen[n:])
     for r in range(unknowns.shape[1]):
         unknowns[4, r] = unknowns[2, r]
     for q in range(m):

@@ -22,15 +22,7 @@ import math
 
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import holds
-from sandbox.engine.bounded import (
-    HOLD,
-    UNBOUNDED,
-    begin_row,
-    factor_system,
-    put_coordinate,
-    rate,
-    solve_system,
-)
+from sandbox.engine.bounded import HOLD, UNBOUNDED, begin_row, eliminate, put_coordinate, rate
 from sandbox.engine.coordinates import ahead, ends, vector_ahead
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
@@ -84,8 +76,7 @@ def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
         A[r, m] = 1.0 if r == q else 0.0
         if loads:
             A[r, m] = (row["free"] - row["bias"] - states[row["index"]]["seen"]) / h
-    factor_system(A, m, chosen[m:])
-    solve_system(A, m, chosen[m:])
+    eliminate(A, m, chosen[m:])
     return float(A[q, m])
 
 

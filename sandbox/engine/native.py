@@ -113,9 +113,7 @@ class Channel:
         self.count = np.frombuffer(ffi.buffer(self.buffer._float_arr, size), dtype=np.intc)
 
 
-def make_native(
-    space: pymunk.Space, write: Channel, place: Channel, finder: Finder,
-) -> Native:
+def make_native(space: pymunk.Space, write: Channel, place: Channel, finder: Finder) -> Native:
     """What the compiled loop needs for ``space``."""
     return Native(
         step=address(ffi.addressof(lib, "cpSpaceStep")),
