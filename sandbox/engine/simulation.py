@@ -392,7 +392,7 @@ class Simulation:
         (constants, elements, state), h = self._tables[:3], self._clock.step
         if not (len(constants.shapes) or len(elements.limits) or len(elements.motors)):
             return {}
-        _, largest, step, piled, coarse = state.accuracy.tolist()
+        _, largest, step, piled, coarse, _ = state.accuracy.tolist()
         found = {"residual": largest, "time_s": step * h, "steps_above_1e-8": coarse,
                  "relaxed_steps": float(state.standing[0])}
         return found | ({"compliant_steps": piled, "stiffness": STIFFNESS, "damping": DAMPING,
