@@ -61,16 +61,17 @@ def wholes(folder: str) -> list[str]:
 
 def find_scene(name_or_path: str | Path) -> Path:
     """The file of a scene: an existing file, or else a shipped scene by its name."""
-    path, text = Path(name_or_path), str(name_or_path)
+    path, text, is_folder = Path(name_or_path), str(name_or_path), False
     try:
         if path.exists() and not path.is_dir():
             return path
+        is_folder = bool(text) and path.is_dir()
     except OSError:  # a name that no file can have, such as a very long one
         path = Path()
     scenes = shipped_scenes()
     if text in scenes:
         return scenes[text]
-    fault = f"{quoted(text)} is no scene: this is a directory" if text and path.is_dir() else \
+    fault = f"{quoted(text)} is no scene: this is a directory" if is_folder else \
         f"there is no file {quoted(text)} and no shipped scene of that name"
     raise SceneError([Problem(
         "file-not-found", fault, path="", allowed=f"a path, or one of {listed(scenes)}",

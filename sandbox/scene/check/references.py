@@ -40,6 +40,13 @@ def check_references(
             *check_control(mechanism, names.is_assumed)]
 
 
+def duplicate(name: str, kind: str, first: str, path: str) -> Problem:
+    """The problem of an element of a kind whose name one of the ``first`` kind has, too."""
+    return Problem("duplicate-name", f"the name {quoted(name)} is already that of "
+                   f"{'another' if first == kind else 'a'} {NAMED[first].one}", path,
+                   allowed="a unique name for every element")
+
+
 class _References:
     def __init__(self, mechanism: Mechanism, assumed: Collection[str]) -> None:
         self.mechanism, self.assumed, self.near = mechanism, assumed, NearMisses()
@@ -97,11 +104,7 @@ class _References:
             for i, element in enumerate(getattr(self.mechanism, kind)):
                 path = f"$.{kind}[{i}].name"
                 if element.name in first:
-                    other = first[element.name][0]
-                    yield Problem("duplicate-name", f"the name {quoted(element.name)} is already "
-                                  f"that of {'another' if other == kind else 'a'} "
-                                  f"{NAMED[other].one}", path,
-                                  allowed="a unique name for every element")
+                    yield duplicate(element.name, kind, first[element.name][0], path)
                 first.setdefault(element.name, (kind, path))
         taken = {kind: reserved(kind) for kind in NAMED}
         objects = {body.name for body in self.mechanism.bodies if body.role == "object"}
@@ -172,7 +175,8 @@ class _References:
         if kind is not None:
             yield Problem("not-releasable", f"{quoted(name)} is a {NAMED[kind].one}, which events "
                           "cannot release", place,
-                          allowed=listed(known) or "none: nothing holds anything")
+                          allowed=listed(known) or (
+                              "" if self.assumed else "none: nothing holds anything"))
         elif name not in known:
             yield from self._unknown(name, known, "joint, spring or tendon", place)
         elif (field == "take_up" or event.lasts is not None) and getattr(

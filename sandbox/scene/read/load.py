@@ -20,10 +20,11 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from sandbox.elements.element import LISTS as MECHANISM_LISTS
+from sandbox.elements.element import NAMED
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.check.control import check_units
 from sandbox.scene.check.ranges import check_ranges
-from sandbox.scene.check.references import check_references
+from sandbox.scene.check.references import check_references, duplicate
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.library import find_scene
@@ -263,6 +264,12 @@ class _Loading:
         for problem in [*check_references(mechanism, assumed=readable.assumed),
                         *check_ranges(mechanism)]:
             self.report([readable.located(relocate(problem))])
+        taken = {each.name: kind for kind in reversed([*NAMED])
+                 for each in getattr(mechanism, kind)}
+        for (kind, i), name in readable.unread.items():
+            if name in taken and kind in NAMED and (kind, i) not in self.ignored:
+                self.report([duplicate(name, kind, taken[name], f"$.{kind}[{i}].name")])
+            taken.setdefault(name, kind)
         return mechanism
 
     def report(self, problems: Iterable[Problem]) -> None:
@@ -295,6 +302,8 @@ class _Readable:
     def __init__(self, data: dict[str, Any], broken: set[JsonPath]) -> None:
         self.assumed: set[str] = set()
         """Names of the elements left out; ``*`` for one without a name."""
+        self.unread: dict[tuple[str, int], str] = {}
+        """The names of those in lists, by list and index."""
         self.kept: dict[str, list[int]] = {}
         """For each list, the indices of the elements left in."""
         self.data = dict(data)
@@ -308,9 +317,12 @@ class _Readable:
             if isinstance(entries := self.data.get(key), list):
                 self.kept[key] = [i for i in range(len(entries)) if (key, i) not in broken]
                 self.data[key] = [entries[i] for i in self.kept[key]]
-                for entry in (each for i, each in enumerate(entries) if (key, i) in broken):
-                    name = entry.get("name") if isinstance(entry, dict) else None
-                    self.assumed.add(name if isinstance(name, str) else "*")
+                for i, entry in enumerate(entries):
+                    if (key, i) in broken:
+                        name = entry.get("name") if isinstance(entry, dict) else None
+                        self.assumed.add(name if isinstance(name, str) else "*")
+                        if isinstance(name, str):
+                            self.unread[key, i] = name
         for key in objects:
             if isinstance(entries := self.data.get(key), dict):
                 out = {name for name in entries if (key, name) in broken}

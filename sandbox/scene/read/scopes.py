@@ -285,7 +285,7 @@ Row = Annotated[
 class Repeat(Spec):
     """Copies of an entry, with names that have a value in each of them."""
 
-    index: IndexName = "i"
+    index: IndexName = Field(default="i", validate_default=True)
     """Name of the index; i by default."""
     count: Annotated[int | None, BeforeValidator(
         _count, json_schema_input_type=Annotated[int, Field(ge=1)] | str)] = None

@@ -96,7 +96,9 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
         if depth > limits.nesting or _FOR_SCANNER.search(text):
             raise ValueError
         data = json.loads(text, object_pairs_hook=unique, parse_constant=int)
-    except (ValueError, RecursionError):
+    except RecursionError:
+        raise SceneError([Problem("limit-exceeded", "nested too deep to be read")], name) from None
+    except ValueError:
         if faults := Scan(text, limits).faults:
             raise SceneError(first_problems(faults, limits.problems), name) from None
         data = json.loads(text)
