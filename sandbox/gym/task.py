@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.elements.quantities import row_of
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
@@ -37,6 +38,9 @@ Scene = str | os.PathLike[str] | Mapping[str, Any]
 ROUNDING = 1e-6  # tolerance of a whole number of steps, relative to a step
 DRAWN = 64  # samples that are checked when the environment is made
 INSTANTS = 1001  # instants at which the range of a signal is determined
+NOT_NEGATIVE = {("tendon", "tension"), ("tendon", "length"), ("body", "contact.normal"),
+                ("group", "contact.normal"), ("group", "contact.count"), ("pair", "normal"),
+                ("joint", "reaction"), ("joint", "length"), ("line", "volume")}
 FRACTIONS = ("hold", "opening")  # quantities of drives from 0 to 1
 
 
@@ -97,9 +101,10 @@ def read_task(
     base = read_scene(scene, overrides=set, limits=limits)
     random = _random(scene, randomise, set or {}, limits) if randomise else None
     reading = _TaskReader(base)
-    task = Task(scene, dict(set or {}), limits, base.mechanism, reading.observed(observe),
-                reading.acted(act), reading.reward(reward), reading.every(every),
-                reading.number(lost, "lost"), random)
+    acted = reading.acted(act)
+    task = Task(scene, dict(set or {}), limits, base.mechanism, reading.observed(observe, acted),
+                acted, reading.reward(reward), reading.every(every), reading.number(lost, "lost"),
+                random)
     if reading.problems:
         raise SceneError(reading.problems, base.name)
     return task
@@ -139,13 +144,13 @@ class _TaskReader:
             self._wrong("nothing acts", "act", "at least one drive")
         return actions
 
-    def observed(self, wanted: Wanted) -> dict[str, Span]:
+    def observed(self, wanted: Wanted, acted: Mapping[str, Span]) -> dict[str, Span]:
         found: dict[str, Span] = {}
         for path, text, given in self._each(wanted, "observe"):
             for name in self._quantities(text, path):
-                found[name] = quantity_range(self.model, self.known, name) if given is None else \
-                    self._span(given, path, self.known.find(name).unit if name in self.known
-                               else "")
+                found[name] = quantity_range(self.model, self.known, name, acted) \
+                    if given is None else self._span(
+                        given, path, self.known.find(name).unit if name in self.known else "")
         if not found and not self.problems:
             self._wrong("nothing is observed", "observe", "at least one quantity")
         return found
@@ -271,17 +276,25 @@ def drive_range(model: Model, drive: str) -> Span | None:
     return _finite(max(low, kind.floor), high)
 
 
-def quantity_range(model: Model, known: Catalogue, name: str) -> Span:
-    """Between the stops of a joint, or else that of all numbers with the quantity's unit."""
-    span, unit = None, ""
+def quantity_range(model: Model, known: Catalogue, name: str, acted: Mapping[str, Span]) -> Span:
+    """The range of a quantity in the scene, or else that of all numbers with its unit."""
+    span, unit, low, joints = None, "", -math.inf, model.joints
     if name in known:
-        source, joints = known.find(name), model.joints
-        unit = source.unit
-        if source.kind == "joint" and source.quantity in ("angle", "length"):
-            ends = joints.stops if source.quantity == "angle" else joints.reach
-            span = _finite(*ends[source.index].tolist())
+        source = known.find(name)
+        kind, quantity, index, unit = source.kind, source.quantity, source.index, source.unit
+        low = 0.0 if (kind, quantity) in NOT_NEGATIVE else low
+        if row_of(kind, quantity).yes_no:
+            span = 0.0, 1.0
+        elif (kind, quantity) == ("drive", "value"):
+            drive = model.drives.name[index]
+            span = acted.get(drive) or drive_range(model, drive)
+        elif quantity == "angle" and kind in ("joint", "spring"):
+            joint = index if kind == "joint" else int(model.springs.joint[index])
+            span = _finite(*joints.stops[joint].tolist())
+        elif (kind, quantity) == ("joint", "length"):
+            span = _finite(*joints.reach[index].tolist())
     most = range_of(UNITS[unit][1] if unit in UNITS else None).most
-    return span or (-most, most)
+    return span or (max(low, -most), most)
 
 
 def _finite(low: float, high: float) -> Span | None:
