@@ -42,11 +42,17 @@ from sandbox.cli.options import (
 from sandbox.wording import meant
 
 ADVICE = {
+    "certify": "Use 'sandbox converge SCENE'.",
     "compare": "Use 'sandbox plot RUN --with RUN'.",
     "completion": "Use _SANDBOX_COMPLETE=bash_source sandbox (or zsh_source, fish_source).",
     "expand": "Use 'sandbox check SCENE --expand'.",
+    "push": "Use 'sandbox search threshold SCENE' for the force that moves the object.",
     "rest": "Use 'sandbox equilibrium SCENE'.",
     "schema": "Use 'sandbox check --schema'.",
+    "search best": "Use 'sandbox search optimize SCENE' with --minimize or --maximize.",
+    "search robustness": "Use 'sandbox sweep SCENE' with a grid of two --vary.",
+    "study": "Studies are scripts: run 'python docs/studies/guides.py' in a checkout.",
+    "verify": "The validation cases are tests: run 'pytest tests/verification' in a checkout.",
     "--duration": "Use --set run.duration=TIME.",
     "--frames": "Use 'sandbox render RUN --out DIR'.",
     "--show": "Use 'sandbox render RUN --show LAYERS'.",
