@@ -157,13 +157,12 @@ def wheel_problems(model: Model) -> Iterator[Problem]:
     bound = {*springs.bodies[springs.straight].ravel().tolist(), *model.tendons.guide_body.tolist()}
     for i in sorted(parting_wheels(model, model.bodies.pose)):
         path, name, bodies = f"$.joints[{i}]", joints.name[i], joints.bodies[i].tolist()
-        rack = joints.kind[i].keeps == "rack"
-        whose = "its rack at the gear" if rack else "its wheels together"
+        whose = "its rack at the gear" if joints.kind[i].keeps == "rack" else "its wheels together"
         if not bound & set(bodies):
             one, other = (model.bodies.name[body] for body in bodies)
             yield look("bad-mesh", path, name, f"no joint holds {whose}: teeth push {one!r} and "
                        f"{other!r} apart", "give each a bearing: a pin on the ground or on a "
-                       "carrier, of a rack a slot along its pitch line")
+                       "carrier, of a rack a slot along its pitch line, 'along'")
         elif not joints.play[i] > 0:
             yield look("bad-mesh", path, name, f"only springs or tendons hold {whose}: without "
                        "backlash the teeth get an impact when the other flank takes over",
@@ -328,7 +327,8 @@ def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Probl
             yield error("bad-tendon-path", path, tendon.name, f"its guides {k} and {after} are "
                         f"{mm(gap)} apart, a {'crossed ' if crossed and min(radii) else ''}tangent "
                         f"needs {mm(reach)}{inside}", f"put them {mm(reach - gap)} further apart, "
-                        "or make a wheel smaller")
+                        "or make a wheel smaller"
+                        + (", or give both the same 'side'" if crossed and min(radii) else ""))
 
 
 def _loop_problems(model: Model, i: int) -> Iterator[Problem]:

@@ -220,7 +220,9 @@ class Catalogue:
         begins = {body.name for body in bodies if first(body.name)}
         ends = {(body.name, quantity) for body in bodies for quantity in PAIR
                 if second(f"{body.name}.{quantity}")}
-        for a, b in itertools.combinations(bodies, 2) if begins and ends else ():
+        names = begins | {name for name, _ in ends}
+        some = [body for body in bodies if body.name in names]
+        for a, b in itertools.combinations(some, 2) if begins and ends else ():
             if "dynamic" in (a.motion, b.motion):
                 pair = (b.name, a.name) if a.motion == "fixed" else (a.name, b.name)
                 for quantity in PAIR:

@@ -118,7 +118,7 @@ BELT = {"closed": True, "pretension": "10 N"}
     ([{"body": "a", "at": [0.02, 0], "radius": 0.01}, WHEEL], {},
      "as one is inside the wheel of the other", "put them 50 mm further apart"),
     ([PULLEYS[0], {**PULLEYS[1], "side": "right"}], BELT, "a crossed tangent needs 100 mm",
-     "put them 20 mm further apart"),
+     "put them 20 mm further apart, or make a wheel smaller, or give both the same 'side'"),
 ])
 def test_overlapping_guides_are_the_only_problem_reported_of_a_tendon(
     guides: list[dict[str, Any]], more: dict[str, Any], message: str, advice: str,

@@ -165,6 +165,7 @@ bodies[0].repeat = 1000000000.0 | limit-exceeded | 1e+09 copies are more
 bodies[0].repeat = {} | bad-repeat | either 'count' or 'list'
 bodies[0].repeat = {"list": [{"i": 3}]}
     | duplicate-name | that of the index @ bodies[0].repeat.list[0].i
+parameters.i = 3 | duplicate-name | 'i' is that of a parameter @ bodies[0].repeat
 bodies[0].repeat = {"count": 2, "index": "t"}
     | invalid-name | means the time @ bodies[0].repeat.index
 bodies[0].repeat = {"count": 2, "circle": [0, 0], "line": [0, 0]}

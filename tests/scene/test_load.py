@@ -86,6 +86,15 @@ def test_a_parameter_has_a_hundred_letters_at_most_and_depends_a_hundred_deep() 
         assert "more than 100 deep" in problem.message
 
 
+def test_mistakes_in_several_elements_are_reported_together() -> None:
+    bodies = [{"name": "disc", "mass": "1 mm"}, {"name": "disc", "mass": 1, "inertia": 1},
+              {"name": "wall", "motion": "fixed"}]
+    joints = [{"type": "pin", "name": "p", "a": "wal", "b": "disc", "on_a": [0, 0]}]
+    assert {(each.code, each.path) for each in _problems({"bodies": bodies, "joints": joints})} == {
+        ("wrong-unit", "$.bodies[0].mass"), ("duplicate-name", "$.bodies[0].name"),
+        ("name-not-found", "$.joints[0].a")}
+
+
 def test_very_many_problems_are_counted() -> None:
     data = hand()
     data["bodies"] += [{"name": f"b{i}", "mass": -1} for i in range(150)]

@@ -39,7 +39,7 @@ def _scene(count: int = 1, **run: Any) -> dict[str, Any]:
 
 @pytest.mark.parametrize(("name", "most"), [
     ("bodies", 3), ("elements", 3), ("steps", 4), ("samples", 8), ("frames", 20),
-    ("pixels", 10_000), ("recorded_bytes", 8 * 8 * (1 + 9 * 3)),
+    ("pixels", 10_000), ("recorded_bytes", 8 * 8 * (2 + 9 * 3)),
 ])
 def test_each_limit(name: str, most: int) -> None:
     mechanism = Mechanism.model_validate(_scene(3))
