@@ -156,6 +156,9 @@ class Simulation:
             UnknownQuantityError: not in the catalogue; with a near miss.
             SceneError: a quantity of complete runs only, such as ``work``; or no expression.
         """
+        if not isinstance(quantity, str):
+            raise bad_argument(f"{quantity!r} is not the name of a quantity", "simulation",
+                               "a name such as 'finger.tendon.tension'")
         if quantity not in self._read:
             try:
                 self._read[quantity] = self._readings.of(quantity)

@@ -134,6 +134,8 @@ def test_wrong_quantities_and_values_are_refused() -> None:
         simulation["rope.tensio"]
     with pytest.raises(SceneError, match="computed after the run"):
         simulation["rope.work"]
+    with pytest.raises(SceneError, match="is not the name of a quantity"):
+        simulation[3]  # type: ignore[index]
     with pytest.raises(SceneError, match=r"no drive named 'winsh'.*Did you mean 'winch'"):
         simulation.set("winsh", 1.0)
     with pytest.raises(SceneError, match="finite number"):
