@@ -122,7 +122,7 @@ def test_sixteen_touching_circles_at_every_microsecond() -> None:
     assert found.contacts == 120
     assert found.recorded_bytes > 9e9
     (problem,) = found.beyond(Limits())
-    assert "11 412 000 000 bytes with 120 contacts in each sample" in problem.message
+    assert "11 419 200 000 bytes with 120 contacts in each sample" in problem.message
     assert "'recorded_bytes', raised by --limit recorded_bytes=N" in problem.allowed
     assert list(found.beyond(Limits(recorded_bytes=10**11))) == []
 
