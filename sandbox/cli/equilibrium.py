@@ -136,7 +136,7 @@ def _lines(found: RestFound) -> list[str]:
     shown = rests[:MAX_COLUMNS]
     rows = [[name, unit, *(_shown(each[name]) for each in shown)]
             for name, unit in _units(shown).items()]
-    rows.append(["left over", "N", *(f"{each.left:.2g}" for each in shown)])
+    rows.append(["residual", "N", *(f"{each.left:.2g}" for each in shown)])
     heads = [f"rest {i}" if len(rests) > 1 else "value" for i in range(1, len(shown) + 1)]
     lines += ["", *table(["quantity", "unit", *heads], rows, right="<<" + ">" * len(shown)), ""]
     if len(rests) > len(shown):
