@@ -165,9 +165,10 @@ start("new", "scenes", """Copy the shipped scene NAME, to start from.
            help="File or directory to write to; NAME.json by default."))
 start("check", "check", """Validate scenes, and estimate the cost of a run.
 
-    Looks for joints that are not assembled, bodies that overlap, tendon guides that coincide,
-    springs and dampers too strong for the step, springs that can snap over centre, and unknown
-    quantities. Exits 2 if a scene cannot be run; with --strict on warnings, too.
+    First checks the keys, units, ranges and names of elements. If they are right, looks for unknown
+    quantities, joints that are not assembled, bodies that overlap, tendon guides that coincide,
+    springs and dampers too strong for the step, and springs that can snap over centre. Exits 2 if a
+    scene cannot be run; with --strict on warnings, too.
     """,
     click.Argument(["scenes"], metavar="SCENE...", nargs=-1, shell_complete=complete_scene),
     option("--strict", is_flag=True, help="Let warnings fail the check."),
@@ -180,9 +181,9 @@ start("check", "check", """Validate scenes, and estimate the cost of a run.
 start("explain", "explain", """Explain an element, a field, a quantity or a message.
 
     NAME is an element such as pin or drives.motor, a list such as joints, a block such as run,
-    expect or finger, a field, a quantity such as tension, the code of a message, a shipped scene,
-    or limits, layers or functions. Prints fields with units and defaults, an example, and the
-    recorded quantities. Without NAME lists all by topic.
+    expect or finger, a field, a quantity such as tension, a consistency check, the code of a
+    message, a shipped scene, or limits, layers or functions. Prints fields with units and defaults,
+    an example, and the recorded quantities. Without NAME lists all by topic.
     """, click.Argument(["names"], nargs=-1, metavar="[NAME]..."), ELEMENTS)
 
 simulate("run", "run", """Simulate SCENE, write results, check expectations.

@@ -92,8 +92,8 @@ def _find(
                     "rigid" if math.isinf(value) else f"{value:.5g} {unit}"
                     for value, unit in zip(values, STIFFNESS.values(), strict=True))
                 of = f" in rest {i}" if several else ""
-                lines.append(f"stiffness of {body}{of}: {x} along x, {y} along y, {turn} in turn; "
-                             f"{least} at least")
+                lines.append(f"stiffness of {body}{of}: {x} along x, {y} along y, {turn} in "
+                             f"rotation; {least} in the softest direction")
     lines += [*found.remarks, *(f"no rest{start}: {why}" for start, why in found.failed)]
     failed = [{"from": start.removeprefix(" from "), "reason": why} for start, why in found.failed]
     return {"rests": data, "failed": failed, "remarks": found.remarks}, rows, pictures, lines
@@ -130,13 +130,13 @@ def _lines(found: RestFound) -> list[str]:
         name = f"rest {i}" if len(rests) > 1 else "at rest"
         lines.append(f"{name}{f' (from {each.start})' if each.start else ''}: {verdict(each)}")
         if each.sticking:
-            why = "where it stuck from there" if each.start else "that of a slow load"
-            lines.append(f"  friction holds {first_of(each.sticking, MAX_STICKING)}: rest nearby, "
-                         f"too; this is {why}")
+            why = "it stuck from there" if each.start else "a slow load leads"
+            lines.append(f"  friction holds {first_of(each.sticking, MAX_STICKING)}, so nearby "
+                         f"poses are at rest, too; this is where {why}")
     shown = rests[:MAX_COLUMNS]
     rows = [[name, unit, *(_shown(each[name]) for each in shown)]
             for name, unit in _units(shown).items()]
-    rows.append(["left over", "N", *(f"{each.left:.2g}" for each in shown)])
+    rows.append(["residual", "N", *(f"{each.left:.2g}" for each in shown)])
     heads = [f"rest {i}" if len(rests) > 1 else "value" for i in range(1, len(shown) + 1)]
     lines += ["", *table(["quantity", "unit", *heads], rows, right="<<" + ">" * len(shown)), ""]
     if len(rests) > len(shown):

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, get_args
 
 import click
 
+from sandbox.audit.audit import CHECKS, advice_on
 from sandbox.cli.console import Console
 from sandbox.cli.options import title_of
 from sandbox.codes import CODES
@@ -29,7 +30,12 @@ TABLES = ("limits", "layers", "functions")  # topics that are no element
 EVERYDAY = {
     "play": "backlash", "hinge": "pin", "revolute": "pin", "slider": "slot", "prismatic": "slot",
     "cord": "tendons", "cable": "tendons", "string": "tendons", "pulley": "guides",
-    "wire": "tendons", "damper": "springs", "clamp": "weld", "weight": "mass"}
+    "wheel": "guides", "wire": "tendons", "damper": "springs", "spring": "springs",
+    "torsion spring": "rotary", "clamp": "weld", "axle": "pin", "bearing": "pin",
+    "joint": "joints", "drive": "drives", "weight": "mass", "phalanx": "finger",
+    "phalange": "finger", "grasp": "held", "grip": "held", "object": "role",
+    "differential": "rocker_tree", "contact": "contacts", "contact force": "normal",
+    "end stop": "stop", "endstop": "stop", "stopper": "stop"}
 """Common words, and the names that scenes have for them."""
 
 
@@ -74,6 +80,10 @@ def _explained(name: str) -> list[str]:
     if word in CODES:
         about, page = CODES[word]
         blocks.append(_definitions([(word, f"{about} See docs/{page}.")]))
+    if word in CHECKS:
+        advice = advice_on(word)
+        blocks.append(_definitions([(word, f"A consistency check: {CHECKS[word].asks} If it warns: "
+                                     f"{advice.means}. What to do: {advice.do}.")]))
     owners = [each.name for each in all_elements if word in each.field_names()]
     if owners and not found:
         blocks.append([f"{word} is a field of {', '.join(owners)}. 'sandbox explain {owners[0]}' "
@@ -83,7 +93,7 @@ def _explained(name: str) -> list[str]:
                        "runs it."])
     if not any(blocks):
         known = [*TABLES, *(each for element in all_elements for each in sorted(element.names())),
-                 *(row.name for row in all_rows), *FUNCTIONS, *EVERYDAY, *CODES]
+                 *(row.name for row in all_rows), *FUNCTIONS, *EVERYDAY, *CODES, *CHECKS]
         raise click.BadParameter(f"there is no element or quantity {name!r}.{meant(word, known)} "
                                  "'sandbox explain' lists them.", param_hint="NAME")
     return [line for block in blocks if block for line in ("", *block)][1:]

@@ -71,11 +71,17 @@ def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
 
 
 def matching(patterns: Sequence[str], runs: Sequence[Recording], *, option: str) -> list[str]:
-    """The quantities that match any of some patterns in any of the runs, each once."""
+    """The quantities that match any of some patterns in any of the runs, each once.
+
+    A pattern leaves out pairs of bodies that never touched, unless none did.
+    """
     found: dict[str, None] = {}
     for pattern in patterns:
         names = dict.fromkeys(name for run in runs for name in run.match(pattern))
         if not names:
             run_with(pattern, runs, option=option)
+        if is_pattern(pattern) and "/" in pattern:
+            names = {name: None for name in names if any(
+                name in run.catalogue and run[name].any() for run in runs)} or names
         found |= names
     return list(found)

@@ -262,7 +262,7 @@ def verdict(rest: AtRest) -> str:
     """The stability in words."""
     if rest.stability == UNSTABLE:
         grows = float(np.sqrt(-rest.modes[0]))
-        return f"unstable: a small push grows e-fold every {1 / grows:.3g} s"
+        return f"unstable: a small motion grows by the factor e every {1 / grows:.3g} s"
     if rest.stability == NEUTRAL:
         moves = ", ".join(rest.loose) or "some bodies"
         return f"neutral: nothing answers a small motion of {moves}"
@@ -270,7 +270,7 @@ def verdict(rest: AtRest) -> str:
         return f"stability unknown with {rest.untold}"
     if not len(rest.modes):
         return "stable: nothing is free to move"
-    return f"stable: its softest motion swings at {rest.frequency:.4g} Hz without damping"
+    return f"stable: lowest natural frequency {rest.frequency:.4g} Hz, without damping"
 
 
 def quantities(run: Recording) -> dict[str, str]:

@@ -365,5 +365,5 @@ def unknown_name(
     allowed = ", ".join(filter(None, (known.listed if len(known) > (but in known) else "",
                                       quoted(also) if also else "")))
     return WrongValueError("name-not-found", f"unknown name {quoted(name)} in an expression",
-                           allowed=allowed or "the scene has no parameters",
+                           allowed=allowed or "numbers, as the scene has no parameters",
                            hint=known.near(name, others))

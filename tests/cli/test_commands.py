@@ -110,3 +110,5 @@ def test_explain_has_every_element_and_quantity(sandbox):
     assert "clip(x, low, high)" in several
     assert "unknown-key The element has no such key." in several
     assert "velocity" in sandbox("explain", "layers").out
+    assert "A consistency check: is F = m a" in sandbox("explain", "momentum.force").out
+    assert "springs.rotary" in sandbox("explain", "Torsion spring").out

@@ -112,3 +112,16 @@ def test_runs_are_compared_by_controlled_quantities_by_default(runs):
     value, unit = table["controlled", "k1", "variation"]
     assert float(value) > 60000
     assert unit == "N/m"
+
+
+def test_a_pattern_leaves_out_pairs_that_never_touched(sandbox):
+    box = {"type": "box", "size": [0.1, 0.1]}
+    content = {"run": {"duration": 0.01}, "gravity": [0, -9.81], "bodies": [
+        {"name": "floor", "motion": "fixed", "shapes": [box]},
+        {"name": "block", "at": [0, 0.1], "mass": 1, "shapes": [box]},
+        {"name": "far", "motion": "fixed", "at": [5, 0], "shapes": [box]}]}
+    Path("block.json").write_text(json.dumps(content))
+    assert sandbox("run", "block.json", "--no-render", "--quiet").code == 0
+    output = sandbox("plot", "block", "block/*.normal", "--json")
+    shown = [each["quantity"] for each in json.loads(output.out)["runs"][0]["quantities"]]
+    assert shown == ["block/floor.normal"]

@@ -49,7 +49,8 @@ def test_a_table_and_its_files(sandbox, hung):
     told = dict(line.split()[::2] for line in lines[3:8])
     assert float(told["ball.y"]) == pytest.approx(-DOWN, abs=1e-6)
     assert float(told["spring.force"]) == pytest.approx(0.3 * 9.81, rel=1e-5)
-    assert "stiffness of ball: 11.369 N/m along x, 50 N/m along y, 0 N m/rad in turn" in said.out
+    assert ("stiffness of ball: 11.369 N/m along x, 50 N/m along y, 0 N m/rad in rotation"
+            in said.out)
     folder = Path("renders/rest/hung")
     assert lines[-3:] == [str(folder / name) for name in ("rest.json", "rest.csv", "rest.png")]
     head, *rows = csv.reader((folder / "rest.csv").read_text(encoding="utf-8").splitlines())

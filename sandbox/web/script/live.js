@@ -87,7 +87,7 @@ class Live extends Viewer {
     const plots = el("div", { className: "plots" }), side = el("section", { className: "plots", ariaLabel: "controls and meters" });
     this.controls = new Controls(side, (name, value) => this.set(name, value));
     this.meters = new Meters(plots, (names) => this.ask({ watch: names }));
-    this.finder = finder("a meter for a quantity", () => [...this.units.keys()], (names) => this.meters.more(names),
+    this.finder = finder("show a quantity", () => [...this.units.keys()], (names) => this.meters.more(names),
                          (text) => this.meters.more([text]));   // the answer says why not
     side.append(this.finder, this.absent, plots);
     root.replaceChildren(this.title, el("div", { className: "top" }, el("section", { className: "bench", ariaLabel: "motion" },

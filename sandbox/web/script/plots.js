@@ -17,7 +17,7 @@ const isDark = (e) => getComputedStyle(e).getPropertyValue("--dark").trim() === 
 const DASHES = [undefined, [7, 3], [2, 3]];
 const inkOf = (i, dark) => (dark ? mixed(INKS[i % INKS.length], "#ffffff", 0.4) : INKS[i % INKS.length]);
 
-// Coinciding curves alternate their colours: the n-th is on top in every n-th slice of the plot. uPlot draws the dashed ones.
+// Coinciding curves alternate their colours: the n-th is on top in every n-th slice of the plot. Dashed ones are drawn over them.
 function takeTurns({ ctx, bbox, series }, solid, colours, dpr) {
   const slice = Math.round(TURN * CURVE * dpr), count = solid.length;
   solid.forEach((_, turn) => {
@@ -26,11 +26,17 @@ function takeTurns({ ctx, bbox, series }, solid, colours, dpr) {
     ctx.save();
     ctx.clip(slices);
     ctx.globalAlpha = 1; ctx.lineWidth = CURVE * dpr; ctx.lineJoin = "round";
+    ctx.setLineDash([]);                                  // uPlot leaves that of its last curve
     for (let k = 1; k <= count; k++) {
       const i = solid[(turn + k) % count], path = series[i + 1]._paths?.stroke;
       ctx.strokeStyle = colours[i];
       if (path) ctx.stroke(path);
     }
+    series.slice(1).forEach(({ dash, _paths }, i) => {
+      if (!dash || !_paths) return;
+      ctx.setLineDash(dash); ctx.strokeStyle = colours[i];
+      ctx.stroke(_paths.stroke);
+    });
     ctx.restore();
   });
 }
