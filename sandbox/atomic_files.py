@@ -100,7 +100,6 @@ def _plain(value: Any) -> Any:
 def write_csv(path: Path, rows: Iterable[Iterable[Any]]) -> None:
     """Write rows as CSV in UTF-8, with the same bytes on every platform."""
     import csv
-
     with atomic_file(path) as temporary, \
             temporary.open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows(rows)
@@ -123,7 +122,6 @@ def temporary_path(
 def _remove(path: Path) -> None:
     if path.is_dir() and not path.is_symlink():
         import shutil  # slow to load
-
         shutil.rmtree(path, ignore_errors=True)
     else:
         with contextlib.suppress(OSError):

@@ -27,7 +27,6 @@ def check(
     """Check scenes, or print one expanded, or a schema."""
     if schema:
         from sandbox.sweeps.spec import study_schema
-
         found = study_schema() if schema == "study" else scene_schema()
         console.document(json.dumps(found, indent=2, ensure_ascii=False))
         return Exit.DONE

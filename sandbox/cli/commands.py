@@ -122,7 +122,6 @@ class _Searches(Commands):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args[0] not in self.commands and args[0].endswith(".json"):
             from sandbox.cli.sweep import kind_of
-
             if not (kind := kind_of(args[0])):
                 raise click.UsageError(
                     f"{args[0]} is not a search: write 'sandbox search optimize {args[0]}', or add "

@@ -116,9 +116,6 @@ def _write(text: str, *, to_stderr: bool = False) -> None:
             raise StdoutError(f"cannot write to stdout: {error.strerror or error}") from None
 
 
-# -- exceptions ----------------------------------------------------------------------
-
-
 def guard(work: Callable[[], int], console: Console) -> int:
     """Run a command; its exit code, or that of the error it raised."""
     try:
@@ -186,9 +183,6 @@ def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
             **{name: value for name in names if (value := getattr(placed, name))}}
 
 
-# -- progress ------------------------------------------------------------------------
-
-
 class Progress:
     """Progress of a command on stderr, without ``--quiet``.
 
@@ -243,7 +237,6 @@ def compilation_notices(console: Console) -> Iterator[None]:
 
     def began() -> None:
         from sandbox.engine.advance import advance
-
         console.warn(COMPILING if advance.cached else NOT_CACHED)
 
     def ended(seconds: float) -> None:

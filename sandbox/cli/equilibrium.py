@@ -58,15 +58,11 @@ def equilibrium(
     return console.finish({"scene": name, **data, "files": files}, [*lines, *files])
 
 
-# -- equilibria ----------------------------------------------------------------------
-
-
 def _find(
     mechanism: Mechanism, starts: list[dict[str, float]], body: str | None, folder: Path,
     console: Console, how: dict[str, Any],
 ) -> Answer:
     from sandbox.picture.film import save_picture
-
     if body is None:
         objects = [each.name for each in mechanism.bodies
                    if each.role == "object" and each.motion == "dynamic" and each.shapes]
@@ -147,9 +143,6 @@ def _lines(found: RestFound) -> list[str]:
 def _shown(value: float) -> str:
     """A number in SI, without rounding errors about 0."""
     return f"{round(value, DIGITS) + 0.0:.6g}"
-
-
-# -- along a value -------------------------------------------------------------------
 
 
 def _follow(

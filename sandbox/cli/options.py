@@ -35,18 +35,13 @@ _ALONG = re.compile(rf"\s*([^=]+?)\s*={_NUMBER}:{_NUMBER}:\s*(\d+)\s*")
 class _Out(click.Path):
     """A file or directory to write. An empty text is no path, though Python takes it for ``.``."""
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None,
-    ) -> Any:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if not os.fspath(value).strip():
             self.fail("the path is empty; '.' is the directory that you are in.", param, ctx)
         return super().convert(value, param, ctx)
 
 
 OUT = _Out(path_type=Path)  # type of every option ``--out``
-
-
-# -- values --------------------------------------------------------------------------
 
 
 def reads(convert: Callable[[Any], Any]) -> Callable[..., Any]:
@@ -90,7 +85,6 @@ def _limits(words: Sequence[str]) -> Limits:
     from dataclasses import fields
 
     from sandbox.scene.read.limits import Limits
-
     known = [field.name for field in fields(Limits)]
     changes: dict[str, int] = {}
     for name, text in read_pairs(words).items():
@@ -110,7 +104,6 @@ def _limits(words: Sequence[str]) -> Limits:
 def read_quantity(text: str, dimension: str | None = None) -> float:
     """Read a number in SI, or with a unit."""
     from sandbox.values.units import parse_quantity
-
     return parse_quantity(text, dimension)
 
 
@@ -132,7 +125,6 @@ def read_noise(words: Sequence[str]) -> dict[str, float]:
 def read_starts(words: Sequence[str]) -> list[dict[str, float]]:
     """All combinations of the values of ``--from``."""
     from sandbox.values.numbers import number_from
-
     given: dict[str, list[float]] = {}
     for path, text in read_pairs(words, "path=values").items():
         dimension = "angle" if path.endswith(".angle") else "length"
@@ -171,7 +163,6 @@ def read_size(word: str) -> tuple[int, int] | str:
 def read_workers(word: str) -> int | str:
     """A number of processes, which begin to load here, or the address of a scheduler."""
     from sandbox.sweeps.processes import check_workers, preload
-
     if "://" in word:
         return word
     if word and (not word.isdecimal() or int(word) < 1):
@@ -187,12 +178,8 @@ def _read_elements(ctx: click.Context, param: click.Parameter, paths: Sequence[P
     """Register the elements of files while the command runs."""
     if paths:
         from sandbox.scene.document import load_elements
-
         for path in paths:
             ctx.call_on_close(load_elements(path))
-
-
-# -- scenes --------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -207,14 +194,12 @@ class Source:
         """Load the scene, with ``changes`` after those of ``--set``."""
         from sandbox.scene.library import find_scene
         from sandbox.scene.read.load import read_scene
-
         return read_scene(find_scene(self.word), overrides={**self.overrides, **(changes or {})},
                           limits=self.limits)
 
     def inspect(self, loaded: Loaded) -> Inspection:
         """Inspect a scene; a run that costs more than the limits allow is an error."""
         from sandbox.engine.inspect import look_over
-
         found = look_over(loaded.mechanism)
         beyond = list(found.estimate.beyond(self.limits))
         return found._replace(problems=[*beyond, *found.problems])
@@ -224,7 +209,6 @@ def refuse_blocking(problems: Sequence[Problem], loaded: Loaded) -> None:
     """Refuse a scene that cannot be simulated."""
     if blocking := [problem for problem in problems if problem.blocks]:
         from sandbox.scene.read.source import first_problems
-
         most = loaded.origins.source.limits.problems
         raise SceneError(first_problems(loaded.placed(blocking), most), loaded.name)
 
@@ -243,18 +227,12 @@ def complete_scene(_ctx: object, _param: object, incomplete: str) -> list[Comple
     from click.shell_completion import CompletionItem
 
     from sandbox.scene.library import shipped_scenes
-
     named = [CompletionItem(name, help=title_of(path)) for name, path in shipped_scenes().items()
              if name.startswith(incomplete)]
     return [*named, CompletionItem(incomplete, type="file")]
 
 
-# -- shared arguments and options ----------------------------------------------------
-
-
-def option(
-    *names: str, read: Callable[[Any], Any] | None = None, **settings: Any,
-) -> click.Option:
+def option(*names: str, read: Callable[[Any], Any] | None = None, **settings: Any) -> click.Option:
     """An option of a command; ``read`` converts the words."""
     return click.Option(names, **{"callback": read and reads(read), **settings})
 
@@ -289,8 +267,6 @@ JSON = option("--json", "as_json", is_flag=True, help="Print one JSON object and
 QUIET = option("--quiet", "-q", is_flag=True, help="Print errors only.")
 
 
-# -- directories ---------------------------------------------------------------------
-
 RENDERS = Path("renders")
 
 
@@ -302,7 +278,6 @@ def safe_name(name: str) -> str:
 def prepare(directory: Path) -> None:
     """Check that files can be written into a directory, and make it."""
     import tempfile
-
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory) as trial:

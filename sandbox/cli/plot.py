@@ -166,9 +166,6 @@ def _csv_rows(responses: Records, efforts: Records) -> Iterator[tuple[str, ...]]
                    units.get(measure, unit))
 
 
-# -- the quantities of a run ---------------------------------------------------------
-
-
 def _described(run: Recording) -> Records:
     found = []
     for name, unit in run.catalogue.units.items():

@@ -91,7 +91,6 @@ class _Job:
             try:
                 if animation:
                     from sandbox.picture.film import render
-
                     with self._timed("draw"), Progress("Drawing", self.console) as progress:
                         render(recording, self.new.aside / f"animation.{animation}",
                                progress=progress, most_frames=self.scene.limits.frames)
@@ -101,7 +100,6 @@ class _Job:
                 if writes_page:
                     from sandbox.cli.page import write_page
                     from sandbox.web.page import FoundOut
-
                     with self._timed("report"):
                         write_page([recording], self.new.aside / PAGE, [FoundOut(
                             self.judged, self.checks, str(self.new.directory))])

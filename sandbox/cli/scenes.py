@@ -32,7 +32,6 @@ def new(name: str, out: Path | None) -> None:
     """Copy a scene with all that it includes."""
     from sandbox.scene.read.limits import Limits
     from sandbox.sweeps.job import make_bundle
-
     scenes = shipped_scenes()
     if name not in scenes:
         raise click.BadParameter(

@@ -93,9 +93,6 @@ def _problems_at_options(vary: Mapping[str, str], keep: Sequence[str] = ()) -> I
         raise SceneError(problems) from None
 
 
-# -- sweeps --------------------------------------------------------------------------
-
-
 def sweep(
     scene: Source, out: Path | None, workers: int | str, again: bool, console: Console,
     **options: Any,
@@ -163,9 +160,6 @@ def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: fl
 
 def _most_frequent(words: Counter[str]) -> str:
     return "; ".join(f"{word} ({count})" for word, count in words.most_common(MAX_REASONS))
-
-
-# -- searches ------------------------------------------------------------------------
 
 
 def kind_of(word: str) -> str:

@@ -13,9 +13,7 @@ MAX_PAGES = 3  # codes, elements, and pages that one line names
 REFERENCE = re.compile(r"docs/(?:elements|parts)\.md#(\w+)")  # what ``sandbox explain`` prints
 
 
-def table(
-    head: Sequence[str], rows: Sequence[Sequence[str]], *, right: str = "",
-) -> list[str]:
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], *, right: str = "") -> list[str]:
     """Format rows as columns two spaces apart; ``right`` marks right-aligned columns by ``>``."""
     lines = [[printable(cell) for cell in line] for line in ([head] if head else []) + [*rows]]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]

@@ -291,8 +291,7 @@ def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
 
     for expect in mechanism.expect:
         alone = mechanism.model_copy(update={"expect": (expect,)})
-        for verdict in verdicts(Recording(alone, base.arrays, base.info,
-                                          catalogue=base.catalogue)):
+        for verdict in verdicts(Recording(alone, base.arrays, base.info, catalogue=base.catalogue)):
             yield trust_of(verdict, expect)
 
 

@@ -154,8 +154,6 @@ class _Follower:
                 mechanism, mechanism.run.duration if self._time is None else self._time)
         return self._made[value]
 
-    # -- points ----------------------------------------------------------------------
-
     def _point(self, value: float, balance: PoseBalance, ahead: Array | None) -> _Point:
         """A point, with the direction of its branch along ``ahead``; upwards by default."""
         pose, size = balance.still.pose, balance.size
@@ -171,9 +169,7 @@ class _Follower:
         self.at(value).start(pose)
         return _Point(value, pose, balance, way)
 
-    def _derivatives(
-        self, value: float, pose: Array, balance: PoseBalance,
-    ) -> tuple[Array, Array]:
+    def _derivatives(self, value: float, pose: Array, balance: PoseBalance) -> tuple[Array, Array]:
         """By the value: forces along free motions, and the motion of joints."""
         by = NUDGE * self._span
         settler = self.at(value + by)
@@ -242,8 +238,6 @@ class _Follower:
         motion = point.balance.motion_between(point.pose, pose) / point.balance.size
         return float(point.way @ np.append(motion, (value - point.value) / self._span))
 
-    # -- branches --------------------------------------------------------------------
-
     def follow_all(self, first: PoseBalance) -> list[Branch]:
         passed, branch = self._follow(self._begin, first, self._sense)
         self._branches.append(branch)
@@ -307,7 +301,6 @@ class _Follower:
     def _fold(self, before: _Point, after: _Point) -> _Point:
         """The fold between two points: where the value does not change along the branch."""
         from scipy.optimize import brentq
-
         best = before if abs(before.turning) < abs(after.turning) else after
 
         def turning(length: float) -> float:

@@ -129,8 +129,7 @@ class Settler:
                 if left <= BALANCED * max(balance.largest, 1e-9):
                     return balance
                 break
-            self.still.put(balance.pose_after(self.still.pose,
-                                              motion * min(1.0, self._most / way)))
+            self.still.put(balance.pose_after(self.still.pose, motion * min(1.0, self._most / way)))
             balance = self.look()
         self.still.put(pose)
         return None
@@ -248,9 +247,6 @@ def _reaches(model: Model) -> Array:
         far = np.nan_to_num(np.hypot(*(at - centre[bodies]).T))
         np.maximum.at(found, bodies, far)
     return found
-
-
-# -- poses to start from -------------------------------------------------------------
 
 
 def place_start(settler: Settler, start: Start) -> Array:

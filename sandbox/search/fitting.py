@@ -70,13 +70,11 @@ class Fitted(Result):
     """Parameters fitted to a measurement."""
 
     parameters: tuple[Parameter, ...]
-    noise: Mapping[str, float]
-    """Standard deviation of each column's noise, SI, estimated or given."""
+    noise: Mapping[str, float]  #: standard deviation of each column's noise, SI, estimated or given
     blind: tuple[tuple[float, Mapping[str, float]], ...]
     """Directions that the data do not determine: half of the 95 % interval in ranges, and the
     share of each path, in its range."""
-    count: int
-    """Measured numbers."""
+    count: int  #: measured numbers
     remarks: tuple[str, ...] = ()
 
     def __getitem__(self, path: str) -> Parameter:
@@ -95,9 +93,6 @@ class Fitted(Result):
             size = f"± {half:.3g} ranges" if math.isfinite(half) else "not at all"
             lines.append(f"the data do not determine: {direction} ({size})")
         return [*lines, *self.remarks]
-
-
-# -- measurements --------------------------------------------------------------------
 
 
 class BadDataError(RefusedError):
@@ -194,9 +189,6 @@ def _measurement(session: Session, path: Path, match: Mapping[str, str] | None) 
         time[rows], values[places, rows], places)
 
 
-# -- estimation ----------------------------------------------------------------------
-
-
 class Estimate(NamedTuple):
     """Parameters as quantiles of their ranges."""
 
@@ -217,7 +209,6 @@ def estimate(
     deviation of each column, estimated by default.
     """
     from scipy.optimize import least_squares
-
     freedom = len(data) - len(start)
     if freedom <= 0:
         raise BadDataError(f"{len(data)} measured numbers do not determine {len(start)} parameters")
@@ -246,7 +237,6 @@ def estimate(
 def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[float, Array]]]:
     """Half intervals and undetermined directions: (J^T J)^-1 from the singular values of J."""
     from scipy import stats
-
     _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
     known = values > RANK * values[0] if values[0] > 0 else np.zeros(len(values), bool)
     factor = float(stats.t.ppf(0.975, freedom))
@@ -277,9 +267,6 @@ def _differences(model: Model) -> Callable[[Array], tuple[Array, Array]]:
 
 def _spreads(data: Array, columns: Integers) -> Array:
     return np.array([np.std(data[columns == k]) or 1.0 for k in range(columns.max() + 1)])
-
-
-# -- the search ----------------------------------------------------------------------
 
 
 def find_fit(session: Session, options: FitSearch) -> Fitted:
@@ -313,7 +300,6 @@ def find_fit(session: Session, options: FitSearch) -> Fitted:
 
 def _start(model: Model, session: Session, measured: Measurement) -> Array:
     from scipy.stats import qmc
-
     count = len(session.paths)
     points = np.vstack([np.full(count, 0.5),
                         qmc.Halton(count, scramble=False).random(STARTS + 1)[1:]])

@@ -61,12 +61,9 @@ class Chosen(Result):
     """The best run, or the Pareto front of several goals."""
 
     best: tuple[Choice, ...]
-    goals: Mapping[str, str]
-    """``least`` or ``most``, by result."""
-    units: Mapping[str, str]
-    """SI, of paths and objectives."""
-    failed: int
-    """Runs without an answer."""
+    goals: Mapping[str, str]  #: ``least`` or ``most``, by result
+    units: Mapping[str, str]  #: SI, of paths and objectives
+    failed: int  #: runs without an answer
     history: Array
     """Objectives of all runs in their order, [n, objectives]; nan where a condition or a run
     failed."""

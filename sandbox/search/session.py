@@ -145,8 +145,6 @@ class Session:
         return SceneError([Problem(error.code, str(error), path_text(path),
                                    *self.source.where(path, key=key))], self.source.name)
 
-    # -- values and results
-
     def of_kind(self, *kinds: type[Any]) -> list[str]:
         """Paths with ranges, distributions or lists (tuples)."""
         return [path for path, each in self.over.items() if isinstance(each, kinds)]
@@ -155,8 +153,7 @@ class Session:
         """Values of all paths at quantiles, [n, paths]."""
         table = np.asarray(quantiles, dtype=float)
         columns = [values_at(each, table[:, k]) for k, each in enumerate(self.over.values())]
-        return [dict(zip(self.over, values, strict=True))
-                for values in zip(*columns, strict=True)]
+        return [dict(zip(self.over, values, strict=True)) for values in zip(*columns, strict=True)]
 
     def numbers(self, quantiles: Quantiles) -> Array:
         """The same in SI, [n, paths]; nan for texts."""
@@ -192,8 +189,6 @@ class Session:
             self.check_unit(limit, self.units[name], f"{quoted(text)}: {name}", *path)
             found.append(Condition(name, relation in ("<", "<="), float(limit), text))
         return tuple(found)
-
-    # -- runs
 
     @property
     def count(self) -> int:

@@ -23,13 +23,10 @@ class ThresholdFound(Result):
     """The value of a path at which a condition begins or ceases to hold."""
 
     path: str
-    unit: str
-    """SI; empty for none."""
-    low: float
-    """Of the bracket, SI; the condition holds at one of its ends only."""
+    unit: str  #: SI; empty for none
+    low: float  #: of the bracket, SI; the condition holds at one of its ends only
     high: float
-    holds_below: bool
-    """Whether the condition holds below the threshold."""
+    holds_below: bool  #: whether the condition holds below the threshold
     condition: str
     remarks: tuple[str, ...] = ()
 

@@ -147,9 +147,6 @@ def run_id(digest: str, values: Point) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-# -- rows ----------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class SweepRow:
     """The outcome of one run."""

@@ -44,9 +44,6 @@ UNCOUNTED = "missing-key"
 NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
 
 
-# -- short texts ---------------------------------------------------------------------
-
-
 def parse_statistic(text: str) -> dict[str, Any]:
     """The object of ``"mean disc.x over last 0.2 s"`` or ``"disc.x at 0.5 s"``."""
     quantity, at, instant = text.strip().partition(" at ")
@@ -107,8 +104,6 @@ Result = Annotated[
     BeforeValidator(_result, json_schema_input_type=Looked | str)]
 """A statistic of a quantity in a window of time, or an expression of earlier results."""
 
-
-# -- searches ------------------------------------------------------------------------
 
 Sampler = Literal["cmaes", "tpe", "gp", "nsga2", "random"]
 """Samplers of an optimisation: CMA-ES (Hansen and Ostermeier, Evol. Comput. 9 (2001) 159),
@@ -212,9 +207,6 @@ class SearchSpec(Spec):
                                                          else ""), code="bad-search",
                               allowed=", ".join(known))
         return self
-
-
-# -- sweeps --------------------------------------------------------------------------
 
 
 class Varying(Spec):
@@ -342,5 +334,4 @@ class SweepSpec(Spec):
 def study_schema() -> dict[str, Any]:
     """The JSON Schema of study files (draft 2020-12), with the short texts that they may hold."""
     from sandbox.scene.reference import DRAFT, described
-
     return {"$schema": DRAFT, **described(SweepSpec), "title": "A study of sandbox"}

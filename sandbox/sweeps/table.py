@@ -36,10 +36,8 @@ class SweepTable:
     """Columns of a sweep, [n] for n planned runs."""
 
     plan: Plan
-    rows: list[SweepRow]
-    """The outcome of each run; its status is empty if it was not done yet."""
-    met: Array | None = None
-    """Of a search with a condition: 1 or 0, or nan where it is unknown."""
+    rows: list[SweepRow]  #: the outcome of each run; its status is empty if it was not done yet
+    met: Array | None = None  #: of a search with a condition: 1 or 0, or nan where it is unknown
 
     def __len__(self) -> int:
         return len(self.rows)

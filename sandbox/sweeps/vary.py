@@ -15,14 +15,7 @@ from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import (
-    BeforeValidator,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationInfo,
-    model_validator,
-)
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.numeric import Array, Integers
@@ -178,7 +171,6 @@ class Distribution(Spec):
     def at(self, quantiles: Array) -> Array:
         """Numbers [unit] at quantiles from 0 to 1, [n]; the ends are moved inside by rounding."""
         from scipy import stats
-
         unit = self.unit
         known = {ENDS.get(key, key): np.float64(in_unit(value, unit))
                  if isinstance(value, float) and key != "sigma" else value
@@ -256,9 +248,6 @@ def si_unit(unit: str) -> str:
     return "" if found == "%" else found
 
 
-# -- short texts ---------------------------------------------------------------------
-
-
 def parse_values(text: str) -> Any:
     """The object of a study file for a short text."""
     text = text.strip()
@@ -309,9 +298,6 @@ def _parse_value(text: str) -> Any:
         return json.loads(text)
     except ValueError:
         return text.strip()
-
-
-# -- points --------------------------------------------------------------------------
 
 
 class Points:

@@ -154,7 +154,6 @@ def _exit_with_parent() -> None:
 def _prepare() -> None:
     from sandbox.engine.simulation import Simulation
     from sandbox.sweeps.runner import load_scene  # loads the engine
-
     with on_compiling(lambda: _worker["notices"].put(None), _worker["notices"].put), \
             suppress(Exception):  # each run reports the problems of its scene
         Simulation(load_scene(_worker["job"], _worker["scene"], {})[1])
@@ -162,7 +161,6 @@ def _prepare() -> None:
 
 def _run(id: str, values: Point) -> SweepRow:
     from sandbox.sweeps.runner import run_point
-
     return run_point(_worker["job"], _worker["scene"], id, values)
 
 
@@ -217,7 +215,6 @@ def _version() -> str:
 
 def _run_remote(id: str, values: Point, job: SweepJob) -> SweepRow:
     from sandbox.sweeps.runner import run_point  # loads the engine
-
     job.bundle.register()
     with job.bundle.unpacked() as scene:
         return run_point(job, scene, id, values)
