@@ -42,7 +42,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _interrupt)
     try:
-        from sandbox.cli.entry import invoke
+        from sandbox.cli.commands import invoke
         code = int(invoke(sys.argv[1:] if argv is None else argv))
     except KeyboardInterrupt:  # before the command began
         code = 130

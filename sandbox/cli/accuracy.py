@@ -12,10 +12,18 @@ import click
 from sandbox.atomic_files import write_atomic
 from sandbox.audit.bounds import Interval, contact_bounds, push_limits
 from sandbox.audit.evidence import Evidence
-from sandbox.cli.console import Console, Exit, Progress, compilation_notices
+from sandbox.cli.console import (
+    Console,
+    Exit,
+    Progress,
+    compilation_notices,
+    first_of,
+    see,
+    shown,
+    table,
+)
 from sandbox.cli.options import Source, refuse_blocking
 from sandbox.cli.runs import open_run
-from sandbox.cli.text import first_of, see, shown, table
 from sandbox.convergence.certificate import certify, refined, unfit
 from sandbox.engine.inspect import inspect, look_over
 from sandbox.errors import SceneError

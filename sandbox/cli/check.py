@@ -8,9 +8,8 @@ from typing import Any
 
 import click
 
-from sandbox.cli.console import Console, Exit, problem_data
+from sandbox.cli.console import Console, Exit, pages_line, problem_data
 from sandbox.cli.options import Source, refuse_blocking
-from sandbox.cli.text import pages_line
 from sandbox.engine.inspect_hands import reaches
 from sandbox.errors import Problem, SceneError
 from sandbox.model.compile import compile_mechanism

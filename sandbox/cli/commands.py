@@ -6,6 +6,8 @@ imported when the command runs: ``--version``, ``--help`` and shell completion n
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -14,7 +16,7 @@ from typing import Any
 import click
 
 import sandbox
-from sandbox.cli.console import Console
+from sandbox.cli.console import Console, Exit, guard
 from sandbox.cli.options import (
     CHANGES,
     ELEMENTS,
@@ -434,3 +436,23 @@ exchange("export", "export", """
     option("--without", multiple=True, metavar="NAME",
            help="Leave out elements and all that depends on them, as in 'tree.*'. Repeatable."),
     *SCENE)
+
+
+
+
+def invoke(words: Sequence[str]) -> int:
+    """Run a command, print its output, and return its exit code; never raises."""
+    def work() -> int:
+        try:
+            code = commands.main(list(words), prog_name="sandbox", standalone_mode=False)
+        except click.NoSuchOption as error:
+            name, known = error.option_name, [opt for param in (
+                error.ctx.command.params if error.ctx else ()) for opt in param.opts]
+            advice = f" {ADVICE[name]}" if name in ADVICE else meant(name, known, cutoff=0.75)
+            raise click.UsageError(f"There is no option {name!r}.{advice}", error.ctx) from None
+        return code if isinstance(code, int) else Exit.DONE
+
+    if os.environ.get("SANDBOX_DEBUG"):
+        return work()
+    return guard(work, Console(as_json="--json" in words,
+                               quiet=not {"--quiet", "-q"}.isdisjoint(words)))

@@ -11,9 +11,8 @@ import click
 import numpy as np
 
 from sandbox.atomic_files import json_text, write_atomic, write_csv
-from sandbox.cli.console import Console, Exit, Progress, compilation_notices
+from sandbox.cli.console import Console, Exit, Progress, compilation_notices, first_of, table
 from sandbox.cli.options import RENDERS, Source, prepare, refuse_blocking, safe_name
-from sandbox.cli.text import first_of, table
 from sandbox.engine.inspect import inspect
 from sandbox.engine.inspect_control import Checked
 from sandbox.equilibria.branches import rest_along

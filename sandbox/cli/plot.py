@@ -12,10 +12,9 @@ from typing import Any
 import click
 
 from sandbox.atomic_files import write_csv
-from sandbox.cli.console import Console
+from sandbox.cli.console import Console, first_of, table
 from sandbox.cli.options import PICTURES
 from sandbox.cli.runs import matching, open_run, run_with
-from sandbox.cli.text import first_of, table
 from sandbox.elements.quantities import row_of
 from sandbox.figure.signals import Plotted, Window, draw
 from sandbox.figure.style import number, save_figure, shown_as

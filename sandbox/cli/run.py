@@ -13,10 +13,19 @@ from typing import Any
 from sandbox.audit.audit import CHECKS, advice_on, audit
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.cli.check import inspection_data, inspection_lines
-from sandbox.cli.console import Console, Exit, Progress, compilation_notices, report
+from sandbox.cli.console import (
+    Console,
+    Exit,
+    Progress,
+    compilation_notices,
+    pages_line,
+    report,
+    see,
+    shown,
+    table,
+)
 from sandbox.cli.options import RENDERS, Source, refuse_blocking, safe_name
 from sandbox.cli.runs import files_of
-from sandbox.cli.text import pages_line, see, shown, table
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, RunEnded, SimulationDiverged

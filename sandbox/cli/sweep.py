@@ -19,9 +19,8 @@ import click
 import numpy as np
 
 from sandbox.atomic_files import json_text, write_atomic
-from sandbox.cli.console import Console, Progress, many_runs
+from sandbox.cli.console import Console, Progress, many_runs, table
 from sandbox.cli.options import NAMES, Source, prepare, safe_name, written
-from sandbox.cli.text import table
 from sandbox.errors import SceneError
 from sandbox.scene.read.source import SceneSource
 from sandbox.search.fitting import COMPARED

@@ -16,9 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.cli.check import inspection_lines
-from sandbox.cli.console import Console, Exit, compilation_notices
+from sandbox.cli.console import Console, Exit, compilation_notices, pages_line
 from sandbox.cli.options import RENDERS, Source, refuse_blocking, safe_name
-from sandbox.cli.text import pages_line
 from sandbox.web.server import Server, needed
 from sandbox.web.session import Found, Session
 

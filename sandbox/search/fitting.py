@@ -27,8 +27,7 @@ from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
 from sandbox.scene.settings import Looked
 from sandbox.search.session import FOUND, RefusedError, Result, Session, results
-from sandbox.sweeps.spec import FitSearch
-from sandbox.sweeps.vary import Distribution
+from sandbox.sweeps.spec import Distribution, FitSearch
 from sandbox.values.units import factor_of
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 

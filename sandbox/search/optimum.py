@@ -29,8 +29,7 @@ from sandbox.search.session import (
     results,
 )
 from sandbox.sweeps.job import DONE, SweepRow
-from sandbox.sweeps.spec import BestSearch
-from sandbox.sweeps.vary import Distribution, Values, number_of
+from sandbox.sweeps.spec import BestSearch, Distribution, Values, number_of
 from sandbox.wording import quoted
 
 PACKAGES = {"cmaes": "cmaes", "gp": "torch"}  # what a sampler needs besides optuna

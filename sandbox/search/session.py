@@ -24,9 +24,9 @@ from sandbox.scene.read.limits import Limits, over
 from sandbox.sweeps.job import DONE, STEP, Log, Point, SweepRow, run_id
 from sandbox.sweeps.plan import Study, make_plan, read_study
 from sandbox.sweeps.processes import check_workers
+from sandbox.sweeps.spec import Points, Range, number_of, values_at
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.table import draw_table, make_table
-from sandbox.sweeps.vary import Points, Range, number_of, values_at
 from sandbox.sweeps.workers import make_workers
 from sandbox.values.paths import JsonPath, path_text
 from sandbox.values.units import parse_quantity, unfit

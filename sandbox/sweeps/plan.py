@@ -20,8 +20,7 @@ from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.scene.settings import Expect, Looked
 from sandbox.sweeps.job import Point, SweepJob, make_bundle, run_id
-from sandbox.sweeps.spec import UNCOUNTED, SweepSpec
-from sandbox.sweeps.vary import Points, number_of, si_unit
+from sandbox.sweeps.spec import UNCOUNTED, Points, SweepSpec, number_of, si_unit
 from sandbox.values.expressions import parse_expression
 from sandbox.values.messages import explain
 from sandbox.values.paths import parse_path

@@ -24,7 +24,7 @@ from sandbox.numeric import Array, Flags
 from sandbox.sweeps import CSV, PARQUET, SPEC
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.plan import Plan
-from sandbox.sweeps.vary import Distribution, Range, Values, number_of
+from sandbox.sweeps.spec import Distribution, Range, Values, number_of
 from sandbox.wording import counted, listed, or_near
 
 MET = "met"  # column of a search: whether its condition holds
