@@ -292,6 +292,13 @@ def compilation_notices(console: Console) -> Iterator[None]:
 
 
 @contextlib.contextmanager
+def simulating(console: Console) -> Iterator[Progress]:
+    """Print notices about compilation, and the progress of a simulation."""
+    with compilation_notices(console), Progress("Simulating", console) as progress:
+        yield progress
+
+
+@contextlib.contextmanager
 def many_runs(folder: Path, console: Console) -> Iterator[None]:
     """Print notices about compilation, and after Ctrl-C how to resume."""
     try:

@@ -17,11 +17,11 @@ from sandbox.cli.console import (
     Console,
     Exit,
     Progress,
-    compilation_notices,
     pages_line,
     report,
     see,
     shown,
+    simulating,
     table,
 )
 from sandbox.cli.options import RENDERS, Source, refuse_blocking, safe_name
@@ -52,7 +52,7 @@ def run(
     with writing(out or RENDERS / safe_name(loaded.mechanism.name)) as new:
         job = _Job(scene, loaded, new, console)
         try:
-            with compilation_notices(console), Progress("Simulating", console) as progress:
+            with simulating(console) as progress:
                 recording = simulate(Checked(loaded.mechanism), progress=progress,
                                      recorded_bytes=scene.limits.recorded_bytes)
         except RunEnded as error:

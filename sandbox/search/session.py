@@ -102,24 +102,24 @@ class Session:
         given: Mapping[str, Any] | None = None,
     ) -> None:
         source = read_study(study, limits)
+        data = source.data
         self.source, self.kind, self.options = source, kind, dict(given or {})
-        if isinstance(data := source.data, dict):
-            own = data.get("search")
-            if own is None and not kind:
-                raise RefusedError('the study has no key "search": add the kind of search')
-            own = {kind: {}} if own is None else own
-            if isinstance(own, dict) and len(own) == 1 and isinstance(own[(*own,)[0]], dict):
-                (self.kind, written), = own.items()
-                if kind not in ("", self.kind):
-                    raise self.wrong(RefusedError(f"the study is a search of the kind {self.kind}, "
-                                                  f"not {kind}"), key=True)
-                if "seed" in data and self.kind in SEEDED:
-                    self.options["seed"] = data["seed"]
-                self.options |= written
-                if source.path and isinstance(written.get("data"), str):
-                    self.options["data"] = str(source.path.parent / written["data"])
-                own = {self.kind: self.options}
-            source = replace(source, data={"audit": False, **data, "search": own})
+        own = data.get("search")
+        if own is None and not kind:
+            raise RefusedError('the study has no key "search": add the kind of search')
+        own = {kind: {}} if own is None else own
+        if isinstance(own, dict) and len(own) == 1 and isinstance(own[(*own,)[0]], dict):
+            (self.kind, written), = own.items()
+            if kind not in ("", self.kind):
+                raise self.wrong(RefusedError(f"the study is a search of the kind {self.kind}, "
+                                              f"not {kind}"), key=True)
+            if "seed" in data and self.kind in SEEDED:
+                self.options["seed"] = data["seed"]
+            self.options |= written
+            if source.path and isinstance(written.get("data"), str):
+                self.options["data"] = str(source.path.parent / written["data"])
+            own = {self.kind: self.options}
+        source = replace(source, data={"audit": False, **data, "search": own})
         self.plan = make_plan(source, limits, search=True)
         if STEP in self.plan.points.axes:
             raise SceneError([Problem("bad-search",

@@ -18,16 +18,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
-from sandbox import __version__
+from sandbox import __version__, errors
 from sandbox.atomic_files import locked, output_errors
-from sandbox.errors import (
-    ControllerFailed,
-    OutputError,
-    RecordingFull,
-    SandboxError,
-    SceneError,
-    SimulationDiverged,
-)
 from sandbox.scene.document import element_files, load_elements
 from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
@@ -36,9 +28,9 @@ from sandbox.scene.settings import Looked
 
 DONE, DIED = "done", "died"
 """Status of a run that reached its end, and of one whose worker processes died."""
-ENDED: dict[type[SandboxError], str] = {
-    SceneError: "refused", SimulationDiverged: "diverged", RecordingFull: "limited",
-    ControllerFailed: "failed"}  # Status of a run by the error that ended it
+ENDED: dict[type[errors.SandboxError], str] = {  # status of a run by the error that ended it
+    errors.SceneError: "refused", errors.SimulationDiverged: "diverged",
+    errors.RecordingFull: "limited", errors.ControllerFailed: "failed"}
 STATUSES = (DONE, *ENDED.values(), DIED)
 STEP = "run.step"  # path of the time step, which searches halve to check their result
 ROWS = Path("rows", "00000.jsonl")  # the rows in the directory of a sweep
@@ -187,8 +179,8 @@ class Log:
             mark = folder / ".lock"
             mark.touch()
             if self._stack.enter_context(locked(mark)) is False:
-                raise OutputError(f"{folder.parent}: another process writes to this directory",
-                                  code="runs-in-use")
+                raise errors.OutputError(f"{folder.parent}: another process writes to this "
+                                         "directory", code="runs-in-use")
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -224,7 +216,7 @@ class Log:
                     if row.status not in STATUSES:
                         raise ValueError(row.status)
                 except (KeyError, TypeError, ValueError, AttributeError):
-                    raise OutputError(f"{self.path}:{number}: this line is no row of a sweep; "
-                                      "take it away, and its run is done again",
-                                      code="run-damaged") from None
+                    raise errors.OutputError(
+                        f"{self.path}:{number}: this line is no row of a sweep; take it away, and "
+                        "its run is done again", code="run-damaged") from None
                 yield row

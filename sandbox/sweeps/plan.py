@@ -25,7 +25,7 @@ from sandbox.values.expressions import parse_expression
 from sandbox.values.messages import explain
 from sandbox.values.paths import parse_path
 from sandbox.values.units import unit_in
-from sandbox.wording import WrongValueError, is_pattern, kind_of, listed, near, quoted
+from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
 Study = str | os.PathLike[str] | Mapping[str, Any]
 COLUMNS = ("run", "id", "status", "reason", "met", "holds", "failed", "looks", "seed")
@@ -94,10 +94,6 @@ def plan_of(study: Study, limits: Limits | None = None) -> Plan:
 
 def make_plan(found: SceneSource, limits: Limits | None, *, search: bool = False) -> Plan:
     """The plan of a study; of a search only the ends of all values are checked."""
-    if not isinstance(found.data, dict):
-        raise SceneError([Problem("bad-study",
-                                  f"a study is an object {{…}}, not {kind_of(found.data)}", "$",
-                                  *found.where(()))], found.name)
     return _Checks(found, limits or Limits(), search).plan()
 
 
@@ -246,6 +242,5 @@ def study_file(word: str, limits: Limits | None = None) -> SceneSource | None:
     if path.suffix != ".json" or not path.is_file():
         return None
     found = read_source(path, limits=limits)
-    is_study = isinstance(found.data, dict) and (
-        {"vary", "search"} & found.data.keys() or isinstance(found.data.get("scene"), str))
+    is_study = {"vary", "search"} & found.data.keys() or isinstance(found.data.get("scene"), str)
     return found if is_study else None

@@ -15,15 +15,7 @@ from functools import cached_property
 from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
-from pydantic import (
-    BeforeValidator,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.numeric import Array, Integers
@@ -636,7 +628,10 @@ class SweepSpec(Spec):
     """The scene: a file beside this one, a shipped scene's name, or the scene itself."""
     set: dict[str, Any] = Field(default_factory=dict)
     """Further changes of the scene, in all runs, by path."""
-    vary: tuple[Varying, ...] = Field(min_length=1, max_length=MAX_PATHS)
+    vary: Annotated[
+        tuple[Varying, ...], Field(min_length=1, max_length=MAX_PATHS),
+        BeforeValidator(lambda value: [{"over": value}] if isinstance(value, dict) else value,
+                        json_schema_input_type=dict[str, Given] | tuple[Varying, ...])]
     """Paths and their values, as a grid; or a list of groups, each with a design of its own, that
     are nested: every point of one meets every point of the others."""
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
@@ -651,12 +646,6 @@ class SweepSpec(Spec):
     """Whether each run is audited."""
     recordings: bool = False
     """Whether the whole recording of each run is kept."""
-
-    @field_validator("vary", mode="before",
-                     json_schema_input_type=dict[str, Given] | tuple[Varying, ...])
-    @classmethod
-    def _one_group(cls, value: Any) -> Any:
-        return [{"over": value}] if isinstance(value, dict) else value
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:

@@ -7,14 +7,7 @@ import os
 import signal
 import threading
 from collections.abc import Iterable, Iterator
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    CancelledError,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    wait,
-)
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, suppress
 from importlib import import_module
@@ -188,7 +181,7 @@ class Cluster(Processes):
             if version != __version__:
                 raise self._unusable(f"has a worker {worker} with sandbox {version}, here it is "
                                      f"{__version__}; install the same there")
-        self._executor: Executor = client.get_executor(pure=False, retries=ATTEMPTS)
+        self._executor: Any = client.get_executor(pure=False, retries=ATTEMPTS)
         self._placed = client.scatter(job, broadcast=True, hash=False)
 
     def _unusable(self, why: str) -> SandboxError:
@@ -196,7 +189,8 @@ class Cluster(Processes):
                             code="cluster-unreachable")
 
     def _submit(self, task: Task) -> Future[SweepRow]:
-        return self._executor.submit(_run_remote, *task, job=self._placed)
+        submitted: Future[SweepRow] = self._executor.submit(_run_remote, *task, job=self._placed)
+        return submitted
 
     def _row_of(self, task: Task, future: Future[SweepRow]) -> SweepRow:
         try:
