@@ -415,7 +415,7 @@ results("plot", "plot", """List or plot the quantities of a saved run, or compar
     files((*PICTURES, ".csv"), "A figure (.png, .svg, .pdf) or the table of responses (.csv); "
                                "plot.png in RUN by default. Repeatable."),
     JSON, QUIET)
-results("render", "render", """Draw a saved run as an animation or as stills.
+results("render", "runs", """Draw a saved run as an animation or as stills.
 
     RUN is the directory of a run, or the name of its scene. Nothing is simulated.
     """,
@@ -445,7 +445,7 @@ results("render", "render", """Draw a saved run as an animation or as stills.
     option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
            help="Seconds of motion per second of film; the view's by default."),
     LIMIT, QUIET)
-results("report", "page", """Write one HTML page that plays up to four runs.
+results("report", "runs", """Write one HTML page that plays up to four runs.
 
     RUN is the directory of a run, or the name of a scene whose run lies in renders/. The page works
     offline in any browser. Nothing is simulated.
@@ -609,7 +609,7 @@ questions("bounds", "accuracy", """Bound indeterminate contact forces of a saved
     files((".csv",), "A .csv file; contact_bounds.csv in RUN by default. Repeatable."),
     JSON, QUIET)
 
-exchange("export", "export", """
+exchange("export", "scenes", """
     Export SCENE as a MuJoCo model (MJCF), or as a Python script for pymunk.
 
     Elements without a counterpart are named, and nothing is written unless --without leaves them

@@ -25,7 +25,7 @@ from sandbox.cli.console import (
     table,
 )
 from sandbox.cli.options import RENDERS, Source, refuse_blocking, safe_name
-from sandbox.cli.runs import files_of
+from sandbox.cli.runs import files_of, write_page
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, RunEnded, SimulationDiverged
@@ -107,7 +107,6 @@ class _Job:
                 with self._timed("audit"):
                     self._judge(recording)
                 if writes_page:
-                    from sandbox.cli.page import write_page
                     from sandbox.web.page import FoundOut
                     with self._timed("report"):
                         write_page([recording], self.new.aside / PAGE, [FoundOut(
