@@ -45,14 +45,8 @@ def output_path(given: object, what: str) -> Path:
 def atomic_file(path: Path, *, durable: bool = True) -> Iterator[Path]:
     """Yield a temporary path with the same suffix, and move it to ``path`` at the end.
 
-    Parent directories are made. A device such as ``/dev/stdout`` is written directly.
-
-    Args:
-        path: the file.
-        durable: flush the file and its directory to the disk, and remove stale temporary files.
-
-    Raises:
-        OutputError: the file cannot be written.
+    Parent directories are made. A device such as ``/dev/stdout`` is written directly. ``durable``
+    also flushes the file and its directory to the disk, and removes stale temporary files.
     """
     with output_errors(path):
         if path.is_dir():

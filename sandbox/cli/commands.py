@@ -256,10 +256,7 @@ class Commands(click.Group):
         self, section: str, name: str, home: str, help_text: str, *params: click.Parameter,
         **more: Any,
     ) -> None:
-        """Add a command whose function is ``name`` in the module ``home``, or ``module:name``.
-
-        The function gets the values of all parameters, and ``more``.
-        """
+        """Add a command whose function is ``name`` in a module, or ``module:name``."""
         module, _, function = home.partition(":")
 
         def run(**given: Any) -> Any:

@@ -58,10 +58,7 @@ def view(scene: Source, port: int, no_browser: bool) -> int:
 
 
 def _redirection(file: Path, address: str) -> Path:
-    """Write a page, readable by its owner only, that redirects a browser to an address.
-
-    An address in the browser's own arguments could be read by all who may list processes.
-    """
+    """Write a page that redirects a browser, whose arguments all users could read."""
     link = html.escape(address, quote=True)
     file.touch(0o600)
     file.write_text(

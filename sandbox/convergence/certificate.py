@@ -108,10 +108,7 @@ class Trust:
 def judge(
     verdict: Verdict, values: tuple[float, float, float], sizes: Sizes, *, given: bool = False,
 ) -> Trust:
-    """The verdict on an expectation, of which ``verdict`` is that at h, from three runs.
-
-    ``given``: the range is a tolerance (``is`` … ``within``), not two bounds.
-    """
+    """The verdict from three runs; ``given``: the range is a tolerance, not two bounds."""
     trust = Trust(verdict.quantity, verdict.statistic, verdict.unit, verdict.low, verdict.high,
                   values, reason=verdict.reason)
     if not np.isfinite(values).all():

@@ -21,7 +21,7 @@ from sandbox.engine.stiffness import stiff_cables, stiff_servos, too_stiff
 from sandbox.engine.still import Still
 from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording
-from sandbox.samples.yielding import NOTHING, Elastic, Yielding
+from sandbox.samples.yielding import NOTHING, Yielding
 
 RANK = 1e-9  # relative size of directions, and of stiffness, that are rounding
 
@@ -55,25 +55,22 @@ class PoseBalance:
 
     def _force(self) -> Array:
         """M a, corrected for forces at the end of the step, [n]."""
-        a = self.speed / self.still.step_size
+        model, h = self.still.model, self.still.step_size
+        a = self.speed / h
         force = self.mass * a
         for each in self.yielding.elastic():
-            force = force + self._drop(each) * float(each.pull @ a) * each.pull
+            if each.kind == "spring":
+                c = float(model.springs.damping[each.number])
+                law = model.springs.law[each.number] is not None
+                stiff = law or bool(too_stiff(model, h)[each.number])
+            elif each.kind == "tendon":
+                c = float(model.tendons.damping[each.number])
+                stiff = bool(stiff_cables(model, h)[each.number])
+            else:
+                c, stiff = 0.0, bool(stiff_servos(model, h)[each.number])
+            drop = h * (c + h * each.stiffness) if stiff else h * c / 2  # e [kg]
+            force = force + drop * float(each.pull @ a) * each.pull
         return np.asarray(force)
-
-    def _drop(self, each: Elastic) -> float:
-        """Drop of a force per acceleration, e [kg]."""
-        model, h = self.still.model, self.still.step_size
-        if each.kind == "spring":
-            c = float(model.springs.damping[each.number])
-            law = model.springs.law[each.number] is not None
-            stiff = law or bool(too_stiff(model, h)[each.number])
-        elif each.kind == "tendon":
-            c = float(model.tendons.damping[each.number])
-            stiff = bool(stiff_cables(model, h)[each.number])
-        else:
-            c, stiff = 0.0, bool(stiff_servos(model, h)[each.number])
-        return h * (c + h * each.stiffness) if stiff else h * c / 2
 
     def closing(self) -> Array:
         """The motion across free motions that closes gaps of constraints, [n] scaled."""

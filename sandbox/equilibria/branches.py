@@ -250,10 +250,7 @@ class _Follower:
         return self._branches
 
     def _follow(self, value: float, balance: PoseBalance, sense: float) -> tuple[bool, Branch]:
-        """One branch from a point upwards (``sense`` 1) or downwards (-1).
-
-        Returns whether it leaves the range at its last value, and the branch.
-        """
+        """Whether a branch, up or down by ``sense``, leaves the range at its end; the branch."""
         branch = Branch()
         point = self._point(value, balance, None)
         if point.turning * sense < 0:

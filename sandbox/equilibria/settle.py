@@ -148,10 +148,7 @@ class Settler:
             raise Unsettled(why)
 
     def _relax(self, drive: Array, steps: int, rest: float) -> str:
-        """Kinetic damping for at most some steps, until motions in a step are below ``rest``.
-
-        Returns why it does not come to rest, empty if it does; all bodies are stopped.
-        """
+        """Kinetic damping until steps move less than ``rest``; why that fails, or an empty text."""
         still, begin = self.still, self.still.pose
         last, fresh, until = 0.0, True, self.steps + steps
         still.slow(0.0)

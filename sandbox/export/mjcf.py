@@ -69,15 +69,6 @@ def comment(text: str) -> ET.Element:
     return cast("ET.Element", ET.Comment(f" {plain} "))
 
 
-def document(root: ET.Element) -> str:
-    """The text of a file, indented by two spaces; empty sections are dropped."""
-    for section in list(root):
-        if not len(section) and not section.attrib and not section.text:
-            root.remove(section)
-    ET.indent(root, "  ")
-    return ET.tostring(root, encoding="unicode", xml_declaration=False) + "\n"
-
-
 SECTIONS = ("compiler", "option", "default", "asset", "worldbody", "contact", "equality", "tendon",
             "actuator", "sensor", "keyframe")
 WORLD = "world"  # MuJoCo's name of the fixed frame
@@ -176,10 +167,7 @@ class Draft:
     def motor(
         self, drive: int, what: str = "motor", gives: str = "value", **attributes: Value,
     ) -> None:
-        """Add an actuator whose control is the value of a drive; note a value that varies.
-
-        ``what`` is its tag, ``gives`` the quantity of the drive that is its force.
-        """
+        """Add a drive's actuator, whose force is its quantity ``gives``; note a varying value."""
         section, name = self.sections["actuator"], self.model.drives.name[drive]
         signal = self.mechanism.drives[drive].signal(self.mechanism)
         end = self.final_value(drive)
@@ -234,7 +222,11 @@ def write_mjcf(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
     if step < kept.run.step:
         draft.notes.append(f"an elastic tendon takes a time step of {number(step)} s here, "
                            f"not {number(kept.run.step)} s")
-    return Export(document(draft.root), tuple(draft.notes), left_out)
+    for section in list(draft.root):
+        if not len(section) and not section.attrib and not section.text:
+            draft.root.remove(section)
+    ET.indent(draft.root, "  ")
+    return Export(ET.tostring(draft.root, encoding="unicode") + "\n", tuple(draft.notes), left_out)
 
 
 def _add_settings(draft: Draft, step: float) -> None:
@@ -328,10 +320,7 @@ def _geom(draft: Draft, wanted: str, solid: Solid, half: float) -> dict[str, Val
 
 
 def depth(shape: Shape) -> float:
-    """Half the depth of a prism [m]; 0 for round shapes.
-
-    It equals half the size of the shape, so that two prisms always separate in the plane.
-    """
+    """Half the depth of a prism [m]: half its size, so that prisms separate in the plane; or 0."""
     if not isinstance(shape, Box | Polygon):
         return 0.0
     points = corners(shape)
@@ -405,10 +394,7 @@ def add_links(draft: Draft) -> None:
 
 
 def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
-    """Stiffness, rest angle, damping and friction of a pin with its springs and brake.
-
-    Parallel springs add up: k = sum(k_i), rest = sum(k_i rest_i) / k.
-    """
+    """Stiffness, rest angle, damping and friction of a pin with its springs and brake."""
     springs = draft.model.springs
     laws = [(float(springs.stiffness[i]), float(springs.rest[i]), float(springs.damping[i]))
             for i in draft.coils[joint]]

@@ -152,11 +152,9 @@ def _wheel(model: Model, tendon: int) -> str:
 
 
 def arc_of(model: Model, start: Stretches, wheel: int) -> tuple[float, bool]:
-    """The arc at t = 0 on a wheel between two eyes, of a tendon with straight pieces ``start``.
+    """The middle of the arc on a wheel between two eyes at t = 0 [rad]; whether it is impossible.
 
-    Returns:
-        The direction of its middle from the centre [rad]; whether an eye lies inside the wheel, or
-        the two straight parts cross.
+    That is where an eye lies inside the wheel, or the two straight parts cross.
     """
     tendons, (one, two) = model.tendons, (
         int(np.flatnonzero(model.tendons.stretch_first == wheel - k)[0]) for k in (1, 0))

@@ -163,11 +163,7 @@ def freedoms(model: Model, link: Link) -> list[Freedom]:
 def angle_sum(
     model: Model, joint: int, tree: Tree, moves: Mapping[int, Sequence[Freedom]],
 ) -> tuple[dict[str, float], float]:
-    """The angle of a pin that closes a loop, offset + sum(factor * coordinate) [rad].
-
-    Returns:
-        Whole factors of hinges that carry its bodies, by the names of ``moves``; the offset.
-    """
+    """The angle of a pin that closes a loop [rad]: factors of coordinates by name, an offset."""
     sense = float(model.joints.sense[joint])
     a, b = model.joints.bodies[joint].tolist()
     factors: dict[str, float] = {}

@@ -22,13 +22,7 @@ from sandbox.numeric import Array
 
 
 def pose(x: ArrayLike = 0.0, y: ArrayLike = 0.0, angle: ArrayLike = 0.0) -> Array:
-    """Frames in the world as matrices, shape [..., 3, 3].
-
-    Args:
-        x: of the origin [m], shape [...].
-        y: of the origin [m], shape [...].
-        angle: counter-clockwise [rad], shape [...].
-    """
+    """Frames at (x, y) [m], turned counter-clockwise [rad], as matrices, [...] to [..., 3, 3]."""
     at_x, at_y, turned = finite("x", x, "m"), finite("y", y, "m"), finite("angle", angle, "rad")
     matrix = np.zeros((*together(x=at_x, y=at_y, angle=turned), 3, 3))
     matrix[..., 0, 0] = matrix[..., 1, 1] = np.cos(turned)

@@ -202,11 +202,7 @@ class Estimate(NamedTuple):
 def estimate(
     model: Model, data: Array, columns: Integers, start: Array, *, noise: Array | None = None,
 ) -> Estimate:
-    """The maximum likelihood estimate, from quantiles ``start`` [p].
-
-    ``columns`` has the index of the column of each number in ``data``, [m]; ``noise`` the standard
-    deviation of each column, estimated by default.
-    """
+    """The maximum likelihood estimate from ``start`` [p]; ``columns`` [m] are those of ``data``."""
     from scipy.optimize import least_squares
     freedom = len(data) - len(start)
     if freedom <= 0:

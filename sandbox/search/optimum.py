@@ -234,11 +234,7 @@ def _front(costs: Array) -> Array:
 
 
 def _compare(before: Array, after: Array, excess: Array, *, single: bool) -> tuple[bool, str]:
-    """Whether the best runs are the best at half the step, too, and details.
-
-    Costs [n, goals] are relative to their spread, the best first; ``excess`` [n] is at half the
-    step.
-    """
+    """Whether the best are the best at half the step, too; costs relative to their spread."""
     if not (excess <= 0).all():
         return False, (f"{int((~(excess <= 0)).sum())} of the best {len(excess)} fail a condition "
                        "or have no answer there")

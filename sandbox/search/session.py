@@ -85,16 +85,10 @@ class Condition:
 
 
 class Session:
-    """A study, its search, and the runs of the search.
+    """A study, its search of a ``kind`` with ``given`` options, and the runs of the search.
 
     A point is given by a quantile from 0 to 1 of the values of each path. Nothing is written before
     the first run.
-
-    Args:
-        study: a study file, or its data.
-        limits: of the scene.
-        kind: the search; by default that of the study.
-        given: options that the study does not define.
     """
 
     def __init__(
@@ -238,11 +232,7 @@ class Session:
         self, found: Result, *, wanted: tuple[Condition, ...] = (), line: FoundLine | None = None,
         **more: Any,
     ) -> None:
-        """Write the table of all points with its figure, and ``search.json``.
-
-        Conditions are a column of the table, and colours of the figure; ``line`` is the result on a
-        path, for the figure; ``more`` are further entries of the result.
-        """
+        """Write the table, its figure, and ``search.json`` with ``more`` entries."""
         if self.out is None:
             return
         points = list(self._visited.values())

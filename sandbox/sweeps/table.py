@@ -53,11 +53,6 @@ class SweepTable:
                 for name in self.plan.job.keep}
 
     @property
-    def ids(self) -> list[str]:
-        """Ids of the runs, [n]."""
-        return self.plan.ids
-
-    @property
     def status(self) -> list[str]:
         """Status of each run, [n]; empty for one that was not done yet."""
         return [row.status for row in self.rows]
@@ -76,11 +71,6 @@ class SweepTable:
     def done(self) -> Flags:
         """Whether each run reached its end, [n]."""
         return np.array([row.status == DONE for row in self.rows], dtype=bool)
-
-    @property
-    def doubtful(self) -> Flags:
-        """Whether the audit of each run has warnings, [n]."""
-        return np.array([bool(row.looks) for row in self.rows], dtype=bool)
 
     @cached_property
     def varied(self) -> dict[str, list[float | str]]:
@@ -112,7 +102,7 @@ class SweepTable:
         """All columns in their order, as plain lists; None for no value."""
         rows = self.rows
         return {
-            "run": list(range(len(self))), "id": self.ids, **self.varied,
+            "run": list(range(len(self))), "id": self.plan.ids, **self.varied,
             **{name: [row.kept.get(name) for row in rows] for name in self.kept},
             "status": self.status, "reason": [row.reason for row in rows],
             **({} if self.met is None else {
@@ -217,7 +207,8 @@ def draw_table(
                 f"{what} over {begin:g}:{'end' if end is None else f'{end:g}'} s")
     draw_sweep(path, SweepDrawing(
         [_varied_column(table, name, over[name], here) for name in table.varied], kept,
-        failed=~table.done[here], doubtful=table.doubtful[here], grid=grid,
+        failed=~table.done[here], grid=grid,
+        doubtful=np.array([bool(row.looks) for row in table.rows], dtype=bool)[here],
         title=plan.spec.title or f"{plan.name}: {len(table)} runs",
         held=(table.holds if held is None else held)[here],
         condition=condition or "the scene's expectations", meanings=meanings, found=found))
