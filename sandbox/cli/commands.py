@@ -60,17 +60,6 @@ class _Out(click.Path):
 OUT = _Out(path_type=Path)  # type of every option ``--out``
 
 
-def reads(convert: Callable[[Any], Any]) -> Callable[..., Any]:
-    """A callback that converts what an option has; errors are reported at the option."""
-    def read(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
-        try:
-            return None if value is None else convert(value)
-        except (ValueError, SandboxError) as error:
-            raise click.BadParameter(str(error), ctx, param) from error
-
-    return read
-
-
 def read_pairs(words: Sequence[str], form: str = "name=value") -> dict[str, str]:
     """Split ``name=value`` words."""
     found: dict[str, str] = {}
@@ -131,11 +120,6 @@ def read_length(text: str) -> float:
     if value < 0:
         raise ValueError(f"must not be less than 0, got {text}")
     return value
-
-
-def read_noise(words: Sequence[str]) -> dict[str, float]:
-    """Read ``column=size`` words."""
-    return {name: read_quantity(text) for name, text in read_pairs(words, "column=size").items()}
 
 
 def read_starts(words: Sequence[str]) -> list[dict[str, float]]:
@@ -209,8 +193,14 @@ def complete_scene(_ctx: object, _param: object, incomplete: str) -> list[Comple
 
 
 def option(*names: str, read: Callable[[Any], Any] | None = None, **settings: Any) -> click.Option:
-    """An option of a command; ``read`` converts the words."""
-    return click.Option(names, **{"callback": read and reads(read), **settings})
+    """An option of a command; ``read`` converts the words, and its errors name the option."""
+    def convert(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
+        try:
+            return value if value is None or read is None else read(value)
+        except (ValueError, SandboxError) as error:
+            raise click.BadParameter(str(error), ctx, param) from error
+
+    return click.Option(names, **{"callback": read and convert, **settings})
 
 
 def files(suffixes: Sequence[str], help_text: str) -> click.Option:
@@ -528,7 +518,8 @@ _search("fit", """The values with which the scene reproduces a measurement.
     option("--match", multiple=True, metavar="COLUMN=QUANTITY",
            read=partial(read_pairs, form="column=quantity"),
            help="Quantity of a column, as in 'x=puck.x'; its name by default."),
-    option("--noise", multiple=True, metavar="COLUMN=SIZE", read=read_noise,
+    option("--noise", multiple=True, metavar="COLUMN=SIZE", read=lambda words: {
+        name: read_quantity(text) for name, text in read_pairs(words, "column=size").items()},
            help="Standard deviation, as in 'x=0.5 mm'; estimated by default."))
 _search("best", "The values that minimise or maximise results.",
     KEEP,

@@ -22,14 +22,7 @@ from typing import TYPE_CHECKING, Any, Self
 import click
 
 from sandbox.atomic_files import json_text
-from sandbox.errors import (
-    Interrupted,
-    OutputError,
-    Problem,
-    SandboxError,
-    SceneError,
-    SimulationDiverged,
-)
+from sandbox.errors import OutputError, Problem, RunEnded, SandboxError, SceneError
 from sandbox.wording import WrongValueError, printable
 
 if TYPE_CHECKING:
@@ -195,8 +188,9 @@ def _problems(error: BaseException) -> tuple[Exit, list[Problem]]:
         case SceneError():
             return code, error.problems
         case SandboxError():
-            code = Exit.DIVERGED if isinstance(error, SimulationDiverged) else \
-                Exit.INTERRUPTED if isinstance(error, Interrupted) else code
+            if isinstance(error, RunEnded):
+                code = {"diverged": Exit.DIVERGED, "jammed": Exit.DIVERGED,
+                        "interrupted": Exit.INTERRUPTED}.get(error.code, code)
             return code, [Problem(error.code, line, "") for line in str(error).splitlines() or [""]]
         case KeyboardInterrupt() | click.Abort():
             code, name, text = Exit.INTERRUPTED, "interrupted", "interrupted"

@@ -92,7 +92,7 @@ def guide_tension(tension: ArrayLike, friction: ArrayLike, wrap: ArrayLike) -> A
 
 
 def guide_wraps(path: ArrayLike) -> Array:
-    """Bend [rad] at each inner point of a path of straight pieces [m], [..., m, 2] to [..., m-2]."""
+    """Bend [rad] at inner points of a path of straight pieces [m], [..., m, 2] to [..., m-2]."""
     at = points("path", path)
     if at.ndim < 2 or at.shape[-2] < 2:
         raise ValueError(f"path must have two points in m or more, got shape {at.shape}")

@@ -22,7 +22,7 @@ from sandbox.figure.sweeps import FoundLine
 from sandbox.numeric import Array
 from sandbox.scene.read.limits import Limits, over
 from sandbox.sweeps.job import DONE, STEP, Log, Point, SweepRow, run_id
-from sandbox.sweeps.plan import Study, make_plan, read_study
+from sandbox.sweeps.plan import Checks, Study, read_study
 from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import Points, Range, number_of, values_at
 from sandbox.sweeps.sweep import study_data
@@ -114,7 +114,7 @@ class Session:
                 self.options["data"] = str(source.path.parent / written["data"])
             own = {self.kind: self.options}
         source = replace(source, data={"audit": False, **data, "search": own})
-        self.plan = make_plan(source, limits, search=True)
+        self.plan = Checks(source, limits, search=True).plan()
         if STEP in self.plan.points.axes:
             raise SceneError([Problem("bad-search",
                                       f"a search does not vary {STEP}: it is halved to see whether "

@@ -89,22 +89,19 @@ def read_study(study: Study, limits: Limits | None) -> SceneSource:
 
 def plan_of(study: Study, limits: Limits | None = None) -> Plan:
     """The plan of a study file, or of the data of a study."""
-    return make_plan(read_study(study, limits), limits)
+    return Checks(read_study(study, limits), limits).plan()
 
 
-def make_plan(found: SceneSource, limits: Limits | None, *, search: bool = False) -> Plan:
-    """The plan of a study; of a search only the ends of all values are checked."""
-    return _Checks(found, limits or Limits(), search).plan()
+class Checks:
+    """The checks of a study, of a search only at the ends of all values, and the problems found."""
 
-
-class _Checks:
-    """The checks of a study, and the problems that they found so far."""
-
-    def __init__(self, found: SceneSource, limits: Limits, search: bool) -> None:
-        self.found, self.data, self.limits, self.search = found, found.data, limits, search
+    def __init__(self, found: SceneSource, limits: Limits | None, search: bool = False) -> None:
+        self.found, self.data, self.limits = found, found.data, limits or Limits()
+        self.search = search
         self.problems: list[Problem] = []
 
     def plan(self) -> Plan:
+        """The plan; all problems are raised together."""
         scene, overrides = self._scene(), self.data.get("set", {})
         base = read_scene(scene, overrides=overrides if isinstance(overrides, dict) else {},
                           limits=self.limits)
