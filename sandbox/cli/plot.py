@@ -24,12 +24,9 @@ from sandbox.samples.targets import controlled, effort, ending, initial, respons
 from sandbox.samples.targets import targets as targets_of
 from sandbox.values.units import UNITS, normal_unit, parse_quantity
 
-KINDS = {"meter": "meters", "drive": "drives", "tendon": "tendons", "joint": "joints",
-         "spring": "springs", "load": "loads", "line": "lines", "valve": "valves",
-         "group": "groups", "body": "bodies"}
+KINDS = ("meter", "drive", "tendon", "joint", "spring", "load", "line", "valve", "group", "body")
 """Kinds of element, in the order in which they are listed."""
-MAX_NAMES, MAX_PAIRS, MAX_TRIED = 8, 6, 200
-"""Listed elements of a kind; listed pairs of bodies that touched, and pairs that are examined."""
+MAX_NAMES, MAX_PAIRS, MAX_TRIED = 8, 6, 200  # listed elements, listed pairs, examined pairs
 Records = list[dict[str, Any]]
 
 
@@ -180,7 +177,8 @@ def _listing(run: Recording, word: str) -> list[str]:
     lines = [run.mechanism.title or run.mechanism.name,
              f"{len(run)} samples from 0 to {run.time[-1]:.3g} s of "
              f"{len(run.catalogue.units)} quantities"]
-    for kind, many in KINDS.items():
+    for kind in KINDS:
+        many = "bodies" if kind == "body" else f"{kind}s"
         having = {name: entry for name, entry in run.catalogue.elements.items()
                   if entry.kind == kind}
         units: dict[str, list[str]] = {}

@@ -36,10 +36,8 @@ from sandbox.sweeps.table import preload as preload_figures
 from sandbox.values.paths import parse_path
 
 MAX_REASONS = 5
-QUESTION = "question.json"
-"""The question of a directory in ``searches/``, which other questions do not use."""
-EXTENT = ("runs", "within", "count")
-"""Options that extend a search, which then continues in the same directory."""
+QUESTION = "question.json"  # names the question of a directory in ``searches/``
+EXTENT = ("runs", "within", "count")  # these extend a search in its directory
 
 
 def _study(scene: Source, vary: Mapping[str, str], example: str) -> SceneSource | None:

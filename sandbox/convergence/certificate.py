@@ -265,8 +265,7 @@ def at_instants(time: Array, values: Array, wanted: Array) -> Array:
 
 
 PEAKS = ("max", "min")
-OF_THE_MECHANISM = ("contact.shared", "tendon.slack")
-"""Audit figures of the mechanism, not of the accuracy of a run."""
+OF_THE_MECHANISM = ("contact.shared", "tendon.slack")  # figures not about accuracy
 DIMENSIONS = {
     "1": (0, 0, 0), "": (0, 0, 0), "rad": (0, 0, 0), "rad/s": (0, 0, -1), "rad/s^2": (0, 0, -2),
     "m": (0, 1, 0), "m/s": (0, 1, -1), "m/s^2": (0, 1, -2), "N": (1, 1, -2),

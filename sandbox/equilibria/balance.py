@@ -37,8 +37,7 @@ class PoseBalance:
         self.still, self.run, self.size = still, run, size
         self.yielding = Yielding(run, 0, size)
         bodies = np.array(sorted(self.yielding.place), dtype=np.int64)
-        self.bodies: Integers = bodies
-        """Indices of the free bodies; their x, y and angle are the n coordinates."""
+        self.bodies: Integers = bodies  # indices of the free bodies
         self.scale = np.tile([1.0, 1.0, 1 / size], len(bodies))
         self.mass = still.mass[bodies].reshape(-1)
         kept = np.array(self.yielding.kept).reshape(-1, len(self.mass)) * self.scale
@@ -51,6 +50,7 @@ class PoseBalance:
         """Stiffness of all motions, [n, n] N/m."""
         self.stiffness = self.free.T @ self.whole @ self.free  # [k, k] N/m
         self.force = self.scale * self._force()  # residual forces, with constraint forces, [n] N
+        self.largest = self.yielding.largest  # the largest force on anything [N]
         self.left = self.free.T @ self.force  # residual forces along free motions, [k] N
 
     def _force(self) -> Array:
@@ -98,11 +98,6 @@ class PoseBalance:
         """Whether no motion is unstable, up to rounding."""
         values, _, zero = self.soft
         return not len(values) or bool(values[0] >= -zero)
-
-    @property
-    def largest(self) -> float:
-        """The largest force on anything [N]."""
-        return self.yielding.largest
 
     def modes(self) -> Array:
         """w^2 of small free motions in ascending order [1/s^2]."""

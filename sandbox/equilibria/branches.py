@@ -31,9 +31,7 @@ MAX_ITERATIONS = 12  # of Newton's method for a point
 SHORTEST = 1e-3  # shortest step, relative to the usual one; where none leads on, the branch ends
 FLAT = 1e-7  # change of the value along the branch at a fold; the value there is off by its square
 BEYOND = 1e-3  # fraction of the range beyond a fold from which the mechanism is released
-NEAR = 1e-3
-"""Distance to a branch, relative to the size, of a point that is on it; or a quarter of the
-distance of its points."""
+NEAR = 1e-3  # distance of a point on a branch, relative to the size; or 1/4 of its points' distance
 NUDGE = 1e-5  # fraction of the range by which the value is changed for derivatives
 WITHIN = 1e-9  # fraction of the range within which a value is met
 Make = Callable[[float], Mechanism]

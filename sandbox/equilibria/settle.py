@@ -24,8 +24,7 @@ from sandbox.scene.geometry import centre_of, reach_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
-STAGES, FRICTION_STAGES = 40, 200
-"""Stages of a slow load; the second with dry friction, where the result depends on the path."""
+STAGES, FRICTION_STAGES = 40, 200  # stages of a slow load, without and with dry friction
 MAX_STEPS = 20_000  # of one relaxation
 REST = 1e-12  # motion in a step from rest, relative to the size, of a mechanism at rest
 NEAR = (1e-7, 1e-9)  # the same of one that is near enough for Newton's method
@@ -70,8 +69,7 @@ class Settler:
         self.drive, self.places = self.still.driven(time)
         self.steps = 0  # steps of the engine so far
         self.remark = ""  # a remark about a slow load that passed no equilibrium
-        self.untold = _no_stiffness(self.model)
-        """Why the stiffness, and so the stability, is unknown; empty if it is known."""
+        self.untold = _no_stiffness(self.model)  # why the stiffness is unknown, or empty
 
     def follow(self, stages: int | None = None) -> None:
         """Apply the drives slowly from the scene's pose, in ``stages`` that come to rest each."""

@@ -54,11 +54,9 @@ def transforms(theta: ArrayLike, lengths: ArrayLike, base: ArrayLike | None = No
 
 
 def to_world(frames: ArrayLike, points: ArrayLike) -> Array:
-    """Points of phalanges in the world [m], shape [..., n, 2].
+    """Points of phalanges, each in its frame [m], shape [..., n, 2] or [2], in the world [m].
 
-    Args:
-        frames: from :func:`transforms`, shape [..., n, 3, 3].
-        points: one a phalanx, in its own frame [m], shape [..., n, 2] or [2] for all alike.
+    ``frames`` are those of :func:`transforms`, shape [..., n, 3, 3].
     """
     matrix, local = np.asarray(frames, dtype=np.float64), finite("points", points, "m")
     turned = np.einsum("...ij,...j->...i", matrix[..., :2, :2], local)

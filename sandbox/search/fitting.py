@@ -36,15 +36,13 @@ MAX_NUMBERS = 2_000  # measured numbers that are compared
 MAX_PANELS = 6  # columns in the figure; all are in ``fit.csv``
 TIMES = ("time", "t", "time_s", "t_s")  # names of the column of times
 STARTS = 8  # points spread over the ranges; the fit starts at the best of them
-DIFFERENCE = 1e-3
-"""Half the distance of the two runs of a central difference, as a fraction of the range."""
+DIFFERENCE = 1e-3  # half the distance of the runs of a central difference, of the range
 SLOPE = 1e-5  # of quantiles: half the distance at which the slope of a path's value is computed
 MAX_ROUNDS = 8  # repetitions with newly estimated noise
 SETTLED = 0.02  # relative change of the noise at which repetitions end
 TOLERANCE = 1e-8  # relative decrease of the sum of squares at which the optimisation ends
 RANK = 1e-9  # relative singular value of the Jacobian below which a direction is not determined
-UNCERTAIN = 0.5
-"""Half of a 95 % interval, in ranges, beyond which data do not determine a direction."""
+UNCERTAIN = 0.5  # half of a 95 % interval, in ranges, that does not determine a direction
 CORRELATED = 3.0  # Standard errors of the correlation of neighbouring residuals that are no noise
 SAME = 0.25  # of half an interval: change of the parameters at half the step that is accepted
 _UNIT = re.compile(r"\s*(.*?)\s*\[([^\[\]]+)\]\s*")
@@ -289,7 +287,20 @@ def find_fit(session: Session, options: FitSearch) -> Fitted:
     fitted = _fitted(session, measured, found, again)
     session.write(fitted)
     if session.out:
-        _write_comparison(session.out, measured, found.residuals)
+        table = np.stack([measured.time, measured.data, measured.data + found.residuals], axis=1)
+        columns = {name: table[measured.columns == k] for k, name in enumerate(measured.units)}
+        write_csv(session.out / COMPARED, [
+            ("column", "time_s", "measured", "fitted"),
+            *((name, *row) for name, rows in columns.items() for row in rows.tolist())])
+        panels = []
+        for name, rows in list(columns.items())[:MAX_PANELS]:
+            time, data, model_data = rows.T
+            how = style.shown_as(measured.units[name], data, model_data)
+            panels.append(Panel(
+                name, Axis("time [s]"), Axis(how.label(name)),
+                [Curve("measured", time, how.factor * data, "points"),
+                 Curve("fitted", time, how.factor * model_data)]))
+        save_panels(session.out / FOUND, panels)
     return fitted
 
 
@@ -335,20 +346,3 @@ def _fitted(session: Session, measured: Measurement, found: Estimate, again: Est
         len(measured.data), tuple(remarks), runs=session.count,
         certified=bool(known.any()) and worst <= SAME,
         certificate=f"no parameter moves by more than {worst:.2g} of half its interval")
-
-
-def _write_comparison(directory: Path, measured: Measurement, residuals: Array) -> None:
-    table = np.stack([measured.time, measured.data, measured.data + residuals], axis=1)
-    columns = {name: table[measured.columns == k] for k, name in enumerate(measured.units)}
-    write_csv(directory / COMPARED, [
-        ("column", "time_s", "measured", "fitted"),
-        *((name, *row) for name, rows in columns.items() for row in rows.tolist())])
-    panels = []
-    for name, rows in list(columns.items())[:MAX_PANELS]:
-        time, data, fitted = rows.T
-        how = style.shown_as(measured.units[name], data, fitted)
-        panels.append(Panel(
-            name, Axis("time [s]"), Axis(how.label(name)),
-            [Curve("measured", time, how.factor * data, "points"),
-             Curve("fitted", time, how.factor * fitted)]))
-    save_panels(directory / FOUND, panels)

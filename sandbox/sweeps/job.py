@@ -26,8 +26,7 @@ from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.settings import Looked
 
-DONE, DIED = "done", "died"
-"""Status of a run that reached its end, and of one whose worker processes died."""
+DONE, DIED = "done", "died"  # status of a finished run, and of one whose worker processes died
 ENDED: dict[type[errors.SandboxError], str] = {  # status of a run by the error that ended it
     errors.SceneError: "refused", errors.SimulationDiverged: "diverged",
     errors.RecordingFull: "limited", errors.ControllerFailed: "failed"}
@@ -47,8 +46,7 @@ class Bundle:
     name: str  # name of the scene
     main: str = ""  # name of its file; empty for a scene given as data
     data: dict[str, Any] | None = None
-    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
-    """By name, relative to the folder of the scene."""
+    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)  # by name
     elements: Mapping[str, bytes] = field(default_factory=element_files, repr=False)
     """Files that register elements, by path."""
 
@@ -146,13 +144,10 @@ class SweepRow:
     id: str  # see :func:`run_id`
     status: str  # one of :data:`STATUSES`
     reason: str = ""  # why the run ended early, or which results have no value; empty otherwise
-    kept: Mapping[str, float | None] = field(default_factory=dict)
-    """Results by name; None for one without a value."""
-    holds: bool | None = None
-    """Whether all expectations of the scene hold; None where it has none, or did not end."""
+    kept: Mapping[str, float | None] = field(default_factory=dict)  # None: no value
+    holds: bool | None = None  # whether all expectations hold; None where it has none
     failed: tuple[str, ...] = ()  # quantities whose expectations do not hold
-    looks: tuple[str, ...] | None = None
-    """Audit figures with a warning; None where the run was not audited."""
+    looks: tuple[str, ...] | None = None  # audit figures with a warning; None: no audit
 
     @property
     def failure(self) -> str:

@@ -30,8 +30,7 @@ from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 Study = str | os.PathLike[str] | Mapping[str, Any]
 COLUMNS = ("run", "id", "status", "reason", "met", "holds", "failed", "looks", "seed")
 """Columns of a table besides values and results."""
-MAX_TRIED_TEXTS = 20
-"""Different texts of one path with which the scene is read before anything runs."""
+MAX_TRIED_TEXTS = 20  # texts of one path with which the scene is read before anything runs
 
 
 @dataclass(frozen=True)

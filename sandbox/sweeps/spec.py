@@ -234,7 +234,6 @@ Listed = Annotated[tuple[Override, ...], BeforeValidator(_check_list),
 Values = Annotated[
     Annotated[Listed, Tag("list")] | Annotated[Distribution, Tag("distribution")]
     | Annotated[Range, Tag("span")], Discriminator(_kind)]
-"""The values of a path."""
 Given = Annotated[Values, BeforeValidator(_from_text, json_schema_input_type=Values | str)]
 """The values of a path, as an object or a short text."""
 
@@ -380,13 +379,10 @@ def number_of(written: Override) -> float | str:
 
 Design = Literal["grid", "paired", "latin_hypercube", "sobol", "halton", "random"]
 """Arrangement of the points of a group."""
-EXPLICIT = ("grid", "paired")
-"""Designs that use the values of lists and ranges; the others choose their own."""
+EXPLICIT = ("grid", "paired")  # designs with the values of lists and ranges
 MAX_PATHS = 50
-TAILS = np.array([0.01, 0.99])
-"""Quantiles of a distribution at which a search reads the scene before anything runs."""
-UNCOUNTED = "missing-key"
-"""Error type of a range without a count, which a search can use and a sweep cannot."""
+TAILS = np.array([0.01, 0.99])  # quantiles of a distribution at which a search reads the scene
+UNCOUNTED = "missing-key"  # error of a range without a count, which only a search can use
 NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
 
 

@@ -126,8 +126,7 @@ def _broken(future: Future[SweepRow]) -> bool:
     return not future.cancelled() and isinstance(future.exception(), BrokenProcessPool)
 
 
-_worker: dict[str, Any] = {}
-"""State of a worker process: its job and scene, and the queue for notices of compilation."""
+_worker: dict[str, Any] = {}  # its job, scene, and queue for notices of compilation
 
 
 def _start_worker(job: SweepJob, scene: Path | dict[str, Any], notices: Any) -> None:
