@@ -16,9 +16,8 @@ from itertools import pairwise
 import numpy as np
 
 from sandbox.engine.inspect_control import checked
-from sandbox.equilibria.balance import PoseBalance, solve
 from sandbox.equilibria.rest import AtRest, check_options, settle
-from sandbox.equilibria.settle import EXACT, Settler, Unsettled
+from sandbox.equilibria.settle import EXACT, PoseBalance, Settler, Unsettled, solve
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.model.joints import placed
 from sandbox.numeric import Array

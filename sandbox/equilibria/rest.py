@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from sandbox.engine.inspect_control import Runnable, checked
-from sandbox.equilibria.balance import PoseBalance
-from sandbox.equilibria.settle import PARTS, Settler, Start, Unsettled, place_start
+from sandbox.equilibria.settle import PARTS, PoseBalance, Settler, Start, Unsettled, place_start
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array
