@@ -2,17 +2,25 @@
 
 The plane is x-y and z points at the viewer, so that a hinge turns about z. Joints that close loops
 are equality constraints, contacts are explicit pairs. Units are SI, names are the scene's.
+
+In the kinematic tree, a body in a groove, welded or pinned to a body of the tree becomes its child;
+a body without such a joint moves freely. Grooves come first, since a groove cannot close a loop in
+MuJoCo, then welds, then pins, each in the order of the scene. Rods and ropes carry no body: they
+are tendons. A coordinate is the number that a recording shows: a pin's angle in its positive sense
+minus its zero, a slot's displacement from the start of the groove, x, y (of the centre of mass) and
+angle of a free body. Bodies and joints are the model's indices; the world is ``NONE``.
 """
 
 from __future__ import annotations
 
-import dataclasses
+import heapq
 import itertools
 import math
 import xml.etree.ElementTree as ET
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
-from typing import cast
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, cast
 
 import numpy as np
 
@@ -20,14 +28,171 @@ import sandbox
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import SceneError
 from sandbox.export.selection import Export, arc_of, contact_pairs, leave_out, without_counterpart
-from sandbox.export.tree import Freedom, Tree, angle_sum, freedoms, grow
 from sandbox.model.compile import compile_mechanism
+from sandbox.model.joints import place_in_slot, sliding, slot_length, turning
 from sandbox.model.model import NONE, Model
 from sandbox.samples.cables import Stretches, pulls_at_start, rest_lengths, stretches_at_start
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Role, Shape, Solid
-from sandbox.scene.geometry import Vec, core, corners, count_solids, solids, to_world
+from sandbox.scene.geometry import Pose, Vec, core, corners, count_solids, solids, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import Constant, values
+
+
+@dataclass(frozen=True)
+class Link:
+    """A body in the tree."""
+
+    body: int
+    parent: int  # ``NONE`` for the world
+    pose: Pose  # in the parent's frame at t = 0, with the joint assembled: x, y [m], angle [rad]
+    joint: int = NONE  # the joint that carries it; ``NONE`` for a body that is fixed or free
+    backwards: bool = False  # whether the body is the joint's ``a``, its parent ``b``
+
+
+@dataclass(frozen=True)
+class Tree:
+    """All bodies, parents before their children, and the joints that close loops."""
+
+    links: dict[int, Link]
+    loops: tuple[int, ...]
+
+    def line(self, body: int) -> Iterator[Link]:
+        """A body's link, its parent's, and so on to the world."""
+        while body != NONE:
+            yield self.links[body]
+            body = self.links[body].parent
+
+
+def grow(model: Model) -> Tree:
+    """Build the tree of a mechanism; without fixed bodies the first free one is a root."""
+    ends: list[list[int]] = model.joints.bodies.tolist()
+    poses: list[Pose] = model.bodies.pose.tolist()
+    ranks = {joint: 0 if kind.mujoco_loop else 2 if model.joints.turns[joint] else 1
+             for joint, kind in enumerate(model.joints.kind) if not kind.along_line}
+    links: dict[int, Link] = {}
+    used: set[int] = set()
+    waiting: list[tuple[int, int]] = []
+
+    def place(link: Link) -> None:
+        links[link.body] = link
+        for joint, _ in model.neighbours[link.body]:
+            if joint in ranks:
+                heapq.heappush(waiting, (ranks[joint], joint))
+
+    unmoved = np.flatnonzero(~model.bodies.free).tolist()
+    for body in unmoved:
+        place(Link(body, NONE, poses[body]))
+    for root in (NONE, *range(len(model.bodies.name))):
+        if root != NONE and root not in links:
+            place(Link(root, NONE, poses[root]))
+        while waiting:
+            _, joint = heapq.heappop(waiting)
+            a, b = ends[joint]
+            if a in links and b in links:
+                continue
+            used.add(joint)
+            backwards = b in links
+            there, here = meeting_points(model, joint)[::-1 if backwards else 1]
+            child, parent = (a, b) if backwards else (b, a)
+            angle = poses[child][2] - poses[parent][2]
+            x, y = to_world((0.0, 0.0, angle), here)
+            place(Link(child, parent, (there[0] - x, there[1] - y, angle), joint, backwards))
+    loops = tuple(joint for joint in ranks
+                  if joint not in used and not set(ends[joint]) <= set(unmoved))
+    return Tree(links, loops)
+
+
+def groove(model: Model, joint: int) -> tuple[Vec, float]:
+    """Direction of a groove in the frame of ``a``, and the place in it at t = 0 [m]."""
+    place = place_in_slot(model, joint, model.bodies.pose)
+    turned = float(model.bodies.pose[model.joints.bodies[joint, 0], 2])
+    along = to_body((0.0, 0.0, turned), (float(place.x), float(place.y)))
+    return along, min(max(float(place.along), 0.0), slot_length(model, joint))
+
+
+def meeting_points(model: Model, joint: int) -> tuple[Vec, Vec]:
+    """The points of ``a`` and ``b`` that coincide at t = 0, in their frames [m]."""
+    on_a, on_b = model.joints.anchor[joint].tolist()
+    if model.joints.kind[joint].keeps == "groove":
+        (x, y), (along, s) = model.joints.groove[joint, 0].tolist(), groove(model, joint)
+        on_a = x + s * along[0], y + s * along[1]
+    return on_a, on_b
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """One coordinate of a body; point and axis in the body's frame."""
+
+    name: str
+    kind: Literal["hinge", "slide"]
+    axis: tuple[float, float, float]
+    at: Vec = (0.0, 0.0)  # a point of its axis [m]
+    start: float = 0.0  # value at t = 0 [rad or m]
+    rate: float = 0.0  # rate at t = 0 [rad/s or m/s]
+    limits: tuple[float, float] | None = None  # hard stops [rad or m]
+    joint: int = NONE  # index of the hinge, if it is one
+    loss: float = 0.0  # dry friction of a slide [N]
+    made: bool = False  # whether the name is not that of an element of the scene
+
+
+def freedoms(model: Model, link: Link) -> list[Freedom]:
+    """The coordinates of a body, from parent to child; none for a fixed body."""
+    joints, joint, body = model.joints, link.joint, link.body
+    if not model.bodies.free[body]:
+        return []
+    if joint == NONE:
+        name, spec = model.bodies.name[body], model.mechanism.bodies[body]
+        place, centre = model.bodies.pose[body].tolist(), model.bodies.centre[body].tolist()
+        x, y = to_world(place, centre)
+        c, s = math.cos(place[2]), math.sin(place[2])
+        return [
+            Freedom(f"{name}.x", "slide", (c, -s, 0.0), start=x, rate=spec.velocity[0], made=True),
+            Freedom(f"{name}.y", "slide", (s, c, 0.0), start=y, rate=spec.velocity[1], made=True),
+            Freedom(f"{name}.angle", "hinge", (0.0, 0.0, 1.0), at=centre, start=place[2],
+                    rate=spec.angular_velocity, made=True)]
+    name, side = joints.name[joint], -1.0 if link.backwards else 1.0
+    at = meeting_points(model, joint)[0 if link.backwards else 1]
+    if joints.kind[joint].keeps != "groove":
+        sense = float(joints.sense[joint])
+        return [Freedom(
+            name, "hinge", (0.0, 0.0, side * sense), at=at, start=float(joints.start[joint]),
+            rate=sense * turning(model, joint), joint=joint,
+            limits=joints.stops[joint].tolist() if joint in joints.stopped else None,
+        )] if joints.angle[joint] else []
+    a, b = joints.bodies[joint].tolist()
+    angle = float(model.bodies.pose[b, 2] - model.bodies.pose[a, 2])
+    along, start = groove(model, joint)
+    ahead = along if link.backwards else to_body((0.0, 0.0, angle), along)
+    slide = Freedom(
+        name, "slide", (side * ahead[0], side * ahead[1], 0.0), start=start,
+        limits=(0.0, slot_length(model, joint)), loss=float(joints.friction[joint]),
+        rate=sliding(model, joint))
+    if not joints.turns[joint]:
+        return [slide]
+    hinge = Freedom(f"{name}.turn", "hinge", (0.0, 0.0, side), at=at, start=angle,
+                    rate=turning(model, joint), made=True)
+    return [hinge, slide] if link.backwards else [slide, hinge]
+
+
+def angle_sum(
+    model: Model, joint: int, tree: Tree, moves: Mapping[int, Sequence[Freedom]],
+) -> tuple[dict[str, float], float]:
+    """The angle of a pin that closes a loop [rad]: factors of coordinates by name, an offset."""
+    sense = float(model.joints.sense[joint])
+    a, b = model.joints.bodies[joint].tolist()
+    factors: dict[str, float] = {}
+    start: dict[str, float] = {}
+    for body, side in ((b, sense), (a, -sense)):
+        for link in tree.line(body):
+            for freedom in moves[link.body]:
+                if freedom.kind == "hinge":
+                    start[freedom.name] = freedom.start
+                    factors[freedom.name] = factors.get(freedom.name, 0.0) + side * freedom.axis[2]
+    factors = {name: factor for name, factor in factors.items() if factor}
+    offset = sum(factor * start[name] for name, factor in factors.items())
+    return factors, float(model.joints.start[joint]) - offset
+
+
 
 DIGITS = 12
 
@@ -98,7 +263,7 @@ class Draft:
             self.unique("body", name) if name == WORLD else name for name in model.bodies.name]
         # coordinates of every body, with unique names
         self.moves = {body: [
-            dataclasses.replace(move, name=self.unique("joint", move.name))
+            replace(move, name=self.unique("joint", move.name))
             if move.made else move for move in freedoms(model, link)
         ] for body, link in tree.links.items()}
         self._world_frame = ""
@@ -191,7 +356,7 @@ def write_mjcf(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
     kept, left_out = leave_out(mechanism, without)
     model = compile_mechanism(kept)
     tree = grow(model)
-    if problems := without_counterpart(model, tree):
+    if problems := without_counterpart(model, tree.loops):
         raise SceneError(problems)
     draft = Draft(model, tree)
     add_springs(draft)
