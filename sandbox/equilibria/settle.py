@@ -174,7 +174,12 @@ class Settler:
     def follow(self, stages: int | None = None) -> None:
         """Apply the drives slowly from the scene's pose, in ``stages`` that come to rest each."""
         self.still.put(self.first)
-        stages = stages or (FRICTION_STAGES if _has_friction(self.model) else STAGES)
+        model = self.model
+        shaped = [i for i, body in enumerate(model.mechanism.bodies) if body.shapes]
+        rough = len(model.joints.frictional) or _grips(model) or any(
+            friction_of(model.mechanism, i, k) > 0 for i in shaped for k in shaped
+            if i < k and (model.bodies.free[i] or model.bodies.free[k]))
+        stages = stages or (FRICTION_STAGES if rough else STAGES)
         last: Array | None = None
         for time in np.linspace(0.0, self.time, stages + 1):
             drive, places = self.still.driven(float(time))
@@ -309,14 +314,6 @@ class Settler:
 
 def _grips(model: Model) -> bool:
     return any(len(model.tendons.gripped(k)) for k in range(len(model.tendons.name)))
-
-
-def _has_friction(model: Model) -> bool:
-    shaped = [i for i, body in enumerate(model.mechanism.bodies) if body.shapes]
-    return bool(
-        len(model.joints.frictional) or _grips(model)
-        or any(friction_of(model.mechanism, i, k) > 0 for i in shaped for k in shaped
-               if i < k and (model.bodies.free[i] or model.bodies.free[k])))
 
 
 def _no_stiffness(model: Model) -> str:

@@ -53,6 +53,11 @@ class SweepTable:
                 for name in self.plan.job.keep}
 
     @property
+    def ids(self) -> list[str]:
+        """Ids of the runs, [n]."""
+        return self.plan.ids
+
+    @property
     def status(self) -> list[str]:
         """Status of each run, [n]; empty for one that was not done yet."""
         return [row.status for row in self.rows]
@@ -71,6 +76,11 @@ class SweepTable:
     def done(self) -> Flags:
         """Whether each run reached its end, [n]."""
         return np.array([row.status == DONE for row in self.rows], dtype=bool)
+
+    @property
+    def doubtful(self) -> Flags:
+        """Whether the audit of each run has warnings, [n]."""
+        return np.array([bool(row.looks) for row in self.rows], dtype=bool)
 
     @cached_property
     def varied(self) -> dict[str, list[float | str]]:
@@ -102,7 +112,7 @@ class SweepTable:
         """All columns in their order, as plain lists; None for no value."""
         rows = self.rows
         return {
-            "run": list(range(len(self))), "id": self.plan.ids, **self.varied,
+            "run": list(range(len(self))), "id": self.ids, **self.varied,
             **{name: [row.kept.get(name) for row in rows] for name in self.kept},
             "status": self.status, "reason": [row.reason for row in rows],
             **({} if self.met is None else {
@@ -132,8 +142,10 @@ class SweepTable:
     def write(self, directory: Path) -> None:
         """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed."""
         columns = self.columns()
-        write_csv(directory / CSV, itertools.chain([columns], (
-            map(_cell, cells) for cells in zip(*columns.values(), strict=True))))
+        cells = ([str(value).lower() if isinstance(value, bool) else "" if value is None else
+                  repr(value) if isinstance(value, float) else value for value in row]
+                 for row in zip(*columns.values(), strict=True))
+        write_csv(directory / CSV, itertools.chain([columns], cells))
         try:
             pyarrow, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
         except ImportError:
@@ -152,12 +164,6 @@ def preload() -> None:
     style.load()
     with suppress(ImportError):
         import_module("pyarrow.parquet")
-
-
-def _cell(value: Any) -> Any:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return "" if value is None else repr(value) if isinstance(value, float) else value
 
 
 def make_table(plan: Plan, rows: Iterable[SweepRow]) -> SweepTable:
@@ -207,8 +213,7 @@ def draw_table(
                 f"{what} over {begin:g}:{'end' if end is None else f'{end:g}'} s")
     draw_sweep(path, SweepDrawing(
         [_varied_column(table, name, over[name], here) for name in table.varied], kept,
-        failed=~table.done[here], grid=grid,
-        doubtful=np.array([bool(row.looks) for row in table.rows], dtype=bool)[here],
+        failed=~table.done[here], doubtful=table.doubtful[here], grid=grid,
         title=plan.spec.title or f"{plan.name}: {len(table)} runs",
         held=(table.holds if held is None else held)[here],
         condition=condition or "the scene's expectations", meanings=meanings, found=found))
