@@ -622,6 +622,8 @@ def invoke(words: Sequence[str]) -> int:
             name, known = error.option_name, [opt for param in (
                 error.ctx.command.params if error.ctx else ()) for opt in param.opts]
             advice = f" {ADVICE[name]}" if name in ADVICE else meant(name, known, cutoff=0.75)
+            if name.startswith("--max-"):
+                advice = f" Use --limit {name[6:].replace('-', '_')}=VALUE."
             raise click.UsageError(f"There is no option {name!r}.{advice}", error.ctx) from None
         return code if isinstance(code, int) else Exit.DONE
 
