@@ -22,7 +22,7 @@ import numpy as np
 from PIL import Image
 
 import sandbox
-from sandbox.cli.entry import invoke
+from sandbox.cli.commands import invoke
 from sandbox.picture.palette import PUSH, TENSION
 from sandbox.scene.library import shipped_scenes, wholes
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 import sandbox
-from sandbox.cli.entry import invoke
+from sandbox.cli.commands import invoke
 from sandbox.figure.style import (
     BAND,
     BLUE,

@@ -45,14 +45,8 @@ def output_path(given: object, what: str) -> Path:
 def atomic_file(path: Path, *, durable: bool = True) -> Iterator[Path]:
     """Yield a temporary path with the same suffix, and move it to ``path`` at the end.
 
-    Parent directories are made. A device such as ``/dev/stdout`` is written directly.
-
-    Args:
-        path: the file.
-        durable: flush the file and its directory to the disk, and remove stale temporary files.
-
-    Raises:
-        OutputError: the file cannot be written.
+    Parent directories are made. A device such as ``/dev/stdout`` is written directly. ``durable``
+    also flushes the file and its directory to the disk, and removes stale temporary files.
     """
     with output_errors(path):
         if path.is_dir():
@@ -100,7 +94,6 @@ def _plain(value: Any) -> Any:
 def write_csv(path: Path, rows: Iterable[Iterable[Any]]) -> None:
     """Write rows as CSV in UTF-8, with the same bytes on every platform."""
     import csv
-
     with atomic_file(path) as temporary, \
             temporary.open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows(rows)
@@ -123,7 +116,6 @@ def temporary_path(
 def _remove(path: Path) -> None:
     if path.is_dir() and not path.is_symlink():
         import shutil  # slow to load
-
         shutil.rmtree(path, ignore_errors=True)
     else:
         with contextlib.suppress(OSError):

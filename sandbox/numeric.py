@@ -7,18 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-"""Quantities, 8 bytes each."""
-Matrix = Array
-"""The same, with two axes where a compiled function takes it."""
-Stack = Array
-"""The same, with three axes."""
-Integers = NDArray[np.int64]
-"""Indices and counts."""
-Flags = NDArray[np.bool_]
-"""Booleans."""
-Records = NDArray[Any]
-"""Rows with named fields (a structured dtype)."""
+Array = NDArray[np.float64]  # quantities, 8 bytes each
+Matrix = Array  # the same, with two axes where a compiled function takes it
+Stack = Array  # the same, with three axes
+Integers = NDArray[np.int64]  # indices and counts
+Flags = NDArray[np.bool_]  # booleans
+Records = NDArray[Any]  # rows with named fields (a structured dtype)
 
 
 def connected_components(links: Flags) -> list[Integers]:

@@ -24,8 +24,8 @@ from typing import Any
 
 import pytest
 
+from sandbox.cli.commands import invoke
 from sandbox.cli.console import Exit
-from sandbox.cli.entry import invoke
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.reference import descriptions, scene_schema

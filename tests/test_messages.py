@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.cli.entry import invoke
+from sandbox.cli.commands import invoke
 from sandbox.errors import Problem
 
 SCENE = """{

@@ -42,8 +42,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _interrupt)
     try:
-        from sandbox.cli.entry import invoke
-
+        from sandbox.cli.commands import invoke
         code = int(invoke(sys.argv[1:] if argv is None else argv))
     except KeyboardInterrupt:  # before the command began
         code = 130
@@ -81,7 +80,6 @@ def _interrupt(_number: int, frame: FrameType | None) -> None:
 def _retry() -> None:
     import _thread
     import threading
-
     timer = threading.Timer(RETRY, _thread.interrupt_main)
     timer.daemon = True
     timer.start()

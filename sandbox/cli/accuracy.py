@@ -12,10 +12,9 @@ import click
 from sandbox.atomic_files import write_atomic
 from sandbox.audit.bounds import Interval, contact_bounds, push_limits
 from sandbox.audit.evidence import Evidence
-from sandbox.cli.console import Console, Exit, Progress, compilation_notices
+from sandbox.cli.console import Console, Exit, first_of, see, shown, simulating, table
 from sandbox.cli.options import Source, refuse_blocking
 from sandbox.cli.runs import open_run
-from sandbox.cli.text import first_of, see, shown, table
 from sandbox.convergence.certificate import certify, refined, unfit
 from sandbox.engine.inspect import inspect, look_over
 from sandbox.errors import SceneError
@@ -34,7 +33,7 @@ def converge(scene: Source, console: Console) -> int:
     loaded = scene.load()
     refuse_blocking(inspect(loaded.mechanism), loaded)
     _refuse(loaded, scene.limits)
-    with compilation_notices(console), Progress("Simulating", console) as progress:
+    with simulating(console) as progress:
         found = certify(loaded.mechanism, progress=progress)
     rows = [[t.quantity, t.statistic, *(shown(v, ".6g") for v in t.values),
              "" if t.unit == "1" else t.unit, shown(t.order, ".1f"), shown(t.error, ".1e"),

@@ -8,9 +8,8 @@ from typing import Any
 
 import click
 
-from sandbox.cli.console import Console, Exit, problem_data
+from sandbox.cli.console import Console, Exit, pages_line, problem_data
 from sandbox.cli.options import Source, refuse_blocking
-from sandbox.cli.text import pages_line
 from sandbox.engine.inspect_hands import reaches
 from sandbox.errors import Problem, SceneError
 from sandbox.model.compile import compile_mechanism
@@ -27,7 +26,6 @@ def check(
     """Check scenes, or print one expanded, or a schema."""
     if schema:
         from sandbox.sweeps.spec import study_schema
-
         found = study_schema() if schema == "study" else scene_schema()
         console.document(json.dumps(found, indent=2, ensure_ascii=False))
         return Exit.DONE

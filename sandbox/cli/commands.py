@@ -6,40 +6,29 @@ imported when the command runs: ``--version``, ``--help`` and shell completion n
 
 from __future__ import annotations
 
+import itertools
+import json
+import math
+import os
+import re
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 import sandbox
-from sandbox.cli.console import Console
-from sandbox.cli.options import (
-    CHANGES,
-    ELEMENTS,
-    JSON,
-    LIMIT,
-    NAMES,
-    OUT,
-    PICTURES,
-    QUIET,
-    RUN,
-    SCENE,
-    Source,
-    complete_scene,
-    files,
-    option,
-    read_along,
-    read_length,
-    read_noise,
-    read_pairs,
-    read_quantity,
-    read_size,
-    read_starts,
-    read_workers,
-)
-from sandbox.wording import meant
+from sandbox.cli.console import Console, Exit, guard
+from sandbox.cli.options import NAMES, PICTURES, Source, title_of
+from sandbox.errors import SandboxError
+from sandbox.wording import WrongValueError, meant
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
+    from sandbox.scene.read.limits import Limits
 
 ADVICE = {
     "certify": "Use 'sandbox converge SCENE'.",
@@ -60,6 +49,194 @@ ADVICE = {
 }
 """Commands and options that do not exist, and the ones to use."""
 DESIGNS = ("grid", "paired", "latin_hypercube", "sobol", "halton", "random")
+MAX_STARTS = 200  # combinations of the values of ``--from``
+_NUMBER = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.:][^:]*?)?\s*"
+_ALONG = re.compile(rf"\s*([^=]+?)\s*={_NUMBER}:{_NUMBER}:\s*(\d+)\s*")
+
+
+class _Out(click.Path):
+    """A file or directory to write. An empty text is no path, though Python takes it for ``.``."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not os.fspath(value).strip():
+            self.fail("the path is empty; '.' is the directory that you are in.", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+OUT = _Out(path_type=Path)  # type of every option ``--out``
+
+
+def read_pairs(words: Sequence[str], form: str = "name=value") -> dict[str, str]:
+    """Split ``name=value`` words."""
+    found: dict[str, str] = {}
+    for word in words:
+        name, equals, text = (part.strip() for part in word.partition("="))
+        if not (name and equals and text):
+            raise ValueError(f"{word!r} is not of the form {form}")
+        if name in found:
+            raise ValueError(f"{name!r} is given twice")
+        found[name] = text
+    return found
+
+
+def _overrides(words: Sequence[str]) -> dict[str, Any]:
+    overrides: dict[str, Any] = {}
+    for word in words:
+        path, equals, text = word.partition("=")
+        if not equals or not path.strip():
+            raise ValueError(f"{word!r} is not of the form path=value")
+        try:
+            overrides[path.strip()] = json.loads(text)
+        except (ValueError, RecursionError):
+            overrides[path.strip()] = text
+    return overrides
+
+
+def _limits(words: Sequence[str]) -> Limits:
+    from dataclasses import fields
+
+    from sandbox.scene.read.limits import Limits
+    known = [field.name for field in fields(Limits)]
+    changes: dict[str, int] = {}
+    for name, text in read_pairs(words).items():
+        if name not in known:
+            raise ValueError(f"there is no limit {name!r}.{meant(name, known)} Limits: "
+                             f"{', '.join(known)}.")
+        try:
+            value = float(text)
+        except ValueError:
+            value = 0.0
+        if not (value >= 1 and value.is_integer()):
+            raise ValueError(f"{name}={text} is not a valid positive integer")
+        changes[name] = int(value)
+    return Limits(**changes)
+
+
+def read_quantity(text: str, dimension: str | None = None) -> float:
+    """Read a number in SI, or with a unit."""
+    from sandbox.values.units import parse_quantity
+    return parse_quantity(text, dimension)
+
+
+def read_length(text: str) -> float:
+    """Read a length of 0 or more, with a unit, [m]."""
+    value = read_quantity(text, "length")
+    if value and text.strip().isdecimal():
+        raise ValueError(f"{text} has no unit, as {text}mm has")
+    if value < 0:
+        raise ValueError(f"must not be less than 0, got {text}")
+    return value
+
+
+def read_starts(words: Sequence[str]) -> list[dict[str, float]]:
+    """All combinations of the values of ``--from``."""
+    from sandbox.values.numbers import number_from
+    given: dict[str, list[float]] = {}
+    for path, text in read_pairs(words, "path=values").items():
+        dimension = "angle" if path.endswith(".angle") else "length"
+        try:
+            given[path] = [number_from(each.strip(), dimension, {}) for each in text.split(",")]
+        except WrongValueError as error:
+            raise WrongValueError(error.code, f"'{path}={text}': {error}") from None
+    if math.prod(map(len, given.values())) > MAX_STARTS:
+        raise ValueError(f"more than {MAX_STARTS} combinations")
+    return [dict(zip(given, each, strict=True))
+            for each in itertools.product(*given.values())] if given else []
+
+
+def read_along(word: str) -> tuple[str, float, float, str, int]:
+    """Path, first and last value, their unit and the count of ``PATH=FROM:TO:COUNT``."""
+    if (match := _ALONG.fullmatch(word)) is None:
+        raise ValueError(f"{word!r} is not of the form PATH=FROM:TO:COUNT, as in "
+                         "parameters.pull=0:10:21 or 'parameters.pull=0 N:10 N:21'")
+    path, begin, one, end, other, count = match.groups()
+    if one and other and one != other:
+        raise ValueError(f"{one!r} and {other!r} are two units")
+    return path, float(begin), float(end), one or other or "", int(count)
+
+
+def read_size(word: str) -> tuple[int, int] | str:
+    """Read ``800x600`` as two integers; other sizes stay text."""
+    if re.search(r"[\d.]\s*[xX]\s*$|[a-z]{2}", word):
+        return word
+    if found := re.fullmatch(r"\s*(\d+)\s*[xX]\s*(\d+)\s*", word):
+        return int(found[1]), int(found[2])
+    raise ValueError(
+        f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600, nor a factor, as in 2x, nor a "
+        "size on paper, as in 85mm or 85mmx70mm")
+
+
+def read_workers(word: str) -> int | str:
+    """A number of processes, which begin to load here, or the address of a scheduler."""
+    from sandbox.sweeps.processes import check_workers, preload
+    if "://" in word:
+        return word
+    if word and (not word.isdecimal() or int(word) < 1):
+        raise ValueError(f"{word!r} is neither a number of processes nor the address of a Dask "
+                         "scheduler, as in tcp://10.0.0.1:8786")
+    count = check_workers(int(word or 0))
+    if not click.get_current_context().resilient_parsing:  # the shell completes a word
+        preload()
+    return count
+
+
+def _read_elements(ctx: click.Context, param: click.Parameter, paths: Sequence[Path]) -> None:
+    """Register the elements of files while the command runs."""
+    if paths:
+        from sandbox.scene.document import load_elements
+        for path in paths:
+            ctx.call_on_close(load_elements(path))
+
+
+def complete_scene(_ctx: object, _param: object, incomplete: str) -> list[CompletionItem]:
+    """Complete the names of shipped scenes, and files."""
+    from click.shell_completion import CompletionItem
+
+    from sandbox.scene.library import shipped_scenes
+    named = [CompletionItem(name, help=title_of(path)) for name, path in shipped_scenes().items()
+             if name.startswith(incomplete)]
+    return [*named, CompletionItem(incomplete, type="file")]
+
+
+def option(*names: str, read: Callable[[Any], Any] | None = None, **settings: Any) -> click.Option:
+    """An option of a command; ``read`` converts the words, and its errors name the option."""
+    def convert(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
+        try:
+            return value if value is None or read is None else read(value)
+        except (ValueError, SandboxError) as error:
+            raise click.BadParameter(str(error), ctx, param) from error
+
+    return click.Option(names, **{"callback": read and convert, **settings})
+
+
+def files(suffixes: Sequence[str], help_text: str) -> click.Option:
+    """A repeatable option ``--out FILE`` that accepts some suffixes."""
+    def read(paths: tuple[Path, ...]) -> tuple[Path, ...]:
+        for path in paths:
+            if path.suffix.lower() not in suffixes:
+                raise ValueError(f"{str(path)!r} does not end in one of {', '.join(suffixes)}")
+        return paths
+
+    return option("--out", "files", multiple=True, type=OUT, metavar="FILE", read=read,
+                  help=help_text)
+
+
+RUN = click.Argument(["run"])
+LIMIT = option(
+    "--limit", "limits", multiple=True, metavar="NAME=VALUE", read=_limits,
+    help="Change a limit, as in 'steps=5e6'; 'sandbox explain limits' lists them. Repeatable.")
+ELEMENTS = option(
+    "--elements", multiple=True, metavar="FILE", is_eager=True,
+    type=click.Path(exists=True, dir_okay=False, path_type=Path), callback=_read_elements,
+    expose_value=False,
+    help="Run a Python file that registers elements of your own. Repeatable.")
+CHANGES = (option(
+    "--set", "overrides", multiple=True, metavar="PATH=VALUE", read=_overrides,
+    help="Change the scene, as in 'parameters.pull=20 N' or 'run.step=1e-3'. Repeatable."),
+    ELEMENTS, LIMIT)
+SCENE = (click.Argument(["scene"], shell_complete=complete_scene), *CHANGES)
+JSON = option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
+QUIET = option("--quiet", "-q", is_flag=True, help="Print errors only.")
 
 
 class Commands(click.Group):
@@ -75,10 +252,7 @@ class Commands(click.Group):
         self, section: str, name: str, home: str, help_text: str, *params: click.Parameter,
         **more: Any,
     ) -> None:
-        """Add a command whose function is ``name`` in the module ``home``, or ``module:name``.
-
-        The function gets the values of all parameters, and ``more``.
-        """
+        """Add a command whose function is ``name`` in a module, or ``module:name``."""
         module, _, function = home.partition(":")
 
         def run(**given: Any) -> Any:
@@ -128,7 +302,6 @@ class _Searches(Commands):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args[0] not in self.commands and args[0].endswith(".json"):
             from sandbox.cli.sweep import kind_of
-
             if not (kind := kind_of(args[0])):
                 raise click.UsageError(
                     f"{args[0]} is not a search: write 'sandbox search optimize {args[0]}', or add "
@@ -236,7 +409,7 @@ results("plot", "plot", """List or plot the quantities of a saved run, or compar
     files((*PICTURES, ".csv"), "A figure (.png, .svg, .pdf) or the table of responses (.csv); "
                                "plot.png in RUN by default. Repeatable."),
     JSON, QUIET)
-results("render", "render", """Draw a saved run as an animation or as stills.
+results("render", "runs", """Draw a saved run as an animation or as stills.
 
     RUN is the directory of a run, or the name of its scene. Nothing is simulated.
     """,
@@ -266,7 +439,7 @@ results("render", "render", """Draw a saved run as an animation or as stills.
     option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
            help="Seconds of motion per second of film; the view's by default."),
     LIMIT, QUIET)
-results("report", "page", """Write one HTML page that plays up to four runs.
+results("report", "runs", """Write one HTML page that plays up to four runs.
 
     RUN is the directory of a run, or the name of a scene whose run lies in renders/. The page works
     offline in any browser. Nothing is simulated.
@@ -352,7 +525,8 @@ _search("fit", """The values with which the scene reproduces a measurement.
     option("--match", multiple=True, metavar="COLUMN=QUANTITY",
            read=partial(read_pairs, form="column=quantity"),
            help="Quantity of a column, as in 'x=puck.x'; its name by default."),
-    option("--noise", multiple=True, metavar="COLUMN=SIZE", read=read_noise,
+    option("--noise", multiple=True, metavar="COLUMN=SIZE", read=lambda words: {
+        name: read_quantity(text) for name, text in read_pairs(words, "column=size").items()},
            help="Standard deviation, as in 'x=0.5 mm'; estimated by default."))
 _search("best", "The values that minimise or maximise results.",
     KEEP,
@@ -430,7 +604,7 @@ questions("bounds", "accuracy", """Bound indeterminate contact forces of a saved
     files((".csv",), "A .csv file; contact_bounds.csv in RUN by default. Repeatable."),
     JSON, QUIET)
 
-exchange("export", "export", """
+exchange("export", "scenes", """
     Export SCENE as a MuJoCo model (MJCF), or as a Python script for pymunk.
 
     Elements without a counterpart are named, and nothing is written unless --without leaves them
@@ -442,3 +616,25 @@ exchange("export", "export", """
     option("--without", multiple=True, metavar="NAME",
            help="Leave out elements and all that depends on them, as in 'tree.*'. Repeatable."),
     *SCENE)
+
+
+
+
+def invoke(words: Sequence[str]) -> int:
+    """Run a command, print its output, and return its exit code; never raises."""
+    def work() -> int:
+        try:
+            code = commands.main(list(words), prog_name="sandbox", standalone_mode=False)
+        except click.NoSuchOption as error:
+            name, known = error.option_name, [opt for param in (
+                error.ctx.command.params if error.ctx else ()) for opt in param.opts]
+            advice = f" {ADVICE[name]}" if name in ADVICE else meant(name, known, cutoff=0.75)
+            if name.startswith("--max-"):
+                advice = f" Use --limit {name[6:].replace('-', '_')}=VALUE."
+            raise click.UsageError(f"There is no option {name!r}.{advice}", error.ctx) from None
+        return code if isinstance(code, int) else Exit.DONE
+
+    if os.environ.get("SANDBOX_DEBUG"):
+        return work()
+    return guard(work, Console(as_json="--json" in words,
+                               quiet=not {"--quiet", "-q"}.isdisjoint(words)))

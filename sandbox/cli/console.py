@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
+import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
@@ -20,19 +22,53 @@ from typing import TYPE_CHECKING, Any, Self
 import click
 
 from sandbox.atomic_files import json_text
-from sandbox.cli.text import pages_line
-from sandbox.errors import (
-    Interrupted,
-    OutputError,
-    Problem,
-    SandboxError,
-    SceneError,
-    SimulationDiverged,
-)
+from sandbox.errors import OutputError, Problem, RunEnded, SandboxError, SceneError
 from sandbox.wording import WrongValueError, printable
 
 if TYPE_CHECKING:
     from click._termui_impl import ProgressBar
+
+MAX_PAGES = 3  # codes, elements, and pages that one line names
+REFERENCE = re.compile(r"docs/(?:elements|parts)\.md#(\w+)")  # what ``sandbox explain`` prints
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], *, right: str = "") -> list[str]:
+    """Format rows as columns two spaces apart; ``right`` marks right-aligned columns by ``>``."""
+    lines = [[printable(cell) for cell in line] for line in ([head] if head else []) + [*rows]]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    sides = right.ljust(len(widths), "<")
+    return [
+        "  ".join(f"{cell:{side}{width}}" for cell, side, width
+                  in zip(line, sides, widths, strict=True)).rstrip()
+        for line in lines
+    ]
+
+
+def shown(value: float, how: str) -> str:
+    """A number as text, ``-`` if it is not finite."""
+    return format(value, how) if math.isfinite(value) else "-"
+
+
+def first_of(names: Sequence[str], most: int) -> str:
+    """The first names of a list, and the number of others."""
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
+
+
+def pages_line(problems: Sequence[Problem]) -> list[str]:
+    """The line that names the explanations of some problems, or none."""
+    return see(*(each.code for each in problems), fields=[each.fields for each in problems])
+
+
+def see(*codes: str, fields: Iterable[str] = ()) -> list[str]:
+    """The line that names the explanations of some codes and fields, or none."""
+    words, pages = [*dict.fromkeys(codes)][:MAX_PAGES], list[str]()
+    for page in [*filter(None, dict.fromkeys(fields))][:MAX_PAGES]:
+        match = REFERENCE.fullmatch(page)
+        (words if match else pages).append(match[1] if match else page)
+    return [", ".join([f"see 'sandbox explain {' '.join(words)}'", *pages])] if words else []
+
+
 
 BAR_AFTER = 1.0  # seconds before a progress bar appears
 LINE_EVERY = 30.0  # longest time between two lines of progress [s]
@@ -116,9 +152,6 @@ def _write(text: str, *, to_stderr: bool = False) -> None:
             raise StdoutError(f"cannot write to stdout: {error.strerror or error}") from None
 
 
-# -- exceptions ----------------------------------------------------------------------
-
-
 def guard(work: Callable[[], int], console: Console) -> int:
     """Run a command; its exit code, or that of the error it raised."""
     try:
@@ -155,8 +188,9 @@ def _problems(error: BaseException) -> tuple[Exit, list[Problem]]:
         case SceneError():
             return code, error.problems
         case SandboxError():
-            code = Exit.DIVERGED if isinstance(error, SimulationDiverged) else \
-                Exit.INTERRUPTED if isinstance(error, Interrupted) else code
+            if isinstance(error, RunEnded):
+                code = {"diverged": Exit.DIVERGED, "jammed": Exit.DIVERGED,
+                        "interrupted": Exit.INTERRUPTED}.get(error.code, code)
             return code, [Problem(error.code, line, "") for line in str(error).splitlines() or [""]]
         case KeyboardInterrupt() | click.Abort():
             code, name, text = Exit.INTERRUPTED, "interrupted", "interrupted"
@@ -184,9 +218,6 @@ def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
     names = ("code", "file", "path", "line", "column", "element", "allowed", "hint", "fields")
     return {"message": problem.text,
             **{name: value for name in names if (value := getattr(placed, name))}}
-
-
-# -- progress ------------------------------------------------------------------------
 
 
 class Progress:
@@ -243,7 +274,6 @@ def compilation_notices(console: Console) -> Iterator[None]:
 
     def began() -> None:
         from sandbox.engine.advance import advance
-
         console.warn(COMPILING if advance.cached else NOT_CACHED)
 
     def ended(seconds: float) -> None:
@@ -253,6 +283,13 @@ def compilation_notices(console: Console) -> Iterator[None]:
     with Progress("Compiling", console) as bar, on_compiling(began, ended, bar), \
             on_compiling(lambda: console.warn(COMPILING), ended, in_workers=True):
         yield
+
+
+@contextlib.contextmanager
+def simulating(console: Console) -> Iterator[Progress]:
+    """Print notices about compilation, and the progress of a simulation."""
+    with compilation_notices(console), Progress("Simulating", console) as progress:
+        yield progress
 
 
 @contextlib.contextmanager

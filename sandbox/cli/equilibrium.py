@@ -11,9 +11,8 @@ import click
 import numpy as np
 
 from sandbox.atomic_files import json_text, write_atomic, write_csv
-from sandbox.cli.console import Console, Exit, Progress, compilation_notices
+from sandbox.cli.console import Console, Exit, Progress, compilation_notices, first_of, table
 from sandbox.cli.options import RENDERS, Source, prepare, refuse_blocking, safe_name
-from sandbox.cli.text import first_of, table
 from sandbox.engine.inspect import inspect
 from sandbox.engine.inspect_control import Checked
 from sandbox.equilibria.branches import rest_along
@@ -58,15 +57,11 @@ def equilibrium(
     return console.finish({"scene": name, **data, "files": files}, [*lines, *files])
 
 
-# -- equilibria ----------------------------------------------------------------------
-
-
 def _find(
     mechanism: Mechanism, starts: list[dict[str, float]], body: str | None, folder: Path,
     console: Console, how: dict[str, Any],
 ) -> Answer:
     from sandbox.picture.film import save_picture
-
     if body is None:
         objects = [each.name for each in mechanism.bodies
                    if each.role == "object" and each.motion == "dynamic" and each.shapes]
@@ -147,9 +142,6 @@ def _lines(found: RestFound) -> list[str]:
 def _shown(value: float) -> str:
     """A number in SI, without rounding errors about 0."""
     return f"{round(value, DIGITS) + 0.0:.6g}"
-
-
-# -- along a value -------------------------------------------------------------------
 
 
 def _follow(

@@ -12,10 +12,9 @@ from typing import Any
 import click
 
 from sandbox.atomic_files import write_csv
-from sandbox.cli.console import Console
+from sandbox.cli.console import Console, first_of, table
 from sandbox.cli.options import PICTURES
 from sandbox.cli.runs import matching, open_run, run_with
-from sandbox.cli.text import first_of, table
 from sandbox.elements.quantities import row_of
 from sandbox.figure.signals import Plotted, Window, draw
 from sandbox.figure.style import number, save_figure, shown_as
@@ -25,12 +24,9 @@ from sandbox.samples.targets import controlled, effort, ending, initial, respons
 from sandbox.samples.targets import targets as targets_of
 from sandbox.values.units import UNITS, normal_unit, parse_quantity
 
-KINDS = {"meter": "meters", "drive": "drives", "tendon": "tendons", "joint": "joints",
-         "spring": "springs", "load": "loads", "line": "lines", "valve": "valves",
-         "group": "groups", "body": "bodies"}
+KINDS = ("meter", "drive", "tendon", "joint", "spring", "load", "line", "valve", "group", "body")
 """Kinds of element, in the order in which they are listed."""
-MAX_NAMES, MAX_PAIRS, MAX_TRIED = 8, 6, 200
-"""Listed elements of a kind; listed pairs of bodies that touched, and pairs that are examined."""
+MAX_NAMES, MAX_PAIRS, MAX_TRIED = 8, 6, 200  # listed elements, listed pairs, examined pairs
 Records = list[dict[str, Any]]
 
 
@@ -166,9 +162,6 @@ def _csv_rows(responses: Records, efforts: Records) -> Iterator[tuple[str, ...]]
                    units.get(measure, unit))
 
 
-# -- the quantities of a run ---------------------------------------------------------
-
-
 def _described(run: Recording) -> Records:
     found = []
     for name, unit in run.catalogue.units.items():
@@ -184,7 +177,8 @@ def _listing(run: Recording, word: str) -> list[str]:
     lines = [run.mechanism.title or run.mechanism.name,
              f"{len(run)} samples from 0 to {run.time[-1]:.3g} s of "
              f"{len(run.catalogue.units)} quantities"]
-    for kind, many in KINDS.items():
+    for kind in KINDS:
+        many = "bodies" if kind == "body" else f"{kind}s"
         having = {name: entry for name, entry in run.catalogue.elements.items()
                   if entry.kind == kind}
         units: dict[str, list[str]] = {}

@@ -13,10 +13,19 @@ from typing import Any
 from sandbox.audit.audit import CHECKS, advice_on, audit
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.cli.check import inspection_data, inspection_lines
-from sandbox.cli.console import Console, Exit, Progress, compilation_notices, report
+from sandbox.cli.console import (
+    Console,
+    Exit,
+    Progress,
+    pages_line,
+    report,
+    see,
+    shown,
+    simulating,
+    table,
+)
 from sandbox.cli.options import RENDERS, Source, refuse_blocking, safe_name
-from sandbox.cli.runs import files_of
-from sandbox.cli.text import pages_line, see, shown, table
+from sandbox.cli.runs import files_of, write_page
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, RunEnded, SimulationDiverged
@@ -43,7 +52,7 @@ def run(
     with writing(out or RENDERS / safe_name(loaded.mechanism.name)) as new:
         job = _Job(scene, loaded, new, console)
         try:
-            with compilation_notices(console), Progress("Simulating", console) as progress:
+            with simulating(console) as progress:
                 recording = simulate(Checked(loaded.mechanism), progress=progress,
                                      recorded_bytes=scene.limits.recorded_bytes)
         except RunEnded as error:
@@ -91,7 +100,6 @@ class _Job:
             try:
                 if animation:
                     from sandbox.picture.film import render
-
                     with self._timed("draw"), Progress("Drawing", self.console) as progress:
                         render(recording, self.new.aside / f"animation.{animation}",
                                progress=progress, most_frames=self.scene.limits.frames)
@@ -99,9 +107,7 @@ class _Job:
                 with self._timed("audit"):
                     self._judge(recording)
                 if writes_page:
-                    from sandbox.cli.page import write_page
                     from sandbox.web.page import FoundOut
-
                     with self._timed("report"):
                         write_page([recording], self.new.aside / PAGE, [FoundOut(
                             self.judged, self.checks, str(self.new.directory))])

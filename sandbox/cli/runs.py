@@ -1,20 +1,26 @@
-"""Saved runs: how RUN arguments and names of quantities are found."""
+"""Saved runs: how they and their quantities are found, ``sandbox render``, ``sandbox report``."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.console import Console
+from sandbox.atomic_files import write_atomic
+from sandbox.cli.console import Console, Progress
 from sandbox.cli.options import RENDERS, safe_name, written
 from sandbox.errors import OutputError
-from sandbox.recording.new_run import ARCHIVE, FILES, FILMS, FRAMES, PAGE
+from sandbox.recording.new_run import ARCHIVE, FILES, FILMS, FRAMES, PAGE, made
 from sandbox.recording.recording import Recording
-from sandbox.recording.store import EDITED
+from sandbox.recording.store import EDITED, saved_audit
+from sandbox.scene.read.limits import Limits
 from sandbox.sweeps import CSV, SPEC
 from sandbox.wording import is_pattern, listed, or_near
+
+if TYPE_CHECKING:
+    from sandbox.web.page import FoundOut
 
 
 def files_of(directory: Path) -> list[str]:
@@ -85,3 +91,82 @@ def matching(patterns: Sequence[str], runs: Sequence[Recording], *, option: str)
                 name in run.catalogue and run[name].any() for run in runs)} or names
         found |= names
     return list(found)
+
+
+def render(
+    run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...], strip: int | None,
+    labels: str, fps: str | None, bodies: tuple[str, ...], limits: Limits, console: Console,
+    **view: Any,
+) -> None:
+    """Draw a saved run as an animation or as stills."""
+    from sandbox.picture.film import is_still
+    from sandbox.picture.film import render as draw
+    if outs and ending is not None:
+        raise click.UsageError("give --format or --out FILE, not both: the name of FILE already "
+                               "sets the format")
+    directory = run_directory(run)
+    recording = Recording.load(directory)
+    if strip is not None:
+        name = f"strip.{ending or 'png'}"
+    elif len(at) == 1:
+        name = f"still_{''.join(at[0].split())}.{ending or 'png'}"
+    elif at or ending in ("png", "svg", "pdf"):
+        name = f"still{'' if at else '_end'}.{ending or 'png'}"
+    else:
+        name = f"animation.{ending or 'gif'}"
+    paths, wrong = outs or (directory / name,), []
+    for path in paths:  # all are checked before the first is drawn
+        try:
+            is_still(path, at=bool(at), strip=strip is not None, size=view["size"],
+                     transparent=view["transparent"])
+        except OutputError as error:
+            wrong.append(str(error))
+    if wrong:
+        raise OutputError("\n".join(wrong), code="bad-picture")
+    for path in paths:
+        with Progress("Drawing", console) as progress:
+            files = draw(recording, path, at=at or None,
+                         strip=False if strip is None else strip or True, bare=labels == "none",
+                         scales=labels == "scales", fps=None if fps is None else int(fps),
+                         bodies=bodies or None, progress=progress, most_frames=limits.frames,
+                         **view)
+        for file in files:
+            made(file)
+            console.say(file)
+
+
+def report(
+    runs: tuple[str, ...], out: Path | None, plots: tuple[str, ...], console: Console,
+) -> int:
+    """Write one page that plays up to four runs."""
+    from sandbox.web.page import MAX_RUNS, FoundOut
+    if len(runs) > MAX_RUNS:
+        raise click.UsageError(f"a page shows up to {MAX_RUNS} runs, {len(runs)} were given")
+    directories, recordings = zip(*(open_run(word, console) for word in runs), strict=True)
+    for k, directory in enumerate(directories):
+        if directory.resolve() in [each.resolve() for each in directories[:k]]:
+            raise click.UsageError(f"the run in {str(directory)!r} is given twice")
+    path = out or directories[0]
+    path = path / PAGE if path.is_dir() else path
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise click.BadParameter(f"{str(path)!r} does not end in .html", param_hint="--out")
+    size = write_page(recordings, path, [
+        FoundOut(figures=saved_audit(directory), source=str(directory))
+        for directory in directories],
+        matching(plots, recordings, option="--plot"))
+    return console.finish({"file": path, "bytes": size, "runs": directories},
+                          [f"{path}  ({size / 1e6:.1f} MB)"])
+
+
+def write_page(
+    recordings: Sequence[Recording], path: Path, found: Sequence[FoundOut],
+    plots: Sequence[str] = (),
+) -> int:
+    """Write the page of some runs; its size in bytes."""
+    from sandbox.web.page import report as page_of_runs
+    text = page_of_runs(recordings, found, plots)
+    if not path.parent.is_dir():
+        raise OutputError(f"there is no directory {path.parent}")
+    write_atomic(path, text)
+    made(path)
+    return len(text.encode())

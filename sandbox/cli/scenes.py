@@ -1,4 +1,4 @@
-"""``sandbox list`` and ``sandbox new``: shipped scenes."""
+"""``sandbox list``, ``sandbox new``: shipped scenes; ``sandbox export``: to other programs."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import click
 
 from sandbox.atomic_files import write_atomic
 from sandbox.cli.console import Console
-from sandbox.cli.options import title_of
-from sandbox.errors import OutputError
+from sandbox.cli.options import Source, title_of
+from sandbox.errors import OutputError, SceneError
 from sandbox.scene.library import folder_of, scene_topics, shipped_scenes
 from sandbox.wording import meant, quoted
 
@@ -32,7 +32,6 @@ def new(name: str, out: Path | None) -> None:
     """Copy a scene with all that it includes."""
     from sandbox.scene.read.limits import Limits
     from sandbox.sweeps.job import make_bundle
-
     scenes = shipped_scenes()
     if name not in scenes:
         raise click.BadParameter(
@@ -54,3 +53,22 @@ def new(name: str, out: Path | None) -> None:
     for path, text in reversed(missing.items()):  # the scene last, after all that it includes
         write_atomic(path, text)
     Console().say(*(f"wrote {path}" for path in missing), f"next: sandbox run {target}")
+
+
+def export(scene: Source, form: str, out: Path | None, without: tuple[str, ...]) -> None:
+    """Write a scene in another format, or print it."""
+    from sandbox.export import export_mechanism
+    loaded = scene.load()
+    try:
+        made = export_mechanism(loaded.mechanism, format=form, without=without)
+    except SceneError as error:
+        raise SceneError(error.problems, loaded.name) from None
+    console = Console()
+    if out is None:
+        console.document(made.text.rstrip("\n"))
+    else:
+        write_atomic(out, made.text)
+        console.say(f"wrote {out}")
+    console.warn(*(f"{loaded.name}: note: {note}" for note in made.notes))
+    if made.left_out:
+        console.warn(f"left out: {', '.join(made.left_out)}")

@@ -19,9 +19,8 @@ import click
 import numpy as np
 
 from sandbox.atomic_files import json_text, write_atomic
-from sandbox.cli.console import Console, Progress, many_runs
+from sandbox.cli.console import Console, Progress, many_runs, table
 from sandbox.cli.options import NAMES, Source, prepare, safe_name, written
-from sandbox.cli.text import table
 from sandbox.errors import SceneError
 from sandbox.scene.read.source import SceneSource
 from sandbox.search.fitting import COMPARED
@@ -37,10 +36,8 @@ from sandbox.sweeps.table import preload as preload_figures
 from sandbox.values.paths import parse_path
 
 MAX_REASONS = 5
-QUESTION = "question.json"
-"""The question of a directory in ``searches/``, which other questions do not use."""
-EXTENT = ("runs", "within", "count")
-"""Options that extend a search, which then continues in the same directory."""
+QUESTION = "question.json"  # names the question of a directory in ``searches/``
+EXTENT = ("runs", "within", "count")  # these extend a search in its directory
 
 
 def _study(scene: Source, vary: Mapping[str, str], example: str) -> SceneSource | None:
@@ -91,9 +88,6 @@ def _problems_at_options(vary: Mapping[str, str], keep: Sequence[str] = ()) -> I
                                fields="")
             problems.append(each)
         raise SceneError(problems) from None
-
-
-# -- sweeps --------------------------------------------------------------------------
 
 
 def sweep(
@@ -163,9 +157,6 @@ def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: fl
 
 def _most_frequent(words: Counter[str]) -> str:
     return "; ".join(f"{word} ({count})" for word, count in words.most_common(MAX_REASONS))
-
-
-# -- searches ------------------------------------------------------------------------
 
 
 def kind_of(word: str) -> str:

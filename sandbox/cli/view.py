@@ -16,9 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.cli.check import inspection_lines
-from sandbox.cli.console import Console, Exit, compilation_notices
+from sandbox.cli.console import Console, Exit, compilation_notices, pages_line
 from sandbox.cli.options import RENDERS, Source, refuse_blocking, safe_name
-from sandbox.cli.text import pages_line
 from sandbox.web.server import Server, needed
 from sandbox.web.session import Found, Session
 
@@ -48,7 +47,13 @@ def view(scene: Source, port: int, no_browser: bool) -> int:
         sys.stdout.flush()
         if not no_browser and has_window and not os.environ.get("SSH_CONNECTION"):
             folder = opened.enter_context(tempfile.TemporaryDirectory(prefix="sandbox-"))
-            webbrowser.open(_redirection(Path(folder, "view.html"), server.address).as_uri())
+            file, link = Path(folder, "view.html"), html.escape(server.address, quote=True)
+            file.touch(0o600)  # other users could read an address among the browser's arguments
+            file.write_text(
+                '<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
+                f'<meta http-equiv="refresh" content="0; url={link}"><title>sandbox view</title>'
+                f'<a href="{link}">to the view</a>\n')
+            webbrowser.open(file.as_uri())
 
     has_window = sys.platform in ("win32", "darwin") or bool(
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
@@ -56,17 +61,3 @@ def view(scene: Source, port: int, no_browser: bool) -> int:
         title = first.scene.title or first.scene.name
         Server(session, first, title=title, port=port).serve(ready)
     return Exit.INTERRUPTED
-
-
-def _redirection(file: Path, address: str) -> Path:
-    """Write a page, readable by its owner only, that redirects a browser to an address.
-
-    An address in the browser's own arguments could be read by all who may list processes.
-    """
-    link = html.escape(address, quote=True)
-    file.touch(0o600)
-    file.write_text(
-        '<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
-        f'<meta http-equiv="refresh" content="0; url={link}"><title>sandbox view</title>'
-        f'<a href="{link}">to the view</a>\n')
-    return file

@@ -23,7 +23,7 @@ from sandbox.wording import MAX_NAMED, quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
-    from sandbox.export.document import Draft
+    from sandbox.export.mjcf import Draft
     from sandbox.scene.mechanism import Mechanism
     from sandbox.scene.parts.placement import Mover
 

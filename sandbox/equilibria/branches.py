@@ -16,9 +16,8 @@ from itertools import pairwise
 import numpy as np
 
 from sandbox.engine.inspect_control import checked
-from sandbox.equilibria.balance import PoseBalance, solve
 from sandbox.equilibria.rest import AtRest, check_options, settle
-from sandbox.equilibria.settle import EXACT, Settler, Unsettled
+from sandbox.equilibria.settle import EXACT, PoseBalance, Settler, Unsettled, solve
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.model.joints import placed
 from sandbox.numeric import Array
@@ -31,9 +30,7 @@ MAX_ITERATIONS = 12  # of Newton's method for a point
 SHORTEST = 1e-3  # shortest step, relative to the usual one; where none leads on, the branch ends
 FLAT = 1e-7  # change of the value along the branch at a fold; the value there is off by its square
 BEYOND = 1e-3  # fraction of the range beyond a fold from which the mechanism is released
-NEAR = 1e-3
-"""Distance to a branch, relative to the size, of a point that is on it; or a quarter of the
-distance of its points."""
+NEAR = 1e-3  # distance of a point on a branch, relative to the size; or 1/4 of its points' distance
 NUDGE = 1e-5  # fraction of the range by which the value is changed for derivatives
 WITHIN = 1e-9  # fraction of the range within which a value is met
 Make = Callable[[float], Mechanism]
@@ -154,8 +151,6 @@ class _Follower:
                 mechanism, mechanism.run.duration if self._time is None else self._time)
         return self._made[value]
 
-    # -- points ----------------------------------------------------------------------
-
     def _point(self, value: float, balance: PoseBalance, ahead: Array | None) -> _Point:
         """A point, with the direction of its branch along ``ahead``; upwards by default."""
         pose, size = balance.still.pose, balance.size
@@ -171,9 +166,7 @@ class _Follower:
         self.at(value).start(pose)
         return _Point(value, pose, balance, way)
 
-    def _derivatives(
-        self, value: float, pose: Array, balance: PoseBalance,
-    ) -> tuple[Array, Array]:
+    def _derivatives(self, value: float, pose: Array, balance: PoseBalance) -> tuple[Array, Array]:
         """By the value: forces along free motions, and the motion of joints."""
         by = NUDGE * self._span
         settler = self.at(value + by)
@@ -242,8 +235,6 @@ class _Follower:
         motion = point.balance.motion_between(point.pose, pose) / point.balance.size
         return float(point.way @ np.append(motion, (value - point.value) / self._span))
 
-    # -- branches --------------------------------------------------------------------
-
     def follow_all(self, first: PoseBalance) -> list[Branch]:
         passed, branch = self._follow(self._begin, first, self._sense)
         self._branches.append(branch)
@@ -256,10 +247,7 @@ class _Follower:
         return self._branches
 
     def _follow(self, value: float, balance: PoseBalance, sense: float) -> tuple[bool, Branch]:
-        """One branch from a point upwards (``sense`` 1) or downwards (-1).
-
-        Returns whether it leaves the range at its last value, and the branch.
-        """
+        """Whether a branch, up or down by ``sense``, leaves the range at its end; the branch."""
         branch = Branch()
         point = self._point(value, balance, None)
         if point.turning * sense < 0:
@@ -307,7 +295,6 @@ class _Follower:
     def _fold(self, before: _Point, after: _Point) -> _Point:
         """The fold between two points: where the value does not change along the branch."""
         from scipy.optimize import brentq
-
         best = before if abs(before.turning) < abs(after.turning) else after
 
         def turning(length: float) -> float:

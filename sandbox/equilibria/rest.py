@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from sandbox.engine.inspect_control import Runnable, checked
-from sandbox.equilibria.balance import PoseBalance
-from sandbox.equilibria.settle import PARTS, Settler, Start, Unsettled, place_start
+from sandbox.equilibria.settle import PARTS, PoseBalance, Settler, Start, Unsettled, place_start
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array
@@ -33,18 +32,12 @@ STABLE, UNSTABLE, NEUTRAL, UNKNOWN = "stable", "unstable", "neutral", "unknown"
 class AtRest:
     """One equilibrium; ``found["finger.tendon.tension"]`` is a quantity of it."""
 
-    recording: Recording
-    """One sample: the bodies at rest, and all forces."""
-    start: str
-    """The start that led to it, as text."""
-    balance: PoseBalance | None
-    """Free motions and stiffness; None where the stiffness is unknown."""
-    untold: str
-    """Why it is unknown."""
-    steps: int
-    """Steps of the engine."""
-    size: float
-    """Of the mechanism [m]."""
+    recording: Recording  #: one sample: the bodies at rest, and all forces
+    start: str  #: the start that led to it, as text
+    balance: PoseBalance | None  #: free motions and stiffness; None where the stiffness is unknown
+    untold: str  #: why it is unknown
+    steps: int  #: steps of the engine
+    size: float  #: of the mechanism [m]
 
     def __repr__(self) -> str:
         return f"<AtRest of {self.recording.mechanism.name!r} from {self.start}: {self.stability}>"
@@ -134,12 +127,9 @@ class AtRest:
 class RestFound:
     """Equilibria of a scene."""
 
-    rests: tuple[AtRest, ...]
-    """Different equilibria, in the order in which they were found."""
-    failed: tuple[tuple[str, str], ...]
-    """Starts that did not come to rest, and the reasons."""
-    remarks: tuple[str, ...]
-    """How the scene was read."""
+    rests: tuple[AtRest, ...]  #: different equilibria, in the order in which they were found
+    failed: tuple[tuple[str, str], ...]  #: starts that did not come to rest, and the reasons
+    remarks: tuple[str, ...]  #: how the scene was read
 
     def __repr__(self) -> str:
         return f"<RestFound: {len(self.rests)} at rest, {len(self.failed)} failed>"

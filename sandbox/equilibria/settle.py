@@ -3,29 +3,128 @@
 Kinetic damping: bodies move with the engine's steps until their kinetic energy passes a peak, where
 all are stopped. At a peak forces balance along the motion, so every stop is nearer to equilibrium.
 The distance of a step is bounded, so that no contact is missed.
+
+Constraints (joints, pressing contacts, limits, sticking friction) leave motions Z free. One step of
+the engine from rest gives the acceleration a under all forces; the residual along Z is Z^T M a,
+since constraint forces do no work there. Everything else has a stiffness K
+(:mod:`sandbox.samples.yielding`). In equilibrium Z^T M a = 0; it is stable if all w^2 of
+Z^T K Z z = w^2 Z^T M Z z are positive.
+
+The engine evaluates stiff springs and tendons at the end of the step, dampers at its middle: along
+them forces have already dropped by e a, e = h (c + h k) or h c / 2, which is added again.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
+from scipy.linalg import eigvalsh, null_space
 
 from sandbox.audit.rest import beyond_joint
+from sandbox.engine.stiffness import stiff_cables, stiff_servos, too_stiff
 from sandbox.engine.still import Still
-from sandbox.equilibria.balance import PoseBalance, solve
 from sandbox.errors import Problem, SceneError
 from sandbox.model.joints import placed
 from sandbox.model.model import Model
 from sandbox.model.pairs import friction_of
-from sandbox.numeric import Array
-from sandbox.samples.yielding import without_stiffness
+from sandbox.numeric import Array, Integers
+from sandbox.recording.recording import Recording
+from sandbox.samples.yielding import NOTHING, Yielding, without_stiffness
 from sandbox.scene.geometry import centre_of, reach_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
-STAGES, FRICTION_STAGES = 40, 200
-"""Stages of a slow load; the second with dry friction, where the result depends on the path."""
+RANK = 1e-9  # relative size of directions, and of stiffness, that are rounding
+
+
+class PoseBalance:
+    """Residual forces, free motions and stiffness at a pose.
+
+    ``still`` is the engine after one step from rest, which ``run`` has recorded. ``size`` is the
+    length that is equivalent to 1 rad [m].
+    """
+
+    def __init__(self, still: Still, run: Recording, size: float) -> None:
+        self.still, self.run, self.size = still, run, size
+        self.yielding = Yielding(run, 0, size)
+        bodies = np.array(sorted(self.yielding.place), dtype=np.int64)
+        self.bodies: Integers = bodies  # indices of the free bodies
+        self.scale = np.tile([1.0, 1.0, 1 / size], len(bodies))
+        self.mass = still.mass[bodies].reshape(-1)
+        kept = np.array(self.yielding.kept).reshape(-1, len(self.mass)) * self.scale
+        length = np.linalg.norm(kept, axis=1, keepdims=True)
+        self._rows = (kept / np.maximum(length, 1e-300))[length[:, 0] > 0]
+        self.free: Array = null_space(self._rows, rcond=RANK)
+        """Motions that no constraint forbids, rotations as lengths, orthonormal [n, k]."""
+        self.speed = still.speed[bodies].reshape(-1)  # velocities after the step from rest, [n]
+        self.whole = np.asarray(self.scale * self.yielding.stiffness * self.scale[:, None])
+        """Stiffness of all motions, [n, n] N/m."""
+        self.stiffness = self.free.T @ self.whole @ self.free  # [k, k] N/m
+        self.force = self.scale * self._force()  # residual forces, with constraint forces, [n] N
+        self.largest = self.yielding.largest  # the largest force on anything [N]
+        self.left = self.free.T @ self.force  # residual forces along free motions, [k] N
+
+    def _force(self) -> Array:
+        """M a, corrected for forces at the end of the step, [n]."""
+        model, h = self.still.model, self.still.step_size
+        a = self.speed / h
+        force = self.mass * a
+        for each in self.yielding.elastic():
+            if each.kind == "spring":
+                c = float(model.springs.damping[each.number])
+                law = model.springs.law[each.number] is not None
+                stiff = law or bool(too_stiff(model, h)[each.number])
+            elif each.kind == "tendon":
+                c = float(model.tendons.damping[each.number])
+                stiff = bool(stiff_cables(model, h)[each.number])
+            else:
+                c, stiff = 0.0, bool(stiff_servos(model, h)[each.number])
+            drop = h * (c + h * each.stiffness) if stiff else h * c / 2  # e [kg]
+            force = force + drop * float(each.pull @ a) * each.pull
+        return np.asarray(force)
+
+    def closing(self) -> Array:
+        """The motion across free motions that closes gaps of constraints, [n] scaled."""
+        gaps = self._rows @ (self.speed / self.scale) * self.still.step_size
+        return solve(self._rows, gaps)
+
+    def pose_after(self, pose: Array, motion: Array) -> Array:
+        """A pose after a motion [n], scaled, [nb, 3]."""
+        after = pose.copy()
+        after[self.bodies] += (self.scale * motion).reshape(-1, 3)
+        return after
+
+    def motion_between(self, one: Array, other: Array) -> Array:
+        """The motion from one pose to another, scaled, [n]."""
+        return np.asarray((other - one)[self.bodies].reshape(-1) / self.scale)
+
+    @cached_property
+    def soft(self) -> tuple[Array, Array, float]:
+        """Stiffness values in ascending order, their motions, and the value that counts as 0."""
+        stiffness = (self.stiffness + self.stiffness.T) / 2
+        return (*np.linalg.eigh(stiffness), NOTHING * self.largest / self.size)
+
+    @property
+    def stable(self) -> bool:
+        """Whether no motion is unstable, up to rounding."""
+        values, _, zero = self.soft
+        return not len(values) or bool(values[0] >= -zero)
+
+    def modes(self) -> Array:
+        """w^2 of small free motions in ascending order [1/s^2]."""
+        inertia = self.free.T @ (self.scale**2 * self.mass * self.free.T).T
+        return np.asarray(eigvalsh((self.stiffness + self.stiffness.T) / 2, inertia))
+
+
+def solve(matrix: Array, right: Array) -> Array:
+    """The smallest solution, without directions that the matrix hardly affects, [n]."""
+    return np.asarray(np.linalg.lstsq(matrix, right, rcond=RANK)[0])
+
+
+
+STAGES, FRICTION_STAGES = 40, 200  # stages of a slow load, without and with dry friction
 MAX_STEPS = 20_000  # of one relaxation
 REST = 1e-12  # motion in a step from rest, relative to the size, of a mechanism at rest
 NEAR = (1e-7, 1e-9)  # the same of one that is near enough for Newton's method
@@ -70,13 +169,17 @@ class Settler:
         self.drive, self.places = self.still.driven(time)
         self.steps = 0  # steps of the engine so far
         self.remark = ""  # a remark about a slow load that passed no equilibrium
-        self.untold = _no_stiffness(self.model)
-        """Why the stiffness, and so the stability, is unknown; empty if it is known."""
+        self.untold = _no_stiffness(self.model)  # why the stiffness is unknown, or empty
 
     def follow(self, stages: int | None = None) -> None:
         """Apply the drives slowly from the scene's pose, in ``stages`` that come to rest each."""
         self.still.put(self.first)
-        stages = stages or (FRICTION_STAGES if _has_friction(self.model) else STAGES)
+        model = self.model
+        shaped = [i for i, body in enumerate(model.mechanism.bodies) if body.shapes]
+        rough = len(model.joints.frictional) or _grips(model) or any(
+            friction_of(model.mechanism, i, k) > 0 for i in shaped for k in shaped
+            if i < k and (model.bodies.free[i] or model.bodies.free[k]))
+        stages = stages or (FRICTION_STAGES if rough else STAGES)
         last: Array | None = None
         for time in np.linspace(0.0, self.time, stages + 1):
             drive, places = self.still.driven(float(time))
@@ -129,8 +232,7 @@ class Settler:
                 if left <= BALANCED * max(balance.largest, 1e-9):
                     return balance
                 break
-            self.still.put(balance.pose_after(self.still.pose,
-                                              motion * min(1.0, self._most / way)))
+            self.still.put(balance.pose_after(self.still.pose, motion * min(1.0, self._most / way)))
             balance = self.look()
         self.still.put(pose)
         return None
@@ -149,10 +251,7 @@ class Settler:
             raise Unsettled(why)
 
     def _relax(self, drive: Array, steps: int, rest: float) -> str:
-        """Kinetic damping for at most some steps, until motions in a step are below ``rest``.
-
-        Returns why it does not come to rest, empty if it does; all bodies are stopped.
-        """
+        """Kinetic damping until steps move less than ``rest``; why that fails, or an empty text."""
         still, begin = self.still, self.still.pose
         last, fresh, until = 0.0, True, self.steps + steps
         still.slow(0.0)
@@ -217,14 +316,6 @@ def _grips(model: Model) -> bool:
     return any(len(model.tendons.gripped(k)) for k in range(len(model.tendons.name)))
 
 
-def _has_friction(model: Model) -> bool:
-    shaped = [i for i, body in enumerate(model.mechanism.bodies) if body.shapes]
-    return bool(
-        len(model.joints.frictional) or _grips(model)
-        or any(friction_of(model.mechanism, i, k) > 0 for i in shaped for k in shaped
-               if i < k and (model.bodies.free[i] or model.bodies.free[k])))
-
-
 def _no_stiffness(model: Model) -> str:
     """Why the stiffness of a mechanism is unknown; empty if it is known."""
     if _grips(model):
@@ -248,9 +339,6 @@ def _reaches(model: Model) -> Array:
         far = np.nan_to_num(np.hypot(*(at - centre[bodies]).T))
         np.maximum.at(found, bodies, far)
     return found
-
-
-# -- poses to start from -------------------------------------------------------------
 
 
 def place_start(settler: Settler, start: Start) -> Array:

@@ -2,29 +2,350 @@
 
 The plane is x-y and z points at the viewer, so that a hinge turns about z. Joints that close loops
 are equality constraints, contacts are explicit pairs. Units are SI, names are the scene's.
+
+In the kinematic tree, a body in a groove, welded or pinned to a body of the tree becomes its child;
+a body without such a joint moves freely. Grooves come first, since a groove cannot close a loop in
+MuJoCo, then welds, then pins, each in the order of the scene. Rods and ropes carry no body: they
+are tendons. A coordinate is the number that a recording shows: a pin's angle in its positive sense
+minus its zero, a slot's displacement from the start of the groove, x, y (of the centre of mass) and
+angle of a free body. Bodies and joints are the model's indices; the world is ``NONE``.
 """
 
 from __future__ import annotations
 
+import heapq
 import itertools
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, cast
 
 import numpy as np
 
 import sandbox
 from sandbox.elements.tendons import RIGID
 from sandbox.errors import SceneError
-from sandbox.export.document import Draft, Value, add, comment, document, element, number
 from sandbox.export.selection import Export, arc_of, contact_pairs, leave_out, without_counterpart
-from sandbox.export.tree import angle_sum, grow
 from sandbox.model.compile import compile_mechanism
-from sandbox.model.model import NONE
+from sandbox.model.joints import place_in_slot, sliding, slot_length, turning
+from sandbox.model.model import NONE, Model
 from sandbox.samples.cables import Stretches, pulls_at_start, rest_lengths, stretches_at_start
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Role, Shape, Solid
-from sandbox.scene.geometry import Vec, core, corners, count_solids, solids
+from sandbox.scene.geometry import Pose, Vec, core, corners, count_solids, solids, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
+from sandbox.values.signals import Constant, values
+
+
+@dataclass(frozen=True)
+class Link:
+    """A body in the tree."""
+
+    body: int
+    parent: int  # ``NONE`` for the world
+    pose: Pose  # in the parent's frame at t = 0, with the joint assembled: x, y [m], angle [rad]
+    joint: int = NONE  # the joint that carries it; ``NONE`` for a body that is fixed or free
+    backwards: bool = False  # whether the body is the joint's ``a``, its parent ``b``
+
+
+@dataclass(frozen=True)
+class Tree:
+    """All bodies, parents before their children, and the joints that close loops."""
+
+    links: dict[int, Link]
+    loops: tuple[int, ...]
+
+    def line(self, body: int) -> Iterator[Link]:
+        """A body's link, its parent's, and so on to the world."""
+        while body != NONE:
+            yield self.links[body]
+            body = self.links[body].parent
+
+
+def grow(model: Model) -> Tree:
+    """Build the tree of a mechanism; without fixed bodies the first free one is a root."""
+    ends: list[list[int]] = model.joints.bodies.tolist()
+    poses: list[Pose] = model.bodies.pose.tolist()
+    ranks = {joint: 0 if kind.mujoco_loop else 2 if model.joints.turns[joint] else 1
+             for joint, kind in enumerate(model.joints.kind) if not kind.along_line}
+    links: dict[int, Link] = {}
+    used: set[int] = set()
+    waiting: list[tuple[int, int]] = []
+
+    def place(link: Link) -> None:
+        links[link.body] = link
+        for joint, _ in model.neighbours[link.body]:
+            if joint in ranks:
+                heapq.heappush(waiting, (ranks[joint], joint))
+
+    unmoved = np.flatnonzero(~model.bodies.free).tolist()
+    for body in unmoved:
+        place(Link(body, NONE, poses[body]))
+    for root in (NONE, *range(len(model.bodies.name))):
+        if root != NONE and root not in links:
+            place(Link(root, NONE, poses[root]))
+        while waiting:
+            _, joint = heapq.heappop(waiting)
+            a, b = ends[joint]
+            if a in links and b in links:
+                continue
+            used.add(joint)
+            backwards = b in links
+            there, here = meeting_points(model, joint)[::-1 if backwards else 1]
+            child, parent = (a, b) if backwards else (b, a)
+            angle = poses[child][2] - poses[parent][2]
+            x, y = to_world((0.0, 0.0, angle), here)
+            place(Link(child, parent, (there[0] - x, there[1] - y, angle), joint, backwards))
+    loops = tuple(joint for joint in ranks
+                  if joint not in used and not set(ends[joint]) <= set(unmoved))
+    return Tree(links, loops)
+
+
+def groove(model: Model, joint: int) -> tuple[Vec, float]:
+    """Direction of a groove in the frame of ``a``, and the place in it at t = 0 [m]."""
+    place = place_in_slot(model, joint, model.bodies.pose)
+    turned = float(model.bodies.pose[model.joints.bodies[joint, 0], 2])
+    along = to_body((0.0, 0.0, turned), (float(place.x), float(place.y)))
+    return along, min(max(float(place.along), 0.0), slot_length(model, joint))
+
+
+def meeting_points(model: Model, joint: int) -> tuple[Vec, Vec]:
+    """The points of ``a`` and ``b`` that coincide at t = 0, in their frames [m]."""
+    on_a, on_b = model.joints.anchor[joint].tolist()
+    if model.joints.kind[joint].keeps == "groove":
+        (x, y), (along, s) = model.joints.groove[joint, 0].tolist(), groove(model, joint)
+        on_a = x + s * along[0], y + s * along[1]
+    return on_a, on_b
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """One coordinate of a body; point and axis in the body's frame."""
+
+    name: str
+    kind: Literal["hinge", "slide"]
+    axis: tuple[float, float, float]
+    at: Vec = (0.0, 0.0)  # a point of its axis [m]
+    start: float = 0.0  # value at t = 0 [rad or m]
+    rate: float = 0.0  # rate at t = 0 [rad/s or m/s]
+    limits: tuple[float, float] | None = None  # hard stops [rad or m]
+    joint: int = NONE  # index of the hinge, if it is one
+    loss: float = 0.0  # dry friction of a slide [N]
+    made: bool = False  # whether the name is not that of an element of the scene
+
+
+def freedoms(model: Model, link: Link) -> list[Freedom]:
+    """The coordinates of a body, from parent to child; none for a fixed body."""
+    joints, joint, body = model.joints, link.joint, link.body
+    if not model.bodies.free[body]:
+        return []
+    if joint == NONE:
+        name, spec = model.bodies.name[body], model.mechanism.bodies[body]
+        place, centre = model.bodies.pose[body].tolist(), model.bodies.centre[body].tolist()
+        x, y = to_world(place, centre)
+        c, s = math.cos(place[2]), math.sin(place[2])
+        return [
+            Freedom(f"{name}.x", "slide", (c, -s, 0.0), start=x, rate=spec.velocity[0], made=True),
+            Freedom(f"{name}.y", "slide", (s, c, 0.0), start=y, rate=spec.velocity[1], made=True),
+            Freedom(f"{name}.angle", "hinge", (0.0, 0.0, 1.0), at=centre, start=place[2],
+                    rate=spec.angular_velocity, made=True)]
+    name, side = joints.name[joint], -1.0 if link.backwards else 1.0
+    at = meeting_points(model, joint)[0 if link.backwards else 1]
+    if joints.kind[joint].keeps != "groove":
+        sense = float(joints.sense[joint])
+        return [Freedom(
+            name, "hinge", (0.0, 0.0, side * sense), at=at, start=float(joints.start[joint]),
+            rate=sense * turning(model, joint), joint=joint,
+            limits=joints.stops[joint].tolist() if joint in joints.stopped else None,
+        )] if joints.angle[joint] else []
+    a, b = joints.bodies[joint].tolist()
+    angle = float(model.bodies.pose[b, 2] - model.bodies.pose[a, 2])
+    along, start = groove(model, joint)
+    ahead = along if link.backwards else to_body((0.0, 0.0, angle), along)
+    slide = Freedom(
+        name, "slide", (side * ahead[0], side * ahead[1], 0.0), start=start,
+        limits=(0.0, slot_length(model, joint)), loss=float(joints.friction[joint]),
+        rate=sliding(model, joint))
+    if not joints.turns[joint]:
+        return [slide]
+    hinge = Freedom(f"{name}.turn", "hinge", (0.0, 0.0, side), at=at, start=angle,
+                    rate=turning(model, joint), made=True)
+    return [hinge, slide] if link.backwards else [slide, hinge]
+
+
+def angle_sum(
+    model: Model, joint: int, tree: Tree, moves: Mapping[int, Sequence[Freedom]],
+) -> tuple[dict[str, float], float]:
+    """The angle of a pin that closes a loop [rad]: factors of coordinates by name, an offset."""
+    sense = float(model.joints.sense[joint])
+    a, b = model.joints.bodies[joint].tolist()
+    factors: dict[str, float] = {}
+    start: dict[str, float] = {}
+    for body, side in ((b, sense), (a, -sense)):
+        for link in tree.line(body):
+            for freedom in moves[link.body]:
+                if freedom.kind == "hinge":
+                    start[freedom.name] = freedom.start
+                    factors[freedom.name] = factors.get(freedom.name, 0.0) + side * freedom.axis[2]
+    factors = {name: factor for name, factor in factors.items() if factor}
+    offset = sum(factor * start[name] for name, factor in factors.items())
+    return factors, float(model.joints.start[joint]) - offset
+
+
+
+DIGITS = 12
+
+
+def number(value: float) -> str:
+    """A number with :data:`DIGITS` digits; never ``-0``."""
+    return f"{value + 0.0:.{DIGITS}g}" if value else "0"
+
+
+# of an attribute: a word, a number, or numbers in a row; None leaves it out
+Value = str | float | Sequence[float] | None
+
+
+def element(tag: str, /, **attributes: Value) -> ET.Element:
+    """A new element."""
+    return ET.Element(tag, {
+        key: _plain(value) if isinstance(value, str) else
+        number(value) if isinstance(value, int | float) else " ".join(map(number, value))
+        for key, value in attributes.items() if value is not None})
+
+
+def add(parent: ET.Element, tag: str, /, **attributes: Value) -> ET.Element:
+    """A new element (see :func:`element`) at the end of ``parent``."""
+    made = element(tag, **attributes)
+    parent.append(made)
+    return made
+
+
+def _plain(text: str, kept: str = "") -> str:
+    """The text with blanks for characters that do not print, except ``kept``."""
+    return "".join(c if c.isprintable() or c in kept else " " for c in text)
+
+
+def comment(text: str) -> ET.Element:
+    """A comment; text that XML forbids is replaced."""
+    plain = _plain(text, "\n")
+    while "--" in plain:
+        plain = plain.replace("--", "- -")
+    return cast("ET.Element", ET.Comment(f" {plain} "))
+
+
+SECTIONS = ("compiler", "option", "default", "asset", "worldbody", "contact", "equality", "tendon",
+            "actuator", "sensor", "keyframe")
+WORLD = "world"  # MuJoCo's name of the fixed frame
+
+
+class Draft:
+    """Sections by name, elements on bodies by index (``NONE`` for the world), and notes."""
+
+    MAX_FORCE = 1e6  # a force that no tendon reaches [N], as MuJoCo needs closed ranges
+
+    def __init__(self, model: Model, tree: Tree) -> None:
+        self.model, self.tree, self.mechanism = model, tree, model.mechanism
+        elements = (model.bodies, model.joints, model.springs, model.tendons, model.drives)
+        self._taken = {(kind, name) for part in elements for name in (WORLD, *part.name)
+                       for kind in ("body", "joint", "site", "geom", "mesh", "sensor")}
+        self.root = ET.Element("mujoco", {"model": self.mechanism.name or "mechanism"})
+        self.sections = {name: add(self.root, name) for name in SECTIONS}
+        # sites and pulleys, until the bodies are written
+        self.on_body: dict[int, list[ET.Element]] = {
+            body: [] for body in (NONE, *range(len(model.bodies.name)))}
+        self.coils: dict[int, list[int]] = defaultdict(list)  # rotary springs of a hinge
+        self.brakes: dict[int, float] = {}  # torque of a hinge's brake [N m]
+        self.driven: set[int] = set()  # hinges with a torque
+        self.controls: list[float] = []  # value of every actuator at the end of the run
+        self.notes: list[str] = []
+        self.body_names = [
+            self.unique("body", name) if name == WORLD else name for name in model.bodies.name]
+        # coordinates of every body, with unique names
+        self.moves = {body: [
+            replace(move, name=self.unique("joint", move.name))
+            if move.made else move for move in freedoms(model, link)
+        ] for body, link in tree.links.items()}
+        self._world_frame = ""
+
+    def unique(self, kind: str, name: str) -> str:
+        """A new name of a joint, site ...: ``name``, with ``_`` appended until it is free."""
+        while (kind, name) in self._taken:
+            name += "_"
+        self._taken.add((kind, name))
+        return name
+
+    def coordinates(self) -> Iterator[Freedom]:
+        """All coordinates in MuJoCo's order, depth first."""
+        waiting = [NONE]
+        while waiting:
+            body = waiting.pop()
+            yield from self.moves.get(body, [])
+            waiting += [child for child, link in self.tree.links.items()
+                        if link.parent == body][::-1]
+
+    def assembled(self, body: int, point: Vec) -> Vec:
+        """A point of a body in the world [m], with every joint assembled as in MuJoCo."""
+        for link in self.tree.line(body):
+            point = to_world(link.pose, point)
+        return point
+
+    def carried(self, joint: int) -> bool:
+        """Whether a joint carries a body; otherwise it closes a loop."""
+        return any(link.joint == joint for link in self.tree.links.values())
+
+    def site(self, body: int, wanted: str, at: Vec = (0.0, 0.0), **more: str | float) -> str:
+        """Add a site to a body and return its name."""
+        name = self.unique("site", wanted)
+        self.on_body[body].append(element("site", name=name, pos=(*at, 0.0), **more))
+        return name
+
+    def world_frame(self) -> str:
+        """The name of a site with the axes of the world."""
+        self._world_frame = self._world_frame or self.site(NONE, "frame")
+        return self._world_frame
+
+    def sense(self, kind: str, wanted: str, **what: str) -> None:
+        """Add a sensor."""
+        add(self.sections["sensor"], kind, name=self.unique("sensor", wanted), **what)
+
+    def target(self, drive: int) -> int:
+        """The number of the element that a drive acts on."""
+        return int(self.model.drives.target[drive])
+
+    def drive_hinge(self, drive: int) -> dict[str, str]:
+        """Attribute of an actuator of a hinge: its joint, or the tendon of a closed loop."""
+        joint = self.target(drive)
+        self.driven.add(joint)
+        return {"joint" if self.carried(joint) else "tendon": self.model.joints.name[joint]}
+
+    def angle_offset(self, drive: int) -> float:
+        """Angle minus coordinate of a hinge that closes a loop [rad]."""
+        return angle_sum(self.model, self.target(drive), self.tree, self.moves)[1]
+
+    def final_value(self, drive: int) -> float:
+        """Value of a drive at the end of the run, SI."""
+        signal = self.mechanism.drives[drive].signal(self.mechanism)
+        end = np.array([self.mechanism.run.duration])
+        return float(values(signal, end, self.mechanism.functions)[0])
+
+    def motor(
+        self, drive: int, what: str = "motor", gives: str = "value", **attributes: Value,
+    ) -> None:
+        """Add a drive's actuator, whose force is its quantity ``gives``; note a varying value."""
+        section, name = self.sections["actuator"], self.model.drives.name[drive]
+        signal = self.mechanism.drives[drive].signal(self.mechanism)
+        end = self.final_value(drive)
+        if not isinstance(signal, Constant):
+            law = signal.model_dump_json(exclude_defaults=True)
+            section.append(comment(f"{name} over time: {law}; {number(end)} at the end of the run"))
+            self.notes.append(f"{name}: MuJoCo has no signals over time; the keyframe has the last "
+                              f"value, {number(end)}")
+        add(section, what, name=name, **attributes)
+        self.controls.append(max(end, float(self.model.drives.floor[drive])))
+        self.sense("actuatorfrc", f"{name}.{gives}", actuator=name)
+
+
 
 # solimp: the hardest constraint that MuJoCo allows, whatever its depth
 STIFFNESS = "0.9999 0.9999 0.001 0.5 2"
@@ -35,7 +356,7 @@ def write_mjcf(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
     kept, left_out = leave_out(mechanism, without)
     model = compile_mechanism(kept)
     tree = grow(model)
-    if problems := without_counterpart(model, tree):
+    if problems := without_counterpart(model, tree.loops):
         raise SceneError(problems)
     draft = Draft(model, tree)
     add_springs(draft)
@@ -66,7 +387,11 @@ def write_mjcf(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
     if step < kept.run.step:
         draft.notes.append(f"an elastic tendon takes a time step of {number(step)} s here, "
                            f"not {number(kept.run.step)} s")
-    return Export(document(draft.root), tuple(draft.notes), left_out)
+    for section in list(draft.root):
+        if not len(section) and not section.attrib and not section.text:
+            draft.root.remove(section)
+    ET.indent(draft.root, "  ")
+    return Export(ET.tostring(draft.root, encoding="unicode") + "\n", tuple(draft.notes), left_out)
 
 
 def _add_settings(draft: Draft, step: float) -> None:
@@ -160,10 +485,7 @@ def _geom(draft: Draft, wanted: str, solid: Solid, half: float) -> dict[str, Val
 
 
 def depth(shape: Shape) -> float:
-    """Half the depth of a prism [m]; 0 for round shapes.
-
-    It equals half the size of the shape, so that two prisms always separate in the plane.
-    """
+    """Half the depth of a prism [m]: half its size, so that prisms separate in the plane; or 0."""
     if not isinstance(shape, Box | Polygon):
         return 0.0
     points = corners(shape)
@@ -237,10 +559,7 @@ def add_links(draft: Draft) -> None:
 
 
 def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
-    """Stiffness, rest angle, damping and friction of a pin with its springs and brake.
-
-    Parallel springs add up: k = sum(k_i), rest = sum(k_i rest_i) / k.
-    """
+    """Stiffness, rest angle, damping and friction of a pin with its springs and brake."""
     springs = draft.model.springs
     laws = [(float(springs.stiffness[i]), float(springs.rest[i]), float(springs.damping[i]))
             for i in draft.coils[joint]]

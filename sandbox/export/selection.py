@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -11,7 +11,6 @@ import numpy as np
 from sandbox.elements.element import RELEASED, references
 from sandbox.elements.fluids import FLUID
 from sandbox.errors import Problem, SceneError
-from sandbox.export.tree import Tree
 from sandbox.model.model import Model
 from sandbox.model.pairs import allowed_pairs, friction_of
 from sandbox.model.tendons import lifted_at_start
@@ -84,16 +83,16 @@ def contact_pairs(model: Model) -> list[tuple[int, int, float]]:
 STATIC = "static friction above that of sliding"
 
 
-def without_counterpart(model: Model, tree: Tree) -> list[Problem]:
-    """A problem for each element without a counterpart in MuJoCo."""
+def without_counterpart(model: Model, loops: Collection[int]) -> list[Problem]:
+    """A problem for each element without a counterpart in MuJoCo; ``loops`` are closing joints."""
     return [
         Problem("no-counterpart",
                 f"MuJoCo has no counterpart of {what}; --without {name} leaves it out", path=name)
-        for name, what in [*_elements(model, tree), *_surfaces(model)] if what
+        for name, what in [*_elements(model, loops), *_surfaces(model)] if what
     ]
 
 
-def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
+def _elements(model: Model, loops: Collection[int]) -> Iterator[tuple[str, str]]:
     """Names of elements and what has no counterpart, empty if they have one."""
     for body in np.flatnonzero(model.bodies.scheduled):
         yield model.bodies.name[body], "a body that moves on a schedule"
@@ -102,7 +101,7 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
             yield spec.name, "a polyline without a radius"
     for joint, (name, joints) in enumerate(zip(model.joints.name, model.joints.kind, strict=True)):
         curved = "a slot with a path" if model.joints.path[joint] else ""
-        yield name, (joints.mujoco or curved or (joints.mujoco_loop if joint in tree.loops else "")
+        yield name, (joints.mujoco or curved or (joints.mujoco_loop if joint in loops else "")
                      or ("joint friction that depends on the reaction"
                          if model.joints.coefficient[joint] else
                          STATIC if model.joints.static[joint] > 1 else ""))
@@ -152,11 +151,9 @@ def _wheel(model: Model, tendon: int) -> str:
 
 
 def arc_of(model: Model, start: Stretches, wheel: int) -> tuple[float, bool]:
-    """The arc at t = 0 on a wheel between two eyes, of a tendon with straight pieces ``start``.
+    """The middle of the arc on a wheel between two eyes at t = 0 [rad]; whether it is impossible.
 
-    Returns:
-        The direction of its middle from the centre [rad]; whether an eye lies inside the wheel, or
-        the two straight parts cross.
+    That is where an eye lies inside the wheel, or the two straight parts cross.
     """
     tendons, (one, two) = model.tendons, (
         int(np.flatnonzero(model.tendons.stretch_first == wheel - k)[0]) for k in (1, 0))

@@ -40,7 +40,6 @@ def make(scene: Any, *, render_mode: str | None = None, **words: Any) -> SceneEn
 
     from sandbox.gym.env import SceneEnv
     from sandbox.gym.task import read_task
-
     env = SceneEnv(read_task(scene, **words), render_mode=render_mode)
     env.spec = EnvSpec(ID, entry_point=HERE, order_enforce=False, disable_env_checker=True,
                        kwargs={"scene": scene, "render_mode": render_mode, **words})

@@ -29,16 +29,7 @@ Info = dict[str, Any]
 
 
 class SceneEnv(gymnasium.Env[Array, Array]):
-    """An environment of Gymnasium whose episodes are runs of a scene.
-
-    Args:
-        task: observations, actions and reward.
-        render_mode: ``"rgb_array"`` or None.
-
-    Raises:
-        SandboxError: another render mode.
-        SceneError: the scene cannot be simulated.
-    """
+    """An environment whose episodes are runs of a scene; :func:`sandbox.gym.make` makes one."""
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012  # as its base has it
 

@@ -22,13 +22,7 @@ from sandbox.numeric import Array
 
 
 def pose(x: ArrayLike = 0.0, y: ArrayLike = 0.0, angle: ArrayLike = 0.0) -> Array:
-    """Frames in the world as matrices, shape [..., 3, 3].
-
-    Args:
-        x: of the origin [m], shape [...].
-        y: of the origin [m], shape [...].
-        angle: counter-clockwise [rad], shape [...].
-    """
+    """Frames at (x, y) [m], turned counter-clockwise [rad], as matrices, [...] to [..., 3, 3]."""
     at_x, at_y, turned = finite("x", x, "m"), finite("y", y, "m"), finite("angle", angle, "rad")
     matrix = np.zeros((*together(x=at_x, y=at_y, angle=turned), 3, 3))
     matrix[..., 0, 0] = matrix[..., 1, 1] = np.cos(turned)
@@ -60,11 +54,9 @@ def transforms(theta: ArrayLike, lengths: ArrayLike, base: ArrayLike | None = No
 
 
 def to_world(frames: ArrayLike, points: ArrayLike) -> Array:
-    """Points of phalanges in the world [m], shape [..., n, 2].
+    """Points of phalanges, each in its frame [m], shape [..., n, 2] or [2], in the world [m].
 
-    Args:
-        frames: from :func:`transforms`, shape [..., n, 3, 3].
-        points: one a phalanx, in its own frame [m], shape [..., n, 2] or [2] for all alike.
+    ``frames`` are those of :func:`transforms`, shape [..., n, 3, 3].
     """
     matrix, local = np.asarray(frames, dtype=np.float64), finite("points", points, "m")
     turned = np.einsum("...ij,...j->...i", matrix[..., :2, :2], local)

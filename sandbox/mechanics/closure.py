@@ -56,10 +56,8 @@ def largest_ball(wrenches: ArrayLike) -> Array:
 
     0 where the origin lies outside, or on the surface, or where the hull has no inside. Every edge
     of the hull is found from its two ends: seen along it, all other points lie within half a turn,
-    and the first and the last of them span the two facets that meet there.
-
-    Args:
-        wrenches: shape [..., k, 3], of the order of 1.
+    and the first and the last of them span the two facets that meet there. The points have the
+    shape [..., k, 3] and are of the order of 1.
     """
     p = np.asarray(wrenches, dtype=np.float64)
     if p.ndim < 2 or p.shape[-1] != 3 or not np.isfinite(p).all():

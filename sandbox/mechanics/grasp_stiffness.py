@@ -18,12 +18,7 @@ SINGULAR = 1e-12  # compliance in one direction below this share of that in anot
 
 
 def grasp_map(contacts: ArrayLike, centre: ArrayLike) -> Array:
-    """G, shape [3, 2 m]: forces (x, y) at the contacts to force and moment on the body.
-
-    Args:
-        contacts: points in the world [m], shape [m, 2].
-        centre: the point that the moment is about [m], shape [2].
-    """
+    """G, shape [3, 2 m]: forces (x, y) at contacts [m], [m, 2], to the wrench about ``centre``."""
     at = points("contacts", contacts)
     arm = matrix("contacts", at, "m") - points("centre", centre)
     G = np.zeros((3, 2 * len(at)))

@@ -149,7 +149,6 @@ def unilateral_forces(
             that of equal joints by default.
     """
     from scipy.optimize import nnls
-
     J = matrix("jacobian", jacobian, "m")
     m, n = J.shape
     tau = per_phalanx("torques", torques, n, "N m")

@@ -81,12 +81,9 @@ def segment_length(dt: ArrayLike, rt: ArrayLike, beta: ArrayLike) -> Array:
 
 
 def guide_tension(tension: ArrayLike, friction: ArrayLike, wrap: ArrayLike) -> Array:
-    """T exp(-mu phi) [N]: the tension behind a guide with friction that the tendon moves toward.
+    """T exp(-mu phi) [N], the tension behind a guide with friction that the tendon moves toward.
 
-    Args:
-        tension: T on the pulling side [N], >= 0.
-        friction: mu of the guide, >= 0.
-        wrap: phi by which the guide turns the tendon [rad], >= 0.
+    T >= 0 [N] is that on the pulling side, mu >= 0 the friction, phi >= 0 [rad] the wrap.
     """
     mu, phi = not_negative("friction", friction, ""), not_negative("wrap", wrap, "rad")
     pull = not_negative("tension", tension, "N")
@@ -95,11 +92,7 @@ def guide_tension(tension: ArrayLike, friction: ArrayLike, wrap: ArrayLike) -> A
 
 
 def guide_wraps(path: ArrayLike) -> Array:
-    """Angle phi [rad] by which a tendon bends at each inner point of its path, [..., m-2].
-
-    Args:
-        path: distinct points between which the tendon is straight [m], shape [..., m, 2], m >= 2.
-    """
+    """Bend [rad] at inner points of a path of straight pieces [m], [..., m, 2] to [..., m-2]."""
     at = points("path", path)
     if at.ndim < 2 or at.shape[-2] < 2:
         raise ValueError(f"path must have two points in m or more, got shape {at.shape}")

@@ -31,11 +31,7 @@ from sandbox.numeric import Array
 
 
 def transmission_ratios(arms: ArrayLike) -> Array:
-    """X_i = h_i / h_1 [1], shape [..., n]; X_1 = 1.
-
-    Args:
-        arms: h_i of the tendon, or any joint torques, of one unit, the first > 0, shape [..., n].
-    """
+    """X_i = h_i / h_1 [1] of tendon arms or joint torques of one unit, h_1 > 0, shape [..., n]."""
     h = finite("arms", arms, "m")
     return np.asarray(h / positive("arms of joint 1", h[..., :1], "m"))
 
@@ -43,9 +39,7 @@ def transmission_ratios(arms: ArrayLike) -> Array:
 def force_transfer_ratio(forces: ArrayLike, tension: ArrayLike) -> Array:
     """sum(f_i) / T [1], shape [...]: the normal forces got out of a tension put in.
 
-    Args:
-        forces: f_i of the contacts [N], >= 0, shape [..., m].
-        tension: T [N], > 0, shape [...].
+    f_i >= 0 [N] are the contact forces, shape [..., m], T > 0 [N] the tension, shape [...].
     """
     pulled = positive("tension", tension, "N")
     total = not_negative("forces", forces, "N").sum(axis=-1)
@@ -104,10 +98,9 @@ def equilibrium_distance(theta_2: ArrayLike, length_1: float, ratio: ArrayLike) 
 
 
 def force_isotropy(forces: ArrayLike) -> Array:
-    """min(f_i) / max(f_i) [1], shape [...]: 1 where all phalanges press alike, 0 if one does not.
+    """min(f_i) / max(f_i) [1], [..., m] to [...], of contact forces f_i >= 0 [N], not all 0.
 
-    Args:
-        forces: f_i of the contacts [N], >= 0 and not all 0, shape [..., m].
+    1 where all phalanges press alike, 0 if one does not press.
     """
     f = not_negative("forces", forces, "N")
     return np.asarray(f.min(axis=-1) / positive("largest of forces", f.max(axis=-1), "N"))

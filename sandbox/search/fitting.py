@@ -27,8 +27,7 @@ from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
 from sandbox.scene.settings import Looked
 from sandbox.search.session import FOUND, RefusedError, Result, Session, results
-from sandbox.sweeps.spec import FitSearch
-from sandbox.sweeps.vary import Distribution
+from sandbox.sweeps.spec import Distribution, FitSearch
 from sandbox.values.units import factor_of
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
@@ -37,15 +36,13 @@ MAX_NUMBERS = 2_000  # measured numbers that are compared
 MAX_PANELS = 6  # columns in the figure; all are in ``fit.csv``
 TIMES = ("time", "t", "time_s", "t_s")  # names of the column of times
 STARTS = 8  # points spread over the ranges; the fit starts at the best of them
-DIFFERENCE = 1e-3
-"""Half the distance of the two runs of a central difference, as a fraction of the range."""
+DIFFERENCE = 1e-3  # half the distance of the runs of a central difference, of the range
 SLOPE = 1e-5  # of quantiles: half the distance at which the slope of a path's value is computed
 MAX_ROUNDS = 8  # repetitions with newly estimated noise
 SETTLED = 0.02  # relative change of the noise at which repetitions end
 TOLERANCE = 1e-8  # relative decrease of the sum of squares at which the optimisation ends
 RANK = 1e-9  # relative singular value of the Jacobian below which a direction is not determined
-UNCERTAIN = 0.5
-"""Half of a 95 % interval, in ranges, beyond which data do not determine a direction."""
+UNCERTAIN = 0.5  # half of a 95 % interval, in ranges, that does not determine a direction
 CORRELATED = 3.0  # Standard errors of the correlation of neighbouring residuals that are no noise
 SAME = 0.25  # of half an interval: change of the parameters at half the step that is accepted
 _UNIT = re.compile(r"\s*(.*?)\s*\[([^\[\]]+)\]\s*")
@@ -70,13 +67,11 @@ class Fitted(Result):
     """Parameters fitted to a measurement."""
 
     parameters: tuple[Parameter, ...]
-    noise: Mapping[str, float]
-    """Standard deviation of each column's noise, SI, estimated or given."""
+    noise: Mapping[str, float]  #: standard deviation of each column's noise, SI, estimated or given
     blind: tuple[tuple[float, Mapping[str, float]], ...]
     """Directions that the data do not determine: half of the 95 % interval in ranges, and the
     share of each path, in its range."""
-    count: int
-    """Measured numbers."""
+    count: int  #: measured numbers
     remarks: tuple[str, ...] = ()
 
     def __getitem__(self, path: str) -> Parameter:
@@ -95,9 +90,6 @@ class Fitted(Result):
             size = f"± {half:.3g} ranges" if math.isfinite(half) else "not at all"
             lines.append(f"the data do not determine: {direction} ({size})")
         return [*lines, *self.remarks]
-
-
-# -- measurements --------------------------------------------------------------------
 
 
 class BadDataError(RefusedError):
@@ -194,9 +186,6 @@ def _measurement(session: Session, path: Path, match: Mapping[str, str] | None) 
         time[rows], values[places, rows], places)
 
 
-# -- estimation ----------------------------------------------------------------------
-
-
 class Estimate(NamedTuple):
     """Parameters as quantiles of their ranges."""
 
@@ -211,13 +200,8 @@ class Estimate(NamedTuple):
 def estimate(
     model: Model, data: Array, columns: Integers, start: Array, *, noise: Array | None = None,
 ) -> Estimate:
-    """The maximum likelihood estimate, from quantiles ``start`` [p].
-
-    ``columns`` has the index of the column of each number in ``data``, [m]; ``noise`` the standard
-    deviation of each column, estimated by default.
-    """
+    """The maximum likelihood estimate from ``start`` [p]; ``columns`` [m] are those of ``data``."""
     from scipy.optimize import least_squares
-
     freedom = len(data) - len(start)
     if freedom <= 0:
         raise BadDataError(f"{len(data)} measured numbers do not determine {len(start)} parameters")
@@ -246,7 +230,6 @@ def estimate(
 def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[float, Array]]]:
     """Half intervals and undetermined directions: (J^T J)^-1 from the singular values of J."""
     from scipy import stats
-
     _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
     known = values > RANK * values[0] if values[0] > 0 else np.zeros(len(values), bool)
     factor = float(stats.t.ppf(0.975, freedom))
@@ -279,9 +262,6 @@ def _spreads(data: Array, columns: Integers) -> Array:
     return np.array([np.std(data[columns == k]) or 1.0 for k in range(columns.max() + 1)])
 
 
-# -- the search ----------------------------------------------------------------------
-
-
 def find_fit(session: Session, options: FitSearch) -> Fitted:
     """The values of paths with which the scene reproduces a measurement, and their uncertainty."""
     noise = options.noise
@@ -307,13 +287,25 @@ def find_fit(session: Session, options: FitSearch) -> Fitted:
     fitted = _fitted(session, measured, found, again)
     session.write(fitted)
     if session.out:
-        _write_comparison(session.out, measured, found.residuals)
+        table = np.stack([measured.time, measured.data, measured.data + found.residuals], axis=1)
+        columns = {name: table[measured.columns == k] for k, name in enumerate(measured.units)}
+        write_csv(session.out / COMPARED, [
+            ("column", "time_s", "measured", "fitted"),
+            *((name, *row) for name, rows in columns.items() for row in rows.tolist())])
+        panels = []
+        for name, rows in list(columns.items())[:MAX_PANELS]:
+            time, data, model_data = rows.T
+            how = style.shown_as(measured.units[name], data, model_data)
+            panels.append(Panel(
+                name, Axis("time [s]"), Axis(how.label(name)),
+                [Curve("measured", time, how.factor * data, "points"),
+                 Curve("fitted", time, how.factor * model_data)]))
+        save_panels(session.out / FOUND, panels)
     return fitted
 
 
 def _start(model: Model, session: Session, measured: Measurement) -> Array:
     from scipy.stats import qmc
-
     count = len(session.paths)
     points = np.vstack([np.full(count, 0.5),
                         qmc.Halton(count, scramble=False).random(STARTS + 1)[1:]])
@@ -354,20 +346,3 @@ def _fitted(session: Session, measured: Measurement, found: Estimate, again: Est
         len(measured.data), tuple(remarks), runs=session.count,
         certified=bool(known.any()) and worst <= SAME,
         certificate=f"no parameter moves by more than {worst:.2g} of half its interval")
-
-
-def _write_comparison(directory: Path, measured: Measurement, residuals: Array) -> None:
-    table = np.stack([measured.time, measured.data, measured.data + residuals], axis=1)
-    columns = {name: table[measured.columns == k] for k, name in enumerate(measured.units)}
-    write_csv(directory / COMPARED, [
-        ("column", "time_s", "measured", "fitted"),
-        *((name, *row) for name, rows in columns.items() for row in rows.tolist())])
-    panels = []
-    for name, rows in list(columns.items())[:MAX_PANELS]:
-        time, data, fitted = rows.T
-        how = style.shown_as(measured.units[name], data, fitted)
-        panels.append(Panel(
-            name, Axis("time [s]"), Axis(how.label(name)),
-            [Curve("measured", time, how.factor * data, "points"),
-             Curve("fitted", time, how.factor * fitted)]))
-    save_panels(directory / FOUND, panels)

@@ -21,8 +21,7 @@ from sandbox.figure.style import shown_as
 from sandbox.figure.sweeps import InfluenceBars, draw_influences
 from sandbox.numeric import Array
 from sandbox.search.session import FOUND, RefusedError, Result, Session, main_failure, results
-from sandbox.sweeps.spec import MAX_SEED, TAILS, SensitivitySearch
-from sandbox.sweeps.vary import Distribution
+from sandbox.sweeps.spec import MAX_SEED, TAILS, Distribution, SensitivitySearch
 
 MEASURES: dict[str, dict[str, tuple[str, str]]] = {
     "sobol": {"first": ("S1", "S1_conf"), "total": ("ST", "ST_conf")},
@@ -56,8 +55,7 @@ class Sensitivity(Result):
     method: str
     influences: Mapping[str, tuple[Influence, ...]]
     """By result, the most influential path first; empty for a result that never changes."""
-    left_out: int
-    """Runs that could not be used, since one of their group had no answer."""
+    left_out: int  #: runs that could not be used, since one of their group had no answer
 
     def _lines(self) -> list[str]:
         lines = []
@@ -148,8 +146,7 @@ def _draw(folder: Path, session: Session, found: Sensitivity) -> None:
     for name, many in found.influences.items():
         factor, label = 1.0, "share of the variance"
         if found.method == "morris":
-            how = shown_as(session.units[name],
-                           np.array([each.values["mu_star"] for each in many]))
+            how = shown_as(session.units[name], np.array([each.values["mu_star"] for each in many]))
             factor, label = how.factor, f"change over a path's range [{how.unit or '1'}]"
         panels.append(InfluenceBars(
             name, [each.path for each in many],

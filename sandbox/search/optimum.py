@@ -19,18 +19,9 @@ import numpy as np
 from sandbox.errors import SandboxError
 from sandbox.figure.sweeps import SweepColumn, draw_front
 from sandbox.numeric import Array
-from sandbox.search.session import (
-    FOUND,
-    Condition,
-    RefusedError,
-    Result,
-    Session,
-    main_failure,
-    results,
-)
+from sandbox.search.session import FOUND, RefusedError, Result, Session, main_failure, results
 from sandbox.sweeps.job import DONE, SweepRow
-from sandbox.sweeps.spec import BestSearch
-from sandbox.sweeps.vary import Distribution, Values, number_of
+from sandbox.sweeps.spec import BestSearch, Distribution, Values, number_of
 from sandbox.wording import quoted
 
 PACKAGES = {"cmaes": "cmaes", "gp": "torch"}  # what a sampler needs besides optuna
@@ -61,12 +52,9 @@ class Chosen(Result):
     """The best run, or the Pareto front of several goals."""
 
     best: tuple[Choice, ...]
-    goals: Mapping[str, str]
-    """``least`` or ``most``, by result."""
-    units: Mapping[str, str]
-    """SI, of paths and objectives."""
-    failed: int
-    """Runs without an answer."""
+    goals: Mapping[str, str]  #: ``least`` or ``most``, by result
+    units: Mapping[str, str]  #: SI, of paths and objectives
+    failed: int  #: runs without an answer
     history: Array
     """Objectives of all runs in their order, [n, objectives]; nan where a condition or a run
     failed."""
@@ -97,11 +85,8 @@ def find_best(session: Session, options: BestSearch) -> Chosen:
     if random := session.of_kind(Distribution):
         raise RefusedError(f"{quoted(random[0])} has a distribution: an optimisation varies "
                            "ranges and lists")
-    goals = {**dict.fromkeys(options.least, "least"), **dict.fromkeys(options.most, "most")}
-    for kind in ("least", "most"):
-        for k, name in enumerate(getattr(options, kind)):
-            session.check_result(name, kind, k)
-    wanted, lists = session.conditions(options.where), bool(session.of_kind(tuple))
+    trials = _Trials(session, options)
+    goals, wanted, lists = trials.goals, trials.wanted, bool(session.of_kind(tuple))
     sampler = options.sampler or (
         "nsga2" if len(goals) > 1 else
         "tpe" if wanted or lists or len(session.paths) == 1 else "cmaes")
@@ -109,7 +94,6 @@ def find_best(session: Session, options: BestSearch) -> Chosen:
         raise RefusedError("cmaes optimises one goal over ranges; nsga2, tpe, gp, random take "
                            + ("several" if len(goals) > 1 else "lists"))
     session.check_runs(options.runs)
-    trials = _Trials(session, goals, wanted)
     trials.run(_study(sampler, len(goals), options.seed), options.runs, ranked=sampler == "cmaes")
     found = trials.chosen()
     session.write(found, wanted=wanted)
@@ -146,15 +130,16 @@ def _study(sampler: str, goals: int, seed: int) -> Any:
         return optuna.create_study(directions=["minimize"] * goals, sampler=make[sampler]())
 
 
-@dataclass
 class _Trials:
     """The points of an optimisation and their runs; goals to maximise have their sign changed."""
 
-    session: Session
-    goals: Mapping[str, str]
-    wanted: Sequence[Condition]
-
-    def __post_init__(self) -> None:
+    def __init__(self, session: Session, options: BestSearch) -> None:
+        self.session, self.goals = session, dict[str, str]()
+        for kind in ("least", "most"):
+            for k, name in enumerate(getattr(options, kind)):
+                session.check_result(name, kind, k)
+                self.goals[name] = kind
+        self.wanted = session.conditions(options.where)
         self.signs = np.array([1.0 if goal == "least" else -1.0 for goal in self.goals.values()])
         self.quantiles = np.empty((0, len(self.session.paths)))
         self.costs = np.empty((0, len(self.goals)))  # nan for a run without an answer
@@ -231,7 +216,7 @@ class _Trials:
             for run, point, cost in zip(best, session.points(self.quantiles[best]), costs,
                                         strict=False))
         history = np.where(self.excess[:, None] <= 0, self.costs * self.signs, np.nan)
-        return Chosen(choices, dict(self.goals), session.units, len(self.failed), history,
+        return Chosen(choices, self.goals, session.units, len(self.failed), history,
                       runs=len(self.costs), certified=same, certificate=detail)
 
 
@@ -249,11 +234,7 @@ def _front(costs: Array) -> Array:
 
 
 def _compare(before: Array, after: Array, excess: Array, *, single: bool) -> tuple[bool, str]:
-    """Whether the best runs are the best at half the step, too, and details.
-
-    Costs [n, goals] are relative to their spread, the best first; ``excess`` [n] is at half the
-    step.
-    """
+    """Whether the best are the best at half the step, too; costs relative to their spread."""
     if not (excess <= 0).all():
         return False, (f"{int((~(excess <= 0)).sum())} of the best {len(excess)} fail a condition "
                        "or have no answer there")

@@ -22,11 +22,11 @@ from sandbox.figure.sweeps import FoundLine
 from sandbox.numeric import Array
 from sandbox.scene.read.limits import Limits, over
 from sandbox.sweeps.job import DONE, STEP, Log, Point, SweepRow, run_id
-from sandbox.sweeps.plan import Study, make_plan, read_study
+from sandbox.sweeps.plan import Checks, Study, read_study
 from sandbox.sweeps.processes import check_workers
+from sandbox.sweeps.spec import Points, Range, number_of, values_at
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.table import draw_table, make_table
-from sandbox.sweeps.vary import Points, Range, number_of, values_at
 from sandbox.sweeps.workers import make_workers
 from sandbox.values.paths import JsonPath, path_text
 from sandbox.values.units import parse_quantity, unfit
@@ -85,16 +85,10 @@ class Condition:
 
 
 class Session:
-    """A study, its search, and the runs of the search.
+    """A study, its search of a ``kind`` with ``given`` options, and the runs of the search.
 
     A point is given by a quantile from 0 to 1 of the values of each path. Nothing is written before
     the first run.
-
-    Args:
-        study: a study file, or its data.
-        limits: of the scene.
-        kind: the search; by default that of the study.
-        given: options that the study does not define.
     """
 
     def __init__(
@@ -102,25 +96,25 @@ class Session:
         given: Mapping[str, Any] | None = None,
     ) -> None:
         source = read_study(study, limits)
+        data = source.data
         self.source, self.kind, self.options = source, kind, dict(given or {})
-        if isinstance(data := source.data, dict):
-            own = data.get("search")
-            if own is None and not kind:
-                raise RefusedError('the study has no key "search": add the kind of search')
-            own = {kind: {}} if own is None else own
-            if isinstance(own, dict) and len(own) == 1 and isinstance(own[(*own,)[0]], dict):
-                (self.kind, written), = own.items()
-                if kind not in ("", self.kind):
-                    raise self.wrong(RefusedError(f"the study is a search of the kind {self.kind}, "
-                                                  f"not {kind}"), key=True)
-                if "seed" in data and self.kind in SEEDED:
-                    self.options["seed"] = data["seed"]
-                self.options |= written
-                if source.path and isinstance(written.get("data"), str):
-                    self.options["data"] = str(source.path.parent / written["data"])
-                own = {self.kind: self.options}
-            source = replace(source, data={"audit": False, **data, "search": own})
-        self.plan = make_plan(source, limits, search=True)
+        own = data.get("search")
+        if own is None and not kind:
+            raise RefusedError('the study has no key "search": add the kind of search')
+        own = {kind: {}} if own is None else own
+        if isinstance(own, dict) and len(own) == 1 and isinstance(own[(*own,)[0]], dict):
+            (self.kind, written), = own.items()
+            if kind not in ("", self.kind):
+                raise self.wrong(RefusedError(f"the study is a search of the kind {self.kind}, "
+                                              f"not {kind}"), key=True)
+            if "seed" in data and self.kind in SEEDED:
+                self.options["seed"] = data["seed"]
+            self.options |= written
+            if source.path and isinstance(written.get("data"), str):
+                self.options["data"] = str(source.path.parent / written["data"])
+            own = {self.kind: self.options}
+        source = replace(source, data={"audit": False, **data, "search": own})
+        self.plan = Checks(source, limits, search=True).plan()
         if STEP in self.plan.points.axes:
             raise SceneError([Problem("bad-search",
                                       f"a search does not vary {STEP}: it is halved to see whether "
@@ -145,8 +139,6 @@ class Session:
         return SceneError([Problem(error.code, str(error), path_text(path),
                                    *self.source.where(path, key=key))], self.source.name)
 
-    # -- values and results
-
     def of_kind(self, *kinds: type[Any]) -> list[str]:
         """Paths with ranges, distributions or lists (tuples)."""
         return [path for path, each in self.over.items() if isinstance(each, kinds)]
@@ -155,8 +147,7 @@ class Session:
         """Values of all paths at quantiles, [n, paths]."""
         table = np.asarray(quantiles, dtype=float)
         columns = [values_at(each, table[:, k]) for k, each in enumerate(self.over.values())]
-        return [dict(zip(self.over, values, strict=True))
-                for values in zip(*columns, strict=True)]
+        return [dict(zip(self.over, values, strict=True)) for values in zip(*columns, strict=True)]
 
     def numbers(self, quantiles: Quantiles) -> Array:
         """The same in SI, [n, paths]; nan for texts."""
@@ -192,8 +183,6 @@ class Session:
             self.check_unit(limit, self.units[name], f"{quoted(text)}: {name}", *path)
             found.append(Condition(name, relation in ("<", "<="), float(limit), text))
         return tuple(found)
-
-    # -- runs
 
     @property
     def count(self) -> int:
@@ -243,11 +232,7 @@ class Session:
         self, found: Result, *, wanted: tuple[Condition, ...] = (), line: FoundLine | None = None,
         **more: Any,
     ) -> None:
-        """Write the table of all points with its figure, and ``search.json``.
-
-        Conditions are a column of the table, and colours of the figure; ``line`` is the result on a
-        path, for the figure; ``more`` are further entries of the result.
-        """
+        """Write the table, its figure, and ``search.json`` with ``more`` entries."""
         if self.out is None:
             return
         points = list(self._visited.values())

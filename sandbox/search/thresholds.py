@@ -11,8 +11,7 @@ import numpy as np
 from sandbox.errors import SandboxError
 from sandbox.figure.sweeps import FoundLine
 from sandbox.search.session import RefusedError, Result, Session, held
-from sandbox.sweeps.spec import ThresholdSearch
-from sandbox.sweeps.vary import Range
+from sandbox.sweeps.spec import Range, ThresholdSearch
 
 WITHIN = 1e-3  # default width of the bracket, as a fraction of the range
 NARROWEST = 1e-9  # of the range: narrower brackets are rounding
@@ -23,13 +22,10 @@ class ThresholdFound(Result):
     """The value of a path at which a condition begins or ceases to hold."""
 
     path: str
-    unit: str
-    """SI; empty for none."""
-    low: float
-    """Of the bracket, SI; the condition holds at one of its ends only."""
+    unit: str  #: SI; empty for none
+    low: float  #: of the bracket, SI; the condition holds at one of its ends only
     high: float
-    holds_below: bool
-    """Whether the condition holds below the threshold."""
+    holds_below: bool  #: whether the condition holds below the threshold
     condition: str
     remarks: tuple[str, ...] = ()
 

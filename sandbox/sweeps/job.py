@@ -18,27 +18,18 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
-from sandbox import __version__
+from sandbox import __version__, errors
 from sandbox.atomic_files import locked, output_errors
-from sandbox.errors import (
-    ControllerFailed,
-    OutputError,
-    RecordingFull,
-    SandboxError,
-    SceneError,
-    SimulationDiverged,
-)
 from sandbox.scene.document import element_files, load_elements
 from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.settings import Looked
 
-DONE, DIED = "done", "died"
-"""Status of a run that reached its end, and of one whose worker processes died."""
-ENDED: dict[type[SandboxError], str] = {
-    SceneError: "refused", SimulationDiverged: "diverged", RecordingFull: "limited",
-    ControllerFailed: "failed"}  # Status of a run by the error that ended it
+DONE, DIED = "done", "died"  # status of a finished run, and of one whose worker processes died
+ENDED: dict[type[errors.SandboxError], str] = {  # status of a run by the error that ended it
+    errors.SceneError: "refused", errors.SimulationDiverged: "diverged",
+    errors.RecordingFull: "limited", errors.ControllerFailed: "failed"}
 STATUSES = (DONE, *ENDED.values(), DIED)
 STEP = "run.step"  # path of the time step, which searches halve to check their result
 ROWS = Path("rows", "00000.jsonl")  # the rows in the directory of a sweep
@@ -55,8 +46,7 @@ class Bundle:
     name: str  # name of the scene
     main: str = ""  # name of its file; empty for a scene given as data
     data: dict[str, Any] | None = None
-    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
-    """By name, relative to the folder of the scene."""
+    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)  # by name
     elements: Mapping[str, bytes] = field(default_factory=element_files, repr=False)
     """Files that register elements, by path."""
 
@@ -147,9 +137,6 @@ def run_id(digest: str, values: Point) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-# -- rows ----------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class SweepRow:
     """The outcome of one run."""
@@ -157,13 +144,10 @@ class SweepRow:
     id: str  # see :func:`run_id`
     status: str  # one of :data:`STATUSES`
     reason: str = ""  # why the run ended early, or which results have no value; empty otherwise
-    kept: Mapping[str, float | None] = field(default_factory=dict)
-    """Results by name; None for one without a value."""
-    holds: bool | None = None
-    """Whether all expectations of the scene hold; None where it has none, or did not end."""
+    kept: Mapping[str, float | None] = field(default_factory=dict)  # None: no value
+    holds: bool | None = None  # whether all expectations hold; None where it has none
     failed: tuple[str, ...] = ()  # quantities whose expectations do not hold
-    looks: tuple[str, ...] | None = None
-    """Audit figures with a warning; None where the run was not audited."""
+    looks: tuple[str, ...] | None = None  # audit figures with a warning; None: no audit
 
     @property
     def failure(self) -> str:
@@ -190,8 +174,8 @@ class Log:
             mark = folder / ".lock"
             mark.touch()
             if self._stack.enter_context(locked(mark)) is False:
-                raise OutputError(f"{folder.parent}: another process writes to this directory",
-                                  code="runs-in-use")
+                raise errors.OutputError(f"{folder.parent}: another process writes to this "
+                                         "directory", code="runs-in-use")
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -227,7 +211,7 @@ class Log:
                     if row.status not in STATUSES:
                         raise ValueError(row.status)
                 except (KeyError, TypeError, ValueError, AttributeError):
-                    raise OutputError(f"{self.path}:{number}: this line is no row of a sweep; "
-                                      "take it away, and its run is done again",
-                                      code="run-damaged") from None
+                    raise errors.OutputError(
+                        f"{self.path}:{number}: this line is no row of a sweep; take it away, and "
+                        "its run is done again", code="run-damaged") from None
                 yield row

@@ -20,19 +20,17 @@ from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.scene.settings import Expect, Looked
 from sandbox.sweeps.job import Point, SweepJob, make_bundle, run_id
-from sandbox.sweeps.spec import UNCOUNTED, SweepSpec
-from sandbox.sweeps.vary import Points, number_of, si_unit
+from sandbox.sweeps.spec import UNCOUNTED, Points, SweepSpec, number_of, si_unit
 from sandbox.values.expressions import parse_expression
 from sandbox.values.messages import explain
 from sandbox.values.paths import parse_path
 from sandbox.values.units import unit_in
-from sandbox.wording import WrongValueError, is_pattern, kind_of, listed, near, quoted
+from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
 Study = str | os.PathLike[str] | Mapping[str, Any]
 COLUMNS = ("run", "id", "status", "reason", "met", "holds", "failed", "looks", "seed")
 """Columns of a table besides values and results."""
-MAX_TRIED_TEXTS = 20
-"""Different texts of one path with which the scene is read before anything runs."""
+MAX_TRIED_TEXTS = 20  # texts of one path with which the scene is read before anything runs
 
 
 @dataclass(frozen=True)
@@ -90,26 +88,19 @@ def read_study(study: Study, limits: Limits | None) -> SceneSource:
 
 def plan_of(study: Study, limits: Limits | None = None) -> Plan:
     """The plan of a study file, or of the data of a study."""
-    return make_plan(read_study(study, limits), limits)
+    return Checks(read_study(study, limits), limits).plan()
 
 
-def make_plan(found: SceneSource, limits: Limits | None, *, search: bool = False) -> Plan:
-    """The plan of a study; of a search only the ends of all values are checked."""
-    if not isinstance(found.data, dict):
-        raise SceneError([Problem("bad-study",
-                                  f"a study is an object {{…}}, not {kind_of(found.data)}", "$",
-                                  *found.where(()))], found.name)
-    return _Checks(found, limits or Limits(), search).plan()
+class Checks:
+    """The checks of a study, of a search only at the ends of all values, and the problems found."""
 
-
-class _Checks:
-    """The checks of a study, and the problems that they found so far."""
-
-    def __init__(self, found: SceneSource, limits: Limits, search: bool) -> None:
-        self.found, self.data, self.limits, self.search = found, found.data, limits, search
+    def __init__(self, found: SceneSource, limits: Limits | None, search: bool = False) -> None:
+        self.found, self.data, self.limits = found, found.data, limits or Limits()
+        self.search = search
         self.problems: list[Problem] = []
 
     def plan(self) -> Plan:
+        """The plan; all problems are raised together."""
         scene, overrides = self._scene(), self.data.get("set", {})
         base = read_scene(scene, overrides=overrides if isinstance(overrides, dict) else {},
                           limits=self.limits)
@@ -247,6 +238,5 @@ def study_file(word: str, limits: Limits | None = None) -> SceneSource | None:
     if path.suffix != ".json" or not path.is_file():
         return None
     found = read_source(path, limits=limits)
-    is_study = isinstance(found.data, dict) and (
-        {"vary", "search"} & found.data.keys() or isinstance(found.data.get("scene"), str))
+    is_study = {"vary", "search"} & found.data.keys() or isinstance(found.data.get("scene"), str)
     return found if is_study else None

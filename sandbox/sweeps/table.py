@@ -24,7 +24,7 @@ from sandbox.numeric import Array, Flags
 from sandbox.sweeps import CSV, PARQUET, SPEC
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.plan import Plan
-from sandbox.sweeps.vary import Distribution, Range, Values, number_of
+from sandbox.sweeps.spec import Distribution, Range, Values, number_of
 from sandbox.wording import counted, listed, or_near
 
 MET = "met"  # column of a search: whether its condition holds
@@ -36,10 +36,8 @@ class SweepTable:
     """Columns of a sweep, [n] for n planned runs."""
 
     plan: Plan
-    rows: list[SweepRow]
-    """The outcome of each run; its status is empty if it was not done yet."""
-    met: Array | None = None
-    """Of a search with a condition: 1 or 0, or nan where it is unknown."""
+    rows: list[SweepRow]  #: the outcome of each run; its status is empty if it was not done yet
+    met: Array | None = None  #: of a search with a condition: 1 or 0, or nan where it is unknown
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -144,8 +142,10 @@ class SweepTable:
     def write(self, directory: Path) -> None:
         """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed."""
         columns = self.columns()
-        write_csv(directory / CSV, itertools.chain([columns], (
-            map(_cell, cells) for cells in zip(*columns.values(), strict=True))))
+        cells = ([str(value).lower() if isinstance(value, bool) else "" if value is None else
+                  repr(value) if isinstance(value, float) else value for value in row]
+                 for row in zip(*columns.values(), strict=True))
+        write_csv(directory / CSV, itertools.chain([columns], cells))
         try:
             pyarrow, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
         except ImportError:
@@ -164,12 +164,6 @@ def preload() -> None:
     style.load()
     with suppress(ImportError):
         import_module("pyarrow.parquet")
-
-
-def _cell(value: Any) -> Any:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return "" if value is None else repr(value) if isinstance(value, float) else value
 
 
 def make_table(plan: Plan, rows: Iterable[SweepRow]) -> SweepTable:

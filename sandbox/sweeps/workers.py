@@ -7,14 +7,7 @@ import os
 import signal
 import threading
 from collections.abc import Iterable, Iterator
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    CancelledError,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    wait,
-)
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, suppress
 from importlib import import_module
@@ -133,8 +126,7 @@ def _broken(future: Future[SweepRow]) -> bool:
     return not future.cancelled() and isinstance(future.exception(), BrokenProcessPool)
 
 
-_worker: dict[str, Any] = {}
-"""State of a worker process: its job and scene, and the queue for notices of compilation."""
+_worker: dict[str, Any] = {}  # its job, scene, and queue for notices of compilation
 
 
 def _start_worker(job: SweepJob, scene: Path | dict[str, Any], notices: Any) -> None:
@@ -154,7 +146,6 @@ def _exit_with_parent() -> None:
 def _prepare() -> None:
     from sandbox.engine.simulation import Simulation
     from sandbox.sweeps.runner import load_scene  # loads the engine
-
     with on_compiling(lambda: _worker["notices"].put(None), _worker["notices"].put), \
             suppress(Exception):  # each run reports the problems of its scene
         Simulation(load_scene(_worker["job"], _worker["scene"], {})[1])
@@ -162,7 +153,6 @@ def _prepare() -> None:
 
 def _run(id: str, values: Point) -> SweepRow:
     from sandbox.sweeps.runner import run_point
-
     return run_point(_worker["job"], _worker["scene"], id, values)
 
 
@@ -190,7 +180,7 @@ class Cluster(Processes):
             if version != __version__:
                 raise self._unusable(f"has a worker {worker} with sandbox {version}, here it is "
                                      f"{__version__}; install the same there")
-        self._executor: Executor = client.get_executor(pure=False, retries=ATTEMPTS)
+        self._executor: Any = client.get_executor(pure=False, retries=ATTEMPTS)
         self._placed = client.scatter(job, broadcast=True, hash=False)
 
     def _unusable(self, why: str) -> SandboxError:
@@ -198,7 +188,8 @@ class Cluster(Processes):
                             code="cluster-unreachable")
 
     def _submit(self, task: Task) -> Future[SweepRow]:
-        return self._executor.submit(_run_remote, *task, job=self._placed)
+        submitted: Future[SweepRow] = self._executor.submit(_run_remote, *task, job=self._placed)
+        return submitted
 
     def _row_of(self, task: Task, future: Future[SweepRow]) -> SweepRow:
         try:
@@ -217,7 +208,6 @@ def _version() -> str:
 
 def _run_remote(id: str, values: Point, job: SweepJob) -> SweepRow:
     from sandbox.sweeps.runner import run_point  # loads the engine
-
     job.bundle.register()
     with job.bundle.unpacked() as scene:
         return run_point(job, scene, id, values)

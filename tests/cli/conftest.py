@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
+from sandbox.cli.commands import invoke
 from sandbox.cli.console import COMPILING
-from sandbox.cli.entry import invoke
 
 BALL: dict[str, Any] = {
     "title": "A ball on the floor",

@@ -106,7 +106,7 @@ def test_ctrl_c_exits_130_wherever_it_comes(tmp_path, within):
         "import os\ntry:\n    os.kill(os.getpid(), 2)\n"
         "except BaseException as error:\n    raise ImportError('broken') from None\n")
     work = f"import os, time\n{within}\ntime.sleep(1)"
-    command = ("import sandbox.cli, sandbox.cli.entry as entry; entry.commands.main = "
+    command = ("import sandbox.cli, sandbox.cli.commands as entry; entry.commands.main = "
                f"lambda *a, **k: exec({work!r}, {{}}); sandbox.cli.main([])")
     done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True,
                           timeout=60, env=ENVIRONMENT, cwd=tmp_path)

@@ -7,8 +7,8 @@ import re
 
 import pytest
 
+from sandbox.cli.commands import invoke
 from sandbox.cli.console import COMPILING, NOT_CACHED, Console, compilation_notices
-from sandbox.cli.entry import invoke
 from sandbox.cli.options import safe_name
 from sandbox.engine.compiling import report_began, report_compiled
 from sandbox.engine.entry_points import CalledFromPython

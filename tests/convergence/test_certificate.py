@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from sandbox.convergence import certificate as module
-from sandbox.convergence.certificate import certify, refined
-from sandbox.convergence.judgement import Kind
+from sandbox.convergence.certificate import Kind, certify, refined
 from sandbox.elements.controllers.controller import every
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.convergence.judgement import Kind, Sizes, Trust, judge, tolerance
+from sandbox.convergence.certificate import Kind, Sizes, Trust, judge, tolerance
 from sandbox.samples.expectations import Verdict
 
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from sandbox.cli.entry import invoke
+from sandbox.cli.commands import invoke
 
 BALL = {"name": "ball", "mass": 0.3, "at": [0, -0.2], "role": "object",
         "shapes": [{"type": "circle", "radius": 0.01}]}

@@ -13,7 +13,7 @@ import pytest
 
 import sandbox
 from sandbox.audit.audit import audit
-from sandbox.cli.entry import invoke
+from sandbox.cli.commands import invoke
 from sandbox.scene.document import load_elements, registered
 
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "own_joint.md").read_text(encoding="utf-8")

@@ -5,7 +5,7 @@ import json
 import pytest
 
 import sandbox
-from sandbox.cli.entry import invoke
+from sandbox.cli.commands import invoke
 from sandbox.errors import SceneError
 from tests.sweeps.scenes import PUCK
 

@@ -5,8 +5,7 @@ import pytest
 from pydantic import ValidationError
 from scipy import stats
 
-from sandbox.sweeps.spec import SweepSpec, parse_statistic
-from sandbox.sweeps.vary import number_of, parse_values
+from sandbox.sweeps.spec import SweepSpec, number_of, parse_statistic, parse_values
 from sandbox.wording import WrongValueError
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import sandbox
-from sandbox.cli.entry import invoke
+from sandbox.cli.commands import invoke
 from sandbox.errors import SandboxError, SceneError
 from sandbox.sweeps.plan import plan_of, study_file
 from sandbox.sweeps.sweep import study_data
