@@ -487,7 +487,7 @@ class Instant:
                 for key, (x, y), away, size, value in zip(
                         rows[:, 1].astype(int).tolist(), tips.tolist(), (tips - tails).tolist(),
                         sizes, values.tolist(), strict=True):
-                    if size >= 0.5 * item.get("told", 0.0):
+                    if size >= 0.5 * item.get("labelled", 0.0):
                         yield self._label(item, key, names.get(key, ""), value, (x, y),
                                           (away[0], away[1]), places.get(key))
             elif item["k"] == "strips":

@@ -43,7 +43,7 @@ width:
             points [m], ``metres`` long for a vector of size 1; those above ``most`` are cut and
             marked. ``size`` ``[shaft, head]`` and ``least`` (shortest painted) in points. ``unit``,
             ``decimals``, ``factor``: format of values, which are the size or the seventh column.
-            ``names``: words before values by key. ``told``: vectors below half of this have no
+            ``names``: words before values by key. ``labelled``: vectors below half of this have no
             number. ``rank`` as of texts. ``labels`` ``{key: [side, column]}``: side of the number
             and whether it is shown.
 ``strips``  ``t`` name of a table with columns sample, key, x0, y0, ... x3, y3, value: areas

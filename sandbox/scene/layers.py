@@ -66,8 +66,9 @@ PASSES: Mapping[str, str] = {
     "traces": "traces", "fluids": "tendons", "springs": "springs", "stops": "joints",
     "grounds": "joints", "marks": "drives", "latches": "joints", "pins": "joints",
     "cables": "tendons", "axes": "axes", "pressure": "pressure", "contacts": "contacts",
-    "told": "joints", "loads": "loads", "velocity": "velocity", "acceleration": "acceleration",
-    "reactions": "reactions", "drives": "drives", "body_names": "body_names",
+    "link_forces": "joints", "loads": "loads", "velocity": "velocity",
+    "acceleration": "acceleration", "reactions": "reactions", "drives": "drives",
+    "body_names": "body_names",
 }
 """The drawing passes of a run, back to front, each with its layer, for films and pages."""
 EVERY = ("*",)  # patterns that mean all bodies

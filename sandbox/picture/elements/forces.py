@@ -32,7 +32,7 @@ def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str
     s.add(layer, "arrows", layer, **{
         "t": layer, "metres": scale.metres, "most": scale.longest, "size": size, "least": SHORT,
         "s": (token, "paper", 2.0), "factor": factor, "unit": written, "decimals": decimals,
-        "told": LABELLED * scale.reference, "rank": 2, **fields})
+        "labelled": LABELLED * scale.reference, "rank": 2, **fields})
     s.arrows[layer] = token, unit, words, size, scale
 
 
@@ -82,7 +82,7 @@ def add_loads(s: Subject) -> None:
         rows.append(np.column_stack([there, np.full(len(there), i), at[there], force[there]]))
     s.out.tables["loads"] = sort_rows(rows)
     few = len(some) <= 6  # numbers of loads are written of at most so many
-    _add_arrows(s, "loads", scale, "drive", "N", "load", SLIM, told=0.0 if few else np.inf,
+    _add_arrows(s, "loads", scale, "drive", "N", "load", SLIM, labelled=0.0 if few else np.inf,
                 names={i: s.run.mechanism.loads[loads.load[i]].name for i in some}
                 if few else None)
 

@@ -155,8 +155,8 @@ def add_links(s: Subject) -> None:
         if k in loaded and len(loaded) <= TELLING and (
                 float(link.length.max()) > SHORT * s.point):
             values, seen = carried.links[:, k], (level != 0) & (link.length > SHORT * s.point)
-            s.number("told", link.name, link.way.at(link.length / 2), values, carried.largest, "N",
-                     steady=True, token="ink", rank=4, clear=BESIDE,
+            s.number("link_forces", link.name, link.way.at(link.length / 2), values,
+                     carried.largest, "N", steady=True, token="ink", rank=4, clear=BESIDE,
                      shown=s.steady(seen & link.holds))
 
 

@@ -445,7 +445,7 @@ const PAINT = {
       const path = s.arrow(tail, tip, item.size, fill, rim, width);
       if (size > item.most) s.cutBars(tail, tip, (item.size[0] + 6.5) / 2 * s.u, rim);
       const value = s.valueText(item, row.length > 6 ? row[6] : size), name = item.names?.[row[1]] || "";
-      if (size >= 0.5 * (item.told || 0)) s.say(item, row[1], `${name} ${value}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
+      if (size >= 0.5 * (item.labelled || 0)) s.say(item, row[1], `${name} ${value}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
       return [path, row, value];
     });
   },
