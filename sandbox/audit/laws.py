@@ -319,8 +319,8 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
     """A joint sticks within its static bound, or slips: f = -high where y > 0, f = high for y < 0.
 
     Friction of a joint that slips is that of sliding, or up to half way to the static bound where
-    sliding may begin in this step (:mod:`sandbox.engine.friction`): the joint stuck in the sample
-    before, or slipped the other way.
+    sliding may begin in this step (:mod:`sandbox.engine.joint_friction`): the joint stuck in the
+    sample before, or slipped the other way.
     """
     model, a, h = evidence.model, evidence.arrays, evidence.h
     joints, pushes = model.joints, evidence.loads.friction_efforts

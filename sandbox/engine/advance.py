@@ -19,7 +19,7 @@ from sandbox.engine.contacts import apart, list_contacts_of_step, short
 from sandbox.engine.entry_points import CalledFromPython, entry_point
 from sandbox.engine.groups import apply_forces, is_valid
 from sandbox.engine.impacts import REBOUND
-from sandbox.engine.islands import soften
+from sandbox.engine.islands import skin_compliance
 from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step, copy_words
 from sandbox.engine.records import SAMPLED, STOP
@@ -377,7 +377,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
         if actions[i]["runs"]:
             belts[actions[i]["a"]] = actions[i]["sense"] * drive[actions[i]["drive"]]
     list_contacts_of_step(table)
-    soften(table, h)
+    skin_compliance(table, h)
     struck = solve(table, h, drive)
     for b in range(len(body)):
         for j in range(3):

@@ -42,7 +42,7 @@ UNBOUNDED = 1e300
 LEVER = 0.1
 """Where joints leave less than this share of what an impulse does to the bodies alone, overlaps are
 undone the more slowly: by a short lever they would throw them."""
-FIRST, ROUNDS, SWEEPS = 4, 40, 60
+FIRST, MODE_ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
 SEARCHED, TRIES = 100, 6
 """Rows up to which modes are searched in random order; how often from the start."""
@@ -224,7 +224,7 @@ def solve_modes(
     """
     if n > 0 and not again:
         rows[0]["factored"] = UNFACTORED
-    rounds = ROUNDS if n <= LARGE else max(MIN_ROUNDS, int(ROUNDS * (LARGE / n) ** 3))
+    rounds = MODE_ROUNDS if n <= LARGE else max(MIN_ROUNDS, int(MODE_ROUNDS * (LARGE / n) ** 3))
     for round in range(1, rounds + 1):
         _impulses(rows, n, G, A, chosen)
         worst, which = slack, -1
@@ -251,7 +251,7 @@ def search_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sl
         for k in range(n):
             free = rows[k]["normal"] >= 0 or rows[k]["low"] == -UNBOUNDED
             rows[k]["mode"] = 0 if free else -1
-        for _ in range(2 * n + ROUNDS):
+        for _ in range(2 * n + MODE_ROUNDS):
             _impulses(rows, n, G, A, chosen)
             most, which, mode = 0.0, -1, 0
             for k in range(n):

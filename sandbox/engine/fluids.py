@@ -47,7 +47,7 @@ ALL = 3  # attempts in which all wrong lines and valves change; later only the w
 
 
 @entry_point("fluids")
-def swell(table: int, drive: Array) -> None:
+def measure_volumes(table: int, drive: Array) -> None:
     """Volumes of lines at the poses of the step, forces of 1 Pa, pressures without flow."""
     fluids = at.fluids(table)
     chambers, body, turn = at.chambers(table), at.body(table), at.turn(table)
@@ -105,7 +105,7 @@ def _weights(fluid: Any) -> tuple[float, float, float]:
 
 
 @kernel
-def _straighten(table: int, drive: Array) -> None:
+def _linearise_valves(table: int, drive: Array) -> None:
     """Flows of valves and pumps, linearised in the pressures."""
     fluids, valves = at.fluids(table), at.valves(table)
     for i in range(len(fluids)):
@@ -156,7 +156,7 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
     fluids = at.fluids(table)
     if len(fluids) == 0:
         return
-    _straighten(table, drive)
+    _linearise_valves(table, drive)
     chambers, J = at.chambers(table), at.entries(table)[0]
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
     for n in range(len(chambers)):

@@ -23,9 +23,9 @@ from sandbox.engine.fluids import (
     flowing,
     fluid_rows,
     join_lines,
-    swell,
+    measure_volumes,
 )
-from sandbox.engine.friction import change_friction
+from sandbox.engine.joint_friction import change_friction
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import change_loads, load_rows, press, timed
 from sandbox.engine.motors import brake_in_time, drive_forces
@@ -44,7 +44,7 @@ def apply_forces(table: int, h: float, drive: Array) -> None:
     drive_forces(table, drive)
     stretch(table, drive)
     pull(table, drive)
-    swell(table, drive)
+    measure_volumes(table, drive)
     press(table, h)
 
 

@@ -26,11 +26,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sandbox.engine import bounded as unilateral
+from sandbox.engine import bounded
 from sandbox.engine import memory as at
 from sandbox.engine import rows as bilateral
 from sandbox.engine.bonds import release_rows
-from sandbox.engine.candidates import normal_row, tangent_row
+from sandbox.engine.bounded_rows import normal_row, tangent_row
 from sandbox.engine.contacts import rotated
 from sandbox.engine.coordinates import ends
 from sandbox.engine.entry_points import entry_point
@@ -97,7 +97,7 @@ def place_as_found(table: int, i: int) -> None:
 @kernel
 def _motion(table: int, h: float, row: Any, s: float) -> tuple[float, float]:
     """The rate of a row at the instant ``s``, and how it changes with s."""
-    before, free = unilateral.rate(row, at.before(table)), unilateral.rate(row, at.velocity(table))
+    before, free = bounded.rate(row, at.before(table)), bounded.rate(row, at.velocity(table))
     return before + (0.5 + s / h) * (free - before), (free - before) / h
 
 
@@ -259,18 +259,18 @@ def lead_back(table: int, h: float, n: int) -> None:
     bilateral.right_side(table, shift, unknowns[4], unknowns[2])
     forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
     m = 0
-    for q in range(unilateral.choose(rows, n, chosen)):
+    for q in range(bounded.choose(rows, n, chosen)):
         row = rows[chosen[q]]  # active before the impacts; not a contact that closes in the step
         contact = row["source"] == NORMAL or row["source"] == TANGENT
         if (at.found(table)[row["index"]]["listed"] == 1) if contact else not row["measure"]:
             chosen[m] = chosen[q]
             m += 1
-    unilateral.make_system(rows, n, at.delassus(table), A, chosen, m)
+    bounded.make_system(rows, n, at.delassus(table), A, chosen, m)
     for q in range(m):
         k = chosen[q]
-        A[q, m] = 0.0 if rows[k]["out"] else -unilateral.free_rate(
+        A[q, m] = 0.0 if rows[k]["out"] else -bounded.free_rate(
             table, rows[k], Y[k], reached[k], shift, 0.0)
-    unilateral.eliminate(A, m, chosen[n:])
+    bounded.eliminate(A, m, chosen[n:])
     for r in range(unknowns.shape[1]):
         unknowns[4, r] = unknowns[2, r]
     for q in range(m):
@@ -298,7 +298,7 @@ def _answer(table: int, k: int, p: float) -> None:
         at.rows(table)[k], at.unknowns(table)[4], at.columns(table)[k], at.reached(table)[k])
     for q in range(row["branch"]):
         answer[reached[q]] -= y[reached[q]] * p
-    unilateral.push(at.inverse_mass(table), row, p, at.shift(table))
+    bounded.push(at.inverse_mass(table), row, p, at.shift(table))
 
 
 REBOUND = 0.01  # minimum approach speed [m/s] of a rebound
@@ -316,9 +316,9 @@ def _hit(table: int, h: float) -> bool:
         t = touches[i]
         if t["restitution"] > 0.0:
             normal_row(h, touches, i, row)
-            u = unilateral.rate(row, before)
+            u = bounded.rate(row, before)
             if u < -REBOUND and (
-                    t["late"] == 1 or h * min(u, unilateral.rate(row, free)) + t["gap"] < 0.0):
+                    t["late"] == 1 or h * min(u, bounded.rate(row, free)) + t["gap"] < 0.0):
                 return True
     return False
 
@@ -352,7 +352,7 @@ def late_hits(table: int, n: int) -> bool:
         if row["source"] == NORMAL and row["p"] > 0.0:
             t = touches[row["index"]]
             if (t["restitution"] > 0.0 and t["bounce"] == 0.0 and t["late"] == 0
-                    and unilateral.rate(row, before) < -REBOUND):
+                    and bounded.rate(row, before) < -REBOUND):
                 t["late"], found = 1, True
     return found
 
@@ -371,8 +371,8 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
             return event > 0
         fastest = _struck(rows, n, touches, now, end, CLOSED if event < ORDERED else math.inf)
         end = max(end, FAINT * fastest)
-        if unilateral.solve_modes(rows, n, G, A, chosen, EXACT * fastest, False) < 0:
-            unilateral.relax(rows, n, G)
+        if bounded.solve_modes(rows, n, G, A, chosen, EXACT * fastest, False) < 0:
+            bounded.relax(rows, n, G)
         for q in range(n):
             p = rows[q]["p"]
             if p != 0.0:
@@ -382,7 +382,7 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
                     t["bounce"] += p
                 else:
                     t["drag"] += p
-                unilateral.push(inverse_mass, rows[q], p * now, delayed)
+                bounded.push(inverse_mass, rows[q], p * now, delayed)
                 for k in range(n):
                     change = G[k, q] * p
                     rows[k]["bias"] += change
@@ -451,10 +451,10 @@ def foresee_impacts(table: int, h: float, kept: int) -> bool:
         out["kick_x"] = out["kick_y"] = out["twist_a"] = out["twist_b"] = 0.0
     if not _hit(table, h):
         return False
-    velocity, bounded = at.velocity(table), at.rows(table)  # bounded rows as in the last step
+    velocity, old = at.velocity(table), at.rows(table)  # bounded rows as in the last step
     put(velocity, free)
     for k in range(kept):
-        unilateral.push(at.inverse_mass(table), bounded[k], bounded[k]["last"], velocity)
+        bounded.push(at.inverse_mass(table), old[k], old[k]["last"], velocity)
     bilateral.answer(table, velocity, unknowns[0], unknowns[4])
     bilateral.apply_impulses(table, unknowns[4], velocity)
     if len(at.joints(table)) > 0:
@@ -484,13 +484,13 @@ def impacts(table: int, h: float, kept: int) -> bool:
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
     n, now = _list(table, h, rows)
-    unilateral.columns(table, begin, 0, n)
-    unilateral.couple(table, begin, 0, n)
+    bounded.columns(table, begin, 0, n)
+    bounded.couple(table, begin, 0, n)
     struck = _reflect(table, h, rows, n, now)
     for k in range(n):
         i = rows[k]["index"]
         t = touches[i]
-        unilateral.push(at.inverse_mass(table), rows[k],
+        bounded.push(at.inverse_mass(table), rows[k],
                         t["bounce"] if rows[k]["normal"] < 0 else t["drag"], kick)
         if t["bounce"] == 0.0:
             place_as_found(table, i)
@@ -507,7 +507,7 @@ def impacts(table: int, h: float, kept: int) -> bool:
         elif row["source"] == TANGENT:
             tangent_row(h, body, touches, row["index"], row["normal"], row)
         row["last"], row["mode"] = last, mode
-    unilateral.wipe(rows, n, Y, reached)
+    bounded.wipe(rows, n, Y, reached)
     if struck and len(at.joints(table)) > 0:
         answer_of_joints(table, delayed)
         add_joints(table, delayed, 1.0)
@@ -524,7 +524,7 @@ def leave(table: int, h: float, n: int) -> None:
     for k in range(n):
         row = rows[k]
         if row["source"] == LIMITED and limits[row["index"]]["since"] >= h:
-            gain = (row["free"] - row["bias"] - unilateral.rate(row, before)) / h
+            gain = (row["free"] - row["bias"] - bounded.rate(row, before)) / h
             row["free"] -= max(gain, 0.0) * (limits[row["index"]]["since"] + h / 2)
 
 
@@ -547,7 +547,7 @@ def _since(table: int, h: float, row: Any, last: float, since: float) -> float:
         return 0.0
     if last > 0.0:
         return since + h if 0.0 < since < h else 0.0
-    start, free = unilateral.rate(row, at.before(table)), row["free"] - row["bias"]
+    start, free = bounded.rate(row, at.before(table)), row["free"] - row["bias"]
     if row["bias"] <= 0.0 or start >= 0.0:
         return 0.0
     t = time_to_close(h * row["bias"], (start + free) / 2, (free - start) / h)

@@ -14,9 +14,9 @@ with G the response of the contact to a unit impulse. Tangentially a sticking co
 stiffness TANGENTIAL k; a sliding one obeys Coulomb's law. Depths are a few g h^2 / STIFFNESS for
 each body that lies above.
 
-An island without joints sleeps after it has been still for :data:`STEPS` steps: its velocities are
-0 and its impulses stay. A body that comes near, a change of the forces on it, a moving support or a
-running surface wakes all of it.
+An island without joints sleeps after it has been still for :data:`SLEEP_STEPS` steps: its
+velocities are 0 and its impulses stay. A body that comes near, a change of the forces on it, a
+moving support or a running surface wakes all of it.
 
 Soft skin: contacts of materials that give way, with a stiffness and a damping.
 
@@ -39,9 +39,9 @@ from sandbox.engine import memory as at
 from sandbox.engine.blocks import connect, find_slot, minimum_degree
 from sandbox.engine.bonds import holds, joint_holds
 from sandbox.engine.bounded import rate
-from sandbox.engine.candidates import RETURN, limit_row, normal_row, piled, tangent_row
+from sandbox.engine.bounded_rows import RETURN, limit_row, normal_row, piled, tangent_row
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.friction import friction_rows, report_friction
+from sandbox.engine.joint_friction import friction_rows, report_friction
 from sandbox.engine.kernel import kernel
 from sandbox.engine.motors import motor_row
 from sandbox.engine.pile_rows import set_blocks
@@ -54,7 +54,7 @@ Of islands with joints only the rows that carry count."""
 STIFFNESS, DAMPING, TANGENTIAL = 40.0, 0.3, 2.0 / 3.0
 """Of contacts in piles: h^2 k G, the damping ratio, tangential over normal stiffness (Mindlin, of
 an incompressible material)."""
-STEPS, SLOW, SLOW_TURNING = 22, 1e-10, 1e-8
+SLEEP_STEPS, SLOW, SLOW_TURNING = 22, 1e-10, 1e-8
 """Steps after which an island sleeps whose bodies are slower than this [m/s, rad/s]."""
 ABSOLUTE, RELATIVE = 1e-11, 1e-10
 """Tolerance of residuals [m/s], and as a share of the largest free rate of the island."""
@@ -129,15 +129,15 @@ def list_piles(table: int) -> None:
             root["awake"] = 1
             at.pile_counts(table)[0] |= body["piled"]
         vx, vy, w = free[b, 0] - before[b, 0], free[b, 1] - before[b, 1], free[b, 2] - before[b, 2]
-        if body["still"] >= STEPS and (vx != body["x"] or vy != body["y"] or w != body["t"]):
+        if body["still"] >= SLEEP_STEPS and (vx != body["x"] or vy != body["y"] or w != body["t"]):
             body["still"] = 0  # the force on it has changed
         body["x"], body["y"], body["t"] = vx, vy, w
-        if body["still"] < STEPS:
+        if body["still"] < SLEEP_STEPS:
             root["awake"] = 1
     for i in range(len(bodies)):
         bodies[i]["awake"] = bodies[_root(table, i)]["awake"]
         if bodies[i]["awake"]:
-            bodies[i]["still"] = min(bodies[i]["still"], STEPS - 1)
+            bodies[i]["still"] = min(bodies[i]["still"], SLEEP_STEPS - 1)
     for i in range(at.touching(table)[0]):
         t = touches[i]
         q = max(loose[t["a"]], loose[t["b"]])
@@ -305,7 +305,7 @@ def _gather(table: int, h: float, i: int, k: int) -> None:
     J[2, 0], J[2, 1], J[2, 2] = tangent["ax"], tangent["ay"], tangent["at"]
     J[3, 0], J[3, 1], J[3, 2] = tangent["bx"], tangent["by"], tangent["bt"]
     one["base_n"], one["base_t"] = response(table, normal), response(table, tangent)
-    _soften(table, h, t, one)
+    _pile_compliance(table, h, t, one)
     one["bend"] = tangent["bias"] - t["bias_along"]
     if k > 0:  # points of one face slide at one rate
         last = at.touches(table)[at.piled(table)[k - 1]["index"]]
@@ -322,7 +322,7 @@ def _gather(table: int, h: float, i: int, k: int) -> None:
 
 
 @kernel
-def _soften(table: int, h: float, t: Any, one: Any) -> None:
+def _pile_compliance(table: int, h: float, t: Any, one: Any) -> None:
     """Give a contact its compliance: that of its skin, or the one of rigid surfaces in piles."""
     if t["soft"] > 0.0:
         one["bias_n"], one["soft_n"] = t["bias"], t["soft"]
@@ -422,7 +422,7 @@ def spring_row(
 
 
 @entry_point("skin")
-def soften(table: int, h: float) -> None:
+def skin_compliance(table: int, h: float) -> None:
     """Give the contacts of soft skin the terms of their rows."""
     touches, skin, before = at.touches(table), at.skin(table), at.before(table)
     rows = at.rows(table)

@@ -116,7 +116,7 @@ def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> N
         into[:] = 0.0  # force, torque about the centre of mass, and their slopes
         if load["last"] > load["first"]:
             b = load["body"]
-            area, moment = below(
+            area, moment = submerged_area(
                 at.sides(table), load["first"], load["last"], turn[b, 0], turn[b, 1], body[b, 2],
                 body[b, 1] - load["level"])
             into[1, 0], into[2, 0] = load["lift"] * area, load["lift"] * moment
@@ -294,7 +294,7 @@ def add_load_work(table: int, h: float, v: Matrix) -> None:
 
 
 @kernel
-def below(
+def submerged_area(
     sides: Array, first: int, last: int, c: float, s: float, angle: float, height: float,
 ) -> tuple[float, float]:
     """Area below a level [m^2], and its moment about the upright line through the centre [m^3]."""

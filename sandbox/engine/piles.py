@@ -46,7 +46,7 @@ FIRST_SHARE, MAX_SHARE, MIN_SHARE = 1e-5, 1e-2, 1e-9
 MAX_LINKED, ENOUGH = 0.1, 0.01
 """Where joints connect bodies: the largest share; the residual, over its tolerance, with which the
 impulses of the last step are kept. Rates fall below those at which a mechanism rests."""
-ROUNDS, STEPS, HALVINGS, SWEEPS = 100, 12, 4, 50
+PROXIMAL_ROUNDS, NEWTON_STEPS, HALVINGS, SWEEPS = 100, 12, 4, 50
 """Proximal rounds, Newton steps in each, halvings of a step, sweeps after a failed round."""
 CYCLE = 16
 """Number of rounds after which e changes by smaller factors: rounds may repeat in a cycle."""
@@ -121,13 +121,13 @@ def solve_contacts(table: int, n: int) -> float:
     found = best = _residual(c, n)
     _keep(c, n)
     share, before, first, at_best = FIRST_SHARE, math.inf, True, True
-    for round in range(ROUNDS):
+    for round in range(PROXIMAL_ROUNDS):
         if best <= (enough if round == 0 else 1.0):
             break
         start, power = found, 1.0 / (1.0 + round // CYCLE)
         _regularise(c, n, share)
         converged = False
-        for _ in range(STEPS):
+        for _ in range(NEWTON_STEPS):
             at_best = False
             if not _newton_step(table, n, first):
                 break

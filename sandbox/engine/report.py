@@ -28,7 +28,7 @@ from sandbox.engine.bounded import push
 from sandbox.engine.coordinates import rate, toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluids import add_fluid_work, report_lines
-from sandbox.engine.friction import add_friction_work, release_friction, report_friction
+from sandbox.engine.joint_friction import add_friction_work, release_friction, report_friction
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
 from sandbox.engine.plan import add_to

@@ -32,9 +32,8 @@ from sandbox.engine.bounded import (
     wipe,
     y_of,
 )
-from sandbox.engine.candidates import RETURN, broken_rows, kept_rows
+from sandbox.engine.bounded_rows import RETURN, broken_rows, kept_rows
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.friction import break_away
 from sandbox.engine.groups import (
     change,
     couple_rows,
@@ -54,6 +53,7 @@ from sandbox.engine.impacts import (
     take_impacts,
 )
 from sandbox.engine.islands import SLOW, SLOW_TURNING, list_piles, stretch_skin
+from sandbox.engine.joint_friction import break_away
 from sandbox.engine.kernel import kernel
 from sandbox.engine.piles import LAST, solve_piles
 from sandbox.engine.plan import assemble, backward, factor, forward, put
@@ -69,7 +69,7 @@ from sandbox.numeric import Array, Records
 
 HARD = 1e-12
 """Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
-ROUNDS = 12
+LAW_ROUNDS = 12
 """Maximum number of times in one step that tendons turn slack or taut, or laws are linearised."""
 PRESSED = 60
 """The same of loads: a drag that grows with the square of the speed, and stops what is fast in one
@@ -138,7 +138,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
         wipe(rows, n, Y, reached)
         hit = late_hits(table, n)
         changed, converging = change(table, h, drive, attempt, n, hit)
-        if not (converging or (changed and attempt < ROUNDS - 1)):
+        if not (converging or (changed and attempt < LAW_ROUNDS - 1)):
             if attempt + 1 == PRESSED:
                 break
             if break_away(table, n):

@@ -18,7 +18,7 @@ from sandbox.engine.bounded import (
 )
 from sandbox.engine.coordinates import flank
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.friction import friction_rows
+from sandbox.engine.joint_friction import friction_rows
 from sandbox.engine.kernel import kernel
 from sandbox.engine.motors import motor_row
 from sandbox.engine.records import FLANK, STOP
