@@ -377,7 +377,7 @@ def _advance(spans: Records, k: int, w: float, step: float) -> Any:
 
 @kernel
 def apart(table: int) -> bool:
-    """Whether lines part all bodies that may touch; never of too many pairs."""
+    """Whether a line separates each pair of bodies that may touch; not checked for many pairs."""
     pairs, boxes, shapes, vertices = (
         at.neighbors(table), at.boxes(table), at.shapes(table), at.vertices(table))
     body, turn, last = at.body(table), at.turn(table), -1
@@ -411,13 +411,13 @@ def _reach(table: int, b: int, x: float, y: float) -> float:
     shapes, vertices, turn, size = (
         at.shapes(table), at.vertices(table), at.turn(table), math.hypot(x, y))
     x, y = turn[b, 0] * x + turn[b, 1] * y, turn[b, 0] * y - turn[b, 1] * x
-    most = -math.inf
+    farthest = -math.inf
     for k in range(len(shapes)):
         if shapes[k]["body"] == b:
             r = shapes[k]["radius"] + shapes[k]["margin"] + SAME_PLACE
             for i in range(shapes[k]["vertex"], shapes[k]["vertex_end"]):
-                most = max(most, x * vertices[i, 0] + y * vertices[i, 1] + r * size)
-    return most
+                farthest = max(farthest, x * vertices[i, 0] + y * vertices[i, 1] + r * size)
+    return farthest
 
 
 @kernel

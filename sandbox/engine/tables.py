@@ -65,9 +65,8 @@ def make_tables(world: World) -> Tables:
     valves["slot"][(valves["a"] >= 0) & (valves["b"] >= 0)] = pattern.joined
     for table, names in ((joints, et.JOINT_ROWS), (springs, ("row",)), (cables.cables, ("row",)),
                          (fluids["fluids"], ("row",)), (loaded, et.JOINT_ROWS)):
-        for name in names:  # the numbers of rows become those of their unknowns
-            if len(pattern.unknown):
-                table[name] = np.where(table[name] < 0, -1, pattern.unknown[table[name]])
+        for name in names if len(pattern.unknown) else ():  # rows become their unknowns
+            table[name] = np.where(table[name] < 0, -1, pattern.unknown[table[name]])
     x, y = model.bodies.centre[order].T
     bodies = et.fill(st.BODY, count, number=order, x=x, y=y)
     bonds = et.bond_table(model, springs, cables.cables)
@@ -76,7 +75,7 @@ def make_tables(world: World) -> Tables:
         actions=actions, springs=springs, cables=cables.cables, guides=cables.guides,
         slips=slips, joints=joints, limits=et.limit_table(build), motors=motors,
         dry_friction=frictions, loads=loads, loaded=loaded, bonds=bonds, **fluids)
-    has = np.bincount(shapes.shapes["body"], minlength=count) > 0
+    shaped = np.bincount(shapes.shapes["body"], minlength=count) > 0
     piled = pile_tables(pattern, build.inverse_mass, elements, shapes.shapes)
     curves, knots = curve_tables(list(model.mechanism.functions.values()))
     pairs, filters = np.ix_(order, order), world.filters
@@ -89,7 +88,7 @@ def make_tables(world: World) -> Tables:
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
         neighbors=np.argwhere(
-            np.triu(filters.allowed[pairs] & has & has[:, None]))[:CHECKED + 1].copy(),
+            np.triu(filters.allowed[pairs] & shaped & shaped[:, None]))[:CHECKED + 1].copy(),
         loose=piled.loose, pile_nodes=piled.nodes, pile_blocks=piled.blocks,
         pile_entries=piled.entries,
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
