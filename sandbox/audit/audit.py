@@ -12,18 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit import bounds, contacts, driven, energy, fluids, geometry, laws, outlines, rest
-from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import Check, Figure
+from sandbox.audit import bounds, contacts, driven, energy, geometry, laws, outlines, rest
+from sandbox.audit.evidence import Check, Evidence, Figure
 from sandbox.samples.samples import Samples
 
 __all__ = ["ADVICE", "CHECKS", "Figure", "advice_on", "audit"]
 
-CHECKS: Mapping[str, Check] = {
+CHECKS: Mapping[str, Check] = {  # in the order of the docs
     each.name: each
-    for module in (geometry, laws, fluids, driven, energy, rest, outlines, contacts, bounds)
+    for module in (geometry, laws, driven, energy, rest, outlines, contacts, bounds)
     for each in vars(module).values() if isinstance(each, Check)}
-"""All checks by name, in the order of the docs."""
 
 
 def audit(run: Samples) -> list[Figure]:
@@ -82,12 +80,9 @@ ADVICE: tuple[Advice, ...] = (
            "sandbox has a bug",
            "run the scene again; if the warning stays, report it with the scene"),
 )  # The last one is for all other checks
-
-
-PYMUNK = Advice(
+PYMUNK = Advice(  # its errors exceed most thresholds
     (), "pymunk solves joints, tendons and contacts approximately; the value is its error",
     "use the direct solver for exact values, or more `run.pymunk.iterations` and `substeps`")
-"""The advice on a run with pymunk's solver, whose errors exceed most thresholds."""
 
 
 def advice_on(figure: str, solver: str = "direct") -> Advice:

@@ -17,12 +17,12 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.audit.contacts import CONE
-from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import (
+from sandbox.audit.evidence import (
     EXACT,
     ROUNDING,
     SMALLEST_SCALE,
     STOPPED,
+    Evidence,
     NotComputed,
     Worst,
     check,
@@ -48,9 +48,8 @@ class Unknown(NamedTuple):
     free: bool = False  # Whether it may have either sign
     most: float = np.inf  # Largest magnitude [N, N m]
     contact: int = NONE  # The contact row that it belongs to
-    normal: float = 0.0
-    """Contribution of a unit to that row's normal force, and to its tangential one."""
-    tangential: float = 0.0
+    normal: float = 0.0  # Contribution of a unit to the normal force of that row
+    tangential: float = 0.0  # The same of the tangential force
     below: float = 0.0  # Rounding error below 0 [N] of the recorded force
 
 
@@ -75,9 +74,8 @@ class Unknowns:
         found = [one._replace(wrench=one.wrench * self.model.bodies.free[:, None]) for one in (
             *self._joints(), *self._ends(), *self._limited(), *self._contacts())]
         self.all = [one for one in found if one.wrench.any()]
-        """All unknown forces that act on a body that moves freely."""
+        # sum of the unknown forces: m a and I alpha minus all known loads, [nb, 3]
         self.target = self.loads.weights * self.arrays["body_acceleration"][0]
-        """Sum of the unknown forces: m a and I alpha minus all known loads, [nb, 3]."""
         limited = np.array([kind.limited for kind in drives.kind], dtype=bool)
         known = {"tendon": ~self.rigid, "drive": ~limited | ~np.isnan(drives.slope),
                  "friction": self.arrays["joint_sticks"][0] == 0.0}  # at its bound while it slips
@@ -251,14 +249,12 @@ class Balance:
         arms = np.abs(W[2::3][np.hypot(W[0::3], W[1::3]) > 0])
         scale = np.tile([1.0, 1.0, 1 / max(float(arms.max(initial=0.0)), 1e-6)], len(bodies))
         W *= scale[:, None]
-        self.unit = np.maximum(np.linalg.norm(W, axis=0), 1e-300)
-        """Unit of every force, by which it is of the order of 1."""
+        self.unit = np.maximum(np.linalg.norm(W, axis=0), 1e-300)  # of every force
         W /= self.unit
         target = scale * unknowns.target[bodies].ravel()
         rows = [one.contact for one in forces if one.contact >= 0]
         self.size = max(float(np.abs(target).max()), SMALLEST_SCALE, float(np.hypot(
             *unknowns.arrays["contact_force"][rows].T).max()))
-        """The largest recorded contact force or known load [N], the unit of all forces."""
         target /= self.size
         self.allowed = scale * allowed[[0, 0, 1]].T[bodies].ravel() / self.size
         self.signed = np.flatnonzero([one.free for one in forces])
@@ -267,7 +263,6 @@ class Balance:
         left, values, _ = np.linalg.svd(W)
         rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
         self.motions, idle = left[:, :rank], left[:, rank:]
-        """Virtual motions on which forces work, [rows, rank]."""
         self.idle = np.abs(target @ idle), np.abs(idle).T @ self.allowed
         n, both, k = len(forces), len(forces) + len(self.signed), len(limited)
         A = np.zeros((rank + k, both + k))

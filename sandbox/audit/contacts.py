@@ -19,8 +19,17 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.audit.evidence import REBOUND, Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, STILL, NotComputed, Worst, check, peak
+from sandbox.audit.evidence import (
+    EXACT,
+    REBOUND,
+    ROUNDING,
+    STILL,
+    Evidence,
+    NotComputed,
+    Worst,
+    check,
+    peak,
+)
 from sandbox.audit.outlines import overlaps, reach_of
 from sandbox.elements.arrays import Arrays
 from sandbox.model.pairs import friction_of, pair_skins, restitution_of, static_friction_of
@@ -33,8 +42,7 @@ SOLVED = 2e-9  # Error of rates relative to the fastest
 HELD = 2e-7  # Regularisation of impulses towards the last ones, for both rows (docs/engine.md)
 JOINT = 10.0  # Acceleration [m/s^2] that joints may add in the step of an impact
 STARTS = 0.1  # Relative speed of sliding before the step below which it may begin in the step
-LANDS = 0.2
-"""Error of the gap of one point relative to the approach in a step, since the normal turns."""
+LANDS = 0.2  # Error of the gap of one point, relative to the approach: the normal turns
 ROUND = 0.01  # Least radius of curvature [m] of sliding surfaces
 DEEP = 0.01  # Allowed overlap without a contact, relative to the smaller body: chords of curves
 UNSOLVED = 1e-6  # Rate [m/s, rad/s] by which a step may violate the laws of contacts and friction
@@ -94,18 +102,17 @@ class _Rows:
         self.opening = self.rate(self.before, self.out), self.rate(self.after, self.out)
         self.gap_rates = (self.opening[0] + (0.5 + share) * d, self.opening[1] - (0.5 - share) * d)
         self.struck = self.count(self.hit) > 0  # Rows of a body that bounces in the step
+        # impacts at one point of bodies without other contacts, fast enough to be judged
         self.alone = (self.hit & self.one & ~np.isnan(instant) & (self.count(self.pair >= 0) <= 1)
                       & (self.gap_rates[0] < -2 * REBOUND))
-        """Impacts at one point of bodies without other contacts, fast enough to be judged."""
         model = evidence.model
         held = np.concatenate([model.joints.bodies.ravel(), model.tendons.guide_body,
                                model.springs.bodies.ravel()])
+        # rows of a free body that joints, tendons or springs act on
         self.joined = (np.isin(self.sides, held) & model.bodies.free[[*self.sides]]).any(axis=0)
-        """Rows of a free body that joints, tendons or springs act on."""
         turning = np.abs(evidence.velocity[2]) + np.abs(self.change[2])
         self.spins = [turning[b, self.sample] for b in self.sides]
-        self.landing = np.maximum(-self.h * self.opening[0], 0.0)
-        """Approach of the bodies in a step at the rate before it [m]."""
+        self.landing = np.maximum(-self.h * self.opening[0], 0.0)  # approach in a step [m]
 
     def add(
         self, worst: Worst, error: Array, allowed: Array | float, among: Flags | bool = True,

@@ -19,19 +19,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit.driven import SOLVED, initial_rate, set_while_running
-from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import (
+from sandbox.audit.driven import initial_rate, set_while_running
+from sandbox.audit.evidence import (
     EXACT,
-    NOT_EVERY_STEP,
     ROUNDING,
     SMALLEST_SCALE,
+    Evidence,
     NotComputed,
     Worst,
     check,
     peak,
     whole,
 )
+from sandbox.audit.laws import SOLVED
 from sandbox.model.joints import placed
 from sandbox.model.model import Model
 from sandbox.model.supports import LARGEST_GROUP, shared_joints
@@ -39,11 +39,9 @@ from sandbox.numeric import Array, Flags
 from sandbox.samples.samples import OLDER
 from sandbox.values.signals import values
 
-LARGEST_STEP_ERROR = 0.01
-"""Largest error of the step that is allowed, relative to all energy converted."""
+LARGEST_STEP_ERROR = 0.01  # relative to all energy converted
 LEFT = 1e-8  # Overlap [m] whose removal does not count as a source of energy
-POSES = 5
-"""Number of poses in which a joint has to be redundant: near a dead centre some are in one."""
+POSES = 5  # in which a joint has to be redundant: near a dead centre some are in one
 OUTLIER = 10.0  # Largest power of a joint relative to that in the samples beside
 UNBALANCED = ("difference between {0} and the sum of all {1} on a body, relative to the largest, "
               "{{count:body|bodies}}, worst: {{where}}")
@@ -151,12 +149,10 @@ def _closed_balance(evidence: Evidence) -> _Balance:
     """The balance, if the work of joints that close is known."""
     found, a, bonds = evidence.once(_balance), evidence.arrays, evidence.model.bonds
     open_ = ~evidence.joints_hold
-    if not evidence.every_step:
-        carried = (np.nan_to_num(a["joint_reaction"]) + np.abs(np.nan_to_num(a["joint_couple"]))).T
-        breaks = (bonds.joint >= 0) & np.isfinite(np.append(bonds.breaks_at, np.inf))[bonds.joint]
-        if (breaks & open_.any(axis=1)).any() or carried[open_].any():
-            raise NotComputed(
-                f"joints broke or were engaged again, which does work, and {NOT_EVERY_STEP}")
+    carried = (np.nan_to_num(a["joint_reaction"]) + np.abs(np.nan_to_num(a["joint_couple"]))).T
+    breaks = (bonds.joint >= 0) & np.isfinite(np.append(bonds.breaks_at, np.inf))[bonds.joint]
+    if (breaks & open_.any(axis=1)).any() or carried[open_].any():
+        evidence.require_every_step("joints broke or were engaged again, which does work, and ")
     return found
 
 
@@ -192,8 +188,8 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
     stops = np.nan_to_num(run.means("joint_stop")["joint_stop"])
     touched = len(run.mean_contacts.sample) or len(a["impact_time"]) or stops.any() or (
         _stretched(evidence))
-    if touched and not evidence.every_step:
-        raise NotComputed(f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
+    if touched:
+        evidence.require_every_step("contacts, stops and ropes do work in every step, and ")
     if not touched:
         worst.judge(peak(balance.left) / balance.scale, balance.allowed)
         return ("energy lost without contacts: kinetic energy minus the work of drives, tendons, "

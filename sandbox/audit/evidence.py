@@ -1,14 +1,15 @@
-"""A recording as the checks of an audit read it, each part computed once."""
+"""What checks of an audit share: the recording, as they read it, tolerances, and their results."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
-from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL
 from sandbox.model.joints import place_in_slot
 from sandbox.model.model import held_of
 from sandbox.model.pairs import pair_skins, restitution_of
@@ -16,19 +17,164 @@ from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.samples import Samples
 from sandbox.scene.geometry import count_solids
+from sandbox.wording import Count
 
 T = TypeVar("T")
-GAP, CLOSES = 1e-10, 1e-6
-"""Gap of a joint that a step may leave each way [m], and per squared step [m/s^2]."""
+GAP, CLOSES = 1e-10, 1e-6  # Gap that a step may leave in a joint [m], and per h^2 [m/s^2]
 LEFT = 1e-9  # Unevenness of a flat contact [m]: gaps close to 1e-13 / h of speed
 FALLS = 10.0
 """Gap of a contact that a step may leave, per squared step [m/s^2]: v^2 / R + omega v has it
 at 0.3 m/s on a radius of 10 mm. Bodies also fall so far in their first step."""
 REBOUND = 0.01  # Change of velocity [m/s, rad/s] in a step that may be an impact
-CLOSES_IN = 40.0
-"""A joint that was engaged is closed after so many of its time constants (docs/engine.md)."""
-NUMBERS = 500_000
-"""Largest number of bodies times samples, and contact rows; longer runs are thinned (400 MB)."""
+CLOSES_IN = 40.0  # Time constants in which a joint that was engaged closes (docs/engine.md)
+NUMBERS = 500_000  # Bodies times samples, and contact rows; longer runs are thinned (400 MB)
+ROUNDING = 1e-12  # Rounding error [m, rad] after a few dozen operations on lengths below 1 m
+DIGITS = 1e-15  # Relative error of a number that is rounded a few times
+SMALLEST_SCALE = 1e-12  # Least value [N, N m, J, rad/s] that relative errors refer to
+EXACT = 1e-9  # Rounding error of sums of some ten forces, relative to the largest, with a margin
+STILL = 1e-11, 1e-10  # The engine stops bodies that are slower [m/s, rad/s]
+HELD = 1e-10  # Regularisation of impulses towards the last ones (docs/engine.md)
+STOPPED = 1e-8  # Allowed overrun of a hinge [rad]: a gap of 1e-10 m at an arm of 10 mm
+
+
+def peak(values: Array) -> float:
+    """The largest magnitude among values of any shape; 0 if there are none."""
+    return float(np.abs(values).max(initial=0.0))
+
+
+def whole(values: Array) -> float:
+    """The scale of relative errors: the largest magnitude, or :data:`SMALLEST_SCALE`."""
+    return max(peak(values), SMALLEST_SCALE)
+
+
+def lost_rate(rates: Array, *, turning: bool) -> float:
+    """Error of rates by :data:`STILL` and rounding [m/s or rad/s]."""
+    return STILL[turning] + DIGITS * peak(rates)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """The result of one check."""
+
+    name: str
+    value: float  # nan where it was not computed
+    unit: str
+    threshold: float  # Largest value that passes; nan where nothing was computed
+    verdict: Literal["pass", "look", "not computed"]
+    why: str  # The comparison, or the reason why it was not computed
+    source: str  # The equation
+
+
+class NotComputed(Exception):
+    """A check without a value, with the reason."""
+
+
+@dataclass
+class Worst:
+    """The comparison that comes closest to its tolerance, or exceeds it most."""
+
+    value: float = math.nan
+    tolerance: float = math.nan
+    where: str = ""
+    ratio: float = -1.0
+    count: int = 0
+    left_out: list[str] = field(default_factory=list)  # Elements not compared, with the reason
+
+    def add(
+        self, where: str, error: Array, tolerance: Array | float, among: Flags | None = None,
+    ) -> None:
+        """Add errors [n] of one element and their tolerances; nan is the worst."""
+        error, tolerance = np.broadcast_arrays(error, tolerance)
+        if among is not None:
+            error, tolerance = error[among], tolerance[among]
+        if not len(error):
+            return
+        self.count += 1
+        ratio = np.nan_to_num(error / tolerance, nan=np.inf)
+        at = int(ratio.argmax())
+        if ratio[at] > self.ratio:
+            self.ratio, self.where = float(ratio[at]), where
+            self.value, self.tolerance = float(error[at]), float(tolerance[at])
+
+    def add_nearest(
+        self, where: str, laws: Sequence[tuple[Array, Array | float]],
+        among: Flags | None = None, *, throughout: bool = True,
+    ) -> None:
+        """Add the nearest of several laws (error, tolerance), one ``throughout`` or per sample."""
+        error, tolerance = np.array([np.broadcast_arrays(*law) for law in laws]).swapaxes(0, 1)
+        ratio = np.nan_to_num(error / tolerance, nan=np.inf)
+        if throughout:
+            counted = ratio if among is None else ratio[:, among]
+            k = int(counted.max(axis=1, initial=0.0).argmin())
+            self.add(where, error[k], tolerance[k], among)
+        else:
+            k, n = ratio.argmin(axis=0), np.arange(error.shape[1])
+            self.add(where, error[k, n], tolerance[k, n], among)
+
+    def add_law(
+        self, where: str, force: Array, rate: Array, limit: Array,
+        floors: tuple[Array | float, float], tolerance: Array | float, among: Flags | None = None,
+    ) -> None:
+        """Add the distance of forces and rates [n] from a law of friction or of a limited drive.
+
+        The law is f = limit and y <= 0, |f| <= limit and y = 0, or f = -limit and y >= 0. Errors of
+        force and rate count relative to their ``floors``; the distance 1 is the ``tolerance``.
+        """
+        y, over = rate / floors[1], np.maximum(np.abs(force) - limit, 0.0) / floors[0]
+        below, above = np.abs(force + limit) / floors[0], np.abs(force - limit) / floors[0]
+        distance = np.minimum.reduce([
+            np.maximum(np.abs(y), over), np.maximum(below, -y), np.maximum(above, y)])
+        self.add(where, distance * tolerance, tolerance, among)
+
+    def judge(self, value: float, tolerance: float) -> None:
+        """Set the one value of a check."""
+        self.value, self.tolerance, self.count = float(value), float(tolerance), 1
+
+
+class Check(NamedTuple):
+    """One check of an audit."""
+
+    name: str
+    unit: str
+    source: str  # The equation
+    asks: str  # The question that it answers; yes means pass
+    compared: str  # The comparison in words, with ``{where}``, ``{count:noun}`` and ``{note}``
+    none: str  # Why it is not computed where nothing is compared
+    compare: Callable[[Evidence, Worst], str | None]  # Adds comparisons; returns a note
+
+    def figure(self, evidence: Evidence) -> Figure:
+        """The figure of a recording; numbers that cannot be used make it "not computed"."""
+        worst = Worst()
+        try:
+            note = self.compare(evidence, worst) or ""
+        except NotComputed as reason:
+            return self.missing(str(reason))
+        except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+            return self.missing(f"the numbers cannot be used: {error}")
+        if not worst.count:
+            return self.missing("; ".join(worst.left_out[:4]) or self.none)
+        if math.isnan(worst.value) and evidence.model.mechanism.run.solver == "pymunk":
+            return self.missing("pymunk does not give its numbers")
+        passes = math.isfinite(worst.value) and math.isfinite(worst.tolerance) and (
+            worst.value <= worst.tolerance)
+        why = self.compared.format(where=worst.where, count=Count(worst.count), note=note)
+        if worst.left_out:
+            why += f"; left out: {'; '.join(worst.left_out[:4])}"
+        return Figure(self.name, worst.value, self.unit, worst.tolerance,
+                      "pass" if passes else "look", why, self.source)
+
+    def missing(self, why: str) -> Figure:
+        """The figure where it is not computed."""
+        return Figure(self.name, math.nan, "", math.nan, "not computed", why, self.source)
+
+
+def check(
+    name: str, unit: str = "", source: str = "", *, asks: str, compared: str = "{note}",
+    none: str = "",
+) -> Callable[[Callable[[Evidence, Worst], str | None]], Check]:
+    """Make a check of a function; ``none`` says by default that there is no element to count."""
+    none = none or f"there is no {compared.partition('{count:')[2].partition('}')[0]}"
+    return lambda compare: Check(name, unit, source, asks, compared, none, compare)
 
 
 class Evidence:
@@ -44,26 +190,29 @@ class Evidence:
         stride = max(1, -(-numbers // NUMBERS))
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
         self.h = run.info.step
+        # gaps that a step may leave: between touching outlines, and in a joint both ways [m]
         self.open = LEFT + ROUNDING + FALLS * self.h**2
-        """Gap [m] that a step may leave between touching outlines."""
+        self.closed = 1.5 * max(GAP, CLOSES * self.h**2)
         self.near = self.open if near is None else near
         self.every_step = (not alone and stride == 1 and len(run) > 1
                            and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)
-        self.closed = 1.5 * max(GAP, CLOSES * self.h**2)
-        """Gap [m] of a joint that a step may leave, both directions together."""
         self.loads, self.arrays = Loads(self.run), self.run.arrays
         self.frames = self.loads.frames
-        self.velocity = self.frames.velocity
-        """Velocities of the bodies at the instant of each sample, [3, nb, n]."""
-        self.velocity_after = self.velocity + self.h / 2 * self.frames.acceleration
-        """The same at the end of each sample's step."""
+        self.velocity = self.frames.velocity  # at the samples, [3, nb, n]
+        self.velocity_after = self.velocity + self.h / 2 * self.frames.acceleration  # of the steps
+        # which elements hold in which samples, [elements, n]
         self.holds = {kind: held_of(self.model.bonds.of(kind), self.arrays["held"])
                       for kind in ("joint", "spring", "tendon")}
-        """Which joints, springs or tendons hold in which samples, [elements, n]."""
+        # from the centres of mass of both bodies to the contact points [m], [m, 2] each
         self.contact_arms = np.split(self.loads.contact_sides.arm, 2)
-        """From the centres of mass of both bodies to the contact points [m], [m, 2] each."""
         self.vectors = not self.model.joints.name or not np.isnan(
             self.arrays["joint_force"]).all()  # Whether joint forces were kept as vectors
+
+    def require_every_step(self, why: str = "") -> None:
+        """Refuse a check that sums over steps where some were not recorded."""
+        if not self.every_step:
+            raise NotComputed(f"{why}not every step was recorded; run.sample_rate = 1 / run.step "
+                              "records them all")
 
     def pairs(self) -> Iterator[tuple[str, tuple[int, int], Flags]]:
         """Name and numbers of every two bodies that touch, and which contact rows are theirs."""

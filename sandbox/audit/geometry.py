@@ -8,8 +8,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import DIGITS, ROUNDING, STOPPED, NotComputed, Worst, check, peak
+from sandbox.audit.evidence import (
+    DIGITS,
+    ROUNDING,
+    STOPPED,
+    Evidence,
+    NotComputed,
+    Worst,
+    check,
+    peak,
+)
 from sandbox.elements.element import GRAZE
 from sandbox.model.joints import flank_gaps, slipped
 from sandbox.numeric import Array

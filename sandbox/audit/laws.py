@@ -13,13 +13,13 @@ from functools import partial
 
 import numpy as np
 
-from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import (
+from sandbox.audit.evidence import (
     DIGITS,
     EXACT,
     HELD,
     ROUNDING,
     STILL,
+    Evidence,
     Worst,
     check,
     lost_rate,
@@ -40,18 +40,12 @@ from sandbox.samples.cables import (
     span_length,
 )
 
+# Error of the rates of bounded rows relative to the largest, and of guide friction relative to the
+# tension: the solve leaves 2e-10 (docs/engine.md), rounding turns a piece of 1 mm by 1e-9 rad
 SOLVED = 1e-9
-"""Relative to the largest tension: tolerance of friction against its bound.
-
-The solve leaves 1e-10 of the tensions on both sides, 2e-10 at most (docs/engine.md). The rest is
-for the angle: :data:`ROUNDING` of a position turns a piece of 1 mm by 1e-9, and changes the bound
-by mu / 2 of that fraction of both tensions.
-"""
 DRAG = 1e-7  # Damping of a loop, relative to the effect of its stiffness in a step (docs/engine.md)
-MEASURED = 1e-13
-"""Change of rates [m/s, rad/s] below which the load of a joint is not measured again."""
-State = tuple[Sequence[Array], Sequence[Array | float]]
-"""Arguments of a law, [n] each, and their errors."""
+MEASURED = 1e-13  # Change of rates [m/s, rad/s] below which joint loads are not measured again
+State = tuple[Sequence[Array], Sequence[Array | float]]  # arguments [n] of a law, their errors
 
 
 def follow(

@@ -15,8 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit.evidence import LEFT, Evidence
-from sandbox.audit.figures import DIGITS, ROUNDING, Worst, check
+from sandbox.audit.evidence import DIGITS, LEFT, ROUNDING, Evidence, Worst, check
 from sandbox.elements.arrays import CONTACT, Arrays
 from sandbox.model.joints import rotated
 from sandbox.model.pairs import allowed_pairs, restitution_of
@@ -32,16 +31,14 @@ from sandbox.scene.outlines.rings import wound
 
 ROWS = 5_000  # Number of contacts that are compared with a shape at once
 NEWTON = 25
-ASKEW, ALIKE = 1e-6, 1e-3
-"""Angle between a normal and those of a surface; and between normals of the same contact."""
+ASKEW, ALIKE = 1e-6, 1e-3  # Angles between normals of one surface, and of one contact [rad]
 
 
 class _Outline(NamedTuple):
     """The outline of one shape in its body's frame."""
 
-    start: Array
-    """Corners, the material to the left of the sides, and where each side ends [m], [k, 2]."""
-    end: Array
+    start: Array  # Corners, the material to the left of the sides [m], [k, 2]
+    end: Array  # Where each side ends [m]
     radius: float  # Of the surface about the sides [m]
     flat: bool  # Whether normals are those of the sides
     spans: Array  # Smooth curves as sandbox.scene.outlines.curves.Spans has them, [n, 12]

@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import NotComputed, Worst, check, peak
+from sandbox.audit.evidence import Evidence, NotComputed, Worst, check, peak
 from sandbox.audit.outlines import touched
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
 from sandbox.model.model import Model

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.audit.audit import CHECKS, advice_on, audit
-from sandbox.audit.figures import Figure, figure_data
+from sandbox.audit.evidence import Figure
 from sandbox.cli.check import inspection_data, inspection_lines
 from sandbox.cli.console import (
     Console,
@@ -166,7 +166,7 @@ def _finish(job: _Job, recording: Recording, problems: list[Problem], lists_chec
         "scene": mechanism.name, "title": mechanism.title, "directory": directory, "files": files,
         "complete": recording.complete, "samples": len(recording), "wall_s": job.wall_s,
         "expectations": [dataclasses.asdict(verdict) for verdict in job.judged],
-        "audit": [figure_data(figure) for figure in job.checks], "audit_page": AUDIT_PAGE,
+        "audit": [vars(figure) for figure in job.checks], "audit_page": AUDIT_PAGE,
         "findings": inspection_data(problems, job.loaded), "notes": recording.notes,
         **{key: outcome[key] for key in ("events", "broke", "controllers", "stopped")},
     }, lines, Exit.DONE if all(verdict.ok for verdict in job.judged) else Exit.FAILED)

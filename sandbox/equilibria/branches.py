@@ -16,10 +16,9 @@ from itertools import pairwise
 import numpy as np
 
 from sandbox.engine.inspect_control import checked
-from sandbox.equilibria.rest import AtRest, check_options, settle
+from sandbox.equilibria.rest import AtRest, check_options, rest, settle
 from sandbox.equilibria.settle import EXACT, PoseBalance, Settler, Unsettled, solve
 from sandbox.errors import Problem, SceneError, SimulationDiverged
-from sandbox.model.joints import placed
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 
@@ -42,7 +41,19 @@ class BranchRest:
 
     value: float
     rest: AtRest
-    fold: bool  # whether the branch turns back here
+    balance: PoseBalance  # that of the equilibrium
+    pose: Array  # of the centres of mass, [nb, 3]
+    way: Array  # unit vector along the branch: motions / size [n], the value / range
+    fold: bool = False  # whether the branch turns back here
+
+    @property
+    def turning(self) -> float:
+        """Change of the value along the branch; 0 at a fold."""
+        return float(self.way[-1])
+
+    def ahead(self, length: float) -> Array:
+        """The pose at a length along the tangent, [nb, 3]."""
+        return self.balance.pose_after(self.pose, self.way[:-1] * length * self.balance.size)
 
 
 @dataclass
@@ -89,42 +100,15 @@ def rest_along(
             "bad-argument",
             f"{begin:g} to {end:g} in {count} values is no range", "along",
             allowed=f"two different values and a count of 2 to {MAX_VALUES}")])
-    for value in (end, begin):  # wrong values are reported before anything runs
-        check_options(checked(make(value), ()), at, stages)
-    follower = _Follower(make, at, begin, end, count, on_point)
-    settler = follower.at(begin)
-    try:
-        settler.follow(stages)
-        first = settle(settler, "", settler.steps)
-    except (Unsettled, SimulationDiverged) as error:
-        raise SceneError([Problem("no-rest", f"no equilibrium at {begin:g}: {error}",
-                                  "along")]) from None
+    check_options(checked(make(end), ()), at, stages)  # before anything runs
+    first = rest(make(begin), at=at, stages=stages).rests[0]
     if first.balance is None:
         raise SceneError([Problem(
             "no-rest",
             "the equilibrium cannot be followed along a value: its stiffness is not defined, for "
             f"{first.untold}",
             "along", allowed="--set, value by value")])
-    return follower.follow_all(first.balance)
-
-
-@dataclass(frozen=True)
-class _Point:
-    """One equilibrium of a branch."""
-
-    value: float
-    pose: Array  # of the centres of mass, [nb, 3]
-    balance: PoseBalance
-    way: Array  # unit vector along the branch: motions / size [n], the value / range
-
-    @property
-    def turning(self) -> float:
-        """Change of the value along the branch; 0 at a fold."""
-        return float(self.way[-1])
-
-    def ahead(self, length: float) -> Array:
-        """The pose at a length along the tangent, [nb, 3]."""
-        return self.balance.pose_after(self.pose, self.way[:-1] * length * self.balance.size)
+    return _Follower(make, at, begin, end, count, on_point).follow_all(first.balance)
 
 
 class _Follower:
@@ -151,7 +135,7 @@ class _Follower:
                 mechanism, mechanism.run.duration if self._time is None else self._time)
         return self._made[value]
 
-    def _point(self, value: float, balance: PoseBalance, ahead: Array | None) -> _Point:
+    def _point(self, value: float, balance: PoseBalance, ahead: Array | None) -> BranchRest:
         """A point, with the direction of its branch along ``ahead``; upwards by default."""
         pose, size = balance.still.pose, balance.size
         slope, closing = self._derivatives(value, pose, balance)
@@ -164,7 +148,7 @@ class _Follower:
         if (way @ ahead if ahead is not None and len(ahead) == len(way) else dp) < 0:
             way = -way
         self.at(value).start(pose)
-        return _Point(value, pose, balance, way)
+        return BranchRest(value, AtRest(balance.run, "", balance, "", 0, size), balance, pose, way)
 
     def _derivatives(self, value: float, pose: Array, balance: PoseBalance) -> tuple[Array, Array]:
         """By the value: forces along free motions, and the motion of joints."""
@@ -176,7 +160,7 @@ class _Follower:
         slope = balance.free.T @ ((more.force - balance.force) / by - balance.whole @ closing)
         return slope, closing
 
-    def _onto(self, point: _Point, value: float) -> _Point | None:
+    def _onto(self, point: BranchRest, value: float) -> BranchRest | None:
         """The point of a value near another; None where there is none on the branch."""
         if point.turning == 0:
             return None
@@ -195,7 +179,7 @@ class _Follower:
         found = self._point(value, balance, point.way)
         return found if found.way @ point.way > 0.5 else None
 
-    def _step(self, point: _Point, length: float) -> _Point | None:
+    def _step(self, point: BranchRest, length: float) -> BranchRest | None:
         """The point at a length along the branch; None where Newton's method fails."""
         size, value = point.balance.size, point.value + length * point.turning * self._span
         pose = point.ahead(length)
@@ -231,7 +215,7 @@ class _Follower:
             value += float(dp)
         return None
 
-    def _along(self, point: _Point, value: float, pose: Array) -> float:
+    def _along(self, point: BranchRest, value: float, pose: Array) -> float:
         motion = point.balance.motion_between(point.pose, pose) / point.balance.size
         return float(point.way @ np.append(motion, (value - point.value) / self._span))
 
@@ -276,7 +260,7 @@ class _Follower:
         branch.ends = f"it goes on at {point.value:.6g}"
         return False, branch
 
-    def _next(self, point: _Point) -> _Point | None:
+    def _next(self, point: BranchRest) -> BranchRest | None:
         """The point of the next value of the grid if that is near, else one at a length."""
         ahead = (self._grid - point.value) * np.sign(point.turning)
         ahead = np.where(ahead > WITHIN * self._span, ahead, np.inf)
@@ -292,24 +276,21 @@ class _Follower:
             length /= 4
         return None
 
-    def _fold(self, before: _Point, after: _Point) -> _Point:
+    def _fold(self, before: BranchRest, after: BranchRest) -> BranchRest:
         """The fold between two points: where the value does not change along the branch."""
         from scipy.optimize import brentq
-        best = before if abs(before.turning) < abs(after.turning) else after
+        tried = [before, after]
 
         def turning(length: float) -> float:
-            nonlocal best
-            point = self._step(before, length)
-            if point is None:
+            if (point := self._step(before, length)) is None:
                 raise ArithmeticError
-            if abs(point.turning) < abs(best.turning):
-                best = point
+            tried.append(point)
             return 0.0 if abs(point.turning) <= FLAT else point.turning
 
         length = self._along(before, after.value, after.pose)
         with suppress(ArithmeticError, ValueError):  # no point between them, or no sign change
             brentq(turning, 0.0, length, xtol=1e-15)
-        return best
+        return min(tried, key=lambda point: abs(point.turning))
 
     def _release(self, branch: Branch) -> tuple[float, PoseBalance] | None:
         """An equilibrium beyond a fold or the end of a branch that is on no branch yet."""
@@ -318,9 +299,7 @@ class _Follower:
             if (value - self._end) * self._sense > 0:
                 continue
             settler = self.at(value)
-            pose = stop.rest.recording.arrays["body_pose"][0]
-            centres = placed(pose, settler.model.bodies.centre)
-            settler.start(np.column_stack([centres, pose[:, 2]]))
+            settler.start(stop.pose)
             try:
                 rest = settle(settler, "", settler.steps)
             except (Unsettled, SimulationDiverged):
@@ -345,8 +324,7 @@ class _Follower:
                     return True
         return False
 
-    def _add(self, branch: Branch, point: _Point, *, fold: bool = False) -> None:
-        rest = AtRest(point.balance.run, "", point.balance, "", 0, point.balance.size)
-        branch.stops.append(BranchRest(point.value, rest, fold))
+    def _add(self, branch: Branch, point: BranchRest, *, fold: bool = False) -> None:
+        branch.stops.append(replace(point, fold=fold))
         self._points += 1
         self._on_point(self._points, point.value)

@@ -32,7 +32,7 @@ from sandbox.model.pairs import friction_of
 from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording
 from sandbox.samples.yielding import NOTHING, Yielding, without_stiffness
-from sandbox.scene.geometry import centre_of, reach_of
+from sandbox.scene.geometry import reach_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
@@ -56,12 +56,12 @@ class PoseBalance:
         kept = np.array(self.yielding.kept).reshape(-1, len(self.mass)) * self.scale
         length = np.linalg.norm(kept, axis=1, keepdims=True)
         self._rows = (kept / np.maximum(length, 1e-300))[length[:, 0] > 0]
+        # motions that no constraint forbids, rotations as lengths, orthonormal [n, k]
         self.free: Array = null_space(self._rows, rcond=RANK)
-        """Motions that no constraint forbids, rotations as lengths, orthonormal [n, k]."""
         self.speed = still.speed[bodies].reshape(-1)  # velocities after the step from rest, [n]
+        # stiffness of all motions [n, n], and of the free ones [k, k], N/m
         self.whole = np.asarray(self.scale * self.yielding.stiffness * self.scale[:, None])
-        """Stiffness of all motions, [n, n] N/m."""
-        self.stiffness = self.free.T @ self.whole @ self.free  # [k, k] N/m
+        self.stiffness = self.free.T @ self.whole @ self.free
         self.force = self.scale * self._force()  # residual forces, with constraint forces, [n] N
         self.largest = self.yielding.largest  # the largest force on anything [N]
         self.left = self.free.T @ self.force  # residual forces along free motions, [k] N
@@ -134,9 +134,7 @@ Newton's method does not converge, by rounding or where something just touches."
 MAX_ITERATIONS = 25  # of Newton's method; near an equilibrium four are enough
 EXACT = 1e-11  # motion, relative to the size, at which Newton's method ends; gaps close to 1e-13 m
 BLOCK = 4  # steps between two evaluations of the energy
-MAX_WAY = 0.02
-"""Of the size: longest motion of a point in a step; never more than half of the distance at which
-contacts are detected."""
+MAX_WAY = 0.02  # longest motion of a point in a step, relative to the size
 FAR, TURNS = 10.0, 60.0  # motion of a body that nothing holds: times the size, and [rad]
 PUSH = 4e-5  # step of scheduled bodies [m]: the engine removes an overlap at 0.1 m/s
 TURN = 0.02  # rotation of a hinge in one step [rad]
@@ -187,10 +185,12 @@ class Settler:
             if last is not None and np.array_equal(last, drive) and not moved:
                 continue
             self._push(places, drive)
-            why = self._relax(drive, MAX_STEPS // 4, NEAR[0])
-            if why and not self.remark and time < self.time:
-                self.remark = (f"with the drives as at t = {time:.3g} s it does not come to rest, "
-                               f"{why}: what follows depends on more than a slow load")
+            try:
+                self._relax(drive, MAX_STEPS // 4, NEAR[0])
+            except Unsettled as why:
+                if not self.remark and time < self.time:
+                    self.remark = (f"with the drives as at t = {time:.3g} s it does not come to "
+                                   f"rest, {why}: what follows depends on more than a slow load")
             last = drive
 
     def start(self, pose: Array) -> None:
@@ -202,7 +202,7 @@ class Settler:
     def settle(self) -> PoseBalance | None:
         """Come to rest from the present pose; None where the stiffness is unknown."""
         for rest in NEAR if not self.untold else ():
-            self._come_to_rest(rest)
+            self._relax(self.drive, MAX_STEPS, rest)
             pose = self.still.pose
             try:
                 found = self.polished()
@@ -212,7 +212,7 @@ class Settler:
             if found is not None and found.stable:
                 return found
             self.still.put(pose)
-        self._come_to_rest(REST)
+        self._relax(self.drive, MAX_STEPS, REST)
         if self.untold:
             return None
         if (found := self.polished()) is not None:
@@ -246,12 +246,8 @@ class Settler:
         self.still.put(pose)
         return found
 
-    def _come_to_rest(self, rest: float) -> None:
-        if why := self._relax(self.drive, MAX_STEPS, rest):
-            raise Unsettled(why)
-
-    def _relax(self, drive: Array, steps: int, rest: float) -> str:
-        """Kinetic damping until steps move less than ``rest``; why that fails, or an empty text."""
+    def _relax(self, drive: Array, steps: int, rest: float) -> None:
+        """Kinetic damping until steps move less than ``rest``; otherwise :class:`Unsettled`."""
         still, begin = self.still, self.still.pose
         last, fresh, until = 0.0, True, self.steps + steps
         still.slow(0.0)
@@ -265,11 +261,11 @@ class Settler:
             worst = int(np.argmax(way))
             if fresh and way[worst] <= rest * self.size:
                 still.slow(0.0)
-                return ""
+                return
             x, y, turn = np.abs((still.pose - begin)[worst])
             if self.steps >= until or max(x, y) > FAR * self.size or turn > TURNS:
                 still.slow(0.0)
-                break
+                raise Unsettled(self._still_moving(drive, worst))
             energy = float((still.mass[self._free] * speed[self._free] ** 2).sum() / 2)
             if not fresh and energy < last:
                 still.slow(0.0)
@@ -281,12 +277,13 @@ class Settler:
                 still.slow(share)
                 last *= share * share
 
-        drives, name = self.model.drives, quoted(self.model.bodies.name[worst])
-        rates = [drives.name[i] for i, kind in enumerate(drives.kind)
-                 if kind.unit in ("rad/s", "m/s") and drive[i] != 0]
-        moved = (still.pose - self.first)[worst]
-        if rates:
-            return f"the drive {quoted(rates[0])} goes on for ever, and {name} with it"
+    def _still_moving(self, drive: Array, body: int) -> str:
+        """Why a body does not come to rest."""
+        drives, name = self.model.drives, quoted(self.model.bodies.name[body])
+        moved = (self.still.pose - self.first)[body]
+        for i, kind in enumerate(drives.kind):
+            if kind.unit in ("rad/s", "m/s") and drive[i] != 0:
+                return f"the drive {quoted(drives.name[i])} goes on for ever, and {name} with it"
         if (gone := float(np.hypot(*moved[:2]))) > self.size:
             return f"nothing holds {name}: it has gone {gone:.3g} m and goes on"
         if abs(moved[2]) > TURNS:
@@ -294,22 +291,21 @@ class Settler:
         return f"{name} still moves after {self.steps} steps"
 
     def _push(self, places: Array, drive: Array) -> None:
-        on = self.still.scheduled
-        if not len(on):
-            return
-        begin = self.still.pose[on]
+        """Move the scheduled bodies to their places, slowly."""
+        on, still = self.still.scheduled, self.still
+        begin = still.pose[on]
         way = places - begin
         far = np.abs(way[:, :2]).sum(axis=1) + self._reach[on] * np.abs(way[:, 2])
         count = int(np.ceil(far.max(initial=0.0) / PUSH))
         for k in range(1, count + 1):
-            moved = self.still.pose + self.still.step_size * self.still.speed
+            moved = still.pose + still.step_size * still.speed
             moved[on] = begin + way * k / count
-            self.still.put(moved)
-            self.still.move(drive)
+            still.put(moved)
+            still.move(drive)
         if count:
-            pose = self.still.pose
+            pose = still.pose
             pose[on] = places
-            self.still.put(pose)
+            still.put(pose)
 
 
 def _grips(model: Model) -> bool:
@@ -329,15 +325,13 @@ def _no_stiffness(model: Model) -> str:
 
 def _reaches(model: Model) -> Array:
     """Largest distance of any point of each body from its centre of mass, [nb] m."""
-    found = np.array([reach_of(body, centre_of(body)) if body.motion == "dynamic"
-                      else reach_of(body, (0.0, 0.0)) for body in model.mechanism.bodies])
-    centre, tendons = model.bodies.centre, model.tendons
-    points = [(model.joints.bodies.reshape(-1), model.joints.anchor.reshape(-1, 2)),
-              (model.springs.bodies.reshape(-1), model.springs.anchor.reshape(-1, 2)),
-              (tendons.guide_body, tendons.guide_at)]
-    for bodies, at in points:
-        far = np.nan_to_num(np.hypot(*(at - centre[bodies]).T))
-        np.maximum.at(found, bodies, far)
+    centre, joints, springs, tendons = (
+        model.bodies.centre, model.joints, model.springs, model.tendons)
+    found = np.array([reach_of(body, (x, y)) for body, (x, y) in zip(
+        model.mechanism.bodies, centre.tolist(), strict=True)])
+    for bodies, at in ((joints.bodies, joints.anchor), (springs.bodies, springs.anchor),
+                       (tendons.guide_body, tendons.guide_at)):
+        np.maximum.at(found, bodies, np.nan_to_num(np.hypot(*(at - centre[bodies]).T).T))
     return found
 
 

@@ -42,21 +42,17 @@ from sandbox.wording import quoted
 
 FORMAT = 1
 MECHANISM, INFO = "mechanism.json", "info.json"
-IN_MEMORY = 1 << 26
-"""Bytes of arrays up to which a recording is read into memory; larger ones are mapped."""
+IN_MEMORY = 1 << 26  # Bytes up to which a recording is read into memory; others are mapped
 MAX_UNPACKED = 100_000_000  # Bytes that compressed members may have together
-MAX_TEXT, MAX_INFO = 20_000_000, 1_000_000
-"""Bytes of the mechanism's text, and of the description of the run."""
+MAX_TEXT, MAX_INFO = 20_000_000, 1_000_000  # Bytes of mechanism.json and info.json
 ANY = 10**18
 LIMITS = Limits(problems=1, bodies=10_000, elements=100_000, values=1_000_000, steps=ANY,
                 samples=ANY, recorded_bytes=ANY, frames=ANY)
-"""Of a mechanism, far above the defaults for scenes."""
 PIECE = 1 << 20  # Bytes of a mapped array that are read at a time
 ROUNDING = 1e-9
-ALIGN, PADDING, SIZES = 64, "<HHH", 20
-"""Alignment of arrays; zip's format of padding; bytes of sizes beyond 4 GB."""
+ALIGN, PADDING, SIZES = 64, "<HHH", 20  # of arrays; zip's padding; bytes of sizes beyond 4 GB
+# keys of info that are left out where they are empty
 RARE = ("events", "broke", "stopped", "controllers", "contact_solver")
-"""Keys of ``info`` that are left out where they are empty."""
 NAME = re.compile(r"\w{1,64}\.(npy|json)", re.ASCII)
 
 
@@ -107,8 +103,6 @@ def read(path: Path) -> tuple[Mechanism, Arrays, Outcome, str]:
                           code="run-damaged") from None
     except OutputError:
         raise
-    except ValueError as error:
-        raise OutputError(f"{path} is damaged: {line_of(error)}", code="run-damaged") from None
     except Exception as error:  # zip, zlib, numpy and json each raise their own on garbage
         raise OutputError(f"{path} is not a recording, or damaged: {line_of(error)}",
                           code="run-damaged") from None
@@ -178,15 +172,13 @@ class _Reading:
 
     def arrays(self, mechanism: Mechanism) -> Arrays:
         """The arrays in memory, or mapped where they are large; with plausible numbers."""
-        heads = {row.name: self._head(row, self.members[f"{row.name}.npy"])
-                 for row in ARRAYS if f"{row.name}.npy" in self.members}
-        if mechanism.meters and METERS not in heads:
+        found = {row: self.members[f"{row.name}.npy"] for row in ARRAYS
+                 if f"{row.name}.npy" in self.members}
+        if mechanism.meters and f"{METERS}.npy" not in self.members:
             raise ValueError(f"array {METERS!r} is missing")
-        large = 8 * sum(math.prod(shape) for shape, _ in heads.values()) > IN_MEMORY
-        arrays = {name: self._array(name, *head, mapped=large) for name, head in heads.items()}
-        for row in ARRAYS:
-            if row.name in arrays and (bad := fault(row, arrays[row.name])):
-                raise ValueError(f"array {row.name!r} {bad}")
+        large = sum(member.file_size for member in found.values()) > IN_MEMORY
+        arrays = {row.name: self._array(row, member, mapped=large)
+                  for row, member in found.items()}
         time, end = arrays.get("time", np.zeros(0)), mechanism.run.duration + mechanism.run.step
         if len(time) and time[-1] > end * (1 + ROUNDING):
             raise ValueError(f"array 'time' goes on after the run's end of {end:.9g} s: "
@@ -197,41 +189,36 @@ class _Reading:
                                  "which moves freely")
         return arrays
 
-    def _head(self, row: Recorded, member: zipfile.ZipInfo) -> tuple[tuple[int, ...], int]:
-        """The shape of an array, and the bytes before its numbers."""
+    def _array(self, row: Recorded, member: zipfile.ZipInfo, *, mapped: bool) -> NDArray[Any]:
+        wanted, header = np.dtype(dtype_of(row.name)).newbyteorder("<"), np.lib.format
         with self.archive.open(member) as stream:
             try:
-                if np.lib.format.read_magic(stream) != (1, 0):
+                if header.read_magic(stream) != (1, 0):
                     raise ValueError
-                shape, by_columns, given = np.lib.format.read_array_header_1_0(stream)
+                shape, by_columns, given = header.read_array_header_1_0(stream)
             except ValueError:
                 raise ValueError(f"{member.filename!r} is not an array of numbers") from None
-            header = stream.tell()
-        wanted = np.dtype(dtype_of(row.name))
-        if given != wanted.newbyteorder("<"):
-            raise ValueError(f"array {row.name!r} holds {given}, expected {wanted}")
-        if by_columns and len(shape) > 1:
-            raise ValueError(f"array {row.name!r} is stored column by column")
-        if min(shape, default=0) < 0 or header + 8 * math.prod(shape) != member.file_size:
-            raise ValueError(f"array {row.name!r} of shape {shape} does not take the "
-                             f"{member.file_size} bytes that it has")
-        return shape, header
-
-    def _array(
-        self, name: str, shape: tuple[int, ...], header: int, *, mapped: bool,
-    ) -> NDArray[Any]:
-        member = self.members[f"{name}.npy"]
-        with self.archive.open(member) as stream:
+            begin = stream.tell()
+            if given != wanted:
+                raise ValueError(f"array {row.name!r} holds {given}, expected {wanted}")
+            if by_columns and len(shape) > 1:
+                raise ValueError(f"array {row.name!r} is stored column by column")
+            if min(shape, default=0) < 0 or begin + 8 * math.prod(shape) != member.file_size:
+                raise ValueError(f"array {row.name!r} of shape {shape} does not take the "
+                                 f"{member.file_size} bytes that it has")
+            # a member is read to its end, where its checksum is compared
             if not mapped or 0 in shape or member.compress_type != zipfile.ZIP_STORED:
-                array: NDArray[Any] = np.lib.format.read_array(stream)
-                stream.read(1)  # the checksum is compared where the member ends
-                return array
-            while stream.read(PIECE):  # for the checksum
-                pass
-        self.file.seek(member.header_offset)
-        label, extra = struct.unpack("<26xHH", self.file.read(30))
-        offset = member.header_offset + 30 + label + extra + header
-        return np.memmap(self.file, np.dtype(dtype_of(name)).newbyteorder("<"), "r", offset, shape)
+                array = np.array(np.frombuffer(stream.read(), wanted)).reshape(shape)
+            else:
+                while stream.read(PIECE):
+                    pass
+                self.file.seek(member.header_offset)
+                label, extra = struct.unpack("<26xHH", self.file.read(30))
+                begin += member.header_offset + 30 + label + extra
+                array = np.memmap(self.file, wanted, "r", begin, shape)
+        if bad := fault(row, array):
+            raise ValueError(f"array {row.name!r} {bad}")
+        return array
 
 
 def fault(row: Recorded, array: NDArray[Any]) -> str:

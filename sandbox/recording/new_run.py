@@ -33,15 +33,12 @@ SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS = (
 FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS,
          *(f"{kind}.csv" for kind in ("tendons", "joints", "bodies", "drives", "springs", "lines",
                                       "valves", "loads", "meters")))
-"""The numbers of a run, whatever it records."""
 FILMS = ("animation.gif", "animation.mp4")
 PAGE = "report.html"  # What ``sandbox report`` writes
 FRAMES, FRAME = "frames", "frame_?????.png"  # Where pictures of a film go, and what they are called
 BESIDE = "incomplete"  # Where a run that was stopped is put if a complete one is there
 OWN = (*FILES, *FILMS, PAGE, "plot.png", "plot.svg", "plot.pdf")
-"""Files of a run in its directory, and files that commands make from it."""
-MADE, MAX_MADE = ".made", 1_000_000
-"""A list of other files that were made of the run: they go when it goes; its most bytes."""
+MADE, MAX_MADE = ".made", 1_000_000  # A list of other files made of the run; its bytes
 MARK = {"format": 1, "complete": False,
         "reason": "stopped while the files of a new run were put in place of an older one's"}
 

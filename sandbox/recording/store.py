@@ -15,10 +15,9 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
-from sandbox.atomic_files import atomic_file, write_atomic
-from sandbox.audit.figures import Figure, figure_data
+from sandbox.atomic_files import atomic_file, json_text, write_atomic
+from sandbox.audit.evidence import Figure
 from sandbox.elements.arrays import Arrays
 from sandbox.errors import OutputError
 from sandbox.recording import archive, tables
@@ -29,11 +28,9 @@ from sandbox.samples.samples import TABLES, Samples
 from sandbox.scene.mechanism import Mechanism
 
 RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
-EDITED = ("was changed: it does not name its run, and its checks are ignored")
-"""The note of a run with a summary that was changed or cut off."""
+EDITED = "was changed: it does not name its run, and its checks are ignored"
 HEAD = 1024  # Bytes of a summary in which its id stands
-MAX_SUMMARY, MAX_WORDS = 64_000_000, 2000
-"""Bytes of a summary that is read as a whole, and letters of a text in it."""
+MAX_SUMMARY, MAX_WORDS = 64_000_000, 2000  # Bytes of a summary, letters of a text in it
 
 
 def save_data(run: Samples, directory: Path) -> None:
@@ -83,17 +80,12 @@ def save_summary(
         "platform": platform.platform(),
         "wall_s": {**info["wall_s"], **(wall_s or {})},
         "notes": run.notes,
-        "events": info["events"],
-        "broke": info["broke"],
-        "stopped": info["stopped"],
-        "controllers": info["controllers"],
-        "contact_solver": info["contact_solver"],
+        **{key: info[key] for key in archive.RARE},
         "expectations": [asdict(verdict) for verdict in verdicts],
-        "audit": [figure_data(figure) for figure in figures],
+        "audit": [vars(figure) for figure in figures],
         "scene": mechanism.model_dump(mode="json", by_alias=True),
     }
-    write_atomic(path, json.dumps(
-        _plain(content), indent=2, allow_nan=False, ensure_ascii=False) + "\n")
+    write_atomic(path, json_text(content, indent=2) + "\n")
     return path
 
 
@@ -143,14 +135,3 @@ def saved_audit(directory: Path) -> list[Figure]:
     except (AttributeError, OSError, ValueError, TypeError, KeyError, RecursionError):
         return []
     return found
-
-
-def _plain(value: Any) -> Any:
-    """JSON has no infinity and no nan."""
-    if isinstance(value, Mapping):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

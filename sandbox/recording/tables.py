@@ -23,8 +23,7 @@ from sandbox.samples.samples import TABLES, Samples
 from sandbox.values.units import normal_unit
 
 NUMBER = "%.12g"
-ALWAYS = ("tendons", "joints", "bodies", "drives")
-"""Tables that are written even without a column but the time."""
+ALWAYS = ("tendons", "joints", "bodies", "drives")  # written even without columns
 BLOCK = 250_000  # Numbers that are turned into text at a time
 
 

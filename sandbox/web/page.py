@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sandbox.audit.figures import Figure
+from sandbox.audit.evidence import Figure
 from sandbox.elements.quantities import GRASP, by_telling
 from sandbox.errors import OutputError
 from sandbox.figure import style

@@ -15,8 +15,7 @@ import pytest
 
 from sandbox.audit.audit import audit
 from sandbox.audit.energy import starts
-from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import Figure
+from sandbox.audit.evidence import Evidence, Figure
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from tests.engine.machines import G, fixed, mechanism
