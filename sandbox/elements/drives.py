@@ -156,7 +156,7 @@ class ForceDrive(DriveSpec):
                 else mover.direction(self.body, self.direction)}
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
-        frame = None if self.turning else draft.world_frame()
+        frame = None if self.turning else draft.world_frame
         site = draft.site(draft.target(index), f"{self.name}.site", self.at)
         draft.motor(index, gear=(*self.along, 0, 0, 0, 0), site=site, refsite=frame)
 

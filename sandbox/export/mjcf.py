@@ -16,10 +16,12 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
+import re
 import xml.etree.ElementTree as ET
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal, cast
 
 import numpy as np
@@ -174,51 +176,21 @@ def freedoms(model: Model, link: Link) -> list[Freedom]:
     return [hinge, slide] if link.backwards else [slide, hinge]
 
 
-def angle_sum(
-    model: Model, joint: int, tree: Tree, moves: Mapping[int, Sequence[Freedom]],
-) -> tuple[dict[str, float], float]:
-    """The angle of a pin that closes a loop [rad]: factors of coordinates by name, an offset."""
-    sense = float(model.joints.sense[joint])
-    a, b = model.joints.bodies[joint].tolist()
-    factors: dict[str, float] = {}
-    start: dict[str, float] = {}
-    for body, side in ((b, sense), (a, -sense)):
-        for link in tree.line(body):
-            for freedom in moves[link.body]:
-                if freedom.kind == "hinge":
-                    start[freedom.name] = freedom.start
-                    factors[freedom.name] = factors.get(freedom.name, 0.0) + side * freedom.axis[2]
-    factors = {name: factor for name, factor in factors.items() if factor}
-    offset = sum(factor * start[name] for name, factor in factors.items())
-    return factors, float(model.joints.start[joint]) - offset
-
-
-
-DIGITS = 12
-
-
 def number(value: float) -> str:
-    """A number with :data:`DIGITS` digits; never ``-0``."""
-    return f"{value + 0.0:.{DIGITS}g}" if value else "0"
+    """A number with 12 digits; never ``-0``."""
+    return f"{value + 0.0:.12g}" if value else "0"
 
 
 # of an attribute: a word, a number, or numbers in a row; None leaves it out
 Value = str | float | Sequence[float] | None
 
 
-def element(tag: str, /, **attributes: Value) -> ET.Element:
-    """A new element."""
-    return ET.Element(tag, {
+def add(parent: ET.Element, tag: str, /, **attributes: Value) -> ET.Element:
+    """A new element at the end of ``parent``."""
+    return ET.SubElement(parent, tag, {
         key: _plain(value) if isinstance(value, str) else
         number(value) if isinstance(value, int | float) else " ".join(map(number, value))
         for key, value in attributes.items() if value is not None})
-
-
-def add(parent: ET.Element, tag: str, /, **attributes: Value) -> ET.Element:
-    """A new element (see :func:`element`) at the end of ``parent``."""
-    made = element(tag, **attributes)
-    parent.append(made)
-    return made
 
 
 def _plain(text: str, kept: str = "") -> str:
@@ -228,9 +200,7 @@ def _plain(text: str, kept: str = "") -> str:
 
 def comment(text: str) -> ET.Element:
     """A comment; text that XML forbids is replaced."""
-    plain = _plain(text, "\n")
-    while "--" in plain:
-        plain = plain.replace("--", "- -")
+    plain = re.sub("-(?=-)", "- ", _plain(text, "\n"))
     return cast("ET.Element", ET.Comment(f" {plain} "))
 
 
@@ -252,8 +222,8 @@ class Draft:
         self.root = ET.Element("mujoco", {"model": self.mechanism.name or "mechanism"})
         self.sections = {name: add(self.root, name) for name in SECTIONS}
         # sites and pulleys, until the bodies are written
-        self.on_body: dict[int, list[ET.Element]] = {
-            body: [] for body in (NONE, *range(len(model.bodies.name)))}
+        self.on_body = {
+            body: ET.Element("body") for body in (NONE, *range(len(model.bodies.name)))}
         self.coils: dict[int, list[int]] = defaultdict(list)  # rotary springs of a hinge
         self.brakes: dict[int, float] = {}  # torque of a hinge's brake [N m]
         self.driven: set[int] = set()  # hinges with a torque
@@ -266,7 +236,6 @@ class Draft:
             replace(move, name=self.unique("joint", move.name))
             if move.made else move for move in freedoms(model, link)
         ] for body, link in tree.links.items()}
-        self._world_frame = ""
 
     def unique(self, kind: str, name: str) -> str:
         """A new name of a joint, site ...: ``name``, with ``_`` appended until it is free."""
@@ -290,20 +259,16 @@ class Draft:
             point = to_world(link.pose, point)
         return point
 
-    def carried(self, joint: int) -> bool:
-        """Whether a joint carries a body; otherwise it closes a loop."""
-        return any(link.joint == joint for link in self.tree.links.values())
-
     def site(self, body: int, wanted: str, at: Vec = (0.0, 0.0), **more: str | float) -> str:
         """Add a site to a body and return its name."""
         name = self.unique("site", wanted)
-        self.on_body[body].append(element("site", name=name, pos=(*at, 0.0), **more))
+        add(self.on_body[body], "site", name=name, pos=(*at, 0.0), **more)
         return name
 
+    @cached_property
     def world_frame(self) -> str:
         """The name of a site with the axes of the world."""
-        self._world_frame = self._world_frame or self.site(NONE, "frame")
-        return self._world_frame
+        return self.site(NONE, "frame")
 
     def sense(self, kind: str, wanted: str, **what: str) -> None:
         """Add a sensor."""
@@ -317,11 +282,27 @@ class Draft:
         """Attribute of an actuator of a hinge: its joint, or the tendon of a closed loop."""
         joint = self.target(drive)
         self.driven.add(joint)
-        return {"joint" if self.carried(joint) else "tendon": self.model.joints.name[joint]}
+        kind = "tendon" if joint in self.tree.loops else "joint"
+        return {kind: self.model.joints.name[joint]}
+
+    def angle_sum(self, joint: int) -> tuple[dict[str, float], float]:
+        """The angle of a pin that closes a loop [rad]: factors of coordinates, and an offset."""
+        sense, factors = float(self.model.joints.sense[joint]), dict[str, float]()
+        a, b = self.model.joints.bodies[joint].tolist()
+        hinges = {move.name: move for moves in self.moves.values() for move in moves
+                  if move.kind == "hinge"}
+        for body, side in ((b, sense), (a, -sense)):
+            for link in self.tree.line(body):
+                for move in self.moves[link.body]:
+                    if move.kind == "hinge":
+                        factors[move.name] = factors.get(move.name, 0.0) + side * move.axis[2]
+        factors = {name: factor for name, factor in factors.items() if factor}
+        offset = sum(factor * hinges[name].start for name, factor in factors.items())
+        return factors, float(self.model.joints.start[joint]) - offset
 
     def angle_offset(self, drive: int) -> float:
         """Angle minus coordinate of a hinge that closes a loop [rad]."""
-        return angle_sum(self.model, self.target(drive), self.tree, self.moves)[1]
+        return self.angle_sum(self.target(drive))[1]
 
     def final_value(self, drive: int) -> float:
         """Value of a drive at the end of the run, SI."""
@@ -344,7 +325,6 @@ class Draft:
         add(section, what, name=name, **attributes)
         self.controls.append(max(end, float(self.model.drives.floor[drive])))
         self.sense("actuatorfrc", f"{name}.{gives}", actuator=name)
-
 
 
 # solimp: the hardest constraint that MuJoCo allows, whatever its depth
@@ -550,8 +530,8 @@ def add_links(draft: Draft) -> None:
             draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
     for joint in draft.tree.loops:  # of a weld the site on a is rotated
         name, (a, b), (on_a, on_b) = joints.name[joint], bodies[joint], anchors[joint]
-        turns, poses = joints.turns[joint], model.bodies.pose
-        angle = 0.0 if turns else float(poses[b, 2] - poses[a, 2])
+        turns = joints.turns[joint]
+        angle = 0.0 if turns else float(model.bodies.pose[b, 2] - model.bodies.pose[a, 2])
         more = {"euler": f"0 0 {angle:.12g}"} if angle else {}
         add(draft.sections["equality"], "connect" if turns else "weld", name=name,
             site1=draft.site(a, f"{name}.a", on_a, **more),
@@ -569,8 +549,7 @@ def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
         law["springref"] = sum(k * rest for k, rest, _ in laws) / stiffness
     if damping := float(draft.model.joints.damping[joint]) + sum(c for _, _, c in laws):
         law["damping"] = damping
-    loss = float(draft.model.joints.friction[joint]) + max(draft.brakes.get(joint, 0.0), 0.0)
-    if loss > 0:
+    if loss := float(draft.model.joints.friction[joint]) + max(draft.brakes.get(joint, 0.0), 0.0):
         law["frictionloss"] = loss
     return law
 
@@ -579,7 +558,7 @@ def _add_closing_angle(draft: Draft, joint: int) -> None:
     """Add a fixed tendon with the spring, damper, brake and stops of a pin that closes a loop."""
     law, joints = hinge_law(draft, joint), draft.model.joints
     limits = joints.stops[joint] if joint in joints.stopped else None
-    factors, offset = angle_sum(draft.model, joint, draft.tree, draft.moves)
+    factors, offset = draft.angle_sum(joint)
     if not factors or not (law or joint in draft.driven or limits is not None):
         return
     rest = law.pop("springref", None)
@@ -665,7 +644,6 @@ def _thread(draft: Draft, cable: ET.Element, tendon: int, start: Stretches) -> N
         middle = arc_of(draft.model, start, guide)[0] - float(draft.model.bodies.pose[body, 2])
         beside = (at[0] + 1.5 * radius * math.cos(middle), at[1] + 1.5 * radius * math.sin(middle))
         wheel = draft.unique("geom", name)
-        draft.on_body[body].append(element(
-            "geom", name=wheel, type="cylinder", size=(radius, radius / 4),
-            pos=(*at, 0.0), rgba=WHEEL))
+        add(draft.on_body[body], "geom", name=wheel, type="cylinder",
+            size=(radius, radius / 4), pos=(*at, 0.0), rgba=WHEEL)
         add(cable, "geom", geom=wheel, sidesite=draft.site(body, f"{name}.side", beside))

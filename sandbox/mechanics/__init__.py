@@ -20,11 +20,6 @@ corrections of misprints:
 | (30) | `springs.SpringSet.elongations` | |
 | (31) | `chain.transforms` | any number of phalanges |
 
-Beyond the paper: `statics` (joint torques, contact forces, which of them are determined),
-`transmission` (ratios, the equilibrium curve, isotropy), `grasp_state` (the grasp-state map),
-`grasp` (a finger around a disc), `closure` (force closure, epsilon, isotropy), `grasp_stiffness`,
-`four_bar` (linkages, fingers that a crank closes). docs/mechanics.md has worked examples.
-
 Everything takes and returns NumPy arrays in SI units and broadcasts over leading axes such as time.
 A ``ValueError`` that names the argument, its value and its unit is raised for values out of the
 stated range or not finite, for arrays that do not fit together, and for impossible geometry.

@@ -103,10 +103,7 @@ def grasp_epsilon(
     contacts: ArrayLike, normals: ArrayLike, friction: ArrayLike, *,
     centre: ArrayLike, length: float,
 ) -> Array:
-    """Ferrari and Canny's epsilon, shape [...]; above 0 exactly where there is force closure.
-
-    The arguments are those of :func:`contact_wrenches`.
-    """
+    """Ferrari and Canny's epsilon of :func:`contact_wrenches`, shape [...]; 0 without closure."""
     return largest_ball(contact_wrenches(contacts, normals, friction, centre=centre, length=length))
 
 
@@ -121,17 +118,16 @@ def grasp_isotropy(
     The arguments are those of :func:`contact_wrenches`.
     """
     n = points("normals", normals, unit="1")
-    frictions = np.broadcast_to(np.asarray(friction, dtype=np.float64) > 0, n.shape[:-1])
+    rough = np.broadcast_to(np.asarray(friction, dtype=np.float64) > 0, n.shape[:-1])
     along = contact_wrenches(contacts, n, 0.0, centre=centre, length=length)
     t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
     across = contact_wrenches(contacts, t, 0.0, centre=centre, length=length)
     m = n.shape[-2]
-    G = np.concatenate([along[..., :m, :], across[..., :m, :] * frictions[..., None]], axis=-2)
+    G = np.concatenate([along[..., :m, :], across[..., :m, :] * rough[..., None]], axis=-2)
     if 2 * m < 3:
         return np.zeros(n.shape[:-2])
     values = np.linalg.svd(G, compute_uv=False)
-    large, least = values[..., 0], values[..., 2]
-    share = least / np.where(large > 0, large, 1.0)
+    share = values[..., 2] / np.where(values[..., 0] > 0, values[..., 0], 1.0)
     return np.where(share > CLOSED, share, 0.0)
 
 

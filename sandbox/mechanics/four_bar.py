@@ -19,9 +19,8 @@ d(theta_1) + X d(theta_2), X = h / (h + l_1), and the virtual work of a torque T
 
     tau_1 = T_a,   tau_2 = X T_a - k (theta_2 - rest)                    [N m]
 
-With an X that depends on the pose the grasp-state plane holds for it; without a spring the proximal
-contact holds where k_2 > h cos(theta_2). Birglen, Laliberte and Gosselin, Underactuated Robotic
-Hands (2008).
+Without a spring the proximal contact holds where k_2 > h cos(theta_2) (Birglen, Laliberte and
+Gosselin, Underactuated Robotic Hands, 2008).
 """
 
 from __future__ import annotations

@@ -1,19 +1,15 @@
 """The grasp-state plane of two phalanges: which contacts hold, which slide, which eject.
 
-A finger of two phalanges touches a fixed object with both; k_2 is the distance of the distal
-contact from hinge 2, theta_2 the angle there. Both contacts push where tau_2 > 0 and k_2 lies
-beyond the equilibrium curve (:mod:`sandbox.mechanics.transmission`). Where f_1 < 0, the proximal
-phalanx separates and the distal one slides along the object, without friction. With O the object's
-centre (a point, or a disc of radius r), a = r + rho_2 its distance from the distal axis [m] and D
-[m] its distance from hinge 1, both constant,
-
-    D^2 = (k_2 + l_1 cos theta_2)^2 + (a - l_1 sin theta_2)^2
+Both contacts push where tau_2 > 0 and k_2 lies beyond the equilibrium curve
+(:mod:`sandbox.mechanics.transmission`). Where f_1 < 0, the proximal phalanx separates and the
+distal one slides along the fixed object, without friction. With O the object's centre (a point, or
+a disc of radius r), a = r + rho_2 its distance from the distal axis [m] and D [m] its distance from
+hinge 1, both constant,
 
     k_2(theta_2) = -l_1 cos theta_2 + sqrt(D^2 - (a - l_1 sin theta_2)^2)
     theta_1 + phi = constant, phi the angle of O seen from the proximal phalanx
 
-so that d(theta_1) = -k_2 / (k_2 + l_1 cos theta_2) d(theta_2): theta_2 closes
-while theta_1 opens, until the first of
+so that theta_2 closes while theta_1 opens, until the first of
 
     tau_1 k_2 = (k_2 + l_1 cos theta_2) tau_2   the equilibrium curve: held by one contact
     theta_2 at its upper, theta_1 at its lower stop: held by the stop
@@ -153,14 +149,9 @@ class EjectionPath(NamedTuple):
 def ejection_path(
     finger: TwoPhalanges, *, theta_1: float, theta_2: float, k_2: float, samples: int = 101,
 ) -> EjectionPath:
-    """The slide of one pose in the grasp-state plane.
+    """The slide of one pose in the grasp-state plane, in 2 or more ``samples`` even in theta_2.
 
-    Args:
-        finger: its lengths, torques and stops.
-        theta_1: angle of the first joint [rad].
-        theta_2: of the second [rad].
-        k_2: distal contact from hinge 2 [m].
-        samples: poses along the path, 2 or more, evenly spaced in theta_2.
+    The other arguments are those of :func:`grasp_states`.
     """
     if samples < 2:
         raise ValueError(f"samples must be 2 or more, got {samples}")

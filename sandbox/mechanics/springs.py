@@ -15,9 +15,6 @@ C_i in that of phalanx i,
     omega   = acos((lm^2 + rm^2 - dm^2) / (2 lm rm)) at M'         (27)
     elongation = lm - lm_0                                         (30)
 
-Printed otherwise: y_M for y_M' in (20), no sign of x in (22) (the wrong quadrant: lengths up to
-37 mm off), atan2 of a ratio in (22) and (23), rm squared twice in (26), a mixed formula in (28).
-
 The arm is hm = d(lm)/d(theta) = dm rm sin(delta) / lm: a stretched spring opens the joint while
 hm > 0. At theta = rho_0 + omega_0 the spring passes over the hinge; beyond it closes the joint.
 """

@@ -10,10 +10,7 @@ and the virtual work of the contacts, tau . dtheta = sum_c f_c n_c . dp_c, makes
 
 with n the direction in which a contact pushes the phalanx. Frictionless contacts, one a phalanx, at
 k_i from the near hinge of phalanx i give the closed form J_ij = k_i + sum_(m=j)^(i-1) L_m
-cos(theta_(m+1) + ... + theta_i): Birglen, Laliberte and Gosselin's theory of underactuated hands.
-
-A contact can only push. Where its force in J^-T tau is negative it separates, and its joint moves
-on or rests on a stop: :func:`unilateral_forces`.
+cos(theta_(m+1) + ... + theta_i) (Birglen, Laliberte and Gosselin 2008).
 """
 
 from __future__ import annotations
@@ -172,12 +169,8 @@ def determined_forces(
     """Which contact forces equilibrium alone decides, shape [m] of bool.
 
     Forces x with G x = 0 may be added, G the columns of J^T and one for every acting stop. The
-    force of a contact that takes part in none of them is determined.
-
-    Args:
-        jacobian: J of the contacts that push [m], shape [m, n].
-        lower: which joints rest on their lower stop, shape [n] of bool.
-        upper: which joints rest on their upper stop.
+    force of a contact that takes part in none of them is determined. Arguments are those of
+    :func:`unilateral_forces`.
     """
     J = matrix("jacobian", jacobian, "m")
     rows = np.concatenate([J, _stop_rows(J.shape[1], lower, upper)])

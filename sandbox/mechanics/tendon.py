@@ -21,10 +21,7 @@ and the angles at the guides, between the segment and either side, are
     gamma_v = acos((lt^2 + rt^2 - dt^2) / (2 lt rt))                    (15)
 
 The shortening of a segment is lt_0 - lt (18), of the tendon their sum (19). The paper calls both
-pairs alpha, gamma; they agree at theta = 0 only where the segment is parallel to the hinge line. It
-prints atan2 of a ratio in (10), (11), dt_(i) for dt_(i-1) in (15), and |y_Vi| in (11), which is
--y_Vi for a guide on the palm side.
-
+pairs alpha, gamma; they agree at theta = 0 only where the segment is parallel to the hinge line.
 The arm about the hinge is h = -d(lt)/d(theta) = dt rt sin(beta) / lt, positive where the tendon
 closes the joint.
 """

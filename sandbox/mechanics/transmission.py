@@ -10,12 +10,8 @@ so the proximal contact holds (f_1 > 0) only beyond the equilibrium curve
 
     k_2 > e = X l_1 cos(theta_2) / (1 - X),   X = tau_2 / tau_1
 
-with X = h_2 / h_1 if there are no springs: Birglen, Laliberte and Gosselin's
-grasp-state plane (k_2, theta_2). Equal forces f on all phalanges take
-
-    h = J^T (1, ..., 1) f / T
-
-arms that depend on where the contacts are and, through J, on the pose.
+with X = h_2 / h_1 if there are no springs. Equal forces f on all phalanges take arms
+h = J^T (1, ..., 1) f / T, which depend on the contacts and on the pose.
 """
 
 from __future__ import annotations
@@ -109,12 +105,8 @@ def force_isotropy(forces: ArrayLike) -> Array:
 def isotropic_arms(theta: ArrayLike, lengths: ArrayLike, distances: ArrayLike) -> Array:
     """J^T (1, ..., 1) [m]: the arms, up to a common factor, that press equally; shape [..., n].
 
-    For a springless finger. Divided by its last they are the ratio h_1 : ... : 1.
-
-    Args:
-        theta: joint angles [rad], shape [..., n].
-        lengths: L_i of the phalanges [m], > 0, shape [n].
-        distances: k_i of the contacts from the near hinges [m], > 0, shape [..., n].
+    For a springless finger. Divided by its last they are the ratio h_1 : ... : 1. Arguments are
+    those of :func:`~sandbox.mechanics.statics.contact_jacobian`, ``distances`` > 0.
     """
     k = positive("distances", distances, "m")
     return np.asarray(contact_jacobian(theta, lengths, k).sum(axis=-2))
