@@ -1,11 +1,9 @@
 """The range of contact forces in one sample that mechanics allows.
 
-With friction, or with more contacts than degrees of freedom, balance does not determine single
-contact forces. The possible forces are a convex set: on every free body m a = sum F and I alpha =
-sum M, with contacts that push within their friction cones (in the plane two straight lines) and
-tendons that pull. A linear program gives the minimum and maximum of each component. The largest
-push on an object follows with one more unknown: a force at the centre of mass. Beyond it there is
-no balance at rest in this pose; below it something may move, too.
+With friction, or with more contacts than degrees of freedom, the forces that satisfy m a = sum F
+and I alpha = sum M on every free body are a convex set: contacts push within their friction cones,
+tendons pull. A linear program gives the minimum and maximum of each component. The largest push on
+an object follows with one more unknown: a force at its centre of mass.
 """
 
 from __future__ import annotations
@@ -22,10 +20,10 @@ from sandbox.audit.evidence import (
     ROUNDING,
     SMALLEST_SCALE,
     STOPPED,
+    Check,
     Evidence,
     NotComputed,
     Worst,
-    check,
 )
 from sandbox.audit.laws import carried
 from sandbox.audit.outlines import pressed, touched
@@ -54,13 +52,11 @@ class Unknown(NamedTuple):
 
 
 class Unknowns:
-    """The forces of a single sample that only balance determines, and the known ones.
+    """The forces of a single sample that only balance determines, and the sum of all others.
 
     Joints carry any load; contacts push within their friction cones; stops, ends of grooves and
-    ropes push back where they are reached; rigid tendons pull if they are taut, with one tension
-    along their path; motors and brakes act up to their limits. All others (weight, springs, soft
-    tendons, pulled ones, dampers, forces and torques of drives) are known; other checks compare
-    them with their laws.
+    ropes push back where they are reached; rigid tendons pull if they are taut; motors and brakes
+    act up to their limits. All other loads are known.
     """
 
     def __init__(self, evidence: Evidence) -> None:
@@ -236,9 +232,8 @@ def _groups(unknowns: Unknowns) -> list[tuple[list[int], list[Unknown]]]:
 class Balance:
     """The balance of a group as a linear program: W f = target on all bodies.
 
-    Moments count over a length, so that all are forces. A force of either sign is p - q with p and
-    q >= 0, limited by p + q + rest = most. Rows are the ``motions``, combinations of balances
-    in which forces work.
+    Moments count over a length. A force of either sign is p - q with p, q >= 0, limited by p + q +
+    rest = most. Rows are the ``motions``, combinations of balances in which forces work.
     """
 
     def __init__(
@@ -317,7 +312,7 @@ class Balance:
         return scale * self.size * found.value, scale * float(slack)
 
 
-@check("contact.bounds", "N", "minimum and maximum f with m a = Σ F, |t| <= μ n",
+@Check("contact.bounds", "N", "minimum and maximum f with m a = Σ F, |t| <= μ n",
        asks="is each contact force within the range that balance and friction allow?",
        compared="distance of contact forces at the end from the range that balance and friction "
                 "allow, {count:component}, worst: {where}",
@@ -340,8 +335,7 @@ def push_limits(
 ) -> Array:
     """The largest push of a body at its centre of mass that balance allows [N], by direction [rad].
 
-    inf where there is no bound; nan where no forces balance the sample itself; 0 for a body that
-    nothing touches, and within the rounding error.
+    inf without a bound; nan where no forces balance the sample; 0 where nothing touches the body.
     """
     unknowns, found = Unknowns(touched(evidence.alone(sample % len(evidence.run)))), []
     bodies, forces = next((each for each in _groups(unknowns) if body in each[0]), ([], []))

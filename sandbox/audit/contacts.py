@@ -24,10 +24,10 @@ from sandbox.audit.evidence import (
     REBOUND,
     ROUNDING,
     STILL,
+    Check,
     Evidence,
     NotComputed,
     Worst,
-    check,
     peak,
 )
 from sandbox.audit.outlines import overlaps, reach_of
@@ -51,14 +51,11 @@ NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample
              "1 / run.step records them all")
 
 
-@check("contact.friction", source="|t| <= μ n", asks="is contact friction at most mu N?",
+@Check("contact.friction", source="|t| <= μ n", asks="is contact friction at most mu N?",
        compared="ratio of friction to its limit, {count:pair}, worst: {where}",
        none="no contact has one normal")
 def _friction(evidence: Evidence, worst: Worst) -> None:
-    """Rows that sum forces along different normals (a disc wedged in a V) have no limit.
-
-    Without friction any tangential force counts relative to the normal force.
-    """
+    """Without friction any tangential force counts relative to the normal force."""
     if not len(evidence.arrays["contact_gap"]):
         raise NotComputed("nothing touches")
     rows = evidence.once(_Rows)
@@ -179,11 +176,7 @@ class _Rows:
 
     @cached_property
     def unsure(self) -> Array:
-        """Error of rates [m/s]: rounding, the solve, regularisation.
-
-        At impacts also the error of arms, which is of second order, and the effect of joints,
-        tendons and springs in the step, bounded by that in the samples beside it.
-        """
+        """Error of rates [m/s]; at impacts also by arms, and by joints, tendons and springs."""
         h, evidence, spin = self.h, self.evidence, sum(self.spins)
         fast = (np.abs(evidence.velocity) + np.abs(self.change)).max(axis=(0, 1))[self.sample]
         answer = sum(self.inverse[b, 0] + self.inverse[b, 2] * (arm**2).sum(axis=1)
@@ -197,7 +190,7 @@ class _Rows:
                           + np.where(self.one, 0.0, 2 * spin * (evidence.open + self.landing)))
 
 
-@check("contact.slides", source="f = -μ N y / |y|",
+@Check("contact.slides", source="f = -μ N y / |y|",
        asks="is contact friction mu N against the sliding?",
        compared="difference between friction and μ N against the sliding, and excess over the "
                 "static limit where nothing slides, relative to N, {count:pair}, worst: {where}",
@@ -219,7 +212,7 @@ def _slides(evidence: Evidence, worst: Worst) -> None:
              & np.where(rows.hit, rows.alone, ~rows.struck))
 
 
-@check("contact.closes", "m", "N > 0 only at gap = 0",
+@Check("contact.closes", "m", "N > 0 only at gap = 0",
        asks="do contacts push exactly where bodies touch?",
        compared="gaps of contacts with a force, and overlaps that grow with their force or "
                 f"without one, {{count:comparison}}, of overlaps in {POSES} samples, worst: "
@@ -245,7 +238,7 @@ def _closes(evidence: Evidence, worst: Worst) -> None:
                       evidence.open + DEEP * min(reach_of(evidence, b) for b in pair))
 
 
-@check("contact.bounces", source="u+ = -e u-",
+@Check("contact.bounces", source="u+ = -e u-",
        asks="do impacts rebound with the coefficient of restitution?",
        compared="coefficients of restitution from the gap rates before and after an impact, "
                 "against the scene, {count:pair}, worst: {where}",
@@ -257,7 +250,7 @@ def _bounces(evidence: Evidence, worst: Worst) -> None:
     rows.add(worst, np.abs(after / speed - rows.restitution), rows.unsure / speed, rows.alone)
 
 
-@check("impact.swallowed", source="ΔT = Σ J (u- + u+) / 2",
+@Check("impact.swallowed", source="ΔT = Σ J (u- + u+) / 2",
        asks="do impacts lose no more energy than restitution allows?",
        compared="kinetic energy that impacts took beyond what restitution allows, relative to "
                 "that of their approach, worst: {where}",
@@ -289,7 +282,7 @@ def _swallowed(evidence: Evidence, worst: Worst) -> None:
         worst.add(f"at {time:.5g} s", error, allowed)
 
 
-@check("contact.residual", "m/s", "0 <= p, 0 <= y, p y = 0",
+@Check("contact.residual", "m/s", "0 <= p, 0 <= y, p y = 0",
        asks="were contacts, limits and friction solved in every step?")
 def _residual(evidence: Evidence, worst: Worst) -> str:
     found = evidence.run.info.contact_solver
@@ -302,7 +295,7 @@ def _residual(evidence: Evidence, worst: Worst) -> str:
             f"above 1e-8 m/s, largest at {found['time_s']:.5g} s (over time: solver.residual)")
 
 
-@check("skin.depth", asks="is no skin squeezed by more than its thickness?",
+@Check("skin.depth", asks="is no skin squeezed by more than its thickness?",
        compared="largest depth relative to the thickness of the skin, {count:body|bodies}, worst: "
                 "{where}", none="no skin with a thickness is touched")
 def _depth(evidence: Evidence, worst: Worst) -> None:
@@ -320,7 +313,7 @@ def _depth(evidence: Evidence, worst: Worst) -> None:
             worst.add(body.name, share * depth / skin.thickness, 1.0)
 
 
-@check("tendon.slack", "s", "T > 0", asks="do tendons stay taut once they have pulled?")
+@Check("tendon.slack", "s", "T > 0", asks="do tendons stay taut once they have pulled?")
 def _slack(evidence: Evidence, worst: Worst) -> str:
     tendons, time = evidence.model.tendons.name, evidence.run.time
     if not tendons or len(time) < 2:

@@ -20,10 +20,10 @@ from sandbox.audit.evidence import (
     SMALLEST_SCALE,
     STILL,
     STOPPED,
+    Check,
     Evidence,
     NotComputed,
     Worst,
-    check,
     lost_rate,
     peak,
     whole,
@@ -57,7 +57,7 @@ def _grown(evidence: Evidence) -> tuple[Array, Array]:
     return found, np.bincount(lines.of, np.abs(lines.gain), len(lines.name)).astype(float)
 
 
-@check("line.volume", "m^3", "V = V0 + Σ A (L - L0)",
+@Check("line.volume", "m^3", "V = V0 + Σ A (L - L0)",
        asks="is the volume of each fluid line the sum of its chambers?",
        compared="volumes of {count:line} from the recorded poses, worst: {where}")
 def _volumes(evidence: Evidence, worst: Worst) -> None:
@@ -68,7 +68,7 @@ def _volumes(evidence: Evidence, worst: Worst) -> None:
         worst.add(name, error, ROUNDING * (gains[i] + lines.volume[i]))
 
 
-@check("line.flow", source="dM/dt = Σ Q", asks="does the fluid in each line equal the net inflow?",
+@Check("line.flow", source="dM/dt = Σ Q", asks="does the fluid in each line equal the net inflow?",
        compared="flow into each line against valves and drives, and content against total inflow, "
                 "relative to it, {count:comparison}, worst: {where}",
        none="there is no line")
@@ -89,7 +89,7 @@ def _flows(evidence: Evidence, worst: Worst) -> None:
                       EXACT + ROUNDING * peak(held) / turned)
 
 
-@check("line.law", "m^3", "M = V + C p", asks="does each line's pressure match its content?",
+@Check("line.law", "m^3", "M = V + C p", asks="does each line's pressure match its content?",
        compared="content of {count:line} against volume and pressure, worst: {where}; for gas, "
                 "the linearisation error of a step is allowed")
 def _pressures(evidence: Evidence, worst: Worst) -> None:
@@ -127,7 +127,7 @@ def _holds(
     return content - lines.volume[line], content * n * change**2
 
 
-@check("valve.law", source="Δp = R Q + ρ/2 (Q / Cd A)²",
+@Check("valve.law", source="Δp = R Q + ρ/2 (Q / Cd A)²",
        asks="does the pressure drop of each valve match its flow?",
        compared="pressure drops of {count:valve} against their flows, relative to the largest of "
                 "each, worst: {where}; below 0.001 Pa an orifice counts as a long passage")
@@ -150,7 +150,7 @@ def _valves(evidence: Evidence, worst: Worst) -> None:
         worst.add(name, np.where(shut, np.abs(flow), off) / most, EXACT + 2 * NEWTON + 3e-3 / most)
 
 
-@check("line.energy", source="W = Σ (p V work + C p²/2 + throttled)",
+@Check("line.energy", source="W = Σ (p V work + C p²/2 + throttled)",
        asks="does the work of pumps go to bodies, fluid and valves?",
        compared="work of pumps minus the work on bodies, the energy stored in fluid and the losses "
                 "of valves and reliefs, relative to the total; pressure change in a step times "
@@ -182,7 +182,7 @@ def _energy(evidence: Evidence, worst: Worst) -> None:
     worst.judge(error[k] / scale, EXACT + step[k] / scale)
 
 
-@check("release.force", "N", "F = 0 where released",
+@Check("release.force", "N", "F = 0 where released",
        asks="do released and broken elements carry no load?")
 def _released(evidence: Evidence, worst: Worst) -> str:
     bonds, held, most, released = evidence.model.bonds, evidence.arrays["held"], 0.0, []
@@ -198,7 +198,7 @@ def _released(evidence: Evidence, worst: Worst) -> str:
     return "largest load of released elements; released: " + ("; ".join(released[:4]) or "nothing")
 
 
-@check("release.load", source="F <= F_b", asks="does no element carry more than its breaking load?",
+@Check("release.load", source="F <= F_b", asks="does no element carry more than its breaking load?",
        compared="load above the breaking load, relative to it, {count:element}, worst: {where}",
        none="no element has a breaking load")
 def _breaking_loads(evidence: Evidence, worst: Worst) -> None:
@@ -231,7 +231,7 @@ def set_while_running(mechanism: Mechanism) -> set[str]:
     return names | keys | {key.split(".")[0] for key in keys}
 
 
-@check("drive.signal", source="u(t)", asks="do drives have the values of the scene?",
+@Check("drive.signal", source="u(t)", asks="do drives have the values of the scene?",
        compared="values of {count:drive} against their signals, relative to the largest of each, "
                 "worst: {where}")
 def _signals(evidence: Evidence, worst: Worst) -> None:
@@ -248,7 +248,7 @@ def _signals(evidence: Evidence, worst: Worst) -> None:
         worst.add(drive.name, np.abs(a["drive_value"][:, i] - signal) / whole(signal), ROUNDING)
 
 
-@check("drive.motor", source="ω = u, τ = c (u - ω) or τ = ±τmax",
+@Check("drive.motor", source="ω = u, τ = c (u - ω) or τ = ±τmax",
        asks="do motors and brakes keep their speed, or act at their limit?",
        compared="rates and torques of motors and brakes against their targets and limits, "
                 "{count:comparison}, worst: {where}",
@@ -314,9 +314,8 @@ def initial_rate(evidence: Evidence, drive: int) -> float:
 def held_off(evidence: Evidence, drive: int) -> float:
     """Error of a rate by the regularisation towards the last impulses [rad/s].
 
-    It is :data:`HELD` times the change of the impulse times the response of the two bodies without
-    joints; :data:`FADED` of the last impulse is dropped first. Impulses of steps that were not
-    recorded follow from the work since the last sample.
+    It is the change of the impulse times the response of the two bodies without joints. Impulses of
+    steps that were not recorded follow from the work since the last sample.
     """
     a, j = evidence.arrays, evidence.model.drives.target[drive]
     alone = peak(evidence.answer(evidence.loads.drive_efforts, drive))
@@ -329,7 +328,7 @@ def held_off(evidence: Evidence, drive: int) -> float:
     return HELD * alone * (2 + FADED) * impulse
 
 
-@check("stop.law", "rad", "τ > 0 at the limit only", asks="do stops act only at the hinge limits?",
+@Check("stop.law", "rad", "τ > 0 at the limit only", asks="do stops act only at the hinge limits?",
        compared="distance of stops in action from their limit, and overshoot in a step, "
                 "{count:comparison}, worst: {where}",
        none="no hinge has stops")
@@ -349,7 +348,7 @@ def _stops(evidence: Evidence, worst: Worst) -> None:
                       tolerance + np.maximum(-gap - h, 0.0), holds)
 
 
-@check("work", source="W = Σ h F v", asks="is the work of each element the integral of its power?",
+@Check("work", source="W = Σ h F v", asks="is the work of each element the integral of its power?",
        compared="recorded work against the sum of force times rate over all steps, relative to all "
                 "work of each of {count:element}, worst: {where}",
        none="nothing works")
@@ -385,7 +384,7 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
                a["drive_work"][:, i])
 
 
-@check("drive.place", source="τ = k (u − q) − c q′ or q → u",
+@Check("drive.place", source="τ = k (u − q) − c q′ or q → u",
        asks="does each servo effort follow its law?",
        compared="efforts of {count:servo} against k (u - q) - c q', relative to the limit; rigid "
                 "servos below their limit: movement away from the target, relative to the travel; "

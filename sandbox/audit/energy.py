@@ -24,10 +24,10 @@ from sandbox.audit.evidence import (
     EXACT,
     ROUNDING,
     SMALLEST_SCALE,
+    Check,
     Evidence,
     NotComputed,
     Worst,
-    check,
     peak,
     whole,
 )
@@ -47,7 +47,7 @@ UNBALANCED = ("difference between {0} and the sum of all {1} on a body, relative
               "{{count:body|bodies}}, worst: {{where}}")
 
 
-@check("reaction.size", source="|R|",
+@Check("reaction.size", source="|R|",
        asks="is each reaction the magnitude of its x and y components?",
        compared="magnitude of each reaction against its components, relative to the largest of its "
                 "joint, {count:joint}, worst: {where}")
@@ -60,7 +60,7 @@ def _reaction_sizes(evidence: Evidence, worst: Worst) -> None:
         worst.add(name, off[:, j] / whole(a["joint_reaction"][:, j]), ROUNDING)
 
 
-@check("reaction.shared", source="rank of J", asks="does statics determine every joint reaction?",
+@Check("reaction.shared", source="rank of J", asks="does statics determine every joint reaction?",
        compared="joints whose reactions statics does not determine: {note}")
 def _shared(evidence: Evidence, worst: Worst) -> str:
     model, poses = evidence.model, evidence.arrays["body_pose"]
@@ -92,10 +92,10 @@ def _residuals(evidence: Evidence, worst: Worst, *, row: int) -> None:
         worst.add(evidence.model.bodies.name[b], error / scale, allowed / scale)
 
 
-_momentum = check("momentum.force", source="m a = Σ F", asks="is F = m a for every body?",
+_momentum = Check("momentum.force", source="m a = Σ F", asks="is F = m a for every body?",
                   compared=UNBALANCED.format("m a", "forces"),
                   none="nothing moves freely")(partial(_residuals, row=0))
-_angular_momentum = check("momentum.moment", source="I α = Σ M",
+_angular_momentum = Check("momentum.moment", source="I α = Σ M",
                           asks="is M = I alpha for every body?",
                           compared=UNBALANCED.format("I alpha", "moments"),
                           none="nothing moves freely")(partial(_residuals, row=1))
@@ -156,7 +156,7 @@ def _closed_balance(evidence: Evidence) -> _Balance:
     return found
 
 
-@check("energy.start", source="W = P Δω / 2",
+@Check("energy.start", source="W = P Δω / 2",
        asks="do motors start without a jolt that loses energy?")
 def _started(evidence: Evidence, worst: Worst) -> str:
     balance = evidence.once(_balance)
@@ -168,7 +168,7 @@ def _started(evidence: Evidence, worst: Worst) -> str:
         "grow as 1 / step. A signal that starts at the hinge's speed avoids it")
 
 
-@check("energy.created", source="ΔE = Σ W", asks="is there no more energy than was supplied?",
+@Check("energy.created", source="ΔE = Σ W", asks="is there no more energy than was supplied?",
        compared="most energy that joints and contacts supplied, relative to all energy converted: "
                 "kinetic energy minus the work of drives, tendons, springs, dampers and weight; "
                 "the error of the step is allowed, up to 1 %")
@@ -180,7 +180,7 @@ def _created(evidence: Evidence, worst: Worst) -> None:
     worst.judge((made - lowest).max(initial=0.0) / balance.scale, balance.allowed)
 
 
-@check("energy.lost", source="ΔE = Σ W",
+@Check("energy.lost", source="ΔE = Σ W",
        asks="is energy lost only to friction, dampers and impacts?")
 def _lost(evidence: Evidence, worst: Worst) -> str:
     """The energy that joints and contacts take, against the work of contacts and stops."""
@@ -264,11 +264,7 @@ def _of_gaps(evidence: Evidence) -> float:
 
 
 def _of_the_step(evidence: Evidence) -> float:
-    """Work of joints, and what contacts and taut ropes supply, by the error of the step [J].
-
-    Except at the start and where motors jump, a single sample with a much larger power than those
-    beside it does not widen the tolerance.
-    """
+    """Work of joints, contacts and taut ropes by the error of the step [J], without outliers."""
     a, time = evidence.arrays, evidence.run.time
     power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
     power = power.reshape(2, -1, len(time)).sum(axis=0)

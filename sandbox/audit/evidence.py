@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -131,16 +131,23 @@ class Worst:
         self.value, self.tolerance, self.count = float(value), float(tolerance), 1
 
 
-class Check(NamedTuple):
-    """One check of an audit."""
+@dataclass
+class Check:
+    """One check of an audit; decorates the function that adds its comparisons."""
 
     name: str
-    unit: str
-    source: str  # The equation
+    unit: str = ""
+    source: str = ""  # The equation
+    _: KW_ONLY
     asks: str  # The question that it answers; yes means pass
-    compared: str  # The comparison in words, with ``{where}``, ``{count:noun}`` and ``{note}``
-    none: str  # Why it is not computed where nothing is compared
-    compare: Callable[[Evidence, Worst], str | None]  # Adds comparisons; returns a note
+    compared: str = "{note}"  # The comparison, with ``{where}``, ``{count:noun}`` and ``{note}``
+    none: str = ""  # Why nothing is compared; by default there is no element to count
+    compare: Callable[[Evidence, Worst], str | None] = field(init=False)
+
+    def __call__(self, compare: Callable[[Evidence, Worst], str | None]) -> Check:
+        """Set the function; it returns a note, or raises :class:`NotComputed`."""
+        self.compare = compare
+        return self
 
     def figure(self, evidence: Evidence) -> Figure:
         """The figure of a recording; numbers that cannot be used make it "not computed"."""
@@ -152,7 +159,9 @@ class Check(NamedTuple):
         except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
             return self.missing(f"the numbers cannot be used: {error}")
         if not worst.count:
-            return self.missing("; ".join(worst.left_out[:4]) or self.none)
+            return self.missing(
+                "; ".join(worst.left_out[:4]) or self.none
+                or f"there is no {self.compared.partition('{count:')[2].partition('}')[0]}")
         if math.isnan(worst.value) and evidence.model.mechanism.run.solver == "pymunk":
             return self.missing("pymunk does not give its numbers")
         passes = math.isfinite(worst.value) and math.isfinite(worst.tolerance) and (
@@ -166,15 +175,6 @@ class Check(NamedTuple):
     def missing(self, why: str) -> Figure:
         """The figure where it is not computed."""
         return Figure(self.name, math.nan, "", math.nan, "not computed", why, self.source)
-
-
-def check(
-    name: str, unit: str = "", source: str = "", *, asks: str, compared: str = "{note}",
-    none: str = "",
-) -> Callable[[Callable[[Evidence, Worst], str | None]], Check]:
-    """Make a check of a function; ``none`` says by default that there is no element to count."""
-    none = none or f"there is no {compared.partition('{count:')[2].partition('}')[0]}"
-    return lambda compare: Check(name, unit, source, asks, compared, none, compare)
 
 
 class Evidence:
@@ -298,10 +298,9 @@ class Evidence:
 
     @cached_property
     def contact_depth(self) -> Array:
-        """How deep soft contacts may be for their forces, N / k [m], [m]; 0 of rigid ones.
+        """Depth of soft contacts by their forces, N / k [m], [m]; 0 of rigid ones.
 
-        The stiffness k of contacts in a run with piles follows from the response G of the bodies:
-        h^2 k G is known. A row of several points may have a smaller k.
+        In a run with piles h^2 k G is known, G the response of the bodies.
         """
         a, normal = self.arrays, self.run.contacts.normal
         one, two = a["contact_body"], a["contact_other"]
@@ -356,10 +355,7 @@ class Evidence:
 
     @cached_property
     def left_allowed(self) -> Array:
-        """Tolerance of m a - sum F [N] and I alpha - sum M [N m] of a body, [2, nb].
-
-        Rounding of its largest load, and motion that the engine stops (:data:`STILL`).
-        """
+        """Tolerance of m a - sum F [N] and of I alpha - sum M [N m] of a body, [2, nb]."""
         v = np.abs(self.velocity).max(axis=2, initial=0.0)
         speed = np.array([STILL[0] + DIGITS * np.hypot(v[0], v[1]), STILL[1] + DIGITS * v[2]])
         force, moment = self.loads.largest
@@ -371,9 +367,8 @@ class Evidence:
     def joint_slack(self) -> Array:
         """Allowed gap of a joint [m], [nj, n].
 
-        A step closes joints along the pose's directions to second order. An arm r that turns leaves
-        r h^3 (w^3 / 6 + w alpha / 2) and r h^4 alpha^2 / 8, which later steps close to
-        :attr:`closed`. A path bends away as an arm with its radius of curvature.
+        In a step an arm r that turns leaves r h^3 (w^3 / 6 + w alpha / 2) + r h^4 alpha^2 / 8. A
+        path bends away as an arm with its radius of curvature.
         """
         joints, frames, h = self.model.joints, self.frames, self.h
         result = np.full(frames.gaps.shape, self.closed)

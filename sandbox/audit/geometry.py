@@ -12,10 +12,10 @@ from sandbox.audit.evidence import (
     DIGITS,
     ROUNDING,
     STOPPED,
+    Check,
     Evidence,
     NotComputed,
     Worst,
-    check,
     peak,
 )
 from sandbox.elements.element import GRAZE
@@ -29,7 +29,7 @@ FEW = 8  # Least number of samples for differences of poses
 FAST = 0.1  # Fraction of its largest velocity above which a body counts as moving
 
 
-@check("poses", "m", "(31)", asks="are the links where their hinge angles put them?",
+@Check("poses", "m", "(31)", asks="are the links where their hinge angles put them?",
        compared="poses from the hinge angles against the recorded poses, {count:comparison}, "
                 "worst: {where}; the hinge gaps on the way are allowed",
        none="no chain of hinges starts at a fixed body")
@@ -78,7 +78,7 @@ def _across(evidence: Evidence, bodies: Array, points: Array) -> tuple[Array, in
     return None
 
 
-@check("tendon.path", "m", "(17), (19)",
+@Check("tendon.path", "m", "(17), (19)",
        asks="is each tendon as long as its path along the guides?",
        compared="length along all guides in the recorded poses against the recorded length, "
                 "{count:tendon}, worst: {where}")
@@ -89,7 +89,7 @@ def _tendon_paths(evidence: Evidence, worst: Worst) -> None:
             worst.add(name, error, ROUNDING)
 
 
-@check("tendon.lift", "m", "φ ≥ 0",
+@Check("tendon.lift", "m", "φ ≥ 0",
        asks="does a tendon leave a wheel exactly where it would have to stick to it?",
        compared="length of wheel on which a tendon would have to stick, or overlap of its path "
                 "with a wheel that it has left, {count:comparison}, worst: {where}",
@@ -105,7 +105,7 @@ def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
         worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-clear, 0.0)), ROUNDING)
 
 
-@check("tendon.shortening", "m", "(16)-(19)",
+@Check("tendon.shortening", "m", "(16)-(19)",
        asks="does the tendon shortening match the hinge angles?",
        compared="shortening from the hinge angles against the recorded one, {count:tendon}, "
                 "worst: {where}; the gap of each hinge is allowed",
@@ -126,7 +126,7 @@ def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
             worst.add(name, np.abs(total + frames.lengths[tendon] - recorded), allowed)
 
 
-@check("spring.length", "m", "(28)-(30)",
+@Check("spring.length", "m", "(28)-(30)",
        asks="is each spring as long as the distance between its ends?",
        compared="lengths from the hinge angles, or from the poses if no hinge is crossed, "
                 "{count:spring}, worst: {where}",
@@ -141,7 +141,7 @@ def _spring_triangles(evidence: Evidence, worst: Worst) -> None:
                   allowed + evidence.joint_slack[found[1]] if found else allowed)
 
 
-@check("joint.drift", "m", "gap = 0", asks="do joints hold their two sides together?",
+@Check("joint.drift", "m", "gap = 0", asks="do joints hold their two sides together?",
        compared="largest gap between the two sides of {count:joint}, against the allowed gap of a "
                 "step: {where}",
        none="no joint can drift")
@@ -176,7 +176,7 @@ def _gap(evidence: Evidence, j: int) -> tuple[Array, Array]:
     return np.asarray(gap), np.asarray(allowed)
 
 
-@check("stop.overrun", "rad", "q <= qmax", asks="does every hinge stay within its stops?",
+@Check("stop.overrun", "rad", "q <= qmax", asks="does every hinge stay within its stops?",
        compared="largest overrun of {count:hinge}, worst: {where}", none="no hinge has stops")
 def _stops(evidence: Evidence, worst: Worst) -> None:
     joints = evidence.model.joints
@@ -186,7 +186,7 @@ def _stops(evidence: Evidence, worst: Worst) -> None:
         worst.add(joints.name[j], np.maximum(over, 0.0), STOPPED, evidence.joints_hold[j])
 
 
-@check("differential", "m", "(4)-(7)",
+@Check("differential", "m", "(4)-(7)",
        asks="does each rocker or pulley move by the weighted mean of its strings?",
        compared="travel of each pivot against the mean travel of its two strings, weighted by "
                 "their arms, {count:rocker or wheel|rockers or wheels}, worst: {where}; the "
@@ -245,7 +245,7 @@ def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> t
     return arm, displacement, straight * slant
 
 
-@check("clock", "step", "t = (k - 1/2) h", asks="do the sample times match the sample rate?")
+@Check("clock", "step", "t = (k - 1/2) h", asks="do the sample times match the sample rate?")
 def _clock(evidence: Evidence, worst: Worst) -> str:
     run, settings = evidence.whole, evidence.model.mechanism.run
     h, time = settings.solver_step, run.time
@@ -260,7 +260,7 @@ def _clock(evidence: Evidence, worst: Worst) -> str:
             f"{every} steps")
 
 
-@check("scene.numbers", asks="are masses and lengths those of the scene?",
+@Check("scene.numbers", asks="are masses and lengths those of the scene?",
        compared="recorded masses, centres of mass, rest lengths and initial lengths against the "
                 "scene, {count:number}, worst: {where}",
        none="there is no body")
@@ -278,7 +278,7 @@ def _numbers(evidence: Evidence, worst: Worst) -> None:
             worst.add(f"{what} of {name}", error[None], ROUNDING)
 
 
-@check("schedule", "m", "x(t)", asks="do fixed and scheduled bodies follow the scene?",
+@Check("schedule", "m", "x(t)", asks="do fixed and scheduled bodies follow the scene?",
        compared="poses of {count:fixed or scheduled body|fixed or scheduled bodies}, worst: "
                 "{where}",
        none="all bodies move freely")
@@ -297,7 +297,7 @@ def _schedules(evidence: Evidence, worst: Worst) -> None:
         worst.add(bodies.name[b], off, ROUNDING + DIGITS * steps * (1 + np.abs(pose).max(axis=0)))
 
 
-@check("velocity", "m/s", "v = dx/dt", asks="are velocities the time derivatives of poses?",
+@Check("velocity", "m/s", "v = dx/dt", asks="are velocities the time derivatives of poses?",
        compared="velocities and accelerations against the differences of the poses{note}, "
                 "{count:comparison}, worst: {where}",
        none="there is no body")
@@ -325,11 +325,9 @@ def _velocities(evidence: Evidence, worst: Worst) -> str:
 
 
 def _between(evidence: Evidence, name: str, pose: Array, v: Array, a: Array, worst: Worst) -> None:
-    """Compare the mean velocity with the displacement between samples.
+    """Compare the mean velocity with the displacement between samples, by the trapezoid rule.
 
-    The error of the trapezoid rule is a sixth of the second difference of v where samples resolve
-    the motion, else the difference between the changes of velocity and the accelerations. Impacts
-    are in few samples, so the median is compared with the mean tolerance.
+    Impacts are in few samples, so the median is compared with the mean tolerance.
     """
     dt = float(np.median(np.diff(evidence.run.time)))
     bend = (np.abs(v[2:] - 2 * v[1:-1] + v[:-2])
@@ -341,7 +339,7 @@ def _between(evidence: Evidence, name: str, pose: Array, v: Array, a: Array, wor
         worst.add(name, np.median(error[moving], keepdims=True), allowed)
 
 
-@check("hinge", "rad", "q = θb - θa", asks="is each hinge angle the angle between its two bodies?",
+@Check("hinge", "rad", "q = θb - θa", asks="is each hinge angle the angle between its two bodies?",
        compared="angles and rates of hinges against those of their bodies, {count:hinge}, worst: "
                 "{where}")
 def _hinges(evidence: Evidence, worst: Worst) -> None:

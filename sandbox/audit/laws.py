@@ -2,8 +2,7 @@
 
 A law F(x, v) is compared at mid-step, with the recorded length (or pose) x and rate v, and at the
 step's end, x + h v' with v' = v + h a / 2. An element follows one of them throughout, by its
-stiffness and the step (docs/engine.md); a law of its own follows either in each step. The error by
-rounding of x and v is found by evaluating the law beside them.
+stiffness and the step (docs/engine.md); a law of its own follows either in each step.
 """
 
 from __future__ import annotations
@@ -19,9 +18,9 @@ from sandbox.audit.evidence import (
     HELD,
     ROUNDING,
     STILL,
+    Check,
     Evidence,
     Worst,
-    check,
     lost_rate,
     peak,
     whole,
@@ -109,14 +108,14 @@ def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> Non
             among, size=whole(recorded), throughout=own is None)
 
 
-_springs = check(
+_springs = Check(
     "spring.law", source="F = k (L - L0) + c dL/dt",
     asks="is each spring force stiffness times stretch, plus damping?",
     compared="forces of {count:straight spring} from the recorded poses and velocities, relative "
              "to the largest of each, worst: {where}")(partial(_compare_springs, straight=True))
 
 
-@check("tendon.law", source="T = k (L - L0) + c dL/dt",
+@Check("tendon.law", source="T = k (L - L0) + c dL/dt",
        asks="does each tendon tension follow from its drive or its stretch, never below 0?",
        compared="tensions of {count:tendon} from the recorded poses, velocities and drives, "
                 "relative to the largest of each, worst: {where}",
@@ -148,14 +147,14 @@ def _tendons(evidence: Evidence, worst: Worst) -> None:
             evidence.h, stretch[i], [v[i] for v in rates], turning=False), holds[i])
 
 
-_rotary_springs = check(
+_rotary_springs = Check(
     "spring.torque", source="τ = k (q - q0) + c dq/dt",
     asks="does each rotary spring's torque follow from its angle?",
     compared="torques of {count:rotary spring} from the recorded poses and velocities, relative to "
              "the largest of each, worst: {where}")(partial(_compare_springs, straight=False))
 
 
-@check("damper.law", source="τ = -c dq/dt",
+@Check("damper.law", source="τ = -c dq/dt",
        asks="is each hinge damper's torque its damping times the hinge's rate?",
        compared="torques of the dampers of {count:hinge} from the recorded velocities, relative "
                 "to the largest of each, worst: {where}")
@@ -168,7 +167,7 @@ def _dampers(evidence: Evidence, worst: Worst) -> None:
                    lambda v, c=c: -c * v, [((rate,), (lost_rate(rate, turning=True),))], holds[j])
 
 
-@check("load.law", source="F = F(x, v, a, t)", asks="does each load, such as drag, follow its law?",
+@Check("load.law", source="F = F(x, v, a, t)", asks="does each load, such as drag, follow its law?",
        compared="forces and torques of {count:load on a body|loads on bodies} from the recorded "
                 "poses, velocities and accelerations, relative to the largest of each, worst: "
                 "{where}",
@@ -198,7 +197,7 @@ def _loads(evidence: Evidence, worst: Worst) -> None:
         follow(worst, name, force, law, states, size=size, throughout=False)
 
 
-@check("tendon.grip", source="T e^(-μφ) <= T' <= T e^(μφ)",
+@Check("tendon.grip", source="T e^(-μφ) <= T' <= T e^(μφ)",
        asks="is the larger tension at a guide at most e^(mu phi) times the smaller?",
        compared="friction of guides against Euler's bound from the recorded poses, and its "
                 "direction against the sliding, relative to the largest tension, "
@@ -243,7 +242,7 @@ def _tension(evidence: Evidence, span: CableSpan) -> Array:
     return np.asarray(piece_tensions(evidence.model, evidence.arrays, piece)[0])
 
 
-@check("tendon.spans", source="T = EA (L - M) / M",
+@Check("tendon.spans", source="T = EA (L - M) / M",
        asks="does the tension of each span of a tendon with friction match its stretch?",
        compared="tensions of {count:span} from the recorded poses and the sliding, relative to "
                 "the largest of each, worst: {where}",
@@ -304,7 +303,7 @@ def _add_laws(
             for law in laws])
 
 
-@check("joint.friction", source="|F| <= μ N, against the motion",
+@Check("joint.friction", source="|F| <= μ N, against the motion",
        asks="is joint friction at most mu N and opposed to the motion?",
        compared="dry friction of joints against its bound and against the motion at the end of "
                 "the step, {count:comparison}, worst: {where}",
@@ -312,9 +311,7 @@ def _add_laws(
 def _joints(evidence: Evidence, worst: Worst) -> None:
     """A joint sticks within its static bound, or slips: f = -high where y > 0, f = high for y < 0.
 
-    Friction of a joint that slips is that of sliding, or up to half way to the static bound where
-    sliding may begin in this step (:mod:`sandbox.engine.joint_friction`): the joint stuck in the
-    sample before, or slipped the other way.
+    Where sliding begins, friction is up to half way to the static bound.
     """
     model, a, h = evidence.model, evidence.arrays, evidence.h
     joints, pushes = model.joints, evidence.loads.friction_efforts

@@ -1,10 +1,8 @@
 """Contacts against the shapes: places, normals and gaps of rows, and contacts without a force.
 
-A row of one point, or of two convex shapes, lies in the middle between two outlines, half a gap
-from each, along the normal. Between bodies of several shapes (a disc in a V) the place of several
-points is their mean, moved along the line of action; it lies within both convex hulls along the
-force. A contact without a force has no row, but may carry a force in another balance of the same
-pose: outlines within the gap that a step may leave, which neither approach nor separate.
+A row of one point, or of two convex shapes, lies half a gap from both outlines along the normal;
+one of several points between other bodies lies within both convex hulls along the force. A contact
+without a force has no row, but may carry one in another balance of the same pose.
 """
 
 from __future__ import annotations
@@ -15,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit.evidence import DIGITS, LEFT, ROUNDING, Evidence, Worst, check
+from sandbox.audit.evidence import DIGITS, LEFT, ROUNDING, Check, Evidence, Worst
 from sandbox.elements.arrays import CONTACT, Arrays
 from sandbox.model.joints import rotated
 from sandbox.model.pairs import allowed_pairs, restitution_of
@@ -100,7 +98,7 @@ def _outline(shape: Shape) -> _Outline:
     return _Outline(start, end, radius, flat, np.concatenate(spans), beside)
 
 
-@check("contact.place", "m", "outlines",
+@Check("contact.place", "m", "outlines",
        asks="are contacts on the outlines of both bodies?",
        compared="points, gaps and normals of contacts against the outlines of the shapes; for "
                 "merged contacts of several shapes, points along the force against the hulls; "

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit.evidence import Evidence, NotComputed, Worst, check, peak
+from sandbox.audit.evidence import Check, Evidence, NotComputed, Worst, peak
 from sandbox.audit.outlines import touched
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
 from sandbox.model.model import Model
@@ -97,7 +97,7 @@ def beyond_joint(model: Model, joint: int) -> set[int]:
     return set()
 
 
-@check("rest.moments", source="Σ M = 0", asks="at rest, do the moments about every hinge balance?",
+@Check("rest.moments", source="Σ M = 0", asks="at rest, do the moments about every hinge balance?",
        compared="sum of moments at the end, relative to the largest, about {count:hinge}: tendons, "
                 "springs, contacts, weight, stops, dampers; worst: {where}",
        none="there is no hinge that carries a load")
@@ -149,7 +149,7 @@ def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
                 point_jacobian(points[rough], tangents[rough], at, phalanx[rough]), normal[rows])
 
 
-@check("rest.contacts", source="f = J⁻ᵀ τ",
+@Check("rest.contacts", source="f = J⁻ᵀ τ",
        asks="at rest, do contact forces balance the tendon tension?",
        compared="contact forces from tensions, springs and geometry against the recorded ones, "
                 "{count:finger}, worst: {where}")
@@ -188,7 +188,7 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
     return ""
 
 
-@check("contact.shared", source="rank of J", asks="does statics determine every contact force?",
+@Check("contact.shared", source="rank of J", asks="does statics determine every contact force?",
        compared="contact forces at the end that statics does not determine: {note}")
 def _determined(evidence: Evidence, worst: Worst) -> str:
     """Contacts without a force count: they may carry one in another set of forces."""

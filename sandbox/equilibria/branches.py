@@ -165,24 +165,18 @@ class _Follower:
         if point.turning == 0:
             return None
         length = (value - point.value) / self._span / point.turning
-        pose, settler = point.ahead(length), self.at(value)
-        settler.start(pose)
-        try:
-            balance = settler.polished()
-        except ArithmeticError:
-            return None
-        if balance is None or len(balance.mass) != len(point.balance.mass):
-            return None
-        off = point.balance.motion_between(pose, balance.still.pose) / point.balance.size
-        if np.abs(off).max() > max(0.5 * abs(length), 1e-9):
-            return None
-        found = self._point(value, balance, point.way)
-        return found if found.way @ point.way > 0.5 else None
+        found = self._step(point, length, value)
+        return found if found is not None and found.way @ point.way > 0.5 else None
 
-    def _step(self, point: BranchRest, length: float) -> BranchRest | None:
-        """The point at a length along the branch; None where Newton's method fails."""
+    def _step(
+        self, point: BranchRest, length: float, target: float | None = None,
+    ) -> BranchRest | None:
+        """The point at a length along the branch, or of a target value near there.
+
+        None where Newton's method fails.
+        """
         size, value = point.balance.size, point.value + length * point.turning * self._span
-        pose = point.ahead(length)
+        value, pose = value if target is None else target, point.ahead(length)
         for _ in range(MAX_ITERATIONS):
             settler = self.at(value)
             settler.start(pose)
@@ -192,20 +186,23 @@ class _Follower:
                 return None
             if len(balance.mass) != len(point.balance.mass):
                 return None
-            slope, closing = self._derivatives(value, pose, balance)
-            # one Newton iteration: motions along free directions z and the change of the value dp
-            k, way = len(balance.left), point.way
-            missing = length - self._along(point, value, pose)
-            system = np.zeros((k + 1, k + 1))
-            system[:k, :k], system[:k, k] = balance.stiffness, -slope
-            system[k, :k] = balance.free.T @ way[:-1] / size
-            system[k, k] = point.turning / self._span + way[:-1] @ closing / size
-            right = np.append(balance.left, missing - way[:-1] @ balance.closing() / size)
-            rows = np.abs(system).max(axis=1)
-            rows[rows == 0] = 1.0
-            columns = np.append(np.ones(k), self._span / size)
-            *z, dp = columns * solve(system / rows[:, None] * columns, right / rows)
-            motion = balance.free @ z + balance.closing() + closing * dp
+            if target is not None:
+                z, dp = solve(balance.stiffness, balance.left), 0.0
+                motion = balance.free @ z + balance.closing()
+            else:  # motions along free directions z and the change of the value dp
+                slope, closing = self._derivatives(value, pose, balance)
+                k, way = len(balance.left), point.way
+                missing = length - self._along(point, value, pose)
+                system = np.zeros((k + 1, k + 1))
+                system[:k, :k], system[:k, k] = balance.stiffness, -slope
+                system[k, :k] = balance.free.T @ way[:-1] / size
+                system[k, k] = point.turning / self._span + way[:-1] @ closing / size
+                right = np.append(balance.left, missing - way[:-1] @ balance.closing() / size)
+                rows = np.abs(system).max(axis=1)
+                rows[rows == 0] = 1.0
+                columns = np.append(np.ones(k), self._span / size)
+                *z, dp = columns * solve(system / rows[:, None] * columns, right / rows)
+                motion = balance.free @ z + balance.closing() + closing * dp
             if max(np.abs(motion).max(initial=0.0) / size, abs(dp) / self._span) <= 10 * EXACT:
                 settler.start(pose)
                 return self._point(value, settler.look(), point.way)

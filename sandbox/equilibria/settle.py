@@ -1,8 +1,7 @@
 """Static equilibrium by a slow load, kinetic damping, then Newton's method.
 
 Kinetic damping: bodies move with the engine's steps until their kinetic energy passes a peak, where
-all are stopped. At a peak forces balance along the motion, so every stop is nearer to equilibrium.
-The distance of a step is bounded, so that no contact is missed.
+forces balance along the motion and all are stopped.
 
 Constraints (joints, pressing contacts, limits, sticking friction) leave motions Z free. One step of
 the engine from rest gives the acceleration a under all forces; the residual along Z is Z^T M a,
@@ -42,8 +41,7 @@ RANK = 1e-9  # relative size of directions, and of stiffness, that are rounding
 class PoseBalance:
     """Residual forces, free motions and stiffness at a pose.
 
-    ``still`` is the engine after one step from rest, which ``run`` has recorded. ``size`` is the
-    length that is equivalent to 1 rad [m].
+    ``run`` is one step of ``still`` from rest; ``size`` [m] is the length equivalent to 1 rad.
     """
 
     def __init__(self, still: Still, run: Recording, size: float) -> None:

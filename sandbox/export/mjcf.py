@@ -13,7 +13,6 @@ angle of a free body. Bodies and joints are the model's indices; the world is ``
 
 from __future__ import annotations
 
-import heapq
 import itertools
 import math
 import re
@@ -51,57 +50,35 @@ class Link:
     backwards: bool = False  # whether the body is the joint's ``a``, its parent ``b``
 
 
-@dataclass(frozen=True)
-class Tree:
-    """All bodies, parents before their children, and the joints that close loops."""
+def grow(model: Model) -> tuple[dict[int, Link], list[int]]:
+    """All bodies, parents before their children, and the joints that close loops.
 
-    links: dict[int, Link]
-    loops: tuple[int, ...]
-
-    def line(self, body: int) -> Iterator[Link]:
-        """A body's link, its parent's, and so on to the world."""
-        while body != NONE:
-            yield self.links[body]
-            body = self.links[body].parent
-
-
-def grow(model: Model) -> Tree:
-    """Build the tree of a mechanism; without fixed bodies the first free one is a root."""
+    Fixed bodies are roots, and the first body of each group that joints do not connect to them.
+    """
     ends: list[list[int]] = model.joints.bodies.tolist()
     poses: list[Pose] = model.bodies.pose.tolist()
     ranks = {joint: 0 if kind.mujoco_loop else 2 if model.joints.turns[joint] else 1
              for joint, kind in enumerate(model.joints.kind) if not kind.along_line}
-    links: dict[int, Link] = {}
-    used: set[int] = set()
-    waiting: list[tuple[int, int]] = []
-
-    def place(link: Link) -> None:
-        links[link.body] = link
-        for joint, _ in model.neighbours[link.body]:
-            if joint in ranks:
-                heapq.heappush(waiting, (ranks[joint], joint))
-
     unmoved = np.flatnonzero(~model.bodies.free).tolist()
-    for body in unmoved:
-        place(Link(body, NONE, poses[body]))
-    for root in (NONE, *range(len(model.bodies.name))):
-        if root != NONE and root not in links:
-            place(Link(root, NONE, poses[root]))
-        while waiting:
-            _, joint = heapq.heappop(waiting)
-            a, b = ends[joint]
-            if a in links and b in links:
-                continue
-            used.add(joint)
-            backwards = b in links
-            there, here = meeting_points(model, joint)[::-1 if backwards else 1]
-            child, parent = (a, b) if backwards else (b, a)
-            angle = poses[child][2] - poses[parent][2]
-            x, y = to_world((0.0, 0.0, angle), here)
-            place(Link(child, parent, (there[0] - x, there[1] - y, angle), joint, backwards))
-    loops = tuple(joint for joint in ranks
-                  if joint not in used and not set(ends[joint]) <= set(unmoved))
-    return Tree(links, loops)
+    links = {body: Link(body, NONE, poses[body]) for body in unmoved}
+    while len(links) < len(poses):
+        ready = [(rank, joint) for joint, rank in ranks.items()
+                 if (ends[joint][0] in links) != (ends[joint][1] in links)]
+        if not ready:
+            root = min(set(range(len(poses))) - links.keys())
+            links[root] = Link(root, NONE, poses[root])
+            continue
+        _, joint = min(ready)
+        a, b = ends[joint]
+        backwards = b in links
+        there, here = meeting_points(model, joint)[::-1 if backwards else 1]
+        child, parent = (a, b) if backwards else (b, a)
+        angle = poses[child][2] - poses[parent][2]
+        x, y = to_world((0.0, 0.0, angle), here)
+        links[child] = Link(child, parent, (there[0] - x, there[1] - y, angle), joint, backwards)
+    used = {link.joint for link in links.values()}
+    return links, [joint for joint in ranks
+                   if joint not in used and not set(ends[joint]) <= set(unmoved)]
 
 
 def groove(model: Model, joint: int) -> tuple[Vec, float]:
@@ -214,8 +191,8 @@ class Draft:
 
     MAX_FORCE = 1e6  # a force that no tendon reaches [N], as MuJoCo needs closed ranges
 
-    def __init__(self, model: Model, tree: Tree) -> None:
-        self.model, self.tree, self.mechanism = model, tree, model.mechanism
+    def __init__(self, model: Model, links: dict[int, Link], loops: list[int]) -> None:
+        self.model, self.mechanism, self.links, self.loops = model, model.mechanism, links, loops
         elements = (model.bodies, model.joints, model.springs, model.tendons, model.drives)
         self._taken = {(kind, name) for part in elements for name in (WORLD, *part.name)
                        for kind in ("body", "joint", "site", "geom", "mesh", "sensor")}
@@ -235,7 +212,7 @@ class Draft:
         self.moves = {body: [
             replace(move, name=self.unique("joint", move.name))
             if move.made else move for move in freedoms(model, link)
-        ] for body, link in tree.links.items()}
+        ] for body, link in links.items()}
 
     def unique(self, kind: str, name: str) -> str:
         """A new name of a joint, site ...: ``name``, with ``_`` appended until it is free."""
@@ -244,18 +221,24 @@ class Draft:
         self._taken.add((kind, name))
         return name
 
+    def line(self, body: int) -> Iterator[Link]:
+        """A body's link, its parent's, and so on to the world."""
+        while body != NONE:
+            yield self.links[body]
+            body = self.links[body].parent
+
     def coordinates(self) -> Iterator[Freedom]:
         """All coordinates in MuJoCo's order, depth first."""
         waiting = [NONE]
         while waiting:
             body = waiting.pop()
             yield from self.moves.get(body, [])
-            waiting += [child for child, link in self.tree.links.items()
+            waiting += [child for child, link in self.links.items()
                         if link.parent == body][::-1]
 
     def assembled(self, body: int, point: Vec) -> Vec:
         """A point of a body in the world [m], with every joint assembled as in MuJoCo."""
-        for link in self.tree.line(body):
+        for link in self.line(body):
             point = to_world(link.pose, point)
         return point
 
@@ -282,7 +265,7 @@ class Draft:
         """Attribute of an actuator of a hinge: its joint, or the tendon of a closed loop."""
         joint = self.target(drive)
         self.driven.add(joint)
-        kind = "tendon" if joint in self.tree.loops else "joint"
+        kind = "tendon" if joint in self.loops else "joint"
         return {kind: self.model.joints.name[joint]}
 
     def angle_sum(self, joint: int) -> tuple[dict[str, float], float]:
@@ -292,7 +275,7 @@ class Draft:
         hinges = {move.name: move for moves in self.moves.values() for move in moves
                   if move.kind == "hinge"}
         for body, side in ((b, sense), (a, -sense)):
-            for link in self.tree.line(body):
+            for link in self.line(body):
                 for move in self.moves[link.body]:
                     if move.kind == "hinge":
                         factors[move.name] = factors.get(move.name, 0.0) + side * move.axis[2]
@@ -335,10 +318,10 @@ def write_mjcf(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
     """Write a MuJoCo model."""
     kept, left_out = leave_out(mechanism, without)
     model = compile_mechanism(kept)
-    tree = grow(model)
-    if problems := without_counterpart(model, tree.loops):
+    links, loops = grow(model)
+    if problems := without_counterpart(model, loops):
         raise SceneError(problems)
-    draft = Draft(model, tree)
+    draft = Draft(model, links, loops)
     add_springs(draft)
     step = min(kept.run.step, add_tendons(draft))
     add_links(draft)
@@ -347,7 +330,7 @@ def write_mjcf(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
                            "keep their own signals")
     for i, drive in enumerate(kept.drives):
         drive.write_mujoco(draft, i)
-    for joint in draft.tree.loops:
+    for joint in draft.loops:
         if model.joints.angle[joint]:
             _add_closing_angle(draft, joint)
     sense_bodies(draft)
@@ -413,7 +396,7 @@ def add_bodies(draft: Draft) -> dict[int, list[str]]:
     add(world, "light", pos=(0, 0, 1), dir=(0, 0, -1), directional="true")
     places: dict[int, ET.Element] = {NONE: world}
     geoms: dict[int, list[str]] = {}
-    for index, link in draft.tree.links.items():
+    for index, link in draft.links.items():
         x, y, angle = link.pose
         place = add(places[link.parent], "body", name=draft.body_names[index], pos=(x, y, 0.0),
                     euler=(0.0, 0.0, angle) if angle else None)
@@ -528,7 +511,7 @@ def add_links(draft: Draft) -> None:
                 polycoef=(high - start, 0, 0, 0, 0))
         elif not free:
             draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
-    for joint in draft.tree.loops:  # of a weld the site on a is rotated
+    for joint in draft.loops:  # of a weld the site on a is rotated
         name, (a, b), (on_a, on_b) = joints.name[joint], bodies[joint], anchors[joint]
         turns = joints.turns[joint]
         angle = 0.0 if turns else float(model.bodies.pose[b, 2] - model.bodies.pose[a, 2])

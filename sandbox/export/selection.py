@@ -151,10 +151,7 @@ def _wheel(model: Model, tendon: int) -> str:
 
 
 def arc_of(model: Model, start: Stretches, wheel: int) -> tuple[float, bool]:
-    """The middle of the arc on a wheel between two eyes at t = 0 [rad]; whether it is impossible.
-
-    That is where an eye lies inside the wheel, or the two straight parts cross.
-    """
+    """The middle of an arc between two eyes [rad]; whether an eye is inside, or the parts cross."""
     tendons, (one, two) = model.tendons, (
         int(np.flatnonzero(model.tendons.stretch_first == wheel - k)[0]) for k in (1, 0))
     radius, tendon = float(tendons.guide_radius[wheel]), int(tendons.stretch_tendon[one])

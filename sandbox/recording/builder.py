@@ -77,10 +77,7 @@ class Room:
 
 
 class Rows:
-    """Arrays that grow by rows, all with ``count`` of them, and room for ``planned`` at first.
-
-    Rows of contacts and impacts are sorted by the first ``by`` arrays.
-    """
+    """Arrays that grow by rows, sorted by the first ``by`` arrays; ``count`` of them are used."""
 
     def __init__(
         self, room: Room, size: Mapping[str, int], keys: Iterable[str], *,
@@ -136,11 +133,9 @@ class Rows:
 
 
 class RecordingBuilder:
-    """Room for the samples of a run; ``finish`` makes the :class:`Recording`.
+    """Room for the samples of a run, above :data:`MEMORY` bytes in temporary files.
 
-    ``statics`` are the arrays that do not change (body masses, tendon lengths). ``apart`` is
-    whether samples are several steps apart. Above :data:`MEMORY` bytes, files in the system's
-    temporary directory are used; :class:`OutputError` if there is no room for them.
+    ``statics`` are the arrays that do not change; ``apart``: samples are several steps apart.
     """
 
     def __init__(
@@ -176,10 +171,7 @@ class RecordingBuilder:
         self.samples.put(first, arrays)
 
     def finish(self, time: Array, info: Outcome, *, copied: bool = False) -> Recording:
-        """The recording of the first samples, as many as ``time`` has instants [s].
-
-        It shares this memory unless it is ``copied``, which is required if more is written.
-        """
+        """The recording at these first instants [s]; it shares this memory unless ``copied``."""
         copies, n = Room(0) if copied else None, len(time)
         arrays = {TIME: np.array(time), **self.statics, **self.samples.finished(n, copies),
                   **self.impacts.finished(self.impacts.count, copies)}

@@ -1,9 +1,8 @@
 """The directory of a run while it is written: the old run stays whole until the new one is.
 
-A new run is written into a hidden directory within that of the run, which is locked, flushed to the
-disk, and moved into place by renames, which Ctrl-C does not stop. Before the first of them a mark
-``run.incomplete.json`` takes the place of ``run.json``, for a process that is killed in between. A
-stopped run does not replace a complete one: it is kept in :data:`BESIDE`.
+A new run is written into a hidden directory within that of the run, which is locked, and moved into
+place by renames. Meanwhile a mark ``run.incomplete.json`` stands for ``run.json``, for a process
+that is killed in between. A stopped run does not replace a complete one: see :data:`BESIDE`.
 """
 
 from __future__ import annotations

@@ -55,8 +55,7 @@ def save_summary(
 ) -> Path:
     """Write ``run.json`` (``run.incomplete.json``) last of all; returns its path.
 
-    ``derived`` are the parameters that follow from others; ``wall_s`` adds to the wall times that
-    the recording knows. In the file null stands for infinite and for no value.
+    ``derived`` are the parameters that follow from others; ``wall_s`` adds to the wall times.
     """
     path = directory / (SUMMARY if run.complete else INCOMPLETE)
     info, mechanism = outcome_data(run.info), run.mechanism
