@@ -21,7 +21,7 @@ SPEED, RATE = 1e-3, 2e-2  # Largest speeds at rest [m/s, rad/s]; equal at arms o
 MOMENT = 1e-4  # Residual moment at rest, relative to the largest moment about a hinge
 
 
-def _at_rest(evidence: Evidence) -> Rest:
+def _at_rest(evidence: Evidence) -> Evidence:
     """The last sample, if the run is at rest over its last part."""
     run, model = evidence.run, evidence.model
     if not run.complete:
@@ -36,7 +36,7 @@ def _at_rest(evidence: Evidence) -> Rest:
     speed, omega = np.hypot(v[..., 0], v[..., 1]).max(axis=0), np.abs(v[..., 2]).max(axis=0)
     at = int(np.argmax(speed / SPEED + omega / RATE))
     if speed.max() <= SPEED and omega.max() <= RATE:
-        return Rest(evidence.last)
+        return evidence.last
     name = model.bodies.name[moving[at]]
     raise NotComputed(f"not at rest: in the last {100 * LAST:.0f} % of the run {name} moves at up "
                       f"to {speed[at]:.2g} m/s and {omega[at]:.2g} rad/s")
@@ -48,39 +48,22 @@ class _About(NamedTuple):
     contacts: float
     others: float
     largest: float  # Of any single load
-    idle: float  # A hinge with less carries no load: bodies beyond it may still come to rest
+    inertia: float  # Of the bodies beyond it [kg m^2]
 
 
-class Rest:
-    """Statics of the last sample of a run: all loads in one list of wrenches."""
-
-    def __init__(self, final: Evidence) -> None:
-        self.loads, self.model = final.loads, final.model
-        self.fingers = [group for group in self.model.mechanism.groups if group.kind == "finger"]
-        frames, sides, parts, count = self.loads.frames, self.loads.contact_sides, [], 0
-        for batch in self.loads.batches:
-            parts.append((count + batch.element, batch.body, batch.wrench[..., 0]))
-            count += int(batch.element.max(initial=-1)) + 1
-        # both sides of a contact have one number: they cancel between bodies beyond a hinge
-        self.contacts = count + np.tile(np.arange(len(sides.body) // 2), 2)
-        parts.append((self.contacts, sides.body, sides.wrench))
-        self.number, self.body, wrench = (np.concatenate(part) for part in zip(*parts, strict=True))
-        self.x, self.y, moment = wrench.T
-        x, y = frames.centre[:2, self.body, 0]
-        self.moment = moment + (x * self.y - y * self.x)  # About the origin [N m]
-
-    def about(self, joint: int, beyond: set[int], window: float = np.inf) -> _About:
-        """Moments about a joint of loads on the bodies ``beyond``, at rest for ``window`` [s]."""
-        frames, arrays, bodies = self.loads.frames, self.loads.run.arrays, list(beyond)
-        cx, cy = (float(part[joint, 0]) for part in (frames.anchors[1].x, frames.anchors[1].y))
-        on = np.isin(self.body, bodies)
-        own = np.zeros(int(self.number.max(initial=-1)) + 1)
-        np.add.at(own, self.number[on], self.moment[on] - cx * self.y[on] + cy * self.x[on])
-        first = int(self.contacts.min(initial=len(own)))
-        x, y = frames.centre[0, bodies, 0] - cx, frames.centre[1, bodies, 0] - cy
-        inertia = arrays["body_inertia"][bodies] + arrays["body_mass"][bodies] * (x * x + y * y)
-        return _About(float(own[first:].sum()), float(own[:first].sum()), peak(own),
-                      float(2 * RATE / window * inertia.sum()))
+def _about(final: Evidence, joint: int, beyond: set[int]) -> _About:
+    """The moments: the power of all loads while the bodies ``beyond`` turn about it at 1 rad/s."""
+    loads, bodies, anchor = final.loads, list(beyond), final.frames.anchors[1]
+    x, y = final.frames.centre[:2, bodies]
+    turning = np.zeros((3, len(final.model.bodies.name), 1))
+    turning[:, bodies] = anchor.y[joint] - y, x - anchor.x[joint], np.ones_like(x)
+    sides = loads.contact_sides  # both sides of a contact between bodies beyond the hinge cancel
+    contacts = (sides.wrench.T * turning[:, sides.body, 0]).sum(axis=0).reshape(2, -1).sum(axis=0)
+    others = np.concatenate([np.zeros(0), *(
+        batch.rates(int(batch.element.max(initial=-1)) + 1, turning)[:, 0]
+        for batch in loads.batches)])
+    return _About(float(contacts.sum()), float(others.sum()), peak(np.append(contacts, others)),
+                  float((loads.weights.T * turning[:, :, 0]**2).sum()))
 
 
 def beyond_joint(model: Model, joint: int) -> set[int]:
@@ -102,14 +85,15 @@ def beyond_joint(model: Model, joint: int) -> set[int]:
                 "springs, contacts, weight, stops, dampers; worst: {where}",
        none="there is no hinge that carries a load")
 def _moments(evidence: Evidence, worst: Worst) -> None:
-    rest, model = _at_rest(evidence), evidence.model
+    final, model, window = _at_rest(evidence), evidence.model, LAST * evidence.run.time[-1]
     for j in model.joints.hinges.tolist():
         name, beyond = model.joints.name[j], beyond_joint(model, j)
         if not beyond:
             worst.left_out.append(f"{name} is one of several supports")
             continue
-        moment = rest.about(j, beyond, LAST * float(evidence.run.time[-1]))
-        if moment.largest > moment.idle:
+        moment = _about(final, j, beyond)
+        # a hinge with less carries no load: bodies beyond it may still come to rest
+        if moment.largest > 2 * RATE / window * moment.inertia:
             worst.add(name, np.array([abs(moment.contacts + moment.others) / moment.largest]),
                       MOMENT)
 
@@ -123,9 +107,9 @@ class Grip(NamedTuple):
     normal: Array  # Recorded normal forces [N]
 
 
-def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
+def grip_of(final: Evidence, group: Group, least: float = TOUCH) -> Grip | None:
     """The contacts of a finger that press with more than ``least`` [N]; None if it is no chain."""
-    model, loads = rest.model, rest.loads
+    model, loads = final.model, final.loads
     members = [model.names.body[name] for name in group.bodies if name in model.names.body]
     pivots = model.joints.hinges
     pins = [pivots[model.joints.bodies[pivots, 1] == body].tolist() for body in members]
@@ -149,20 +133,24 @@ def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
                 point_jacobian(points[rough], tangents[rough], at, phalanx[rough]), normal[rows])
 
 
+def _fingers(model: Model) -> list[Group]:
+    return [group for group in model.mechanism.groups if group.kind == "finger"]
+
+
 @Check("rest.contacts", source="f = J⁻ᵀ τ",
        asks="at rest, do contact forces balance the tendon tension?",
        compared="contact forces from tensions, springs and geometry against the recorded ones, "
                 "{count:finger}, worst: {where}")
 def _contacts(evidence: Evidence, worst: Worst) -> None:
     """Forces f = J^-T tau of fingers with as many frictionless contacts as joints."""
-    rest = _at_rest(evidence)
-    for group in rest.fingers:
-        grip = grip_of(rest, group)
-        reason = _no_closed_form(rest, grip)
+    final = _at_rest(evidence)
+    for group in _fingers(final.model):
+        grip = grip_of(final, group)
+        reason = _no_closed_form(final.model, grip)
         if grip is None or reason:
             worst.left_out.append(f"{group.name}: {reason}")
             continue
-        about = [rest.about(j, beyond_joint(rest.model, j)) for j in grip.hinges]
+        about = [_about(final, j, beyond_joint(final.model, j)) for j in grip.hinges]
         force = contact_forces(grip.jacobian, [-each.others for each in about])
         inverse = np.linalg.norm(np.linalg.inv(grip.jacobian.T), ord=np.inf)
         scale = float(grip.normal.max())
@@ -171,7 +159,7 @@ def _contacts(evidence: Evidence, worst: Worst) -> None:
                   MOMENT * float(inverse) * max(each.largest for each in about) / scale)
 
 
-def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
+def _no_closed_form(model: Model, grip: Grip | None) -> str:
     """Why f = J^-T tau does not give a finger's contact forces; empty if it does."""
     if grip is None:
         return "not a chain of hinges"
@@ -180,7 +168,7 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
         return "its contacts have friction"
     if count != len(grip.hinges):
         return f"{counted(count, 'contact')} for {counted(len(grip.hinges), 'hinge')}"
-    if any(not beyond_joint(rest.model, j) for j in grip.hinges):
+    if any(not beyond_joint(model, j) for j in grip.hinges):
         return "something else holds it"
     values = np.linalg.svd(grip.jacobian, compute_uv=False)
     if values[-1] < 1e-9 * values[0]:
@@ -192,16 +180,16 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
        compared="contact forces at the end that statics does not determine: {note}")
 def _determined(evidence: Evidence, worst: Worst) -> str:
     """Contacts without a force count: they may carry one in another set of forces."""
-    rest = Rest(touched(evidence.last, least=TOUCH))
-    if not rest.fingers:
+    final = touched(evidence.last, least=TOUCH)
+    if not _fingers(final.model):
         raise NotComputed("there is no finger")
     shared, states = 0, []
-    for group in rest.fingers:
-        grip = grip_of(rest, group, least=-np.inf)
+    for group in _fingers(final.model):
+        grip = grip_of(final, group, least=-np.inf)
         if grip is None:
             states.append(f"{group.name} is no chain of hinges")
             continue
-        stop = rest.loads.run.arrays["joint_stop"][-1, grip.hinges]
+        stop = final.arrays["joint_stop"][-1, grip.hinges]
         rows = np.concatenate([grip.jacobian, grip.tangents])
         known = determined_forces(rows, upper=np.abs(np.nan_to_num(stop)) > 0)[:len(grip.normal)]
         shared += int(np.count_nonzero(~known))

@@ -227,14 +227,10 @@ class Draft:
             yield self.links[body]
             body = self.links[body].parent
 
-    def coordinates(self) -> Iterator[Freedom]:
-        """All coordinates in MuJoCo's order, depth first."""
-        waiting = [NONE]
-        while waiting:
-            body = waiting.pop()
-            yield from self.moves.get(body, [])
-            waiting += [child for child, link in self.links.items()
-                        if link.parent == body][::-1]
+    def coordinates(self) -> list[Freedom]:
+        """All coordinates in MuJoCo's order, that of the joints in the document."""
+        moves = {move.name: move for own in self.moves.values() for move in own}
+        return [moves[joint.attrib["name"]] for joint in self.sections["worldbody"].iter("joint")]
 
     def assembled(self, body: int, point: Vec) -> Vec:
         """A point of a body in the world [m], with every joint assembled as in MuJoCo."""
@@ -272,16 +268,15 @@ class Draft:
         """The angle of a pin that closes a loop [rad]: factors of coordinates, and an offset."""
         sense, factors = float(self.model.joints.sense[joint]), dict[str, float]()
         a, b = self.model.joints.bodies[joint].tolist()
-        hinges = {move.name: move for moves in self.moves.values() for move in moves
-                  if move.kind == "hinge"}
+        offset = float(self.model.joints.start[joint])
         for body, side in ((b, sense), (a, -sense)):
             for link in self.line(body):
                 for move in self.moves[link.body]:
                     if move.kind == "hinge":
-                        factors[move.name] = factors.get(move.name, 0.0) + side * move.axis[2]
-        factors = {name: factor for name, factor in factors.items() if factor}
-        offset = sum(factor * hinges[name].start for name, factor in factors.items())
-        return factors, float(self.model.joints.start[joint]) - offset
+                        factor = side * move.axis[2]
+                        factors[move.name] = factors.get(move.name, 0.0) + factor
+                        offset -= factor * move.start
+        return {name: factor for name, factor in factors.items() if factor}, offset
 
     def angle_offset(self, drive: int) -> float:
         """Angle minus coordinate of a hinge that closes a loop [rad]."""
@@ -340,7 +335,7 @@ def write_mjcf(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
             add(draft.sections["contact"], "pair", geom1=one, geom2=other,
                 condim="3" if friction else "1",  # 1 has no friction
                 friction=(friction, friction) if friction else None)
-    moves = list(draft.coordinates())
+    moves = draft.coordinates()
     if moves or draft.controls:  # pose and speeds at t = 0, controls at the end of the run
         add(draft.sections["keyframe"], "key", name="start",
             qpos=[move.start for move in moves] or None,
