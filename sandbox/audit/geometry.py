@@ -8,16 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.audit.evidence import (
-    DIGITS,
-    ROUNDING,
-    STOPPED,
-    Check,
-    Evidence,
-    NotComputed,
-    Worst,
-    peak,
-)
+from sandbox.audit.evidence import DIGITS, ROUNDING, STOPPED, Check, Evidence, Worst, peak
 from sandbox.elements.element import GRAZE
 from sandbox.model.joints import flank_gaps, slipped
 from sandbox.numeric import Array
@@ -190,13 +181,12 @@ def _stops(evidence: Evidence, worst: Worst) -> None:
        asks="does each rocker or pulley move by the weighted mean of its strings?",
        compared="travel of each pivot against the mean travel of its two strings, weighted by "
                 "their arms, {count:rocker or wheel|rockers or wheels}, worst: {where}; the "
-                "inclination of the strings is allowed")
+                "inclination of the strings is allowed",
+       none="there is no tree of rockers or pulleys")
 def _differential(evidence: Evidence, worst: Worst) -> None:
-    trees = [group.bodies for group in evidence.model.mechanism.groups if group.tree]
-    if not trees:
-        raise NotComputed("there is no tree of rockers or pulleys")
-    worst.left_out += [f"{name}: {reason}" for names in trees for name in names
-                       if (reason := _compare_rocker(evidence, name, worst))]
+    worst.left_out += [
+        f"{name}: {reason}" for group in evidence.model.mechanism.groups if group.tree
+        for name in group.bodies if (reason := _compare_rocker(evidence, name, worst))]
 
 
 def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
@@ -304,7 +294,8 @@ def _schedules(evidence: Evidence, worst: Worst) -> None:
 def _velocities(evidence: Evidence, worst: Worst) -> str:
     bodies, frames, h = evidence.model.bodies, evidence.frames, evidence.h
     if len(evidence.run) < FEW:
-        raise NotComputed("there are too few samples")
+        worst.left_out.append("there are too few samples")
+        return ""
     for b in np.flatnonzero(~bodies.fixed).tolist():
         for pose, v, a in zip(*(
                 part[:, b] for part in (frames.centre, evidence.velocity, frames.acceleration)),

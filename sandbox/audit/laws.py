@@ -31,13 +31,7 @@ from sandbox.model.model import NONE
 from sandbox.model.programs import SpringLaw
 from sandbox.model.tendons import CableSpan, spans_of
 from sandbox.numeric import Array, Flags
-from sandbox.samples.cables import (
-    bends,
-    lengths_at_start,
-    piece_tensions,
-    rest_lengths,
-    span_length,
-)
+from sandbox.samples import cables
 
 # Error of the rates of bounded rows relative to the largest, and of guide friction relative to the
 # tension: the solve leaves 2e-10 (docs/engine.md), rounding turns a piece of 1 mm by 1e-9 rad
@@ -126,7 +120,7 @@ def _tendons(evidence: Evidence, worst: Worst) -> None:
         return
     holds = _as_built(evidence, "tendon")
     rates = evidence.rates_twice(loads.cable_efforts, len(tendons.name))
-    stretch = evidence.frames.lengths - rest_lengths(loads.model)[:, None]
+    stretch = evidence.frames.lengths - cables.rest_lengths(loads.model)[:, None]
     for i, name in enumerate(tendons.name):
         tension, c = a["tendon_tension"][:, i], float(tendons.damping[i])
         if len(tendons.gripped(i)):
@@ -211,7 +205,7 @@ def _bounds(evidence: Evidence, worst: Worst) -> None:
         span, friction = behind[k], a["guide_friction"][:, k]
         after = _tension(evidence, span)
         most, floor = whole(after), SOLVED * whole(after) + _drag(evidence, span, k)
-        phi = np.maximum(bends(evidence.frames, k), 0.0)
+        phi = np.maximum(cables.bends(evidence.frames, k), 0.0)
         # the absolute value, since a tendon that breaks may reverse the sign
         bound = np.tanh(0.5 * float(tendons.friction[k]) * phi) * np.abs(2 * after - friction)
         place = evidence.model.bodies.name[tendons.guide_body[guide]]
@@ -230,8 +224,9 @@ def _drag(evidence: Evidence, span: CableSpan, grip: int) -> float:
         return 0.0
     slid = np.diff(evidence.arrays["guide_slip"][:, grip], prepend=0.0)
     apart = h if evidence.every_step else float(np.diff(evidence.run.time[:2]).sum()) or h
-    stiffness = float(tendons.stiffness[span.tendon] * rest_lengths(evidence.model)[span.tendon])
-    shortest = min(float(span_length(evidence.frames, each)[1].min())
+    rest = cables.rest_lengths(evidence.model)[span.tendon]
+    stiffness = float(tendons.stiffness[span.tendon] * rest)
+    shortest = min(float(cables.span_length(evidence.frames, each)[1].min())
                    for each in spans_of(tendons, span.tendon))
     return 5 * DRAG * h * stiffness / max(shortest, ROUNDING) * float(np.abs(slid).max()) / apart
 
@@ -239,7 +234,7 @@ def _drag(evidence: Evidence, span: CableSpan, grip: int) -> float:
 def _tension(evidence: Evidence, span: CableSpan) -> Array:
     """Tension of a span, that of its first straight piece [N], [n]."""
     piece = np.flatnonzero(evidence.model.tendons.stretch_first == span.guides[0])[:1]
-    return np.asarray(piece_tensions(evidence.model, evidence.arrays, piece)[0])
+    return np.asarray(cables.piece_tensions(evidence.model, evidence.arrays, piece)[0])
 
 
 @Check("tendon.spans", source="T = EA (L - M) / M",
@@ -268,11 +263,11 @@ def _add_laws(
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
     tendon, count, slip = spans[0].tendon, len(tension), evidence.arrays["guide_slip"]
     damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])
-    measured = [span_length(evidence.frames, span) for span in spans]
+    measured = [cables.span_length(evidence.frames, span) for span in spans]
     length, free = (np.array(each) for each in zip(*measured, strict=True))
     wound = (length - free)[:count, 1:]
-    rest = float(rest_lengths(evidence.model)[tendon])
-    over = rest - float(lengths_at_start(evidence.model)[tendon])
+    rest = float(cables.rest_lengths(evidence.model)[tendon])
+    over = rest - float(cables.lengths_at_start(evidence.model)[tendon])
     share = rest / (rest - over) if over <= 0 else 1 + over / float(free[:, 0].sum())
     slips = np.column_stack([slip, np.zeros(len(slip))])  # a span without a guide has the last
     came = np.array([slips[:, span.into] - slips[:, span.out_of] for span in spans[:count]])

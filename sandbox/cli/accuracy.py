@@ -19,7 +19,7 @@ from sandbox.convergence.certificate import certify, refined, unfit
 from sandbox.engine.inspect import inspect, look_over
 from sandbox.errors import SceneError
 from sandbox.recording.new_run import BOUNDS, made
-from sandbox.recording.tables import bound_rows
+from sandbox.recording.store import bound_rows
 from sandbox.scene.read.limits import Limits, check_limits
 from sandbox.scene.read.load import Loaded
 from sandbox.wording import or_near

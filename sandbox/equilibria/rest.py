@@ -18,7 +18,6 @@ from sandbox.samples.contacts import TOUCH
 from sandbox.samples.yielding import Yield, Yielding
 from sandbox.scene.geometry import centre_of, reach_of
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.settings import Event
 from sandbox.wording import listed, near, quoted
 
 SAME = 1e-6  # difference, relative to the size, of poses that count as one
@@ -131,9 +130,6 @@ class RestFound:
     failed: tuple[tuple[str, str], ...]  #: starts that did not come to rest, and the reasons
     remarks: tuple[str, ...]  #: how the scene was read
 
-    def __repr__(self) -> str:
-        return f"<RestFound: {len(self.rests)} at rest, {len(self.failed)} failed>"
-
 
 def rest(
     scene: Runnable, *, at: float | None = None, starts: Sequence[Start] = (),
@@ -207,7 +203,7 @@ def known_body(mechanism: Mechanism, body: str) -> None:
 
 def check_options(mechanism: Mechanism, at: float | None, stages: int | None) -> None:
     """Refuse what has no static equilibrium, times beyond the run, and too many stages."""
-    run, acting = mechanism.run, [each for each in mechanism.events if _acts(each)]
+    run = mechanism.run
     found = [Problem(
         "no-rest", f"the controller {quoted(each.name)} needs time, and an equilibrium has none",
         f"$.controllers[{i}]", allowed="drives with the values that the controller reaches: remove "
@@ -216,7 +212,8 @@ def check_options(mechanism: Mechanism, at: float | None, stages: int | None) ->
     found += [Problem(
         "no-rest", f"the event {quoted(each.name)} acts at t = {each.at:g} s, and rest has no time",
         f"$.events[{mechanism.events.index(each)}]", allowed="a scene in which it has happened")
-        for each in acting if each.at is not None and each.at <= run.duration]
+        for each in mechanism.events if each.at is not None and each.at <= run.duration
+        and (each.set or each.release or each.take_up)]
     if at is not None and not 0 <= at <= run.duration:
         found.append(Problem("bad-time", f"{at:g} s is not within the run", "at",
                              allowed=f"0 to {run.duration:g} s"))
@@ -227,13 +224,9 @@ def check_options(mechanism: Mechanism, at: float | None, stages: int | None) ->
         raise SceneError(found)
 
 
-def _acts(event: Event) -> bool:
-    return bool(event.set or event.release or event.take_up)
-
-
 def _remarks(mechanism: Mechanism, settler: Settler, at: float | None) -> Iterator[str]:
     for event in mechanism.events:
-        if event.when is not None and _acts(event):
+        if event.when is not None and (event.set or event.release or event.take_up):
             yield f"the event {quoted(event.name)} is ignored: it depends on time"
     if settler.remark:
         yield settler.remark

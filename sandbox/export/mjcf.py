@@ -34,7 +34,7 @@ from sandbox.model.joints import place_in_slot, sliding, slot_length, turning
 from sandbox.model.model import NONE, Model
 from sandbox.samples.cables import Stretches, pulls_at_start, rest_lengths, stretches_at_start
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Role, Shape, Solid
-from sandbox.scene.geometry import Pose, Vec, core, corners, count_solids, solids, to_body, to_world
+from sandbox.scene.geometry import Pose, Vec, corners, reach_of, solids, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import Constant, values
 
@@ -409,11 +409,10 @@ def add_bodies(draft: Draft) -> dict[int, list[str]]:
                 pos=(*move.at, 0.0) if move.kind == "hinge" else None,
                 ref=move.start or None, range=move.limits, **law)
         body = draft.mechanism.bodies[index]
-        single = count_solids(body) == 1
+        parts = [(solid, depth(shape)) for shape in body.shapes for solid, _ in solids(shape)]
         geoms[index] = []
-        for i, (solid, half) in enumerate((solid, depth(shape)) for shape in body.shapes
-                                          for solid, _ in solids(shape)):
-            name = body.name if single else draft.unique("geom", f"{body.name}.{i}")
+        for i, (solid, half) in enumerate(parts):
+            name = body.name if len(parts) == 1 else draft.unique("geom", f"{body.name}.{i}")
             geoms[index].append(name)
             add(place, "geom", name=name, rgba=COLOURS[body.role],
                 **_geom(draft, name, solid, half))
@@ -461,12 +460,9 @@ def sense_bodies(draft: Draft) -> None:
         draft.sense("framelinvel", f"{body.name}.velocity", objtype="body", objname=own)
         draft.sense("frameangvel", f"{body.name}.omega", objtype="body", objname=own)
         if body.shapes:
-            points = [(point, grown) for shape in body.shapes for solid, _ in solids(shape)
-                      for ring, grown in [core(solid)] for point in ring]
-            xs, ys = [p[0] for p, _ in points], [p[1] for p, _ in points]
-            centre = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
+            centre = draft.model.bodies.centre[index].tolist()
             radius = math.hypot(  # of a ball around all shapes, with the depth of prisms [m]
-                max(math.dist(centre, p) + r for p, r in points), max(map(depth, body.shapes)))
+                reach_of(body, centre), max(map(depth, body.shapes)))
             site = draft.site(index, f"{body.name}.skin", centre, size=MARGIN * radius, group="5")
             draft.sense("touch", f"{body.name}.contact.normal", site=site)
     for moves in draft.moves.values():

@@ -21,16 +21,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.elements.arrays import (
-    ARRAYS,
-    IMPACT,
-    LARGEST,
-    METERS,
-    Arrays,
-    Recorded,
-    dtype_of,
-    pieces,
-)
+from sandbox.elements.arrays import ARRAYS, IMPACT, LARGEST, Arrays, Recorded, dtype_of, pieces
 from sandbox.errors import OutputError, SceneError
 from sandbox.samples.outcome import Outcome, outcome_data, read_outcome
 from sandbox.samples.samples import Samples
@@ -174,8 +165,6 @@ class _Reading:
         """The arrays in memory, or mapped where they are large; with plausible numbers."""
         found = {row: self.members[f"{row.name}.npy"] for row in ARRAYS
                  if f"{row.name}.npy" in self.members}
-        if mechanism.meters and f"{METERS}.npy" not in self.members:
-            raise ValueError(f"array {METERS!r} is missing")
         large = sum(member.file_size for member in found.values()) > IN_MEMORY
         arrays = {row.name: self._array(row, member, mapped=large)
                   for row, member in found.items()}

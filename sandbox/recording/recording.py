@@ -6,15 +6,16 @@ import math
 import os
 from collections.abc import Mapping
 from functools import cached_property
+from importlib import import_module
 from typing import Any, Self
 
 from sandbox.atomic_files import output_path
 from sandbox.audit.audit import Figure, audit
-from sandbox.errors import OutputError
-from sandbox.recording import store, tables
+from sandbox.errors import OutputError, SandboxError
+from sandbox.recording import store
 from sandbox.recording.new_run import writing
 from sandbox.samples.expectations import Verdict, verdicts
-from sandbox.samples.samples import Samples
+from sandbox.samples.samples import TABLES, Samples
 
 
 class Recording(Samples):
@@ -73,7 +74,7 @@ class Recording(Samples):
             SandboxError: pandas is not installed.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        pandas, names = tables.library("pandas"), tables.chosen(self, quantities)
+        pandas, names = _library("pandas"), self._chosen(quantities)
         table = pandas.DataFrame({name: self[name] for name in names},
                                  index=pandas.Index(self.time, name="time"))
         table.attrs["units"] = {name: self.unit(name) for name in names}
@@ -84,11 +85,17 @@ class Recording(Samples):
 
         Arguments and errors are those of :meth:`to_pandas`.
         """
-        return tables.library("xarray").Dataset(
+        return _library("xarray").Dataset(
             {name: ("time", self[name], {"units": self.unit(name)})
-             for name in tables.chosen(self, quantities)},
+             for name in self._chosen(quantities)},
             coords={"time": ("time", self.time, {"units": "s"})},
             attrs={"scene": self.mechanism.name, "title": self.mechanism.title})
+
+    def _chosen(self, quantities: tuple[str, ...]) -> list[str]:
+        """Names that names and patterns stand for, each once; of none all that CSV files have."""
+        if quantities:
+            return list(dict.fromkeys(name for each in quantities for name in self.names(each)))
+        return [name for kind in TABLES for name in self.table(kind).names]
 
     def plot(
         self, *quantities: str, x: str = "", begin: float | str = 0.0,
@@ -170,3 +177,13 @@ class Recording(Samples):
         from sandbox.notebook import card_of_run
 
         return card_of_run(self)
+
+
+def _library(name: str) -> Any:
+    """The module of pandas or xarray."""
+    try:
+        return import_module(name)
+    except ImportError:
+        raise SandboxError(f"to_{name}() needs the package {name!r}, which is not installed: "
+                           f"pip install {name}; run[name] gives plain arrays without it",
+                           code="missing-package") from None

@@ -1,7 +1,8 @@
 """The files of a run: ``run.npz``, the CSV files, and ``run.json`` last.
 
-``run.json`` means that everything else is there. An incomplete run has ``run.incomplete.json``
-instead. :mod:`sandbox.recording.new_run` puts them in place.
+CSV files have one row per sample, columns ``time_s,<name>.<quantity>_<unit>``. In a unit a space
+becomes ``_``, ``/`` becomes ``_per_``, ``%`` becomes ``percent``, ``^`` and ``1`` vanish. Numbers
+have 12 significant digits; zero has no sign; a missing value is ``nan``.
 """
 
 from __future__ import annotations
@@ -12,36 +13,46 @@ import os
 import platform
 import re
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
+import numpy as np
+from pydantic import TypeAdapter
+
 from sandbox.atomic_files import atomic_file, json_text, write_atomic
+from sandbox.audit.bounds import Bounds
 from sandbox.audit.evidence import Figure
-from sandbox.elements.arrays import Arrays
+from sandbox.elements.arrays import IMPACT, Arrays
+from sandbox.elements.quantities import CONTACT_COLUMNS, IMPACT_COLUMNS
 from sandbox.errors import OutputError
-from sandbox.recording import archive, tables
+from sandbox.numeric import Array, Integers
+from sandbox.recording import archive
 from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY
 from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import Outcome, outcome_data
 from sandbox.samples.samples import TABLES, Samples
 from sandbox.scene.mechanism import Mechanism
+from sandbox.values.units import normal_unit
 
 RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
 EDITED = "was changed: it does not name its run, and its checks are ignored"
 HEAD = 1024  # Bytes of a summary in which its id stands
-MAX_SUMMARY, MAX_WORDS = 64_000_000, 2000  # Bytes of a summary, letters of a text in it
+MAX_SUMMARY = 64_000_000  # Bytes of a summary that is read as a whole
+NUMBER = "%.12g"
+ALWAYS = ("tendons", "joints", "bodies", "drives")  # written even without columns
+BLOCK = 250_000  # Numbers that are turned into text at a time
 
 
 def save_data(run: Samples, directory: Path) -> None:
     """Write everything but the summary into a directory that holds no run."""
     with atomic_file(directory / ARCHIVE, durable=False) as part, part.open("wb") as file:
         archive.write(run, file)
-    texts = {CONTACTS: tables.contact_rows(run)}
+    texts = {CONTACTS: contact_rows(run)}
     if len(run.arrays["impact_time"]):
-        texts[IMPACTS] = tables.impact_rows(run)
-    texts |= {f"{kind}.csv": tables.rows(run, kind) for kind in TABLES
-              if kind in tables.ALWAYS or getattr(run.mechanism, kind)}
+        texts[IMPACTS] = impact_rows(run)
+    texts |= {f"{kind}.csv": rows(run, kind) for kind in TABLES
+              if kind in ALWAYS or getattr(run.mechanism, kind)}
     for name, pieces in texts.items():
         with atomic_file(directory / name, durable=False) as part, part.open("wb") as file:
             for piece in pieces:
@@ -119,18 +130,79 @@ def unfinished(outcome: Outcome) -> Outcome:
 
 def saved_audit(directory: Path) -> list[Figure]:
     """The audit that was saved with a run; empty where there is none, or none that can be read."""
-    path, found = directory / SUMMARY, []
+    path = directory / SUMMARY
     path = path if path.exists() else directory / INCOMPLETE
     try:
-        if path.stat().st_size > MAX_SUMMARY:
-            return []
-        for row in json.loads(path.read_bytes()).get("audit") or []:
-            if row["verdict"] not in ("pass", "look", "not computed"):
-                return []
-            words = {key: str(row[key])[:MAX_WORDS] for key in ("name", "unit", "why", "source")}
-            value, threshold = (math.nan if row[key] is None else float(row[key])
-                                for key in ("value", "threshold"))
-            found.append(Figure(value=value, threshold=threshold, verdict=row["verdict"], **words))
-    except (AttributeError, OSError, ValueError, TypeError, KeyError, RecursionError):
-        return []
-    return found
+        if path.stat().st_size <= MAX_SUMMARY:
+            rows = json.loads(path.read_bytes()).get("audit") or []
+            return TypeAdapter(list[Figure]).validate_python([
+                {key: math.nan if value is None else value for key, value in row.items()}
+                for row in rows])
+    except (AttributeError, OSError, ValueError, TypeError, RecursionError):
+        pass
+    return []
+
+
+def column(name: str, unit: str) -> str:
+    """The name of a column: ``finger1.tendon.tension_N``, ``arm.omega_rad_per_s``, ``held``."""
+    unit = normal_unit(unit).replace("/", "_per_").replace("%", "percent").replace(" ", "_")
+    unit = re.sub(r"[^\w]", "", "" if unit == "1" else unit).removeprefix("1_").strip("_")
+    return "_".join(filter(None, (name, unit)))
+
+
+def rows(run: Samples, kind: str) -> Iterator[str]:
+    """The text of a table (see :meth:`Samples.table`), header first, in large pieces."""
+    names, units, _ = run.part(0, 0).table(kind)
+    heads = ["time_s", *(column(name, unit) for name, unit in zip(names, units, strict=True))]
+    yield ",".join(heads) + "\n"
+    line = ",".join([NUMBER] * len(heads)) + "\n"
+    size = max(1, BLOCK // len(heads))
+    for first in range(0, len(run), size):
+        part = run.part(first, first + size)
+        # adding 0 takes the sign off a zero
+        values = np.column_stack([part.time, part.table(kind).values]) + 0.0
+        yield "".join([line % tuple(row) for row in values.tolist()])
+
+
+def _pair_head(units: Mapping[str, str]) -> str:
+    """The first line of a table with a row for two bodies at an instant."""
+    return ",".join(["time_s", "body", "other", *(
+        column(name, unit) for name, unit in units.items())]) + "\n"
+
+
+def bound_rows(run: Samples, found: Mapping[int, Sequence[Bounds]]) -> Iterator[str]:
+    """The text of ``contact_bounds.csv``: bounds of contact forces, by number of the sample."""
+    yield _pair_head({f"{kind}{end}": "N" for kind in ("normal", "tangential")
+                      for end in ("", "_low", "_high")})
+    for sample in sorted(found):
+        if each := found[sample]:
+            numbers = np.array([[value for part in (one.normal, one.tangential)
+                                 for value in (part.force, part.low, part.high)] for one in each])
+            yield _pair_rows(run, np.full(len(each), run.time[sample]),
+                             *np.array([(one.body, one.other) for one in each]).T, numbers)
+
+
+def contact_rows(run: Samples) -> Iterator[str]:
+    """The text of ``contacts.csv``: the force on ``body`` by ``other``, row by row."""
+    yield _pair_head(CONTACT_COLUMNS)
+    contacts, points = run.mean_contacts, run.mean_rows["contact_point"]
+    for first in range(0, len(points), BLOCK // 8):
+        rows = slice(first, first + BLOCK // 8)
+        yield _pair_rows(run, run.time[contacts.sample[rows]], contacts.body[rows],
+                         contacts.other[rows], points[rows], contacts.force[rows],
+                         contacts.normal[rows], contacts.tangential[rows])
+
+
+def impact_rows(run: Samples) -> Iterator[str]:
+    """The text of ``impacts.csv``: the impulse on ``body`` by ``other``, row by row."""
+    yield _pair_head(IMPACT_COLUMNS)
+    yield _pair_rows(run, *(run.arrays[key] for key in IMPACT))
+
+
+def _pair_rows(run: Samples, time: Array, body: Integers, other: Integers, *numbers: Array) -> str:
+    """Lines of an instant, the names of two bodies and numbers."""
+    names = [body.name for body in run.mechanism.bodies]
+    values = np.column_stack([time, *numbers]) + 0.0
+    line = ",".join([NUMBER, "%s", "%s", *[NUMBER] * (values.shape[1] - 1)]) + "\n"
+    return "".join([line % (row[0], names[one], names[two], *row[1:]) for row, one, two in zip(
+        values.tolist(), body.tolist(), other.tolist(), strict=True)])

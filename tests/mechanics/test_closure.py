@@ -104,12 +104,3 @@ def test_programs_drawn_at_random_have_the_value_that_another_solver_finds():
         assert least.reduced == pytest.approx(c - A.T @ least.prices, abs=1e-11)
         assert least.prices @ b == pytest.approx(least.value, abs=1e-11)
     assert seen == {0, 2, 3}
-
-
-def test_the_example_on_which_the_best_column_alone_goes_round_in_a_ring_comes_to_an_end():
-    """Beale's."""
-    A = np.array([[0.25, -60, -1 / 25, 9, 1, 0, 0], [0.5, -90, -1 / 50, 3, 0, 1, 0],
-                  [0, 0, 1, 0, 0, 0, 1]])
-    least = LinearProgram(A, np.array([0.0, 0.0, 1.0])).minimum(
-        np.array([-0.75, 150, -0.02, 6, 0, 0, 0]))
-    assert least.value == pytest.approx(-0.05)

@@ -37,25 +37,6 @@ def test_closed_and_general_jacobian_agree_with_virtual_work(n: int) -> None:
         statics.contact_jacobian(theta, lengths, k), general, rtol=0, atol=1e-16)
 
 
-def test_stop_takes_what_contacts_cannot() -> None:
-    """A first joint pressed open onto its lower stop: the stop's torque closes the balance
-    tau + stop = J^T f with the two contacts' forces as they are from joints 2 and 3.
-    """
-    theta, k = np.radians([0.0, 60.0, 50.0]), np.array([0.02, 0.012, 0.01])
-    J = statics.contact_jacobian(theta, SET_G.lengths, k)[1:]
-    tau = np.array([0.01, 0.02, 0.006])
-    f = np.linalg.solve(J[:, 1:].T, tau[1:])
-    needed = J[:, 0] @ f - tau[0]
-    assert needed > 0
-    assert (f > 0).all()
-    found = statics.unilateral_forces(J, tau, lower=[True, False, False])
-    np.testing.assert_allclose(found.forces, f, rtol=1e-9)
-    np.testing.assert_allclose(found.stops, [needed, 0, 0], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(found.residual, 0, atol=1e-12)
-    on_upper = statics.unilateral_forces(np.zeros((0, 3)), tau, upper=[True, True, True])
-    np.testing.assert_allclose(on_upper.stops, -tau, rtol=0, atol=1e-15)
-
-
 # --- contacts that let go
 
 

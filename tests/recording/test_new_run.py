@@ -145,7 +145,7 @@ def test_ctrl_c_in_the_swap_does_not_stop_it(tmp_path):
 def test_a_killed_save_leaves_the_old_run_and_what_the_next_one_clears(tmp_path):
     recording(title="old").save(tmp_path)
     before = contents(tmp_path)
-    body = ("store.tables.contact_rows = lambda run: os.kill(os.getpid(), signal.SIGKILL)\n"
+    body = ("store.contact_rows = lambda run: os.kill(os.getpid(), signal.SIGKILL)\n"
             "run.save(folder)\n")
     assert finish(worker(tmp_path, body))[0] == -signal.SIGKILL
     left = [name for name in names(tmp_path) if name.startswith(".")]

@@ -161,19 +161,6 @@ def test_a_damaged_recording_is_refused_in_a_line(saved, monkeypatch, spoil, mes
     assert str(caught.value).isprintable()
 
 
-def test_many_small_bombs_are_one(saved, monkeypatch):
-    """It is all parts together that may not be too large, not each of them."""
-    rewritten(saved / "run.npz", lambda new, name, content: new.writestr(
-        name, content, zipfile.ZIP_DEFLATED))
-    with zipfile.ZipFile(saved / "run.npz") as archive:
-        total = sum(one.file_size for one in archive.infolist())
-    monkeypatch.setattr("sandbox.recording.archive.MAX_UNPACKED", total)
-    assert Recording.load(saved).complete
-    monkeypatch.setattr("sandbox.recording.archive.MAX_UNPACKED", total - 1)
-    with pytest.raises(OutputError, match=f"compressed parts would take {total} bytes"):
-        Recording.load(saved)
-
-
 def test_a_bomb_is_not_unpacked(saved):
     """3 GB of zeros take 3 MB of a file: what they claim is compared before that."""
     size = 8 * 30_000_000

@@ -9,9 +9,9 @@ import pytest
 import sandbox
 from sandbox.errors import SandboxError
 from sandbox.model.catalogue import MixedUnitsError, UnknownQuantityError
-from sandbox.recording import tables
+from sandbox.recording import store
 from sandbox.recording.recording import Recording
-from sandbox.recording.tables import column, contact_rows, rows
+from sandbox.recording.store import column, contact_rows, rows
 
 from .sample import CONTACTS, INFO, N, S, arrays, mechanism, recording
 
@@ -119,7 +119,7 @@ def test_units_are_spelled_for_columns(unit, spelled):
 
 
 def test_numbers_read_back_to_twelve_digits(monkeypatch):
-    monkeypatch.setattr(tables, "BLOCK", 50)  # several pieces
+    monkeypatch.setattr(store, "BLOCK", 50)  # several pieces
     run = recording(contacts=CONTACTS)
     _, body = parsed(rows(run, "bodies"))
     values = np.array(body, dtype=float)
@@ -130,7 +130,7 @@ def test_numbers_read_back_to_twelve_digits(monkeypatch):
 
 
 def test_contacts_are_one_row_per_pair_and_sample(monkeypatch):
-    monkeypatch.setattr(tables, "BLOCK", 64)  # one sample a piece
+    monkeypatch.setattr(store, "BLOCK", 64)  # one sample a piece
     text = "".join(contact_rows(recording(contacts=CONTACTS)))
     lines = text.splitlines()
     assert lines[0] == "time_s,body,other,x_m,y_m,fx_N,fy_N,normal_N,tangential_N"
