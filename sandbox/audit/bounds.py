@@ -15,16 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.audit.contacts import CONE
-from sandbox.audit.evidence import (
-    EXACT,
-    ROUNDING,
-    SMALLEST_SCALE,
-    STOPPED,
-    Check,
-    Evidence,
-    NotComputed,
-    Worst,
-)
+from sandbox.audit.evidence import EXACT, ROUNDING, SMALLEST_SCALE, STOPPED, Check, Evidence, Worst
 from sandbox.audit.laws import carried
 from sandbox.audit.outlines import pressed, touched
 from sandbox.elements.tendons import RIGID
@@ -206,10 +197,7 @@ class Bounds(NamedTuple):
 
 
 def contact_bounds(evidence: Evidence, sample: int = -1, near: float | None = None) -> list[Bounds]:
-    """Bounds of all contact rows in one sample of a recording, then of contacts without a force.
-
-    ``near`` [m] is the distance within which outlines touch, by default the gap that a step leaves.
-    """
+    """Bounds of the contact rows in a sample, and of contacts without a force within ``near``."""
     unknowns = Unknowns(touched(evidence.alone(sample % len(evidence.run), near)))
     return sorted(bounds for bodies, forces in _groups(unknowns) if 3 * len(bodies) <= MAX_ROWS
                   for bounds in Balance(unknowns, bodies, forces, evidence.left_allowed).bounds())
@@ -320,11 +308,11 @@ class Balance:
 def _contact_bounds(evidence: Evidence, worst: Worst) -> None:
     count, names = len(evidence.last.run.contacts.normal), evidence.model.bodies.name
     if not count:
-        raise NotComputed("nothing touches at the end")
-    if count > MANY:
-        raise NotComputed(f"more than {MANY} contacts at the end, which take minutes; "
-                          "`sandbox bounds RUN` computes their ranges")
-    for found in contact_bounds(evidence):
+        worst.left_out.append("nothing touches at the end")
+    elif count > MANY:
+        worst.left_out.append(f"more than {MANY} contacts at the end, which take minutes; "
+                              "`sandbox bounds RUN` computes their ranges")
+    for found in contact_bounds(evidence) if 0 < count <= MANY else ():
         for kind, part in (("normal", found.normal), ("tangential", found.tangential)):
             worst.add(f"{names[found.body]}/{names[found.other]}.{kind}",
                       np.array(part.excess), np.maximum(part.allowed, ROUNDING))

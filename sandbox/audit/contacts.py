@@ -19,17 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.audit.evidence import (
-    EXACT,
-    REBOUND,
-    ROUNDING,
-    STILL,
-    Check,
-    Evidence,
-    NotComputed,
-    Worst,
-    peak,
-)
+from sandbox.audit.evidence import EXACT, REBOUND, ROUNDING, STILL, Check, Evidence, Worst, peak
 from sandbox.audit.outlines import overlaps, reach_of
 from sandbox.elements.arrays import Arrays
 from sandbox.model.pairs import friction_of, pair_skins, restitution_of, static_friction_of
@@ -57,7 +47,7 @@ NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample
 def _friction(evidence: Evidence, worst: Worst) -> None:
     """Without friction any tangential force counts relative to the normal force."""
     if not len(evidence.arrays["contact_gap"]):
-        raise NotComputed("nothing touches")
+        worst.left_out.append("nothing touches")
     rows = evidence.once(_Rows)
     limit, size = rows.static * rows.normal, np.abs(rows.force)
     smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(rows.normal, TOUCH)
@@ -283,11 +273,12 @@ def _swallowed(evidence: Evidence, worst: Worst) -> None:
 
 
 @Check("contact.residual", "m/s", "0 <= p, 0 <= y, p y = 0",
-       asks="were contacts, limits and friction solved in every step?")
+       asks="were contacts, limits and friction solved in every step?",
+       none="there is no contact, limit or motor, or its solver recorded nothing")
 def _residual(evidence: Evidence, worst: Worst) -> str:
     found = evidence.run.info.contact_solver
     if "residual" not in found:
-        raise NotComputed("there is no contact, limit or motor, or its solver recorded nothing")
+        return ""
     worst.judge(found["residual"], UNSOLVED)
     how = "sparse Newton method, compliant contacts" if "compliant_steps" in found else "active set"
     return (f"largest rate by which a step violates the laws of contacts and friction ({how}), "
@@ -317,7 +308,8 @@ def _depth(evidence: Evidence, worst: Worst) -> None:
 def _slack(evidence: Evidence, worst: Worst) -> str:
     tendons, time = evidence.model.tendons.name, evidence.run.time
     if not tendons or len(time) < 2:
-        raise NotComputed("there are too few samples" if tendons else "there is no tendon")
+        worst.left_out.append("there are too few samples" if tendons else "there is no tendon")
+        return ""
     slack = evidence.arrays["tendon_tension"] <= SLACK
     slack &= evidence.holds["tendon"].T
     once = np.maximum.accumulate(~slack, axis=0)

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from sandbox.audit.evidence import (
-    DIGITS,
     EXACT,
     HELD,
     ROUNDING,
     SMALLEST_SCALE,
+    SOLVED,
     STILL,
     STOPPED,
     Check,
@@ -28,7 +28,7 @@ from sandbox.audit.evidence import (
     peak,
     whole,
 )
-from sandbox.audit.laws import SOLVED, follow
+from sandbox.audit.laws import follow
 from sandbox.elements.element import ATMOSPHERE
 from sandbox.model.joints import lengthening, turning
 from sandbox.model.model import NONE
@@ -254,7 +254,7 @@ def _signals(evidence: Evidence, worst: Worst) -> None:
                 "{count:comparison}, worst: {where}",
        none="there is no motor and no brake")
 def _motors(evidence: Evidence, worst: Worst) -> None:
-    a, h, drives = evidence.arrays, evidence.h, evidence.model.drives
+    a, drives = evidence.arrays, evidence.model.drives
     rates, shared = evidence.rates_after, _limited_drives(evidence)
     for i, kind in enumerate(drives.kind):
         if not kind.limited:
@@ -276,7 +276,7 @@ def _motors(evidence: Evidence, worst: Worst) -> None:
                    [((evidence.rates[j],), (off,))], holds)
             continue
         off, fast = rates[j] - speed + bend(evidence, j), 1 + peak(rates[j])
-        floor = SOLVED * fast + STILL[1] + DIGITS / h + held
+        floor = evidence.rate_error(rates[j], turning=True) + held
         worst.add_law(drives.name[i], torque, off * evidence.joints_hold[j], most,
                       (EXACT * np.maximum(most, SMALLEST_SCALE), floor), floor / fast)
 
@@ -404,7 +404,7 @@ def _places(evidence: Evidence, worst: Worst) -> None:
             continue
         k, c, most = (float(part[i]) for part in (drives.stiffness, drives.damping, drives.most))
         place, rate, after = evidence.angles[j], evidence.rates[j], evidence.rates_after[j]
-        off = SOLVED * (1 + peak(after)) + STILL[1] + DIGITS / h + held_off(evidence, i)
+        off = evidence.rate_error(after, turning=True) + held_off(evidence, i)
         follow(worst, drives.name[i], a["drive_torque"][:, i],
                lambda q, v, k=k, c=c, most=most, u=a["drive_value"][:, i]: np.clip(
                    k * (u - q) - c * v, -most, most),

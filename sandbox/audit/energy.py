@@ -20,18 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.audit.driven import initial_rate, set_while_running
-from sandbox.audit.evidence import (
-    EXACT,
-    ROUNDING,
-    SMALLEST_SCALE,
-    Check,
-    Evidence,
-    NotComputed,
-    Worst,
-    peak,
-    whole,
-)
-from sandbox.audit.laws import SOLVED
+from sandbox.audit.evidence import EXACT, ROUNDING, Check, Evidence, NotComputed, Worst, peak, whole
 from sandbox.model.joints import placed
 from sandbox.model.model import Model
 from sandbox.model.supports import LARGEST_GROUP, shared_joints
@@ -82,11 +71,10 @@ def _residuals(evidence: Evidence, worst: Worst, *, row: int) -> None:
     """Compare the residuals of m a - sum F (``row`` 0) or of I alpha - sum M (1)."""
     if not evidence.vectors:
         raise NotComputed(OLDER)
-    loads = evidence.loads
+    loads, (force, moment) = evidence.loads, evidence.loads.largest
+    sizes = np.maximum(moment, force * ROUNDING / EXACT) if row else force
     for b in np.flatnonzero(evidence.model.bodies.free).tolist():
-        force, moment = loads.largest[:, b].tolist()
-        scale = max(moment, force * ROUNDING / EXACT) if row else force
-        scale, left = max(scale, SMALLEST_SCALE), loads.left[:, b]
+        scale, left = whole(sizes[b]), loads.left[:, b]
         error = np.abs(left[2]) if row else np.hypot(left[0], left[1])
         allowed = evidence.left_allowed[row, b]
         worst.add(evidence.model.bodies.name[b], error / scale, allowed / scale)
@@ -328,8 +316,8 @@ def _jumps(evidence: Evidence) -> Iterator[tuple[int, int, float, float]]:
         # at its limit a motor speeds its hinge up step by step
         holds = np.abs(a["drive_torque"][:, i]) < drives.most[i] * (1 - EXACT)
         value, rates = a["drive_value"][:, i], evidence.rates[drives.target[i]]
-        least, rate, spec = SOLVED * (1 + peak(rates)), initial_rate(evidence, i), (
-            mechanism.drives[i])
+        least = evidence.rate_error(rates, turning=True)
+        rate, spec = initial_rate(evidence, i), mechanism.drives[i]
         one, two = (value[[0, 0]] if spec.name in set_by else
                     values(spec.signal(mechanism), times, mechanism.functions)).tolist()
         if holds[0] and abs(2 * one - two - rate) > abs(two - one) + least:

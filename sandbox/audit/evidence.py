@@ -34,6 +34,7 @@ SMALLEST_SCALE = 1e-12  # Least value [N, N m, J, rad/s] that relative errors re
 EXACT = 1e-9  # Rounding error of sums of some ten forces, relative to the largest, with a margin
 STILL = 1e-11, 1e-10  # The engine stops bodies that are slower [m/s, rad/s]
 HELD = 1e-10  # Regularisation of impulses towards the last ones (docs/engine.md)
+SOLVED = 1e-9  # Error of the rates of bounded rows, relative to the largest
 STOPPED = 1e-8  # Allowed overrun of a hinge [rad]: a gap of 1e-10 m at an arm of 10 mm
 
 
@@ -331,6 +332,11 @@ class Evidence:
     def rates_twice(self, efforts: Batch, count: int) -> list[Array]:
         """Rates of elements at mid-step and at the step's end, [count, n] each."""
         return [efforts.rates(count, v) for v in (self.velocity, self.velocity_after)]
+
+    def rate_error(self, rates: Array, response: Array | float = 0.0, *, turning: bool) -> Any:
+        """Error of rates of bounded rows; ``response`` is that to a change of impulses."""
+        solved = SOLVED * (1 + peak(rates)) + STILL[turning] + DIGITS / self.h
+        return solved + HELD * response
 
     def answer(self, efforts: Batch, element: int) -> Array:
         """Change of an element's rate by an effort of 1 N s or 1 N m s on separate bodies, [n]."""

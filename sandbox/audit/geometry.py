@@ -1,7 +1,4 @@
-"""Geometry and motion: recorded poses, lengths, gaps and velocities against closed forms.
-
-Points are complex numbers.
-"""
+"""Recorded poses, lengths, gaps and velocities against closed forms; points are complex numbers."""
 
 from __future__ import annotations
 

@@ -12,19 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from sandbox.audit.evidence import (
-    DIGITS,
-    EXACT,
-    HELD,
-    ROUNDING,
-    STILL,
-    Check,
-    Evidence,
-    Worst,
-    lost_rate,
-    peak,
-    whole,
-)
+from sandbox.audit.evidence import EXACT, ROUNDING, Check, Evidence, Worst, lost_rate, peak, whole
 from sandbox.model.joints import normal_in_slot
 from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
@@ -33,9 +21,7 @@ from sandbox.model.tendons import CableSpan, spans_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples import cables
 
-# Error of the rates of bounded rows relative to the largest, and of guide friction relative to the
-# tension: the solve leaves 2e-10 (docs/engine.md), rounding turns a piece of 1 mm by 1e-9 rad
-SOLVED = 1e-9
+GRIP = 1e-9  # Error of guide friction relative to the tension (docs/engine.md)
 DRAG = 1e-7  # Damping of a loop, relative to the effect of its stiffness in a step (docs/engine.md)
 MEASURED = 1e-13  # Change of rates [m/s, rad/s] below which joint loads are not measured again
 State = tuple[Sequence[Array], Sequence[Array | float]]  # arguments [n] of a law, their errors
@@ -204,7 +190,7 @@ def _bounds(evidence: Evidence, worst: Worst) -> None:
     for k, guide in enumerate(tendons.grips.tolist()):
         span, friction = behind[k], a["guide_friction"][:, k]
         after = _tension(evidence, span)
-        most, floor = whole(after), SOLVED * whole(after) + _drag(evidence, span, k)
+        most, floor = whole(after), GRIP * whole(after) + _drag(evidence, span, k)
         phi = np.maximum(cables.bends(evidence.frames, k), 0.0)
         # the absolute value, since a tendon that breaks may reverse the sign
         bound = np.tanh(0.5 * float(tendons.friction[k]) * phi) * np.abs(2 * after - friction)
@@ -327,8 +313,9 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
         worst.add(f"slip of {name}", np.maximum(beyond, 0.0) / largest, unsure,
                   evidence.holds["joint"][j])
         slip = np.where(sticks, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
-        floor = SOLVED * fast + STILL[joints.kind[j].friction_unit == "N m"] + DIGITS / h + (
-            HELD * alone * h * 2 * peak(friction) + h * _bend(evidence, j))
+        floor = evidence.rate_error(
+            rate, alone * h * 2 * peak(friction),
+            turning=joints.kind[j].friction_unit == "N m") + h * _bend(evidence, j)
         worst.add(name, slip / fast, floor / fast, evidence.holds["joint"][j])
 
 

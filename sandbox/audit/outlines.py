@@ -206,8 +206,7 @@ class Touch(NamedTuple):
 def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
     """A single sample with a row of zero force for each plane of contact without a row.
 
-    Rows with a normal force of no more than ``least`` [N] are removed first. A row with several
-    normals covers all contacts between its two bodies.
+    Rows with a normal force of no more than ``least`` [N] are removed first.
     """
     a, found = evidence.arrays, list[Touch]()
     kept = np.flatnonzero(evidence.run.contacts.normal > least)

@@ -501,7 +501,7 @@ class ServoDrive(HingeDrive, PlaceDrive):
     def write_mujoco(self, draft: Draft, index: int) -> None:
         where, = draft.drive_hinge(index)
         self.write_spring(draft, index, where,
-                          draft.angle_offset(index) if where == "tendon" else 0.0)
+                          draft.angle_sum(draft.target(index))[1] if where == "tendon" else 0.0)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A SimpleMotor whose rate leads to the angle in some 10 steps."""

@@ -56,15 +56,12 @@ class BranchRest:
         return self.balance.pose_after(self.pose, self.way[:-1] * length * self.balance.size)
 
 
-@dataclass
+@dataclass(repr=False)
 class Branch:
     """Connected equilibria, in order along the branch."""
 
     stops: list[BranchRest] = field(default_factory=list)
     ends: str = ""  # Why it ends within the range; empty if it does not
-
-    def __repr__(self) -> str:
-        return f"<Branch: {len(self.stops)} at rest, {len(self.folds)} folds>"
 
     @property
     def folds(self) -> list[BranchRest]:

@@ -126,9 +126,8 @@ STAGES, FRICTION_STAGES = 40, 200  # stages of a slow load, without and with dry
 MAX_STEPS = 20_000  # of one relaxation
 REST = 1e-12  # motion in a step from rest, relative to the size, of a mechanism at rest
 NEAR = (1e-7, 1e-9)  # the same of one that is near enough for Newton's method
-BALANCED, CLOSE = 1e-9, 1e-6
-"""Residual along free motions, relative to the largest force, of an equilibrium; the second where
-Newton's method does not converge, by rounding or where something just touches."""
+BALANCED = 1e-9  # residual along free motions in equilibrium, relative to the largest force
+CLOSE = 1e-6  # the same where Newton's method does not converge, as where something just touches
 MAX_ITERATIONS = 25  # of Newton's method; near an equilibrium four are enough
 EXACT = 1e-11  # motion, relative to the size, at which Newton's method ends; gaps close to 1e-13 m
 BLOCK = 4  # steps between two evaluations of the energy
@@ -337,8 +336,8 @@ def place_start(settler: Settler, start: Start) -> Array:
     """The pose of a start, [nb, 3] of the centres of mass; joined bodies move along."""
     model, still = settler.model, settler.still
     known = [*(f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()),
-             *(f"{name}.{part}" for name, free in zip(
-                 model.bodies.name, model.bodies.free, strict=True) if free for part in PARTS)]
+             *(f"{model.bodies.name[i]}.{part}" for i in np.flatnonzero(model.bodies.free)
+               for part in PARTS)]
     if wrong := [name for name in start if name not in known]:
         raise SceneError([Problem("name-not-found",
                                   f"{quoted(name)} cannot be given at the start", "from",

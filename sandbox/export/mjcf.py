@@ -3,12 +3,10 @@
 The plane is x-y and z points at the viewer, so that a hinge turns about z. Joints that close loops
 are equality constraints, contacts are explicit pairs. Units are SI, names are the scene's.
 
-In the kinematic tree, a body in a groove, welded or pinned to a body of the tree becomes its child;
-a body without such a joint moves freely. Grooves come first, since a groove cannot close a loop in
-MuJoCo, then welds, then pins, each in the order of the scene. Rods and ropes carry no body: they
-are tendons. A coordinate is the number that a recording shows: a pin's angle in its positive sense
-minus its zero, a slot's displacement from the start of the groove, x, y (of the centre of mass) and
-angle of a free body. Bodies and joints are the model's indices; the world is ``NONE``.
+A body in a groove, welded or pinned to a body of the kinematic tree becomes its child; without such
+a joint it moves freely. Grooves come first, since a groove cannot close a loop in MuJoCo, then
+welds, then pins. Rods and ropes are tendons. A coordinate is the number that a recording shows; for
+a free body x and y are those of the centre of mass. The world is ``NONE``.
 """
 
 from __future__ import annotations
@@ -18,7 +16,7 @@ import math
 import re
 import xml.etree.ElementTree as ET
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, cast
@@ -221,23 +219,6 @@ class Draft:
         self._taken.add((kind, name))
         return name
 
-    def line(self, body: int) -> Iterator[Link]:
-        """A body's link, its parent's, and so on to the world."""
-        while body != NONE:
-            yield self.links[body]
-            body = self.links[body].parent
-
-    def coordinates(self) -> list[Freedom]:
-        """All coordinates in MuJoCo's order, that of the joints in the document."""
-        moves = {move.name: move for own in self.moves.values() for move in own}
-        return [moves[joint.attrib["name"]] for joint in self.sections["worldbody"].iter("joint")]
-
-    def assembled(self, body: int, point: Vec) -> Vec:
-        """A point of a body in the world [m], with every joint assembled as in MuJoCo."""
-        for link in self.line(body):
-            point = to_world(link.pose, point)
-        return point
-
     def site(self, body: int, wanted: str, at: Vec = (0.0, 0.0), **more: str | float) -> str:
         """Add a site to a body and return its name."""
         name = self.unique("site", wanted)
@@ -270,17 +251,14 @@ class Draft:
         a, b = self.model.joints.bodies[joint].tolist()
         offset = float(self.model.joints.start[joint])
         for body, side in ((b, sense), (a, -sense)):
-            for link in self.line(body):
-                for move in self.moves[link.body]:
+            while body != NONE:
+                for move in self.moves[body]:
                     if move.kind == "hinge":
                         factor = side * move.axis[2]
                         factors[move.name] = factors.get(move.name, 0.0) + factor
                         offset -= factor * move.start
+                body = self.links[body].parent
         return {name: factor for name, factor in factors.items() if factor}, offset
-
-    def angle_offset(self, drive: int) -> float:
-        """Angle minus coordinate of a hinge that closes a loop [rad]."""
-        return self.angle_sum(self.target(drive))[1]
 
     def final_value(self, drive: int) -> float:
         """Value of a drive at the end of the run, SI."""
@@ -335,7 +313,8 @@ def write_mjcf(mechanism: Mechanism, without: Sequence[str] = ()) -> Export:
             add(draft.sections["contact"], "pair", geom1=one, geom2=other,
                 condim="3" if friction else "1",  # 1 has no friction
                 friction=(friction, friction) if friction else None)
-    moves = draft.coordinates()
+    made = {move.name: move for own in draft.moves.values() for move in own}
+    moves = [made[each.attrib["name"]] for each in draft.sections["worldbody"].iter("joint")]
     if moves or draft.controls:  # pose and speeds at t = 0, controls at the end of the run
         add(draft.sections["keyframe"], "key", name="start",
             qpos=[move.start for move in moves] or None,
@@ -497,7 +476,7 @@ def add_links(draft: Draft) -> None:
         route(draft, cable, name, ((a, on_a), (b, on_b)))
         draft.sense("tendonpos", f"{name}.length", tendon=name)
         if stiff:
-            start = math.dist(draft.assembled(a, on_a), draft.assembled(b, on_b))
+            start = math.dist(*model.ends(joint))
             add(draft.sections["equality"], "tendon", name=name, tendon1=name,
                 polycoef=(high - start, 0, 0, 0, 0))
         elif not free:

@@ -174,8 +174,7 @@ def _surfaces(model: Model) -> Iterator[tuple[str, str]]:
     mechanism = model.mechanism
     materials = [mechanism.materials.get(body.material or "", Material())
                  for body in mechanism.bodies]
-    meeting: set[str | None] = set()
-    bouncing: set[str | None] = set()
+    meeting, bouncing = set[str | None](), set[str | None]()
     for a, b, _ in contact_pairs(model):
         both = {mechanism.bodies[a].material, mechanism.bodies[b].material}
         meeting |= both

@@ -19,8 +19,4 @@ corrections of misprints:
 | (26), (27) | `springs.SpringSet.attachment_angles` | rm squared once |
 | (30) | `springs.SpringSet.elongations` | |
 | (31) | `chain.transforms` | any number of phalanges |
-
-Everything takes and returns NumPy arrays in SI units and broadcasts over leading axes such as time.
-A ``ValueError`` that names the argument, its value and its unit is raised for values out of the
-stated range or not finite, for arrays that do not fit together, and for impossible geometry.
 """

@@ -32,13 +32,10 @@ class DiscGrasp(NamedTuple):
 
 
 def disc_centre(theta_1: float, distance: float, disc_radius: float, radius: float) -> Array:
-    """Centre [m], shape [2], of the disc that the first phalanx touches at k_1 when at theta_1.
+    """Centre [m], shape [2], of the disc of r [m] that the first phalanx touches.
 
-    Args:
-        theta_1: angle of the first joint [rad], the hinge at the origin.
-        distance: k_1 of the contact from the hinge [m], > 0.
-        disc_radius: r [m], > 0.
-        radius: rho_1 of the phalanx [m], > 0.
+    The phalanx of ``radius`` rho_1 [m] is at ``theta_1`` [rad], its hinge at the origin, the
+    contact at the ``distance`` k_1 [m].
     """
     apart = positive("disc_radius", disc_radius, "m") + positive("radius", radius, "m")
     along = positive("distance", distance, "m")

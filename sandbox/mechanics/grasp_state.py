@@ -122,8 +122,11 @@ def grasp_states(
         k_2: distal contact from hinge 2 [m], shape [...].
     """
     angles = _poses(finger, theta_1, theta_2)
-    near = _along("k_1", k_1, finger.lengths[0])
-    far = _along("k_2", k_2, finger.lengths[1])
+    near, far = positive("k_1", k_1, "m"), positive("k_2", k_2, "m")
+    for name, at, length in zip(("k_1", "k_2"), (near, far), finger.lengths, strict=True):
+        if (out := np.asarray(at > length)).any():
+            raise ValueError(f"{name} must lie on its phalanx of {length:.6g} m, "
+                             f"got {at[out].flat[0]:.6g} m")
     shape = together(theta=angles[..., 0], k_1=near, k_2=far)
     angles, far = np.broadcast_to(angles, (*shape, 2)), np.broadcast_to(far, shape)
     tau = finger.torques(np.asarray(angles))
@@ -221,11 +224,3 @@ def _poses(finger: TwoPhalanges, theta_1: ArrayLike, theta_2: ArrayLike) -> Arra
             raise ValueError(f"theta_{joint + 1} must lie between its stops, {low:.6g} and "
                              f"{high:.6g} rad, got {turned[out].flat[0]:.6g} rad")
     return np.stack(np.broadcast_arrays(first, second), axis=-1)
-
-
-def _along(name: str, value: ArrayLike, length: float) -> Array:
-    at = positive(name, value, "m")
-    if (out := np.asarray(at > length)).any():
-        raise ValueError(f"{name} must lie on its phalanx of {length:.6g} m, "
-                         f"got {at[out].flat[0]:.6g} m")
-    return at

@@ -34,10 +34,7 @@ from sandbox.numeric import Array
 def spring_length(dm: ArrayLike, rm: ArrayLike, delta: ArrayLike) -> Array:
     """Length lm [m] of a straight spring across the hinge, equations (25), (29), shape [...].
 
-    Args:
-        dm: dm_i [m], > 0, shape [...].
-        rm: rm_i [m], > 0, shape [...].
-        delta: between them [rad], delta_0 for (25), delta_0 + theta for (29), shape [...].
+    ``delta`` [rad] between dm > 0 and rm > 0 [m] is delta_0 for (25), delta_0 + theta for (29).
     """
     before, after = positive("dm", dm, "m"), positive("rm", rm, "m")
     angle = finite("delta", delta, "rad")

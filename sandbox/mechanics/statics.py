@@ -20,15 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import (
-    finite,
-    matrix,
-    not_negative,
-    per_phalanx,
-    points,
-    positive,
-    together,
-)
+from sandbox.mechanics.checks import matrix, not_negative, per_phalanx, points, positive, together
 from sandbox.numeric import Array, Flags
 
 
@@ -45,8 +37,8 @@ def joint_torques(
         elongations: of the springs from their rest lengths [m], shape [..., n].
         spring_arms: hm_i [m], shape [..., n].
     """
-    h = finite("tendon_arms", tendon_arms, "m")
-    n = h.shape[-1] if h.ndim else 1
+    n = np.atleast_1d(tendon_arms).shape[-1]
+    h = per_phalanx("tendon_arms", np.atleast_1d(tendon_arms), n, "m")
     k = not_negative("stiffness", per_phalanx("stiffness", stiffness, n, "N/m"), "N/m")
     stretch = per_phalanx("elongations", elongations, n, "m")
     hm = per_phalanx("spring_arms", spring_arms, n, "m")
@@ -107,7 +99,8 @@ def contact_forces(jacobian: ArrayLike, torques: ArrayLike) -> Array:
     Raises:
         ValueError: J not square, or singular: then the forces are not determined.
     """
-    J = finite("jacobian", jacobian, "m")
+    J = np.asarray(jacobian, dtype=np.float64)
+    J = per_phalanx("jacobian", J, J.shape[-1] if J.ndim else 1, "m")
     if J.ndim < 2 or J.shape[-1] != J.shape[-2]:
         raise ValueError(f"jacobian must be as many contacts as joints, got shape {J.shape}")
     tau = per_phalanx("torques", torques, J.shape[-1], "N m")
@@ -151,7 +144,7 @@ def unilateral_forces(
     tau = per_phalanx("torques", torques, n, "N m")
     stops = _stop_rows(n, lower, upper)
     G = np.concatenate([J, stops]).T
-    M = np.eye(n) if inertia is None else finite("inertia", inertia, "kg m^2")
+    M = np.eye(n) if inertia is None else matrix("inertia", inertia, "kg m^2")
     try:
         root = np.linalg.cholesky(M)
     except np.linalg.LinAlgError:

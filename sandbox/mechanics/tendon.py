@@ -61,11 +61,8 @@ def corner(a: Array, b: Array, opposite: Array) -> Array:
 def segment_length(dt: ArrayLike, rt: ArrayLike, beta: ArrayLike) -> Array:
     """Length lt [m] of the segment across the hinge, equations (13), (17), shape [...].
 
-    Args:
-        dt: dt_(i-1) [m], > 0, shape [...].
-        rt: rt_i [m], > 0, shape [...].
-        beta: between them [rad], beta_0 for (13), beta_0 - theta for (17), between 0 and 2 pi, not
-            pi, where the segment passes through the hinge; shape [...].
+    ``beta`` [rad] between dt > 0 and rt > 0 [m] is beta_0 for (13), beta_0 - theta for (17), from 0
+    to 2 pi without pi, where the segment passes through the hinge.
     """
     before, after = positive("dt", dt, "m"), positive("rt", rt, "m")
     angle = finite("beta", beta, "rad")

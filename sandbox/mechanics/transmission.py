@@ -70,9 +70,7 @@ def two_phalanx_forces(
     together(theta_2=turned, k_1=near, k_2=far, torque_1=first, torque_2=second)
     distal = second / far
     reach = far + positive("length_1", length_1, "m") * np.cos(turned)
-    proximal = (first - reach * distal) / near
-    shape = np.broadcast_shapes(proximal.shape, distal.shape)
-    return TwoPhalanxForces(np.asarray(proximal), np.broadcast_to(distal, shape))
+    return TwoPhalanxForces(*np.broadcast_arrays((first - reach * distal) / near, distal))
 
 
 def equilibrium_distance(theta_2: ArrayLike, length_1: float, ratio: ArrayLike) -> Array:

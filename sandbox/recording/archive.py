@@ -1,9 +1,8 @@
 """``run.npz``: writing and reading it; equal bytes for equal content.
 
-A plain zip that ``numpy.load`` reads too: arrays in order of their names, without compression,
-aligned so that they can be mapped, with a fixed date, then ``mechanism.json`` and ``info.json``;
-the run's id is the archive's comment. No wall times. Reading checks names, sizes, shapes and types
-before it unpacks anything; a large recording is mapped from its file.
+A zip that ``numpy.load`` reads too: arrays in order of their names, without compression, aligned so
+that they can be mapped, then ``mechanism.json`` and ``info.json``; the run's id is the comment.
+Reading checks names, sizes, shapes and types; a large recording is mapped from its file.
 """
 
 from __future__ import annotations
