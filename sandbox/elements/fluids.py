@@ -137,7 +137,6 @@ class Line(Element):
         return volume / (OIL if self.modulus is None else self.modulus)
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """A volume that cannot be computed with; hinges of vanes that can be released."""
         bodies = {body.name for body in mechanism.bodies}
         known = all(chamber.a in bodies and chamber.b in bodies
                     for chamber in self.chambers if isinstance(chamber, Cylinder))

@@ -126,7 +126,6 @@ class Tendon(Element):
                      and k not in self.gripping)
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
-        """The quantities that it records, with their units."""
         found = super().quantities(mechanism)
         if self.gripping:
             found |= {f"tension_{k}": NUMBERED["tension"].unit for k in range(len(self.path) - 1)}
@@ -134,7 +133,6 @@ class Tendon(Element):
         return found | {f"lifted_{k}": NUMBERED["lifted"].unit for k in self.lifting}
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
         if self.closed:
             return "a closed tendon (belt)"
         if self.gripping:
@@ -153,7 +151,6 @@ class Tendon(Element):
             **{key: value for key, value in law.items() if value})
 
     def needed(self, quantity: str) -> str:
-        """The field that it needs to record a quantity; empty where no field adds it."""
         word, _, text = quantity.rpartition("_")
         if word not in NUMBERED or not text.isdecimal():
             return ""
