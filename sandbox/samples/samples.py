@@ -9,18 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.elements.arrays import (
-    CONTACT,
-    MEAN,
-    MEAN_CONTACT,
-    METERS,
-    PER_SAMPLE,
-    Arrays,
-    completed,
-    dtype_of,
-    faults,
-    has_numbers,
-)
+from sandbox.elements.arrays import CONTACT, MEAN, MEAN_CONTACT, METERS, PER_SAMPLE, Arrays, checked
 from sandbox.elements.element import NAMED
 from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, QUANTITIES, numbered
 from sandbox.model import meters
@@ -69,12 +58,7 @@ class Samples:
     ) -> None:
         self.mechanism: Mechanism = mechanism
         self.info = info
-        self.arrays: Arrays = {key: np.asarray(array, dtype=dtype_of(key)).view()
-                               for key, array in completed(mechanism, arrays).items()}
-        for array in self.arrays.values():
-            array.setflags(write=False)
-        if found := faults(mechanism, self.arrays):
-            raise ValueError("; ".join(found))
+        self.arrays: Arrays = checked(mechanism, arrays)
         self._model = model
         self.catalogue = catalogue or Catalogue(mechanism)
         self._grasps: dict[int, Grasp] = {}
@@ -109,7 +93,7 @@ class Samples:
     def notes(self) -> list[str]:
         """Notes for the reader, such as on meters without a value."""
         force = self.arrays["joint_force"]
-        older = force.size and not has_numbers(force)
+        older = force.size and np.isnan(force).all()
         notes = [*self.info.notes, *broken(self), *ended(self), *stalled(self),
                  *([OLDER] if older else []), *self._meters[1]]
         return list(dict.fromkeys(notes))
@@ -189,21 +173,16 @@ class Samples:
         Raises:
             KeyError: another kind.
         """
-        wanted, names, units, columns = TABLES[kind], [], [], []
-        for head, element in self.catalogue.elements.items():
-            index = element.index
-            if element.kind != wanted or (
-                wanted == "body" and self.mechanism.bodies[index].motion == "fixed"
-            ):
-                continue
-            for quantity, unit in element.quantities.items():
-                if wanted == "body" and quantity in GRASP:
-                    continue
-                names.append(f"{head}.{quantity}" if quantity else head)
-                units.append(unit)
-                columns.append(self._read(Source(wanted, index, quantity, unit)))
-        values = np.column_stack(columns) if columns else np.empty((len(self), 0))
-        return Columns(names, units, values)
+        wanted, bodies = TABLES[kind], self.mechanism.bodies
+        shown = [(head, Source(wanted, each.index, quantity, unit))
+                 for head, each in self.catalogue.elements.items() if each.kind == wanted
+                 and not (wanted == "body" and bodies[each.index].motion == "fixed")
+                 for quantity, unit in each.quantities.items()
+                 if not (wanted == "body" and quantity in GRASP)]
+        columns = [self._read(source) for _, source in shown]
+        return Columns([f"{head}.{source.quantity}".removesuffix(".") for head, source in shown],
+                       [source.unit for _, source in shown],
+                       np.column_stack(columns) if shown else np.empty((len(self), 0)))
 
     def part(self, first: int, last: int) -> Self:
         """Samples ``first`` to ``last - 1`` as a recording of its own; shares the memory."""
