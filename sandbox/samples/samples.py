@@ -245,8 +245,8 @@ class Samples:
         elif kind == "pair":
             result = self.mean_contacts.of_pair(index, source.other, quantity)
         elif kind == "group":
-            found = map(self.catalogue.elements.get, self.mechanism.groups[index].bodies)
-            members = [each.index for each in found if each is not None and each.kind == "body"]
+            members = [self.catalogue.elements[name].index
+                       for name in self.mechanism.groups[index].bodies]
             what = quantity.removeprefix("contact.")
             contacts = self.contacts if what == "count" else self.mean_contacts
             result = contacts.of_group(members, what)
@@ -269,17 +269,16 @@ class Samples:
             of = normal_in_slot if quantity == "normal" else partial(of_wheels, quantity=quantity)
             result = of(self.model, self.means("joint_force"), index)
         elif at := numbered(kind, quantity):
-            what, number = at
+            (what, number), tendons = at, self.model.tendons
+            guide = int(tendons.first[index]) + number
             if what == "tension":
-                rows = np.flatnonzero(self.model.tendons.stretch_tendon == index)
                 arrays = self.means("tendon_tension", "guide_friction")
-                result = piece_tensions(self.model, arrays, rows[number:number + 1])[0]
+                result = piece_tensions(
+                    self.model, arrays, np.flatnonzero(tendons.stretch_first == guide))[0]
             else:
-                tendons = self.model.tendons
                 guides, key = (tendons.wheels, "guide_lifted") if what == "lifted" else (
                     tendons.grips, "guide_slip")
-                guide = int(tendons.first[index]) + number
-                result = self.arrays[key][:, int(np.flatnonzero(guides == guide)[0])]
+                result = self.arrays[key][:, guides.tolist().index(guide)]
         else:
             row = QUANTITIES[kind][quantity]
             stored = self.means(row.array)[row.array][:, index]

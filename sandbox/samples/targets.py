@@ -33,7 +33,7 @@ SUFFIX = ".target"  # Of a meter that holds the target of the quantity before it
 def track(run: Samples, name: str, goal: Array | None = None) -> tuple[Array, Array, Array | None]:
     """Instants [s], a quantity and its target, from t = 0 where the value there is known."""
     begins = start(run, name)
-    if begins is None or not len(run) or run.time[0] <= 0:
+    if begins is None or run.time[0] <= 0:
         return run.time, run[name], goal
     return (np.append(0.0, run.time), np.append(begins, run[name]),
             None if goal is None else np.append(goal[0], goal))
@@ -150,8 +150,6 @@ class Effort:
 
 def respond(time: Array, value: Array, target: Array) -> Response:
     """All figures of one response to a target, which may move."""
-    if len(time) < 2:
-        raise ValueError(f"a response needs at least 2 samples, got {len(time)}")
     end, first, goal = ending(time), float(value[0]), float(target[-1])
     overshoot = math.nan if goal == first else float(
         100 * max(0.0, np.max((value - goal) / (goal - first))))
@@ -187,8 +185,6 @@ def effort(time: Array, value: Array, before: float) -> Effort:
 
     A jump from there counts as one within the time between two samples.
     """
-    if len(time) < 2:
-        raise ValueError(f"a control effort needs at least 2 samples, got {len(time)}")
     changes = np.abs(np.diff(value, prepend=before))
     spacing = np.diff(time, prepend=2 * time[0] - time[1])
     return Effort(variation=float(changes.sum()), peak=float(np.max(np.abs(value))),
