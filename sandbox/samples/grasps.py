@@ -21,7 +21,7 @@ from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.nearby import flat_sides, pressed
-from sandbox.samples.yielding import Yielding, without_stiffness
+from sandbox.samples.stiffness import Linearization, without_stiffness
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
@@ -32,7 +32,7 @@ OF_HANDS = ("phalanx", "palm", "rocker", "pulley")  # Roles of parts of a hand t
 FLAT, IN_LINE = 1e-7, 1e-4
 """Distance [m] and angle [rad] from a plane within which a side presses on its whole length."""
 STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
-"""As :meth:`sandbox.samples.yielding.Yield.stiffness` gives them."""
+"""As :meth:`sandbox.samples.stiffness.PushResponse.stiffness` gives them."""
 MAX_STIFFNESS_SAMPLES = 25
 """Largest number of samples of one reading in which the stiffness is calculated."""
 
@@ -154,7 +154,7 @@ class Grasp:
             if sample not in self._stiffnesses:
                 self._stiffnesses[sample] = np.full(len(STIFFNESS), np.nan)
                 with contextlib.suppress(ArithmeticError):
-                    self._stiffnesses[sample] = Yielding(
+                    self._stiffnesses[sample] = Linearization(
                         self.run, sample, self.size).of(self.body).stiffness()
         values = np.array([self._stiffnesses[sample][STIFFNESS.index(name)] for sample in samples])
         result[held] = np.repeat(values, np.diff(at, append=len(held)))
