@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -136,6 +136,13 @@ def stack_for(programs: Sequence[Program], slopes: int) -> Array:
     return np.zeros((max((each.depth for each in programs), default=0) + 1, 1 + slopes))
 
 
+def _values(expression: ex.Expression, shape: tuple[int, ...], known: Mapping[str, Any]) -> Array:
+    try:
+        return np.broadcast_to(expression.evaluate(known, finite=False), shape)
+    except WrongValueError:  # an exponent that is too large at one of them
+        return np.full(shape, np.nan)
+
+
 STRETCH, RATE, STIFFNESS = 0, 1, 2  # inputs of a law's program
 FULL = ("pull", "above")
 
@@ -160,11 +167,8 @@ class SpringLaw:
         """The force [N, N m] at stretches and rates [n]; nan where it has no value."""
         found = stiffness * stretch
         if self.own is not None:
-            read = {self.names[STRETCH]: stretch, self.names[RATE]: rate, **self.tables}
-            try:
-                found = np.broadcast_to(self.own.evaluate(read, finite=False), np.shape(stretch))
-            except WrongValueError:  # an exponent that is too large at one of them
-                found = np.full(np.shape(stretch), np.nan)
+            found = _values(self.own, np.shape(stretch), {
+                self.names[STRETCH]: stretch, self.names[RATE]: rate, **self.tables})
         found = found + self.damping * rate
         if self.side:
             some = self.side * stretch > 0
@@ -215,14 +219,9 @@ class LoadLaw:
 
     def at(self, motion: Mapping[str, Array]) -> Array:
         """Its three numbers [3, n] for a motion [n] under each of its names; nan for no value."""
-        found = np.zeros((3, *np.shape(motion["x"])))
-        for row, part in zip(found, self.parts, strict=True):
-            if part is not None:
-                try:
-                    row[...] = part.evaluate({**motion, **self.tables}, finite=False)
-                except WrongValueError:  # an exponent that is too large at one of them
-                    row[...] = np.nan
-        return found
+        shape = np.shape(motion["x"])
+        return np.array([np.zeros(shape) if part is None else _values(
+            part, shape, {**motion, **self.tables}) for part in self.parts])
 
 
 def law_of_load(load: LoadSpec, order: Sequence[str], tables: Tables) -> LoadLaw | None:

@@ -81,7 +81,7 @@ class Frames:
         tendons = self.model.tendons
         start, end = (self.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
                       for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
-        return _past(_straight(start, end, tendons), tendons, self.off_wheels)
+        return _stretches(start, end, tendons, self.off_wheels)
 
     @cached_property
     def first(self) -> Stretches:
@@ -121,8 +121,15 @@ class Stretches(NamedTuple):
     end: Places
 
 
-def _past(cables: Stretches, tendons: Tendons, off: Flags) -> Stretches:
-    """The same where tendons are off wheels, ``off`` [n, nw], and go straight past them."""
+def _stretches(start: Places, end: Places, tendons: Tendons, off: Flags) -> Stretches:
+    """The pieces of tendons, straight past wheels that they are ``off`` [n, nw]."""
+    dx, dy = end.x - start.x, end.y - start.y
+    radius, first = tendons.guide_radius, tendons.stretch_first
+    if not radius.any():
+        length = np.sqrt(dx * dx + dy * dy)
+        safe = np.where(length > 0, length, 1.0)
+        return Stretches(length, dx / safe, dy / safe, start, end)
+    cables = Stretches(*_tangent(dx, dy, (radius[first] - radius[first + 1])[:, None]), start, end)
     for tendon in np.flatnonzero(np.diff(tendons.first)).tolist() if off.any() else ():
         loose = tendons.loose(tendon)
         own, begin = np.flatnonzero(tendons.stretch_tendon == tendon), int(tendons.first[tendon])
@@ -138,7 +145,7 @@ def _past(cables: Stretches, tendons: Tendons, off: Flags) -> Stretches:
                 length, cables.x[rows], cables.y[rows] = _tangent(
                     cables.end.x[last, when] - cables.start.x[first, when],
                     cables.end.y[last, when] - cables.start.y[first, when],
-                    float(np.subtract(*tendons.guide_radius[[begin + i, begin + j]])))
+                    float(radius[begin + i] - radius[begin + j]))
                 cables.length[rows] = length / (j - i)
     return cables
 
@@ -149,17 +156,6 @@ def _tangent(dx: Array, dy: Array, offset: Array | float) -> tuple[Array, Array,
     length = np.sqrt(np.maximum(square - offset * offset, 1e-24))
     square = length * length + offset * offset
     return length, (length * dx + offset * dy) / square, (length * dy - offset * dx) / square
-
-
-def _straight(start: Places, end: Places, tendons: Tendons) -> Stretches:
-    dx, dy = end.x - start.x, end.y - start.y
-    square = dx * dx + dy * dy
-    radius, first = tendons.guide_radius, tendons.stretch_first
-    if not radius.any():
-        length = np.sqrt(square)
-        safe = np.where(length > 0, length, 1.0)
-        return Stretches(length, dx / safe, dy / safe, start, end)
-    return Stretches(*_tangent(dx, dy, (radius[first] - radius[first + 1])[:, None]), start, end)
 
 
 def pulls_at_start(model: Model) -> list[dict[int, Array]]:
@@ -187,7 +183,7 @@ def stretches_at_start(model: Model) -> Stretches:
     ends = [Places(at[nodes, :1], at[nodes, 1:], nothing, nothing)
             for nodes in (tendons.stretch_first, tendons.stretch_first + 1)]
     off = lifted_at_start(model)[tendons.wheels]
-    return _past(_straight(ends[0], ends[1], tendons), tendons, off[None])
+    return _stretches(ends[0], ends[1], tendons, off[None])
 
 
 class _Course:

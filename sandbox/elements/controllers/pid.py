@@ -68,11 +68,8 @@ class Pid(Law):
         else:
             step = self._half_ki * (error + self._error)
             cut = self._wanted - applied[0]
-            if cut and self._clamp:
-                if step * cut < 0:
-                    self._integral += step
-            else:
-                self._integral += step - self._back * cut
+            self._integral = self.integrated(self._integral, step, cut) if self._clamp else (
+                self._integral + (step - self._back * cut))
             self._slope = self._keep * self._slope + self._weight * (reading - self._before)
         self._before = reading
         self._error = error
