@@ -55,10 +55,6 @@ class Cylinder(Spec):
     pulls: of.Flag = False
     """True: the fluid is on the rod side and pulls the points together, as in a muscle."""
 
-    def length(self, world: Callable[[str, base.Vec], base.Vec]) -> float:
-        """Distance of its two points at t = 0 [m]; ``world`` gives points of bodies."""
-        return math.dist(world(self.a, self.on_a), world(self.b, self.on_b))
-
     @property
     def gain(self) -> float:
         """Volume per distance of the points [m^2]."""
@@ -127,8 +123,9 @@ class Line(Element):
         """Volume at t = 0 [m^3]; 0 where neither a field nor the cylinders give it."""
         if self.volume is not None:
             return self.volume
-        return math.fsum(chamber.area * chamber.length(world) for chamber in self.chambers
-                         if isinstance(chamber, Cylinder) and not chamber.pulls)
+        return math.fsum(
+            each.area * math.dist(world(each.a, each.on_a), world(each.b, each.on_b))
+            for each in self.chambers if isinstance(each, Cylinder) and not each.pulls)
 
     def compliance(self, volume: float) -> float:
         """Volume per pressure of its fluid [m^3/Pa], for its volume at t = 0 [m^3]."""

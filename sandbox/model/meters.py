@@ -114,7 +114,7 @@ def problems_of(known: Catalogue, view: View) -> list[Problem]:
         for j, word in enumerate(meter.of):
             if is_expression(word):
                 missing += misread(known, word, names_in(word), f"{path}.of[{j}]")
-            elif not known.fits(word):
+            elif not known.match(word):
                 missing.append(unknown(known, word, f"{path}.of[{j}]"))
         problems += missing
         if missing:
@@ -197,7 +197,7 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
                                 advice="the expectation has no value and fails"))
         name = expect.quantity
         if name not in fits:
-            fits[name] = known.fits(name)
+            fits[name] = bool(known.match(name))
         if fits[name]:
             problems += _check_units(known, expect, f"$.expect[{i}]", units)
         else:

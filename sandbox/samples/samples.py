@@ -99,8 +99,7 @@ class Samples:
         return list(dict.fromkeys(notes))
 
     def __contains__(self, name: str) -> bool:
-        return name in self.catalogue or name == TIME or (
-            is_pattern(name) and self.catalogue.fits(name))
+        return name in self.catalogue or name == TIME or bool(self.match(name))
 
     def __getitem__(self, name: str) -> Array:
         """The quantity ``name`` over time, shape [n], in the unit that :meth:`unit` gives.
