@@ -67,12 +67,10 @@ class Grasp:
         self.other: Integers = np.where(
             first, a["contact_other"][rows], a["contact_body"][rows])[presses]
         bodies = run.mechanism.bodies
+        roles = np.array([each.role for each in bodies])[self.other]
         self.of_hand: Flags = np.array([of_hand(each) for each in bodies])[self.other]
-        objects = np.array([each.role == "object" for each in bodies])
-        self.of_others: Flags = ~self.of_hand & ~objects[self.other]
-        """Contacts with bodies that are neither hand nor object, [m]."""
-        self.on_finger: Flags = self.of_hand & np.array(
-            [each.role != "palm" for each in bodies])[self.other]
+        self.of_others: Flags = ~self.of_hand & (roles != "object")  # Neither hand nor object, [m]
+        self.on_finger: Flags = self.of_hand & (roles != "palm")
         self.count: Integers = np.bincount(self.sample[self.of_hand], minlength=len(run))
         """Contacts of the hand in every sample, [n]."""
         local = centre_of(bodies[body])
@@ -126,7 +124,7 @@ class Grasp:
                 off = facing[own, None] - flat_sides(bodies[body])
                 in_line[own] &= (np.abs(np.sin(off / 2)) < IN_LINE).any(axis=1)
         flat = {row: ends for row in rows[in_line].tolist()
-                if (ends := pressed(self.run, int(self.row[row]), FLAT)) is not None
+                if (ends := pressed(self.run, int(self.row[row]), FLAT)[0]) is not None
                 and len(ends) == 2}
         twice = np.repeat(rows, 1 + np.isin(rows, list(flat)))
         points = self.point[twice]

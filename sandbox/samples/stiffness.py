@@ -25,7 +25,7 @@ from sandbox.model.supports import components
 from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.loads import Batch, Loads
-from sandbox.samples.nearby import faces, pressed
+from sandbox.samples.nearby import pressed
 
 if TYPE_CHECKING:
     from sandbox.samples.samples import Samples
@@ -147,21 +147,19 @@ class Linearization:
         """Elastic elements: springs, taut tendons, servos with a stiffness."""
         a, model, s = self.run.arrays, self.model, self.sample
         springs, tendons = model.springs, model.tendons
-        efforts = self._rows(self.loads.spring_efforts, len(springs.name))
-        for i, law in enumerate(springs.law):
-            by = int(springs.drive[i])
-            k = float(springs.stiffness[i] if by == NONE else a["drive_value"][s, by])
-            if law is not None:
-                stretch = float(a["spring_length"][s, i] - springs.rest[i])
-                step = 1e-5 * max(abs(stretch), 1e-3)
-                k = float(law.slopes(stretch + np.array([-step, step]), k)[0])
-            yield Elastic("spring", i, k, efforts[i])
         taut = np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist()
-        efforts = self._rows(self.loads.cable_efforts, len(tendons.name)) if taut else efforts
-        for i in taut:
-            by = int(tendons.stiffener[i])
-            k = float(tendons.stiffness[i] if by == NONE else a["drive_value"][s, by])
-            yield Elastic("tendon", i, k, efforts[i])
+        for kind, own, drive, which, efforts in (
+                ("spring", springs.stiffness, springs.drive, range(len(springs.name)),
+                 self.loads.spring_efforts),
+                ("tendon", tendons.stiffness, tendons.stiffener, taut, self.loads.cable_efforts)):
+            rows = self._rows(efforts, len(own))
+            for i in which:
+                k = float(own[i] if drive[i] == NONE else a["drive_value"][s, drive[i]])
+                if kind == "spring" and (law := springs.law[i]) is not None:
+                    stretch = float(a["spring_length"][s, i] - springs.rest[i])
+                    step = 1e-5 * max(abs(stretch), 1e-3)
+                    k = float(law.slopes(stretch + np.array([-step, step]), k)[0])
+                yield Elastic(kind, i, k, rows[i])
         for i, u in self._placing():
             if np.isfinite(model.drives.stiffness[i]):
                 yield Elastic("drive", i, float(model.drives.stiffness[i]), u)
@@ -284,14 +282,10 @@ class Linearization:
         a, s, both = self.run.arrays, self.sample, list(pair)
         u, point = a["contact_normal"][row], a["contact_point"][row]
         near = NEAR + self.run.info.step * float(np.hypot(*a["body_velocity"][s, both, :2].T).sum())
-        ends, along = pressed(self.run, row, near), np.array([-u[1], u[0]])
+        ends, (one, two) = pressed(self.run, row, near)
         near += abs(float(a["contact_gap"][row])) / 2
-        place = float(point @ along)
-        sides = [side for found in faces(self.run, row, near) for side in [next((
-            each for each in found if each.low - near <= place <= each.high + near), None)] if side]
-        if ends is None or len(sides) < 2:
+        if ends is None or one is None or two is None:
             raise ArithmeticError("bodies that touch with several normals")
-        one, two = sides
         flat = [side.high - side.low > near for side in (one, two)]
         if len(ends) == 2:
             way = ends[1] - ends[0]

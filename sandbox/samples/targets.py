@@ -1,17 +1,11 @@
-"""Targets of quantities, drives under control, and step responses.
+"""Targets of quantities, drives under control, and step responses (docs/plots.md).
 
 The target of a quantity over a run is the first of these that there is: one given by hand; that of
 a controller that reads the quantity by its plain name, as events changed it, active controllers
 first; a meter named ``<quantity>.target``, such as ``finger.mcp.angle.target``.
 
 Definitions of responses are those of Franklin, Powell and Emami-Naeini, *Feedback Control of
-Dynamic Systems*, section 3.4:
-
-* overshoot: the distance of the peak beyond the last target, as a fraction of the step from the
-  first value to the last target;
-* settling time: the last time outside a band of +-2 % of the target about it, from t = 0;
-* steady error: the mean of value - target over the last 5 % of the run;
-* IAE: the integral of |value - target| over time.
+Dynamic Systems*, section 3.4.
 """
 
 from __future__ import annotations
@@ -56,8 +50,8 @@ def start(run: Samples, name: str) -> float | None:
 
 def targets(run: Samples, given: Mapping[str, float] | None = None) -> dict[str, Array]:
     """Quantity to its target over time [n], SI; ``given`` are targets by hand."""
-    found: dict[str, Array] = {name: np.full(len(run), value)
-                               for name, value in (given or {}).items() if name in run.catalogue}
+    found = {name: np.full(len(run), value)
+             for name, value in (given or {}).items() if name in run.catalogue}
     for controller in sorted(run.mechanism.controllers, key=lambda each: not each.active):
         for name, target in _tracked(run, controller):
             found.setdefault(name, target)
@@ -104,22 +98,16 @@ def _tracked(run: Samples, controller: Controller) -> Iterator[tuple[str, Array]
     for i, (text, signal) in enumerate(zip(controller.readings, controller.signals, strict=False)):
         name = text.removeprefix("=").strip()
         if name in run:  # else an expression of several quantities
-            target = values(signal, run.time, run.mechanism.functions)
-            # events set the first target of a controller
-            yield name, _changed(run, controller.name, target) if i == 0 else target
-
-
-def _changed(run: Samples, controller: str, target: Array) -> Array:
-    """A target with the values that events of the run set, and for how long."""
-    key, target = f"{controller}{SUFFIX}", target.copy()
-    events = {event.name: event for event in run.mechanism.events if key in event.set}
-    for happened in run.info.events:
-        if event := events.get(happened.event):
-            since = run.time > happened.time
-            if event.lasts is not None:
-                since &= run.time <= happened.time + event.lasts
-            target[since] = event.set[key]
-    return target
+            target = values(signal, run.time, run.mechanism.functions).copy()
+            key = f"{controller.name}{SUFFIX}"  # events set the first target of a controller
+            events = {event.name: event for event in run.mechanism.events
+                      if i == 0 and key in event.set}
+            for happened in run.info.events:
+                if event := events.get(happened.event):
+                    lasts = math.inf if event.lasts is None else event.lasts
+                    target[(run.time > happened.time)
+                           & (run.time <= happened.time + lasts)] = event.set[key]
+            yield name, target
 
 
 BAND = 0.02  # Half the width of the band that counts as settled, as a fraction of the target
