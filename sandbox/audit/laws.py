@@ -30,14 +30,15 @@ from sandbox.model.joints import normal_in_slot
 from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
 from sandbox.model.programs import SpringLaw
-from sandbox.model.tendons import CableSpan, spans_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cables import (
+    CableSpan,
     bends,
     lengths_at_start,
     piece_tensions,
     rest_lengths,
     span_length,
+    spans_of,
 )
 
 SOLVED = 1e-9

@@ -29,9 +29,14 @@ from sandbox.model.joints import place_in_slot, slot_length
 from sandbox.model.loads import motion_of
 from sandbox.model.model import NONE, Model
 from sandbox.model.supports import parting_wheels, shared_joints
-from sandbox.model.tendons import lifted_at_start, passes_by
 from sandbox.numeric import Flags, Integers, connected_components
-from sandbox.samples.cables import lengths_at_start, rest_lengths, wraps_at_start
+from sandbox.samples.cables import (
+    lengths_at_start,
+    lifted_at_start,
+    passes_by,
+    rest_lengths,
+    wraps_at_start,
+)
 from sandbox.samples.grasps import OF_HANDS, of_hand
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import Vec, outline, pose_of, solids, to_body
