@@ -281,26 +281,23 @@ class StiffnessDrive(DriveSpec):
                   floor=0.0)
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        found, name = self._spring(mechanism), quoted(self.spring or self.tendon or "")
+        found, why = self._spring(mechanism), ""
         pull = next((each.name for each in mechanism.drives if each.kind.gives == "tension"
                      and each.target[1] == self.tendon), None)
         if pull is not None:
-            why, allowed = (f"{quoted(pull)} pulls it, which sets its tension",
-                            "a tendon that no drive pulls")
-        elif found is None:
-            return
-        elif found.stiffness is None:
-            why, allowed = "it follows a law", "a spring with a 'stiffness'"
-        elif self.tendon is not None and found.gripping:
-            why, allowed = (f"its guide {found.gripping[0]} has friction, so each span has its own "
-                            "tension", "a tendon whose guides have no 'friction'")
-        elif self.tendon is not None and found.stiffness >= RIGID:
-            why, allowed = (f"with {found.stiffness:g} N/m it counts as inextensible", "a tendon "
-                            f"with a 'stiffness' below {RIGID:g} N/m, which it has at first")
-        else:
-            return
-        yield Problem("not-settable", f"{name} has no stiffness to set: {why}",
-                      f"{path}.{'spring' if self.spring else 'tendon'}", allowed=allowed)
+            why = f"{quoted(pull)} pulls it, which sets its tension"
+        elif found is not None and found.stiffness is None:
+            why = "it follows a law"
+        elif found is not None and self.tendon is not None and found.gripping:
+            why = f"its guide {found.gripping[0]} has friction, so each span has its own tension"
+        elif found is not None and self.tendon is not None and found.stiffness >= RIGID:
+            why = f"with {found.stiffness:g} N/m it counts as inextensible"
+        if why:
+            allowed = "a spring with a 'stiffness'" if self.spring else (
+                f"a tendon below {RIGID:g} N/m without pull drive and guide friction")
+            yield Problem("not-settable", f"{quoted(self.spring or self.tendon or '')} has no "
+                          f"stiffness to set: {why}",
+                          f"{path}.{'spring' if self.spring else 'tendon'}", allowed=allowed)
 
 
 class HoldDrive(DriveSpec):

@@ -151,13 +151,10 @@ class Tendon(Element):
             **{key: value for key, value in law.items() if value})
 
     def needed(self, quantity: str) -> str:
-        word, _, text = quantity.rpartition("_")
-        if word not in NUMBERED or not text.isdecimal():
-            return ""
-        at = int(text)
-        if not (0 if word == "tension" else 1) <= at < len(self.path) - 1:
-            return ""
-        return {"tension": "'friction' at one of its guides",
-                "slip": f"'friction' at its guide {at}, between its ends",
-                "lifted": f"a 'radius' of its guide {at}, between its ends, and neither "
-                          "'friction' nor 'turns' there"}[word]
+        word, _, at = quantity.rpartition("_")
+        needs = {"tension": "'friction' at one of its guides",
+                 "slip": f"'friction' at its guide {at}, between its ends",
+                 "lifted": f"a 'radius' of its guide {at}, between its ends, and neither "
+                           "'friction' nor 'turns' there"}
+        numbers = map(str, range(word != "tension", len(self.path) - 1))
+        return needs.get(word, "") if at in numbers else ""

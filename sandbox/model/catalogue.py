@@ -148,11 +148,8 @@ class Catalogue:
         if head in self._bodies and quantity in GRASP:
             body = self.mechanism.bodies[self._bodies[head]]
             if body.role != "object":
-                objects = [each.name for each in self.mechanism.bodies
-                           if quantity in grasp_of(each)]
                 return (f"only bodies with the role 'object' have it, {quoted(head)} has the role "
-                        f"{quoted(body.role)}"
-                        + (f"; there is {listed(objects)}" if objects else ""))
+                        f"{quoted(body.role)}")
             if not body.shapes:
                 return f"{quoted(head)} has no shapes, and nothing can touch it"
             if GRASP[quantity].of_free:

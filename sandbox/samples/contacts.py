@@ -32,6 +32,7 @@ class Contacts:
         self.sample: Integers = arrays["contact_sample"]
         self.body: Integers = arrays["contact_body"]
         self.other: Integers = arrays["contact_other"]
+        self.point: Array = arrays["contact_point"]
         self.force: Array = arrays["contact_force"]
         self.direction: Array = arrays["contact_normal"]
 

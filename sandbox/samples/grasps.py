@@ -217,10 +217,7 @@ class Grasp:
         window = f"in the {WINDOW:g} s before"
         reasons = []
         if not rest.hand[sample]:
-            before = np.flatnonzero(rest.hand[:sample])
-            reasons.append(
-                f"no body of a hand touched it after {self.run.time[before[-1]]:.6g} s"
-                if len(before) else "no body of a hand had touched it yet")
+            reasons.append("no body of a hand touches it")
         elif not rest.ready[sample]:
             reasons.append(f"the run was not {WINDOW:g} s old")
         elif rest.released[sample]:

@@ -216,14 +216,10 @@ class Samples:
         return self.arrays | self._means
 
     @cached_property
-    def mean_rows(self) -> Arrays:
-        """The contact rows as means over sample intervals."""
-        return mean_contact_rows(self.arrays)
-
-    @cached_property
     def mean_contacts(self) -> Contacts:
-        """The contacts of :attr:`mean_rows`."""
-        return Contacts(self.mean_rows, samples=len(self), bodies=len(self.mechanism.bodies))
+        """The contact rows as means over sample intervals."""
+        return Contacts(mean_contact_rows(self.arrays), samples=len(self),
+                        bodies=len(self.mechanism.bodies))
 
     def with_meters(self) -> Arrays:
         """All arrays, the meters among them as ``meter_value`` [n, meters] if there are any."""

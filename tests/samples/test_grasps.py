@@ -182,7 +182,7 @@ def scene(expect, **ball):
 
 @pytest.mark.parametrize(("ball", "quantity", "told"), [
     ({}, "epsilon",
-     "only bodies with the role 'object' have it, 'ball' has the role 'link'; there is 'disc'"),
+     "only bodies with the role 'object' have it, 'ball' has the role 'link'"),
     ({"role": "object", "motion": "fixed", "mass": None}, "held",
      "'ball' does not move freely, so it has no grasp quantities"),
     ({"role": "object", "shapes": [], "inertia": 1}, "closure",
