@@ -67,7 +67,6 @@ class DriveKind:
 
     @property
     def unit(self) -> str:
-        """The unit of its value."""
         return si_unit(self.dimension)
 
 
@@ -103,7 +102,6 @@ class DriveSpec(Element):
         return self.kind.dimension
 
     def signal(self, mechanism: Mechanism) -> signals.AnySignal:
-        """Its value over time."""
         found: signals.AnySignal = self.value
         return found
 

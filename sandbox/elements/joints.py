@@ -53,7 +53,6 @@ class JointKind:
 
     @property
     def teeth(self) -> bool:
-        """Whether it has teeth."""
         return self.keeps in ("gear", "rack")
 
     @property
@@ -163,7 +162,6 @@ class FrictionJoint(ClosingJoint):
 
     @property
     def has_friction(self) -> bool:
-        """Whether it has dry friction."""
         return bool(self.friction or self.friction_coefficient)
 
     def _verify(self) -> None:
@@ -280,7 +278,6 @@ class Slot(FrictionJoint):
 
     @property
     def groove(self) -> tuple[Any, Any] | None:
-        """The two ends of a straight groove."""
         return None if self.path else (self.start, self.end)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
@@ -347,7 +344,6 @@ class RangeJoint(BarJoint):
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Minimum and maximum distance [m]."""
         return self.shortest, self.longest or math.inf
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
@@ -403,7 +399,6 @@ class CircleJoint(JointSpec):
 
     @property
     def radii(self) -> tuple[float, float]:
-        """Of the wheels of ``a`` and ``b`` [m]."""
         return self.radius_a, self.radius_b
 
 

@@ -45,7 +45,6 @@ class SpringSpec(Element):
 
     @property
     def law(self) -> str | None:
-        """Its law, an expression; None with a stiffness."""
         text: str | None = getattr(self, self.LOCAL[0])
         return text
 

@@ -35,17 +35,9 @@ class Contacts:
         self.point: Array = arrays["contact_point"]
         self.force: Array = arrays["contact_force"]
         self.direction: Array = arrays["contact_normal"]
-
-    @cached_property
-    def normal(self) -> Array:
-        """Normal force of every row [N], shape [m]."""
-        force, direction = self.force, self.direction
-        return force[:, 0] * direction[:, 0] + force[:, 1] * direction[:, 1]
-
-    @cached_property
-    def tangential(self) -> Array:
-        """Tangential force of every row [N], shape [m]; signed."""
-        return self.force[:, 1] * self.direction[:, 0] - self.force[:, 0] * self.direction[:, 1]
+        (fx, fy), (nx, ny) = self.force.T, self.direction.T
+        self.normal: Array = fx * nx + fy * ny  # Normal force of every row [N], [m]
+        self.tangential: Array = fy * nx - fx * ny  # Tangential force, signed [N], [m]
 
     @cached_property
     def _by_body(self) -> tuple[Integers, Integers]:

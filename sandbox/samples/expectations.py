@@ -42,12 +42,10 @@ class Verdict:
     @property
     def allowed(self) -> str:
         """The range in words: ``at most 3``, ``2.9 to 3.1``; empty where anything passes."""
-        low, high = math.isfinite(self.low), math.isfinite(self.high)
+        low, high = (f"{end:.6g}" if math.isfinite(end) else "" for end in (self.low, self.high))
         if low and high:
-            if self.low == self.high:
-                return f"{self.low:.6g}"
-            return f"{self.low:.6g} to {self.high:.6g}"
-        return f"at least {self.low:.6g}" if low else f"at most {self.high:.6g}" if high else ""
+            return low if self.low == self.high else f"{low} to {high}"
+        return f"at least {low}" if low else f"at most {high}" if high else ""
 
 
 def verdicts(run: Samples) -> list[Verdict]:

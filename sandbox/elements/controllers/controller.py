@@ -103,7 +103,6 @@ class ControllerSpec(Element):
 
     @property
     def written(self) -> tuple[str, ...]:
-        """The drives that it sets."""
         return self._all_of("writes")
 
     @property
@@ -132,7 +131,6 @@ class ControllerSpec(Element):
         return iter(())
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
-        """Its law, which acts every ``period`` [s]."""
         law: Law = self.LAW(self, period)
         return law
 
