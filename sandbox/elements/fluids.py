@@ -88,7 +88,6 @@ class Line(Element):
 
     PYMUNK = FLUID
     RECORDED = LINE_QUANTITIES
-
     name: of.Name
     """Its name; quantities are ``<name>.pressure``, ``<name>.volume`` and so on."""
     chambers: of.Items[Chamber] = Field(default=(), max_length=64)
@@ -156,7 +155,6 @@ class Valve(Element):
 
     PYMUNK = FLUID
     RECORDED = VALVE_QUANTITIES
-
     name: of.Name
     """Its name; quantities are ``<name>.flow`` and ``<name>.loss``."""
     a: Annotated[of.Name | None, base.LINE] = None

@@ -93,7 +93,6 @@ class JointSpec(Element):
     """The base of all joints."""
 
     facts: ClassVar[JointKind]
-
     name: of.Name
     """Its name; quantities are ``<name>.reaction`` and so on."""
     a: BodyName

@@ -76,7 +76,6 @@ class Tendon(Element):
     """
 
     RECORDED = QUANTITIES
-
     name: of.Name
     """Its name; quantities are ``<name>.tension``, ``<name>.length`` and so on."""
     guides: of.Items[Guide] = Field(min_length=2, max_length=64)

@@ -20,8 +20,7 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
 
 TOUCH = 1e-6  # Normal force [N] above which a body counts as touched
-CANCELLED = 1e-6
-"""Least magnitude of a resultant with a line of action, relative to the sum of its forces."""
+CANCELLED = 1e-6  # Minimum of a resultant with a line of action, over the sum of its forces
 
 
 class Contacts:
@@ -104,9 +103,8 @@ FARTHER = 1e-3  # Least relative difference of paths that is not rounding
 def on_the_other(model: Model, arrays: Arrays, body: Integers, other: Integers) -> Flags:
     """Whether the force between two bodies is shown on ``other`` rather than on ``body``, [m].
 
-    It is shown on the one with the role ``object`` if one of the two has it, else on the one with
-    the longer path in the run, and on ``body`` if both are about as long. Rotations of bodies that
-    move freely count at the radius of gyration.
+    That is the only ``object`` of the two, else the one with the longer path in the run. Rotations
+    of bodies that move freely count at the radius of gyration.
     """
     pose, mass, inertia = (arrays[f"body_{key}"] for key in ("pose", "mass", "inertia"))
     x, y = np.moveaxis(placed(pose, arrays["body_centre"]), -1, 0)

@@ -29,12 +29,9 @@ if TYPE_CHECKING:
     from sandbox.samples.samples import Samples
 
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")  # Roles of parts of a hand that may be fixed
-FLAT, IN_LINE = 1e-7, 1e-4
-"""Distance [m] and angle [rad] from a plane within which a side presses on its whole length."""
-STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
-"""As :meth:`sandbox.samples.stiffness.PushResponse.stiffness` gives them."""
-MAX_STIFFNESS_SAMPLES = 25
-"""Largest number of samples of one reading in which the stiffness is calculated."""
+FLAT, IN_LINE = 1e-7, 1e-4  # [m, rad] from a plane, within which a whole side presses
+STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")  # of PushResponse
+MAX_STIFFNESS_SAMPLES = 25  # Maximum number of samples of one reading with a new stiffness
 
 
 class _Holding(NamedTuple):
@@ -136,9 +133,8 @@ class Grasp:
     def stiffness(self, name: str, chosen: slice = slice(None)) -> Array:
         """One of :data:`STIFFNESS` in the chosen samples, [k]; nan where it has no value.
 
-        It is calculated in at most :data:`MAX_STIFFNESS_SAMPLES` of those in which the object is
-        held, evenly spread, with the first and the last of them. Samples in between repeat the
-        value before.
+        It is calculated in :data:`MAX_STIFFNESS_SAMPLES` of those in which the object is held,
+        evenly spread. Samples in between repeat the value before.
         """
         numbers = np.arange(len(self.run))[chosen]
         result = np.full(len(numbers), np.nan)

@@ -29,8 +29,7 @@ from sandbox.wording import is_pattern
 OLDER = ("this recording has no directions of forces; pymunk and older versions give none: "
          "reaction_x and reaction_y have no value")
 TIME = "time"  # What Samples.time is called, unless something of the mechanism has this name
-TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}
-"""The tables of a recording and the kind of element each holds."""
+TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}  # and what each holds
 
 
 class Columns(NamedTuple):
@@ -318,8 +317,7 @@ def broken(run: Samples) -> list[str]:
     return few(notes, "broke after that")
 
 
-AT_END = 1e-5
-"""Distance [m] from an end of the groove at which a point that presses on it has reached it."""
+AT_END = 1e-5  # Distance [m] from an end of a groove at which a point that presses is there
 PRESSES = 1e-9  # Least force along the groove, relative to the joint's largest force
 
 

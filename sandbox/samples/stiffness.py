@@ -32,11 +32,8 @@ if TYPE_CHECKING:
 
 RANK = 1e-9  # Directions with a smaller share than this are rounding
 SMALL = 1e-7  # Motions [m, and by the size of the object rad] of central differences
-NOTHING = 1e-6
-"""Least stiffness relative to the largest force over the object's size, which is the order of the
-geometric stiffness."""
-NEAR = 1e-8
-"""Distance [m] from the plane of a contact, besides motion in a step, at which corners press."""
+NOTHING = 1e-6  # Minimum stiffness over that of the order of the geometric one, force / size
+NEAR = 1e-8  # Distance [m] from a contact's plane, besides motion in a step, where corners press
 AT_CONE = 1e-6  # Distance of friction from its limit, relative to it, that counts as 0
 SLIDES = 1e-6  # Least speed of sliding [m/s]
 SOFTLY = 1e-6  # Least component of an object in a motion without stiffness

@@ -151,8 +151,7 @@ def respond(time: Array, value: Array, target: Array) -> Response:
 def settling_time(time: Array, value: Array, target: Array) -> float:
     """The last time outside the band about the target [s], interpolated between two samples.
 
-    0 if it never was outside; inf without the last 5 % of the run in the band. A sample without a
-    value counts as outside. The band refers to the last target, or to the step if that is 0.
+    0 if it never was outside, inf if it was in the last 5 % of the run; no value counts as outside.
     """
     error, band = value - target, BAND * abs(float(target[-1]) or float(value[0]))
     outside = np.flatnonzero(~(np.abs(error) <= band))
@@ -169,10 +168,7 @@ def settling_time(time: Array, value: Array, target: Array) -> float:
 
 
 def effort(time: Array, value: Array, before: float) -> Effort:
-    """The control effort of a drive over a run; ``before`` is its value before the first sample.
-
-    A jump from there counts as one within the time between two samples.
-    """
+    """The control effort of a drive over a run; ``before`` is its value before the first sample."""
     changes = np.abs(np.diff(value, prepend=before))
     spacing = np.diff(time, prepend=2 * time[0] - time[1])
     return Effort(variation=float(changes.sum()), peak=float(np.max(np.abs(value))),

@@ -81,7 +81,6 @@ class ControllerSpec(Element):
     """The base of all controllers."""
 
     PYMUNK = "a controller"
-
     LAW: ClassVar[Any]  # the class of its law, of the controller and its period [s]
     of_drive: ClassVar[tuple[str, ...]] = ()  # fields with numbers in the unit of its drives
     of_reading: ClassVar[tuple[str, ...]] = ()  # and of its readings
