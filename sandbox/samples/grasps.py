@@ -211,13 +211,9 @@ class Grasp:
         """The conditions of ``held`` that a sample does not meet, with numbers; empty if held."""
         rest, most = self._rest, f"{_mm(STRAY * self.size)} is the most"
         window = f"in the {WINDOW:g} s before"
-        reasons = []
-        if not rest.hand[sample]:
-            reasons.append("no body of a hand touches it")
-        elif not rest.ready[sample]:
-            reasons.append(f"the run was not {WINDOW:g} s old")
-        elif rest.released[sample]:
-            reasons.append(f"the hand released it {window}")
+        reasons = ["no body of a hand touches it" if not rest.hand[sample] else
+                   f"the run was not {WINDOW:g} s old" if not rest.ready[sample] else
+                   f"the hand released it {window}" if rest.released[sample] else ""]
         if rest.carried[sample]:
             rows = np.flatnonzero(self.of_others & (self.sample == sample))
             carrier = self._most(rows, self.push[rows])[0]
@@ -231,7 +227,7 @@ class Grasp:
             took = np.diff(self.run.time)[self.sample[rows] - 1]
             name, way = self._most(rows, slip_speeds(self.run.arrays, self.row[rows]) * took)
             reasons.append(f"it slid by {_mm(slid)} {window}, {most}, along {name!r} by {_mm(way)}")
-        return "; ".join(reasons)
+        return "; ".join(filter(None, reasons))
 
     def _most(self, rows: Integers, amounts: Array) -> tuple[str, float]:
         """The touching body with the largest sum of amounts over contacts, and the sum."""
