@@ -17,9 +17,9 @@ from sandbox.model.joints import normal_in_slot
 from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
 from sandbox.model.programs import SpringLaw
-from sandbox.model.tendons import CableSpan, spans_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples import cables
+from sandbox.samples.cables import CableSpan, spans_of
 
 GRIP = 1e-9  # Error of guide friction relative to the tension (docs/engine.md)
 DRAG = 1e-7  # Damping of a loop, relative to the effect of its stiffness in a step (docs/engine.md)

@@ -292,4 +292,4 @@ def pressed(evidence: Evidence, row: int) -> Array | None:
     size, speed = np.abs(a["body_pose"][0, pair, :2]).max(), np.hypot(
         *a["body_velocity"][0, pair, :2].T).sum()
     return nearby.pressed(evidence.run, row, float(
-        evidence.near + 8 * DIGITS * size + evidence.h * speed))
+        evidence.near + 8 * DIGITS * size + evidence.h * speed))[0]

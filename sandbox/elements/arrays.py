@@ -210,57 +210,38 @@ def row_bytes(mechanism: Any, keys: Iterable[str]) -> int:
     return 8 * sum(math.prod(shape_of(key, size)) for key in keys)
 
 
-def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
-    """The arrays of current recordings: nan for missing late ones, without unknown ones."""
-    result = {key: arrays[key] for key in _required(arrays) if key in arrays}
-    if "time" in arrays and "contact_gap" in arrays:
-        size = _sizes_of(mechanism, {key: array.shape for key, array in arrays.items()})
-        # one nan in memory for all elements
-        result |= {key: np.broadcast_to(np.nan, shape_of(key, size))
-                   for key in LATE if key not in arrays}
-        if "impact_time" not in arrays:
-            result |= {key: np.zeros(shape_of(key, size), dtype_of(key)) for key in IMPACT}
-    return result
+def checked(mechanism: Any, given: Mapping[str, NDArray[Any]]) -> Arrays:
+    """The arrays of a recording, read-only and without unknown ones; nan for missing late ones.
 
-
-def faults(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> list[str]:
-    """Faults of a set of arrays: missing ones, wrong shapes or types, indices out of range."""
-    if found := misshapen(mechanism, {key: array.shape for key, array in arrays.items()}):
-        return found
-    found = [f"array {key!r} holds {arrays[key].dtype}, expected {np.dtype(dtype_of(key))}"
-             for key in _required(arrays) if key in arrays and arrays[key].dtype != dtype_of(key)]
-    if found:
-        return found
-    size = sizes(mechanism, n=arrays["time"].size)
-    for row in ARRAYS:
-        array, last = arrays.get(row.name), size.get(row.points, 0) - 1
-        if row.points and array is not None and any(
-                piece.min() < 0 or piece.max() > last for piece in pieces(array)):
-            found.append(f"array {row.name!r} points outside 0..{last}")
-    return found or [f"array {key!r} is not in order" for key in IN_ORDER
-                     if key in arrays and not in_order(arrays[key])]
-
-
-def misshapen(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> list[str]:
-    """Arrays that are missing or do not have the shape that follows from the mechanism."""
-    required = _required(shapes)
-    if missing := [f"array {key!r} is missing" for key in required
-                   if key not in shapes and key not in LATE]:
-        return missing
-    size = _sizes_of(mechanism, shapes)
-    return [f"array {key!r} has shape {shapes[key]}, expected {shape}" for key in required
-            if key in shapes and shapes[key] != (shape := shape_of(key, size))]
-
-
-def _required(given: Mapping[str, Any]) -> list[str]:
-    """Arrays that a recording must have that has some of the optional ones."""
-    return [*LAYOUT, *(key for names in OPTIONAL if not given.keys().isdisjoint(names)
-                       for key in names)]
-
-
-def _sizes_of(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, int]:
-    return sizes(mechanism, **{axis: math.prod(shapes.get(key, (0,)))
+    Raises:
+        ValueError: arrays that are missing, or have wrong shapes or indices.
+    """
+    wanted = [*LAYOUT, *(key for names in OPTIONAL if not given.keys().isdisjoint(names)
+                         for key in names)]
+    found: Arrays = {key: np.asarray(given[key], dtype=dtype_of(key)).view()
+                     for key in wanted if key in given}
+    _refuse(f"array {key!r} is missing" for key in wanted if key not in found and key not in LATE)
+    size = sizes(mechanism, **{axis: found[key].size if key in found else 0
                                for axis, key in ROWS.items()})
+    _refuse(f"array {key!r} has shape {array.shape}, expected {shape}"
+            for key, array in found.items() if array.shape != (shape := shape_of(key, size)))
+    _refuse(f"array {row.name!r} points outside 0..{size[row.points] - 1}" for row in ARRAYS
+            if row.points and (array := found.get(row.name, np.empty(0))).size
+            and (array.min() < 0 or array.max() >= size[row.points]))
+    _refuse(f"array {key!r} is not in order" for key in IN_ORDER
+            if key in found and (found[key][1:] < found[key][:-1]).any())
+    # one nan in memory for all elements
+    found |= {key: np.broadcast_to(np.nan, shape_of(key, size)) for key in LATE if key not in found}
+    if "impact_time" not in found:
+        found |= {key: np.zeros(shape_of(key, size), dtype_of(key)) for key in IMPACT}
+    for array in found.values():
+        array.setflags(write=False)
+    return found
+
+
+def _refuse(faults: Iterable[str]) -> None:
+    if text := "; ".join(faults):
+        raise ValueError(text)
 
 
 def pieces(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
@@ -270,22 +251,7 @@ def pieces(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
         yield array[first:first + step]
 
 
-def in_order(values: NDArray[Any]) -> bool:
-    """Whether values [n] never fall."""
-    last = -math.inf
-    for piece in pieces(values):
-        if piece[0] < last or (piece[1:] < piece[:-1]).any():
-            return False
-        last = piece[-1]
-    return True
-
-
 def largest_size(array: NDArray[np.float64]) -> float:
     """Maximum absolute value, without nan; 0 of none."""
-    return max((float(np.fmax.reduce(np.abs(piece), axis=None)) for piece in pieces(array)
-                if not np.isnan(piece).all()), default=0.0)
-
-
-def has_numbers(array: NDArray[np.float64]) -> bool:
-    """Whether any value is not nan."""
-    return any(not np.isnan(piece).all() for piece in pieces(array))
+    return float(max(np.fmax.reduce(array, axis=None, initial=0.0),
+                     -np.fmin.reduce(array, axis=None, initial=0.0)))

@@ -67,7 +67,6 @@ class DriveKind:
 
     @property
     def unit(self) -> str:
-        """The unit of its value."""
         return si_unit(self.dimension)
 
 
@@ -103,17 +102,14 @@ class DriveSpec(Element):
         return self.kind.dimension
 
     def signal(self, mechanism: Mechanism) -> signals.AnySignal:
-        """Its value over time."""
         found: signals.AnySignal = self.value
         return found
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
-        """The quantities that it records, with their units."""
         own = si_unit(self.dimension(mechanism) or "")
         return {name: QUANTITIES[name].unit or own for name in self.kind.records}
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
         signal = self.signal(mechanism)
         return super().without_pymunk(mechanism) or (
             "a formula that calls a table" if isinstance(signal, signals.Formula)
@@ -141,7 +137,6 @@ class ForceDrive(DriveSpec):
 
     @property
     def turning(self) -> bool:
-        """Whether its direction turns with its body."""
         return self.frame == "body"
 
     @property
@@ -151,7 +146,6 @@ class ForceDrive(DriveSpec):
         return float(x), float(y)
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
-        """New values of ``kept`` fields that a placement changes."""
         return {"direction": mover.placement.vector(self.direction) if self.frame == "world"
                 else mover.direction(self.body, self.direction)}
 
@@ -161,7 +155,6 @@ class ForceDrive(DriveSpec):
         draft.motor(index, gear=(*self.along, 0, 0, 0, 0), site=site, refsite=frame)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A force before each step."""
         turns = {"turns": True} if self.turning else {}
         draft.add("push_point", self.name, draft.value(index), self.body, self.at, self.along,
                   **turns)
@@ -181,17 +174,14 @@ class RadiusDrive(DriveSpec):
     """The radius over time [m]."""
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A radius that is set before each step."""
         draft.add("resize", self.name, draft.value(index), self.body,
                   draft.first_solid(self.body, self.shape), floor=SMALLEST_RADIUS)
 
     @property
     def owned(self) -> tuple[object, ...]:
-        """What no other drive may set."""
         return *super().owned, self.shape
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """A shape that is none, or no circle."""
         body = next((each for each in mechanism.bodies if each.name == self.body), None)
         if body is None:
             return
@@ -242,7 +232,6 @@ class PullDrive(DriveSpec):
         draft.motor(index, tendon=tendon, gear=-1.0, ctrlrange=(0.0, draft.MAX_FORCE))
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """The tension of its tendon, set before each step."""
         draft.add("set", self.name, draft.value(index), self.tendon, "pulled", floor=0.0)
 
 
@@ -268,7 +257,6 @@ class StiffnessDrive(DriveSpec):
 
     @property
     def kind(self) -> DriveKind:
-        """Facts, by its target."""
         return self.facts if self.tendon is None else self.on_tendon
 
     def _spring(self, mechanism: Mechanism) -> Any:
@@ -277,44 +265,37 @@ class StiffnessDrive(DriveSpec):
                      if each.name == (self.spring or self.tendon)), None)
 
     def dimension(self, mechanism: Mechanism) -> str | None:
-        """The dimension of its value; None where no element has the name."""
         if self.tendon is not None:
             return self.kind.dimension
         spring = self._spring(mechanism)
         return spring and str(spring.facts.dimension)
 
     def signal(self, mechanism: Mechanism) -> signals.AnySignal:
-        """Its value over time: by default the stiffness of its spring or tendon."""
         return (signals.Constant(constant=self._spring(mechanism).stiffness)
                 if self.value is None else self.value)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """The stiffness of its spring or tendon, set before each step."""
         draft.add("set", self.name, draft.value(index), self.spring or self.tendon, "stiffness",
                   floor=0.0)
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """Springs and tendons that have no stiffness to set, tendons with several tensions."""
-        found, name = self._spring(mechanism), quoted(self.spring or self.tendon or "")
+        found, why = self._spring(mechanism), ""
         pull = next((each.name for each in mechanism.drives if each.kind.gives == "tension"
                      and each.target[1] == self.tendon), None)
         if pull is not None:
-            why, allowed = (f"{quoted(pull)} pulls it, which sets its tension",
-                            "a tendon that no drive pulls")
-        elif found is None:
-            return
-        elif found.stiffness is None:
-            why, allowed = "it follows a law", "a spring with a 'stiffness'"
-        elif self.tendon is not None and found.gripping:
-            why, allowed = (f"its guide {found.gripping[0]} has friction, so each span has its own "
-                            "tension", "a tendon whose guides have no 'friction'")
-        elif self.tendon is not None and found.stiffness >= RIGID:
-            why, allowed = (f"with {found.stiffness:g} N/m it counts as inextensible", "a tendon "
-                            f"with a 'stiffness' below {RIGID:g} N/m, which it has at first")
-        else:
-            return
-        yield Problem("not-settable", f"{name} has no stiffness to set: {why}",
-                      f"{path}.{'spring' if self.spring else 'tendon'}", allowed=allowed)
+            why = f"{quoted(pull)} pulls it, which sets its tension"
+        elif found is not None and found.stiffness is None:
+            why = "it follows a law"
+        elif found is not None and self.tendon is not None and found.gripping:
+            why = f"its guide {found.gripping[0]} has friction, so each span has its own tension"
+        elif found is not None and self.tendon is not None and found.stiffness >= RIGID:
+            why = f"with {found.stiffness:g} N/m it counts as inextensible"
+        if why:
+            allowed = "a spring with a 'stiffness'" if self.spring else (
+                f"a tendon below {RIGID:g} N/m without pull drive and guide friction")
+            yield Problem("not-settable", f"{quoted(self.spring or self.tendon or '')} has no "
+                          f"stiffness to set: {why}",
+                          f"{path}.{'spring' if self.spring else 'tendon'}", allowed=allowed)
 
 
 class HoldDrive(DriveSpec):
@@ -334,7 +315,6 @@ class HoldDrive(DriveSpec):
     same element overrides it until the value next crosses 0.5."""
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """Wheels, which cannot be engaged again."""
         if any(joint.name == self.element and joint.facts.wheels for joint in mechanism.joints):
             yield base.no_mesh(self.element, f"{path}.element")
 
@@ -365,7 +345,6 @@ class TorqueDrive(HingeDrive):
         draft.motor(index, **draft.drive_hinge(index))
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A torque on both bodies."""
         _, joint = draft.target(index)
         draft.add("twist", self.name, draft.value(index), joint.a, joint.b, joint.sense)
 
@@ -407,16 +386,13 @@ class MotorDrive(HingeDrive):
         return None if self.stall is None or self.no_load is None else self.stall / self.no_load
 
     def signal(self, mechanism: Mechanism) -> signals.AnySignal:
-        """Its value over time: by default the speed without load."""
         return signals.Constant(constant=self.no_load) if self.value is None else self.value
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
         return "a motor with a torque-speed line and a largest torque" \
             if self.stall and self.torque else super().without_pymunk(mechanism)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A SimpleMotor; with a line a torque and a damper."""
         _, joint = draft.target(index)
         if self.slope is not None:
             draft.add("damper", f"{self.name}.torque", joint.a, joint.b, self.slope)
@@ -444,7 +420,6 @@ class BrakeDrive(HingeDrive):
         draft.brakes[draft.target(index)] = draft.final_value(index)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A SimpleMotor that holds still."""
         _, joint = draft.target(index)
         draft.add("constraint", self.name, "SimpleMotor", joint.a, joint.b, 0.0)
         draft.add("set", self.name, draft.value(index), self.name, "max_force", floor=0.0)
@@ -524,7 +499,6 @@ class PushDrive(ActuatorDrive):
         draft.motor(index, tendon=draft.model.joints.name[draft.target(index)])
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """Forces on both bodies."""
         number, joint = draft.target(index)
         on_a, on_b = draft.anchors(number)
         draft.add("push_apart", self.name, draft.value(index), joint.a, on_a, joint.b, on_b)
@@ -542,7 +516,6 @@ class ExtendDrive(ActuatorDrive):
     """Maximum force in both directions [N]."""
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A PinJoint whose distance changes in each step."""
         number, joint = draft.target(index)
         draft.add("constraint", self.name, "PinJoint", joint.a, joint.b, *draft.anchors(number),
                   error_bias=0.0, max_force=self.force)
@@ -575,7 +548,6 @@ class LengthDrive(ActuatorDrive, PlaceDrive):
         self.write_spring(draft, index, "tendon", 0.0)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A PinJoint whose distance is the value."""
         number, joint = draft.target(index)
         speed = {} if self.speed is None else {"max_bias": self.speed}
         draft.add("constraint", self.name, "PinJoint", joint.a, joint.b, *draft.anchors(number),

@@ -55,10 +55,6 @@ class Cylinder(Spec):
     pulls: of.Flag = False
     """True: the fluid is on the rod side and pulls the points together, as in a muscle."""
 
-    def length(self, world: Callable[[str, base.Vec], base.Vec]) -> float:
-        """Distance of its two points at t = 0 [m]; ``world`` gives points of bodies."""
-        return math.dist(world(self.a, self.on_a), world(self.b, self.on_b))
-
     @property
     def gain(self) -> float:
         """Volume per distance of the points [m^2]."""
@@ -92,7 +88,6 @@ class Line(Element):
 
     PYMUNK = FLUID
     RECORDED = LINE_QUANTITIES
-
     name: of.Name
     """Its name; quantities are ``<name>.pressure``, ``<name>.volume`` and so on."""
     chambers: of.Items[Chamber] = Field(default=(), max_length=64)
@@ -127,8 +122,9 @@ class Line(Element):
         """Volume at t = 0 [m^3]; 0 where neither a field nor the cylinders give it."""
         if self.volume is not None:
             return self.volume
-        return math.fsum(chamber.area * chamber.length(world) for chamber in self.chambers
-                         if isinstance(chamber, Cylinder) and not chamber.pulls)
+        return math.fsum(
+            each.area * math.dist(world(each.a, each.on_a), world(each.b, each.on_b))
+            for each in self.chambers if isinstance(each, Cylinder) and not each.pulls)
 
     def compliance(self, volume: float) -> float:
         """Volume per pressure of its fluid [m^3/Pa], for its volume at t = 0 [m^3]."""
@@ -137,7 +133,6 @@ class Line(Element):
         return volume / (OIL if self.modulus is None else self.modulus)
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """A volume that cannot be computed with; hinges of vanes that can be released."""
         bodies = {body.name for body in mechanism.bodies}
         known = all(chamber.a in bodies and chamber.b in bodies
                     for chamber in self.chambers if isinstance(chamber, Cylinder))
@@ -160,7 +155,6 @@ class Valve(Element):
 
     PYMUNK = FLUID
     RECORDED = VALVE_QUANTITIES
-
     name: of.Name
     """Its name; quantities are ``<name>.flow`` and ``<name>.loss``."""
     a: Annotated[of.Name | None, base.LINE] = None

@@ -53,7 +53,6 @@ class JointKind:
 
     @property
     def teeth(self) -> bool:
-        """Whether it has teeth."""
         return self.keeps in ("gear", "rack")
 
     @property
@@ -94,7 +93,6 @@ class JointSpec(Element):
     """The base of all joints."""
 
     facts: ClassVar[JointKind]
-
     name: of.Name
     """Its name; quantities are ``<name>.reaction`` and so on."""
     a: BodyName
@@ -117,7 +115,6 @@ class JointSpec(Element):
         refuse_if(self.on_a is None and self.on_b is None, "give 'on_a' or 'on_b'")
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
-        """The quantities that it records, with their units."""
         kind = self.facts
         names = [*kind.records, *(
             name for field, more in kind.more.items() for name in more
@@ -125,13 +122,11 @@ class JointSpec(Element):
         return {name: QUANTITIES[name].unit or kind.friction_unit for name in names}
 
     def needed(self, quantity: str) -> str:
-        """The field that it needs to record a quantity; empty where no field adds it."""
         field = next((field for field, more in self.facts.more.items() if quantity in more), "")
         return "'friction' or 'friction_coefficient'" if field == "has_friction" else (
             field and f"'{field}'")
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """A joint between two bodies that cannot move freely, wheels that would mesh anew."""
         ends = [next((body for body in mechanism.bodies if body.name == name), None)
                 for name in (self.a, self.b)]
         if all(body is not None and body.motion != "dynamic" for body in ends):
@@ -166,7 +161,6 @@ class FrictionJoint(ClosingJoint):
 
     @property
     def has_friction(self) -> bool:
-        """Whether it has dry friction."""
         return bool(self.friction or self.friction_coefficient)
 
     def _verify(self) -> None:
@@ -230,7 +224,6 @@ class Pin(FrictionJoint):
         return {"zero": self.zero + (moved if inner[1] else -moved)}
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A PivotJoint; a RotaryLimitJoint as stops, SimpleMotors as damper and as friction."""
         draft.joint(index, "PivotJoint", *draft.anchors(index))
         if self.limits:
             stops = sorted(self.sense * (limit + self.zero) for limit in self.limits)
@@ -284,11 +277,9 @@ class Slot(FrictionJoint):
 
     @property
     def groove(self) -> tuple[Any, Any] | None:
-        """The two ends of a straight groove."""
         return None if self.path else (self.start, self.end)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A GrooveJoint; a GearJoint keeps the angle."""
         draft.joint(index, "GrooveJoint", self.start, self.end, draft.anchors(index)[1])
         if not self.turns:
             draft.add("constraint", f"{self.name}.angle", "GearJoint", self.a, self.b,
@@ -303,7 +294,6 @@ class Weld(ClosingJoint):
     type: Literal["weld"] = TYPE
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A PivotJoint; a GearJoint keeps the angle."""
         draft.joint(index, "PivotJoint", *draft.anchors(index))
         draft.add("constraint", f"{self.name}.angle", "GearJoint", self.a, self.b,
                   draft.turn(index), 1.0)
@@ -327,7 +317,6 @@ class Rod(BarJoint, ClosingJoint):
     """Distance between the two points [m]; by default that at t = 0."""
 
     def columns(self, mechanism: Mechanism) -> dict[str, Any]:
-        """Its numbers in columns of the model that are no attributes of it."""
         length = self.length
         if length is None:
             on_a, on_b = mechanism.anchors(self)
@@ -335,7 +324,6 @@ class Rod(BarJoint, ClosingJoint):
         return {"reach": (length, length)}
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A PinJoint."""
         draft.joint(index, "PinJoint", *draft.anchors(index),
                     distance=draft.model.joints.reach[index, 0])
 
@@ -355,11 +343,9 @@ class RangeJoint(BarJoint):
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Minimum and maximum distance [m]."""
         return self.shortest, self.longest or math.inf
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A SlideJoint."""
         draft.joint(index, "SlideJoint", *draft.anchors(index), *draft.model.joints.reach[index])
 
 
@@ -412,7 +398,6 @@ class CircleJoint(JointSpec):
 
     @property
     def radii(self) -> tuple[float, float]:
-        """Of the wheels of ``a`` and ``b`` [m]."""
         return self.radius_a, self.radius_b
 
 
@@ -440,7 +425,6 @@ class Gear(CircleJoint, ToothedJoint):
     type: Literal["gear"] = TYPE
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
         fixed = {body.name for body in mechanism.bodies if body.motion == "fixed"}
         held = {body for joint in mechanism.joints if joint.facts.angle
                 for body, other in ((joint.a, joint.b), (joint.b, joint.a)) if other in fixed}
@@ -475,7 +459,6 @@ class Rack(ToothedJoint):
 
     @property
     def radii(self) -> tuple[float, float]:
-        """Of the gear [m]; the rack has none."""
         return self.radius, math.nan
 
     def columns(self, mechanism: Mechanism) -> dict[str, Any]:
@@ -489,7 +472,6 @@ class Rack(ToothedJoint):
         return {"along": (x / length, y / length)}
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
-        """New values of ``kept`` fields that a placement changes."""
         return {"along": mover.direction(self.b, self.along)}
 
 

@@ -80,7 +80,6 @@ class LoadSpec(Element):
         return None
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """A name that would mean two things."""
         names = {each.name for kind in NAMED for each in getattr(mechanism, kind)}
         for body in self.borne(mechanism.bodies):
             other = mechanism.bodies[body].name
@@ -119,11 +118,9 @@ class LawLoad(LoadSpec):
                   "give a 'force', an 'acceleration' or a 'torque'")
 
     def laws(self) -> tuple[str | None, str | None, str | None]:
-        """The two components of the force and the torque, as expressions."""
         return *(self.force or self.acceleration or (None, None)), self.torque
 
     def columns(self, mechanism: Mechanism) -> dict[str, Any]:
-        """Its numbers in columns of the model that are no attributes of it."""
         return {"at": self.at, "turning": self.frame == "body",
                 "per_mass": self.acceleration is not None}
 
@@ -153,7 +150,6 @@ class DragLoad(LoadSpec):
                   "give 'linear', 'area' or 'turning'")
 
     def laws(self) -> tuple[str | None, str | None, str | None]:
-        """The two components of the force and the torque, as expressions."""
         u, v = (f"(v{axis} - {float(speed)!r})" if speed else f"v{axis}"
                 for axis, speed in zip("xy", self.flow, strict=True))
         square = 0.5 * self.density * self.coefficient * (self.area or 0.0)
@@ -178,11 +174,9 @@ class BuoyancyLoad(LoadSpec):
     """Of the liquid [kg/m^3]; by default that of water."""
 
     def columns(self, mechanism: Mechanism) -> dict[str, Any]:
-        """Its numbers in columns of the model that are no attributes of it."""
         return {"level": self.level, "weight": -self.density * mechanism.gravity[1]}
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """Gravity that does not point downwards."""
         yield from super().problems(mechanism, path)
         x, y = mechanism.gravity
         if x or y >= 0:

@@ -45,7 +45,6 @@ class SpringSpec(Element):
 
     @property
     def law(self) -> str | None:
-        """Its law, an expression; None with a stiffness."""
         text: str | None = getattr(self, self.LOCAL[0])
         return text
 
@@ -98,7 +97,6 @@ class LinearSpring(SpringSpec):
     _law = field_validator("force")(_read_law)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
-        """A DampedSpring."""
         draft.add("constraint", self.name, "DampedSpring", self.a, self.b, self.on_a, self.on_b,
                   draft.model.springs.rest[index], self.stiffness, self.damping)
 

@@ -76,7 +76,6 @@ class Tendon(Element):
     """
 
     RECORDED = QUANTITIES
-
     name: of.Name
     """Its name; quantities are ``<name>.tension``, ``<name>.length`` and so on."""
     guides: of.Items[Guide] = Field(min_length=2, max_length=64)
@@ -126,7 +125,6 @@ class Tendon(Element):
                      and k not in self.gripping)
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
-        """The quantities that it records, with their units."""
         found = super().quantities(mechanism)
         if self.gripping:
             found |= {f"tension_{k}": NUMBERED["tension"].unit for k in range(len(self.path) - 1)}
@@ -134,7 +132,6 @@ class Tendon(Element):
         return found | {f"lifted_{k}": NUMBERED["lifted"].unit for k in self.lifting}
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
-        """Why pymunk has no counterpart; empty where it has one."""
         if self.closed:
             return "a closed tendon (belt)"
         if self.gripping:
@@ -153,14 +150,10 @@ class Tendon(Element):
             **{key: value for key, value in law.items() if value})
 
     def needed(self, quantity: str) -> str:
-        """The field that it needs to record a quantity; empty where no field adds it."""
-        word, _, text = quantity.rpartition("_")
-        if word not in NUMBERED or not text.isdecimal():
-            return ""
-        at = int(text)
-        if not (0 if word == "tension" else 1) <= at < len(self.path) - 1:
-            return ""
-        return {"tension": "'friction' at one of its guides",
-                "slip": f"'friction' at its guide {at}, between its ends",
-                "lifted": f"a 'radius' of its guide {at}, between its ends, and neither "
-                          "'friction' nor 'turns' there"}[word]
+        word, _, at = quantity.rpartition("_")
+        needs = {"tension": "'friction' at one of its guides",
+                 "slip": f"'friction' at its guide {at}, between its ends",
+                 "lifted": f"a 'radius' of its guide {at}, between its ends, and neither "
+                           "'friction' nor 'turns' there"}
+        numbers = map(str, range(word != "tension", len(self.path) - 1))
+        return needs.get(word, "") if at in numbers else ""

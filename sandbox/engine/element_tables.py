@@ -22,8 +22,8 @@ from sandbox.engine.world import span_table
 from sandbox.model import joints as of_joint
 from sandbox.model.model import Model
 from sandbox.model.programs import MOVED, Program, stack_for, step_table
-from sandbox.model.tendons import CableSpan, lifted_at_start, spans_of
 from sandbox.numeric import Array, Flags, Integers, Records
+from sandbox.samples.cables import CableSpan, lifted_at_start, spans_of
 from sandbox.scene.geometry import to_world
 
 KEEPS: dict[Keeps, int] = {

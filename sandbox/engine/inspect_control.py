@@ -12,7 +12,7 @@ from sandbox.elements.controllers.custom import Custom
 from sandbox.elements.quantities import LIVE, row_of
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
-from sandbox.model.meters import misread, names_read, order, rings
+from sandbox.model.meters import misread, order, rings
 from sandbox.scene.check.control import rate_problems
 from sandbox.scene.check.ranges import nothing_to_run
 from sandbox.scene.document import Scene
@@ -118,7 +118,7 @@ class LiveCatalogue(Catalogue):
         self._late_of_meters = found = {}
         for index in order(self.mechanism)[0]:
             found[index] = tuple(self.late(
-                names_read(self.mechanism.meters[index]) - {"t"})[:MAX_NAMED])
+                names_in(self.mechanism.meters[index].value) - {"t"})[:MAX_NAMED])
         return found
 
 
@@ -154,7 +154,7 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
         """What a law or a meter reads: the laws that write it, and meters."""
         kind, index = node
         for name in (_names(controllers[index].immediate, known) if kind == "law"
-                     else sorted(names_read(mechanism.meters[index]))):
+                     else sorted(names_in(mechanism.meters[index].value))):
             if name in writer:
                 yield writer[name]
             elif name in known and (source := known.find(name)).kind == "meter":

@@ -27,16 +27,20 @@ from sandbox.errors import Problem
 from sandbox.model.catalogue import grasp_of
 from sandbox.model.joints import place_in_slot, slot_length
 from sandbox.model.loads import motion_of
-from sandbox.model.meters import names_read
 from sandbox.model.model import NONE, Model
 from sandbox.model.supports import parting_wheels, shared_joints
-from sandbox.model.tendons import lifted_at_start, passes_by
 from sandbox.numeric import Flags, Integers, connected_components
-from sandbox.samples.cables import lengths_at_start, rest_lengths, wraps_at_start
+from sandbox.samples.cables import (
+    lengths_at_start,
+    lifted_at_start,
+    passes_by,
+    rest_lengths,
+    wraps_at_start,
+)
 from sandbox.samples.grasps import OF_HANDS, of_hand
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import Vec, outline, pose_of, solids, to_body
-from sandbox.values.expressions import parse_expression
+from sandbox.values.expressions import names_in, parse_expression
 from sandbox.values.signals import Constant, Ramp, Table, values
 from sandbox.wording import listed, quoted
 
@@ -497,7 +501,7 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     read = [(f"$.expect[{i}].{expect.key}", expect.quantity)
             for i, expect in enumerate(mechanism.expect)]
     read += [(f"$.meters[{i}].value", name) for i, meter in enumerate(mechanism.meters)
-             for name in sorted(names_read(meter))]
+             for name in sorted(names_in(meter.value))]
     for path, name in read if alone else ():
         body, _, quantity = name.rpartition(".")
         each = next((one for one in alone if fnmatchcase(one, body)), "")

@@ -15,7 +15,7 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import TOUCH
-from sandbox.samples.yielding import Yield, Yielding
+from sandbox.samples.stiffness import Linearization, PushResponse
 from sandbox.scene.geometry import centre_of, reach_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
@@ -96,7 +96,7 @@ class AtRest:
         return (*found, *(model.joints.name[j] for j in model.joints.frictional.tolist()
                           if abs(a["joint_friction"][0, j]) > TOUCH))
 
-    def stiffness(self, body: str) -> Yield:
+    def stiffness(self, body: str) -> PushResponse:
         """The stiffness of a body; its ``stiffness()`` is that along x, y and in rotation.
 
         Negative along the motion of an unstable equilibrium.
@@ -112,7 +112,7 @@ class AtRest:
         number = model.names.body[body]
         spec = self.recording.mechanism.bodies[number]
         size = reach_of(spec, centre_of(spec)) or self.size
-        return Yielding(self.recording, 0, size).of(number, signed=True)
+        return Linearization(self.recording, 0, size).of(number, signed=True)
 
     @property
     def frequency(self) -> float:

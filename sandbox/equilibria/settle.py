@@ -6,7 +6,7 @@ forces balance along the motion and all are stopped.
 Constraints (joints, pressing contacts, limits, sticking friction) leave motions Z free. One step of
 the engine from rest gives the acceleration a under all forces; the residual along Z is Z^T M a,
 since constraint forces do no work there. Everything else has a stiffness K
-(:mod:`sandbox.samples.yielding`). In equilibrium Z^T M a = 0; it is stable if all w^2 of
+(:mod:`sandbox.samples.stiffness`). In equilibrium Z^T M a = 0; it is stable if all w^2 of
 Z^T K Z z = w^2 Z^T M Z z are positive.
 
 The engine evaluates stiff springs and tendons at the end of the step, dampers at its middle: along
@@ -30,8 +30,13 @@ from sandbox.model.model import Model
 from sandbox.model.pairs import friction_of
 from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording
+<<<<<<< HEAD
 from sandbox.samples.yielding import NOTHING, Yielding, without_stiffness
 from sandbox.scene.geometry import reach_of
+=======
+from sandbox.samples.stiffness import NOTHING, Linearization, without_stiffness
+from sandbox.scene.geometry import centre_of, reach_of
+>>>>>>> elements
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
@@ -46,22 +51,27 @@ class PoseBalance:
 
     def __init__(self, still: Still, run: Recording, size: float) -> None:
         self.still, self.run, self.size = still, run, size
-        self.yielding = Yielding(run, 0, size)
-        bodies = np.array(sorted(self.yielding.place), dtype=np.int64)
-        self.bodies: Integers = bodies  # indices of the free bodies
+        self.linear = Linearization(run, 0, size)
+        self.bodies: Integers = (bodies := np.flatnonzero(run.model.bodies.free))
         self.scale = np.tile([1.0, 1.0, 1 / size], len(bodies))
         self.mass = still.mass[bodies].reshape(-1)
-        kept = np.array(self.yielding.kept).reshape(-1, len(self.mass)) * self.scale
+        kept = np.array(self.linear.kept).reshape(-1, len(self.mass)) * self.scale
         length = np.linalg.norm(kept, axis=1, keepdims=True)
         self._rows = (kept / np.maximum(length, 1e-300))[length[:, 0] > 0]
         # motions that no constraint forbids, rotations as lengths, orthonormal [n, k]
         self.free: Array = null_space(self._rows, rcond=RANK)
         self.speed = still.speed[bodies].reshape(-1)  # velocities after the step from rest, [n]
+<<<<<<< HEAD
         # stiffness of all motions [n, n], and of the free ones [k, k], N/m
         self.whole = np.asarray(self.scale * self.yielding.stiffness * self.scale[:, None])
         self.stiffness = self.free.T @ self.whole @ self.free
+=======
+        self.whole = np.asarray(self.scale * self.linear.stiffness * self.scale[:, None])
+        """Stiffness of all motions, [n, n] N/m."""
+        self.stiffness = self.free.T @ self.whole @ self.free  # [k, k] N/m
+>>>>>>> elements
         self.force = self.scale * self._force()  # residual forces, with constraint forces, [n] N
-        self.largest = self.yielding.largest  # the largest force on anything [N]
+        self.largest = self.linear.largest  # the largest force on anything [N]
         self.left = self.free.T @ self.force  # residual forces along free motions, [k] N
 
     def _force(self) -> Array:
@@ -69,7 +79,7 @@ class PoseBalance:
         model, h = self.still.model, self.still.step_size
         a = self.speed / h
         force = self.mass * a
-        for each in self.yielding.elastic():
+        for each in self.linear.elastic():
             if each.kind == "spring":
                 c = float(model.springs.damping[each.number])
                 law = model.springs.law[each.number] is not None

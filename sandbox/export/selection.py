@@ -13,9 +13,8 @@ from sandbox.elements.fluids import FLUID
 from sandbox.errors import Problem, SceneError
 from sandbox.model.model import Model
 from sandbox.model.pairs import allowed_pairs, friction_of
-from sandbox.model.tendons import lifted_at_start
 from sandbox.numeric import Array
-from sandbox.samples.cables import Stretches, stretches_at_start, wraps_at_start
+from sandbox.samples.cables import Stretches, lifted_at_start, stretches_at_start, wraps_at_start
 from sandbox.scene.bodies import Material, Polyline
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import ContactRule

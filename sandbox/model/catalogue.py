@@ -101,31 +101,23 @@ class Catalogue:
 
     def find(self, name: str) -> Source:
         """Where a quantity comes from; UnknownQuantityError if it is not in the catalogue."""
-        source = self._pair(name) if "/" in name else self._plain(name)
-        if source is None:
+        if (source := self._found(name)) is None:
             raise UnknownQuantityError(name, self.near(name), self.lacking(name))
         return source
 
     def __contains__(self, name: str) -> bool:
-        return (self._pair(name) if "/" in name else self._plain(name)) is not None
+        return self._found(name) is not None
 
     def match(self, pattern: str) -> list[str]:
         """The names that fit a pattern (:mod:`fnmatch`, case matters), in catalogue order.
 
         A pattern with ``/`` finds each pair that can touch once, if possible moving body first.
         """
-        return list(self._matching(pattern))
-
-    def fits(self, pattern: str) -> bool:
-        """Whether a name or a pattern has any :meth:`match`."""
-        return next(self._matching(pattern), None) is not None
-
-    def _matching(self, pattern: str) -> Iterator[str]:
         if not is_pattern(pattern):
-            return iter([pattern] if pattern in self else [])
+            return [pattern] if pattern in self else []
         if "/" in pattern:
-            return self._match_pairs(pattern)
-        return filter(re.compile(fnmatch.translate(pattern)).match, self.units)
+            return list(self._match_pairs(pattern))
+        return list(filter(re.compile(fnmatch.translate(pattern)).match, self.units))
 
     @cached_property
     def _words(self) -> list[str]:
@@ -146,7 +138,7 @@ class Catalogue:
         for i, word in reversed(list(enumerate(words))):
             for close in [] if is_pattern(word) else difflib.get_close_matches(word, self._words):
                 mended = ".".join([*words[:i], close, *words[i + 1:]])
-                if self.fits(mended):
+                if self.match(mended):
                     return mended
         return ""
 
@@ -156,11 +148,8 @@ class Catalogue:
         if head in self._bodies and quantity in GRASP:
             body = self.mechanism.bodies[self._bodies[head]]
             if body.role != "object":
-                objects = [each.name for each in self.mechanism.bodies
-                           if quantity in grasp_of(each)]
                 return (f"only bodies with the role 'object' have it, {quoted(head)} has the role "
-                        f"{quoted(body.role)}"
-                        + (f"; there is {listed(objects)}" if objects else ""))
+                        f"{quoted(body.role)}")
             if not body.shapes:
                 return f"{quoted(head)} has no shapes, and nothing can touch it"
             if GRASP[quantity].of_free:
@@ -195,7 +184,12 @@ class Catalogue:
                 yield head, self.elements[head]
             head = head.rpartition(".")[0]
 
-    def _plain(self, name: str) -> Source | None:
+    def _found(self, name: str) -> Source | None:
+        if "/" in name:
+            first, second, quantity = pair_parts(name)
+            body, other = self._bodies.get(first), self._bodies.get(second)
+            return None if (body is None or other is None or body == other or quantity not in PAIR
+                            ) else Source("pair", body, quantity, PAIR[quantity], other)
         for head, element in self._prefixes(name):
             quantity = name[len(head) + 1:]
             if quantity in element.quantities:
@@ -204,30 +198,21 @@ class Catalogue:
         return Source("solver", 0, quantity, SOLVER[quantity]) if (
             head == "solver" and quantity in SOLVER) else None
 
-    def _pair(self, name: str) -> Source | None:
-        first, second, quantity = pair_parts(name)
-        body, other = self._bodies.get(first), self._bodies.get(second)
-        if body is None or other is None or body == other or quantity not in PAIR:
-            return None
-        return Source("pair", body, quantity, PAIR[quantity], other)
-
     def _match_pairs(self, pattern: str) -> Iterator[str]:
         """Names of pairs in the order of their bodies, each pair spelled one way."""
         # the one / of a name is that of its pattern, so the halves match separately
         first, second = (re.compile(fnmatch.translate(half)).match
                          for half in pattern.split("/", maxsplit=1))
-        bodies = [body for body in self.mechanism.bodies if body.shapes]
-        begins = {body.name for body in bodies if first(body.name)}
-        ends = {(body.name, quantity) for body in bodies for quantity in PAIR
-                if second(f"{body.name}.{quantity}")}
-        names = begins | {name for name, _ in ends}
-        some = [body for body in bodies if body.name in names]
-        for a, b in itertools.combinations(some, 2) if begins and ends else ():
+        begins = {body.name: first(body.name) for body in self.mechanism.bodies if body.shapes}
+        ends = {name: [each for each in PAIR if second(f"{name}.{each}")] for name in begins}
+        some = [body for body in self.mechanism.bodies
+                if begins.get(body.name) or ends.get(body.name)]
+        for a, b in itertools.combinations(some, 2):
             if "dynamic" in (a.motion, b.motion):
                 pair = (b.name, a.name) if a.motion == "fixed" else (a.name, b.name)
                 for quantity in PAIR:
                     fits = [f"{one}/{other}.{quantity}" for one, other in (pair, pair[::-1])
-                            if one in begins and (other, quantity) in ends]
+                            if begins[one] and quantity in ends[other]]
                     yield from fits[:1]
 
 
@@ -266,9 +251,6 @@ def grasp_of(body: Body) -> dict[str, str]:
             if body.motion == "dynamic" or not row.of_free}
 
 
-MAX_SHOWN = 4  # units with an example in a message
-
-
 class MixedUnitsError(SandboxError, ValueError):
     """A pattern that fits quantities of several units, which are no columns of one array."""
 
@@ -277,13 +259,9 @@ class MixedUnitsError(SandboxError, ValueError):
 
 def unit_of(catalogue: Catalogue, names: Sequence[str], pattern: str) -> str:
     """The one unit of the quantities that a pattern fits; MixedUnitsError if they have several."""
-    units: dict[str, str] = {}
-    for name in names:
-        units.setdefault(catalogue.find(name).unit, name)
+    units = list(dict.fromkeys(catalogue.find(name).unit for name in names))
     if len(units) == 1:
-        return next(iter(units))
-    shown = [f"{name} in {unit}" for unit, name in [*units.items()][:MAX_SHOWN]]
+        return units[0]
     raise MixedUnitsError(
-        f"{pattern!r} fits quantities of {len(units)} units ({', '.join(shown)}"
-        f"{', …' if len(units) > MAX_SHOWN else ''}), which make no array: read those of one unit, "
-        "such as '*.angle', or a table with to_pandas()")
+        f"{pattern!r} fits quantities of {len(units)} units ({listed(units)}), which make no "
+        "array: read those of one unit, such as '*.angle', or a table with to_pandas()")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import fields
 from typing import Any
 
@@ -38,10 +38,6 @@ def compile_mechanism(mechanism: Mechanism) -> model.Model:
     return model.Model(mechanism, names, *parts)
 
 
-def _names(elements: Sequence[Any]) -> tuple[str, ...]:
-    return tuple(element.name for element in elements)
-
-
 def _floats(rows: Iterable[Any], *shape: int) -> Any:
     return np.array(list(rows), dtype=np.float64).reshape(-1, *shape)
 
@@ -72,10 +68,10 @@ def _bodies(mechanism: Mechanism) -> model.Bodies:
     weights = [mass_properties(body) if body.motion == "dynamic" else None for body in bodies]
     motions = [body.motion for body in bodies]
     return model.Bodies(
-        name=_names(bodies), free=_flags(motion == "dynamic" for motion in motions),
+        free=_flags(motion == "dynamic" for motion in motions),
         fixed=_flags(motion == "fixed" for motion in motions),
         scheduled=_flags(motion not in ("dynamic", "fixed") for motion in motions),
-        pose=_floats((pose_of(body) for body in bodies), 3),
+        **columns_of(model.Bodies, bodies), pose=_floats((pose_of(body) for body in bodies), 3),
         centre=_floats((w.centre if w else (0.0, 0.0) for w in weights), 2),
         mass=_floats(w.mass if w else math.inf for w in weights),
         inertia=_floats(w.inertia if w else math.inf for w in weights))
@@ -86,17 +82,16 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
     numbers = [(names.body[joint.a], names.body[joint.b]) for joint in joints]
     ends = [(mechanism.bodies[a], mechanism.bodies[b]) for a, b in numbers]
     columns = columns_of(Joints, joints, [joint.columns(mechanism) for joint in joints])
-    kinds = tuple(joint.facts for joint in joints)
     paths = [(getattr(joint, "path", None), getattr(joint, "closed", False)) for joint in joints]
-    angle = _flags(kind.angle for kind in kinds)
+    angle = _flags(joint.facts.angle for joint in joints)
     return Joints(
-        name=_names(joints), kind=kinds, bodies=_ints(numbers, 2),
+        bodies=_ints(numbers, 2),
         anchor=_floats((anchors(joint, *pair) for joint, pair in zip(joints, ends, strict=True)),
                        2, 2),
         angle=angle, hinges=np.flatnonzero(angle),
         stopped=np.flatnonzero(np.isfinite(columns["stops"]).all(axis=1)),
         frictional=np.flatnonzero((columns["friction"] > 0) | (columns["coefficient"] > 0)),
-        unknowns=_ints(kind.forces for kind in kinds) + ~columns["turns"],
+        unknowns=_ints(joint.facts.forces for joint in joints) + ~columns["turns"],
         start=columns["sense"] * _floats(b.angle - a.angle for a, b in ends) - columns["zero"],
         path=tuple(points and path_through(points, closed=closed) for points, closed in paths),
         **columns)
@@ -123,10 +118,9 @@ def _springs(mechanism: Mechanism, names: Names, joints: Joints) -> model.Spring
     between = _between(mechanism, names, joints, springs)
     columns = columns_of(model.Springs, springs)
     columns["rest"] = np.where(np.isnan(columns["rest"]), between["start"], columns["rest"])
-    kinds = tuple(spring.facts for spring in springs)
     laws = tuple(law_of(spring, tuple(mechanism.tables), mechanism.functions) for spring in springs)
     return model.Springs(
-        name=_names(springs), kind=kinds, straight=_flags(kind.straight for kind in kinds),
+        straight=_flags(spring.facts.straight for spring in springs),
         stiffness=_floats(
             _slope(law, start, rest) if spring.stiffness is None else spring.stiffness
             for spring, law, start, rest in zip(
@@ -151,8 +145,7 @@ def _tendons(mechanism: Mechanism, names: Names) -> model.Tendons:
     pieces = np.delete(np.arange(len(guides)), first[1:] - 1)
     each = list(zip(first.tolist(), tendons, strict=False))
     return model.Tendons(
-        name=_names(tendons), first=first,
-        guide_body=_ints(names.body[guide.body] for guide in guides),
+        first=first, guide_body=_ints(names.body[guide.body] for guide in guides),
         guide_at=_floats((guide.at for guide in guides), 2),
         guide_radius=_floats((-1.0 if guide.side == "left" else 1.0) * guide.radius
                              for guide in guides),
@@ -170,12 +163,11 @@ def _tendons(mechanism: Mechanism, names: Names) -> model.Tendons:
 
 def _drives(mechanism: Mechanism, names: Names) -> model.Drives:
     drives = mechanism.drives
-    kinds = tuple(drive.kind for drive in drives)
     targets = [(reference.among, name) for reference, name in (drive.target for drive in drives)]
     columns = columns_of(model.Drives, drives)
     columns["most"][np.isnan(columns["most"]) & ~np.isnan(columns["slope"])] = math.inf
     return model.Drives(
-        name=_names(drives), kind=kinds, floor=_floats(kind.floor for kind in kinds),
+        floor=_floats(drive.kind.floor for drive in drives),
         target=_ints(mechanism.releasable.index(name) if among == RELEASABLES
                      else getattr(names, NAMED[among].one)[name] for among, name in targets),
         **columns)
@@ -189,7 +181,7 @@ def _lines(mechanism: Mechanism, names: Names, joints: Joints, drives: model.Dri
              if drives.resistance[i] == 0.0}
     counts = [len(line.chambers) for line in lines]
     return model.Lines(
-        name=_names(lines), first=_first(counts), volume=volume,
+        first=_first(counts), volume=volume,
         of=np.repeat(np.arange(len(lines)), np.array(counts, dtype=np.int64)),
         compliance=_floats(line.compliance(v) for line, v in zip(lines, volume, strict=True)),
         drive=_ints(given.get(i, NONE) for i in range(len(lines))),
@@ -200,7 +192,6 @@ def _lines(mechanism: Mechanism, names: Names, joints: Joints, drives: model.Dri
 def _valves(mechanism: Mechanism, names: Names) -> model.Valves:
     valves = mechanism.valves
     return model.Valves(
-        name=_names(valves),
         lines=_ints(([NONE if line is None else names.line[line] for line in (valve.a, valve.b)]
                      for valve in valves), 2),
         drive=_setters(mechanism, "valves", "opening"), **columns_of(model.Valves, valves))

@@ -15,7 +15,7 @@ from sandbox.errors import Problem
 from sandbox.model.catalogue import PAIR, Catalogue, pair_parts
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.settings import Expect, Meter, ShownMeter, View
+from sandbox.scene.settings import Expect, ShownMeter, View
 from sandbox.values.expressions import RESERVED, names_in, parse_expression
 from sandbox.values.units import UNITS, Measured, factor_of
 from sandbox.wording import MAX_HINTED, WrongValueError, is_pattern, listed, quoted
@@ -25,21 +25,13 @@ Read = Callable[[str], Array]
 _QUOTIENT = re.compile(r"([A-Za-z_][\w.]*) */ *([A-Za-z_][\w.]*)")
 
 
-def names_read(meter: Meter) -> frozenset[str]:
-    """The names in a meter's expression; empty where it cannot be parsed."""
-    try:
-        return names_in(meter.value)
-    except ValueError:
-        return frozenset()
-
-
 def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
     """Indices of the meters after those that they read, and the cycles among them.
 
     Meters of a cycle, and those that read them, are not in the order.
     """
     place = {meter.name: i for i, meter in reversed([*enumerate(mechanism.meters)])}
-    reads = {index: sorted(place[name] for name in names_read(meter) & place.keys())
+    reads = {index: sorted(place[name] for name in names_in(meter.value) & place.keys())
              for index, meter in enumerate(mechanism.meters)}
     sorter, done = TopologicalSorter(reads), list[int]()
     circles = [ring[(at := ring.index(min(ring))):] + ring[:at] for ring in rings(reads)]
@@ -122,7 +114,7 @@ def problems_of(known: Catalogue, view: View) -> list[Problem]:
         for j, word in enumerate(meter.of):
             if is_expression(word):
                 missing += misread(known, word, names_in(word), f"{path}.of[{j}]")
-            elif not known.fits(word):
+            elif not known.match(word):
                 missing.append(unknown(known, word, f"{path}.of[{j}]"))
         problems += missing
         if missing:
@@ -190,7 +182,7 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
             problems.append(Problem("duplicate-name", f"{quoted(meter.name)} {taken} already",
                                     f"$.meters[{i}].name"))
     for i, meter in enumerate(meters):
-        problems += misread(known, meter.value, names_read(meter), f"$.meters[{i}].value")
+        problems += misread(known, meter.value, names_in(meter.value), f"$.meters[{i}].value")
     for circle in order(mechanism)[1]:
         ring = " → ".join(quoted(meters[i].name) for i in [*circle, circle[0]])
         problems.append(Problem("circular-definition", "meters depend on each other in a circle: "
@@ -205,7 +197,7 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
                                 advice="the expectation has no value and fails"))
         name = expect.quantity
         if name not in fits:
-            fits[name] = known.fits(name)
+            fits[name] = bool(known.match(name))
         if fits[name]:
             problems += _check_units(known, expect, f"$.expect[{i}]", units)
         else:

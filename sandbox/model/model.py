@@ -31,10 +31,11 @@ NAN = math.nan
 class Column(NamedTuple):
     """Marks a column that is filled from an attribute of each element."""
 
-    default: Any  # of elements without a value; it gives the column's type and shape
+    default: Any  # of elements without a value; gives the array's type and shape; None: a tuple
     attributes: tuple[str, ...] = ()  # where they have another name than the column
 
 
+Texts = Annotated[tuple[str, ...], Column(None)]
 Number = Annotated[Array, Column(NAN)]  # nan of elements that have none
 OrZero = Annotated[Array, Column(0.0)]
 Flag = Annotated[Flags, Column(False)]
@@ -59,7 +60,7 @@ class Names:
 class Bodies:
     """nb bodies; a point of a body is given in the body's own frame."""
 
-    name: tuple[str, ...]
+    name: Texts
     free: Flags  # [nb] which move as forces have it; the others are fixed or scheduled
     fixed: Flags  # [nb]
     pose: Array  # [nb, 3] x, y [m], angle [rad] of the frame at t = 0
@@ -73,8 +74,8 @@ class Bodies:
 class Joints:
     """nj joints between a body ``a`` and a body ``b``; nan where a kind has no such number."""
 
-    name: tuple[str, ...]
-    kind: tuple[JointKind, ...]
+    name: Texts
+    kind: Annotated[tuple[JointKind, ...], Column(None, ("facts",))]
     bodies: Integers  # [nj, 2] a and b
     anchor: Array  # [nj, 2, 2] the points of a and b that it holds, in their frames [m]
     turns: Annotated[Flags, Column(True)]  # [nj] whether b may rotate against a
@@ -113,8 +114,8 @@ class Joints:
 class Springs:
     """ns springs; a rotary one acts on the bodies of its hinge, with N m for N and rad for m."""
 
-    name: tuple[str, ...]
-    kind: tuple[SpringKind, ...]
+    name: Texts
+    kind: Annotated[tuple[SpringKind, ...], Column(None, ("facts",))]
     straight: Flags  # [ns] from point to point; otherwise rotary
     bodies: Integers  # [ns, 2] a and b
     joint: Integers  # [ns] the hinge of a rotary one, or -1
@@ -131,7 +132,7 @@ class Springs:
 class Tendons:
     """nt tendons over ng guides, those of a tendon side by side; of a loop the first one twice."""
 
-    name: tuple[str, ...]
+    name: Texts
     first: Integers  # [nt + 1] where the guides of each begin, and the last one's end
     guide_body: Integers  # [ng]
     guide_at: Array  # [ng, 2] in the body's frame [m]
@@ -172,7 +173,7 @@ class Tendons:
 class Lines:
     """nl lines of fluid with nc chambers, those of one line side by side."""
 
-    name: tuple[str, ...]
+    name: Texts
     first: Integers  # [nl + 1] where the chambers of each begin, and the last one's end
     volume: Array  # [nl] at t = 0 [m^3]
     compliance: Array  # [nl] volume per pressure [m^3/Pa]; of a gas that at t = 0
@@ -197,7 +198,7 @@ class Lines:
 class Valves:
     """nv valves."""
 
-    name: tuple[str, ...]
+    name: Texts
     lines: Integers  # [nv, 2] a and b; -1 for the tank
     resistance: OrZero  # [nv] [Pa s/m^3]
     orifice: OrZero  # [nv] pressure per square of the flow [Pa s^2/m^6]; 0 without an orifice
@@ -230,8 +231,8 @@ class BodyLoads:
 class Drives:
     """nd drives; nan or -1 where a kind has no such number."""
 
-    name: tuple[str, ...]
-    kind: tuple[DriveKind, ...]
+    name: Texts
+    kind: Annotated[tuple[DriveKind, ...], Column(None)]
     target: Integers  # [nd] number of the element that it acts on
     floor: Array  # [nd] minimum value, in the drive's unit, or -inf
     shape: Annotated[Integers, Column(NONE)]  # [nd] the shape of its body whose radius it sets
@@ -361,6 +362,7 @@ def columns_of(part: type, elements: Sequence[Any], rows: Sequence[Any] = ()) ->
             (value for each in attributes or (name,)
              if (value := getattr(element, each, None)) is not None), None)
             for element, row in zip(elements, rows or [{}] * len(elements), strict=True)]
-        columns[name] = np.array([default if value is None else value for value in found],
-                                 dtype=np.array(default).dtype).reshape(-1, *np.shape(default))
+        columns[name] = tuple(found) if default is None else np.array(
+            [default if value is None else value for value in found],
+            dtype=np.array(default).dtype).reshape(-1, *np.shape(default))
     return columns

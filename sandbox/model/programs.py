@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -136,8 +136,14 @@ def stack_for(programs: Sequence[Program], slopes: int) -> Array:
     return np.zeros((max((each.depth for each in programs), default=0) + 1, 1 + slopes))
 
 
-STRETCH, RATE, STIFFNESS = 0, 1, 2  # inputs of a law's program
-FULL = ("pull", "above")
+def _values(expression: ex.Expression, shape: tuple[int, ...], known: Mapping[str, Any]) -> Array:
+    try:
+        return np.broadcast_to(expression.evaluate(known, finite=False), shape)
+    except WrongValueError:  # an exponent that is too large at one of them
+        return np.full(shape, np.nan)
+
+
+STRETCH, RATE = 0, 1  # inputs of a law's program, and its stiffness
 
 
 @dataclass(frozen=True)
@@ -145,31 +151,22 @@ class SpringLaw:
     """The law of one spring."""
 
     own: ex.Expression | None  # of stretch and rate; None for k s
-    names: tuple[str, ...]  # of stretch and rate in it
+    names: tuple[str, ...]  # of stretch, rate and stiffness
     damping: float  # [N s/m, N m s/rad]
     side: int  # +1 if it acts only while stretched, -1 only while compressed; 0 always
-    program: Program
+    whole: ex.Expression  # with damping, and 0 on the other side
+    program: Program  # of the whole
     tables: Tables
 
     @property
     def of_rate(self) -> bool:
         """Whether it depends on the rate."""
-        return self.damping > 0 or (self.own is not None and self.names[RATE] in self.own.names)
+        return self.names[RATE] in self.whole.names
 
     def force(self, stretch: Array, rate: Array, stiffness: Array | float = 0.0) -> Array:
         """The force [N, N m] at stretches and rates [n]; nan where it has no value."""
-        found = stiffness * stretch
-        if self.own is not None:
-            read = {self.names[STRETCH]: stretch, self.names[RATE]: rate, **self.tables}
-            try:
-                found = np.broadcast_to(self.own.evaluate(read, finite=False), np.shape(stretch))
-            except WrongValueError:  # an exponent that is too large at one of them
-                found = np.full(np.shape(stretch), np.nan)
-        found = found + self.damping * rate
-        if self.side:
-            some = self.side * stretch > 0
-            found = np.where(some, self.side * np.maximum(self.side * found, 0.0), 0.0)
-        return np.asarray(found, dtype=float)
+        return _values(self.whole, np.shape(stretch), {
+            **dict(zip(self.names, (stretch, rate, stiffness), strict=True)), **self.tables})
 
     def slopes(self, stretch: Array, stiffness: float = 0.0) -> Array:
         """dF/ds at rest between neighbours of rising stretches, [n - 1]."""
@@ -180,21 +177,22 @@ class SpringLaw:
 
 def law_of(spring: Spring, order: Sequence[str], tables: Tables) -> SpringLaw | None:
     """The law of a spring, None of a linear one; programs number tables in their ``order``."""
-    text, names, damping = spring.law, spring.OWN, float(spring.damping)
-    if text is None and spring.only is None:
+    own, damping = spring.law and ex.parse_expression(spring.law), float(spring.damping)
+    names = stretch, rate, _ = *spring.OWN, "stiffness"
+    if not own and spring.only is None:
         return None
-    own = None if text is None else ex.parse_expression(text)
-    side = 0 if spring.only is None else 1 if spring.only in FULL else -1
-    steps, depth = compile_expression(own, names, order) if own is not None else (
-        ((NAME, STIFFNESS), (NAME, STRETCH), (MUL, 0)), 2)
-    if damping:
-        steps += ((NUMBER, damping), (NAME, RATE), (MUL, 0), (ADD, 0))
+    text = f"({own.text})" if own else f"stiffness * {stretch}"
+    text += f" + {damping!r} * {rate}" if damping else ""
+    side = 0 if spring.only is None else 1 if spring.only in ("pull", "above") else -1
     if side:
-        compare, bound = (GT, MAX) if side > 0 else (LT, MIN)
-        zero = NUMBER, 0.0
-        steps = ((NAME, STRETCH), zero, (compare, 0), (DROP, 0), *steps,
-                 zero, (bound, 0), zero, (SELECT, 0))
-    return SpringLaw(own, names, damping, side, Program(steps, depth + 3), tables)
+        bound, beyond = ("max", ">") if side > 0 else ("min", "<")
+        text = f"{bound}({text}, 0) if {stretch} {beyond} 0 else 0"
+    tree = ast.parse(text, mode="eval").body
+    read = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    whole = ex.Expression(text, frozenset(read & {*names}), tree,
+                          own.tables if own else frozenset())
+    return SpringLaw(own or None, names, damping, side, whole,
+                     compile_expression(whole, names, order), tables)
 
 
 MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}  # these change in a step, besides the time
@@ -215,14 +213,9 @@ class LoadLaw:
 
     def at(self, motion: Mapping[str, Array]) -> Array:
         """Its three numbers [3, n] for a motion [n] under each of its names; nan for no value."""
-        found = np.zeros((3, *np.shape(motion["x"])))
-        for row, part in zip(found, self.parts, strict=True):
-            if part is not None:
-                try:
-                    row[...] = part.evaluate({**motion, **self.tables}, finite=False)
-                except WrongValueError:  # an exponent that is too large at one of them
-                    row[...] = np.nan
-        return found
+        shape = np.shape(motion["x"])
+        return np.array([np.zeros(shape) if part is None else _values(
+            part, shape, {**motion, **self.tables}) for part in self.parts])
 
 
 def law_of_load(load: LoadSpec, order: Sequence[str], tables: Tables) -> LoadLaw | None:

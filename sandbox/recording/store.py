@@ -185,11 +185,11 @@ def bound_rows(run: Samples, found: Mapping[int, Sequence[Bounds]]) -> Iterator[
 def contact_rows(run: Samples) -> Iterator[str]:
     """The text of ``contacts.csv``: the force on ``body`` by ``other``, row by row."""
     yield _pair_head(CONTACT_COLUMNS)
-    contacts, points = run.mean_contacts, run.mean_rows["contact_point"]
-    for first in range(0, len(points), BLOCK // 8):
+    contacts = run.mean_contacts
+    for first in range(0, len(contacts.point), BLOCK // 8):
         rows = slice(first, first + BLOCK // 8)
         yield _pair_rows(run, run.time[contacts.sample[rows]], contacts.body[rows],
-                         contacts.other[rows], points[rows], contacts.force[rows],
+                         contacts.other[rows], contacts.point[rows], contacts.force[rows],
                          contacts.normal[rows], contacts.tangential[rows])
 
 

@@ -10,6 +10,7 @@ stretches beside it are halves of the straight way past it.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -20,8 +21,8 @@ from numpy.typing import NDArray
 from sandbox.elements.element import GRAZE
 from sandbox.model.joints import Place, place_in_slot
 from sandbox.model.model import Model, Tendons
-from sandbox.model.tendons import CableSpan, lifted_at_start
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.scene.geometry import Vec
 
 if TYPE_CHECKING:
     from sandbox.samples.samples import Samples
@@ -81,7 +82,7 @@ class Frames:
         tendons = self.model.tendons
         start, end = (self.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
                       for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
-        return _past(_straight(start, end, tendons), tendons, self.off_wheels)
+        return _stretches(start, end, tendons, self.off_wheels)
 
     @cached_property
     def first(self) -> Stretches:
@@ -121,8 +122,15 @@ class Stretches(NamedTuple):
     end: Places
 
 
-def _past(cables: Stretches, tendons: Tendons, off: Flags) -> Stretches:
-    """The same where tendons are off wheels, ``off`` [n, nw], and go straight past them."""
+def _stretches(start: Places, end: Places, tendons: Tendons, off: Flags) -> Stretches:
+    """The pieces of tendons, straight past wheels that they are ``off`` [n, nw]."""
+    dx, dy = end.x - start.x, end.y - start.y
+    radius, first = tendons.guide_radius, tendons.stretch_first
+    if not radius.any():
+        length = np.sqrt(dx * dx + dy * dy)
+        safe = np.where(length > 0, length, 1.0)
+        return Stretches(length, dx / safe, dy / safe, start, end)
+    cables = Stretches(*_tangent(dx, dy, (radius[first] - radius[first + 1])[:, None]), start, end)
     for tendon in np.flatnonzero(np.diff(tendons.first)).tolist() if off.any() else ():
         loose = tendons.loose(tendon)
         own, begin = np.flatnonzero(tendons.stretch_tendon == tendon), int(tendons.first[tendon])
@@ -138,7 +146,7 @@ def _past(cables: Stretches, tendons: Tendons, off: Flags) -> Stretches:
                 length, cables.x[rows], cables.y[rows] = _tangent(
                     cables.end.x[last, when] - cables.start.x[first, when],
                     cables.end.y[last, when] - cables.start.y[first, when],
-                    float(np.subtract(*tendons.guide_radius[[begin + i, begin + j]])))
+                    float(radius[begin + i] - radius[begin + j]))
                 cables.length[rows] = length / (j - i)
     return cables
 
@@ -149,17 +157,6 @@ def _tangent(dx: Array, dy: Array, offset: Array | float) -> tuple[Array, Array,
     length = np.sqrt(np.maximum(square - offset * offset, 1e-24))
     square = length * length + offset * offset
     return length, (length * dx + offset * dy) / square, (length * dy - offset * dx) / square
-
-
-def _straight(start: Places, end: Places, tendons: Tendons) -> Stretches:
-    dx, dy = end.x - start.x, end.y - start.y
-    square = dx * dx + dy * dy
-    radius, first = tendons.guide_radius, tendons.stretch_first
-    if not radius.any():
-        length = np.sqrt(square)
-        safe = np.where(length > 0, length, 1.0)
-        return Stretches(length, dx / safe, dy / safe, start, end)
-    return Stretches(*_tangent(dx, dy, (radius[first] - radius[first + 1])[:, None]), start, end)
 
 
 def pulls_at_start(model: Model) -> list[dict[int, Array]]:
@@ -187,7 +184,73 @@ def stretches_at_start(model: Model) -> Stretches:
     ends = [Places(at[nodes, :1], at[nodes, 1:], nothing, nothing)
             for nodes in (tendons.stretch_first, tendons.stretch_first + 1)]
     off = lifted_at_start(model)[tendons.wheels]
-    return _past(_straight(ends[0], ends[1], tendons), tendons, off[None])
+    return _stretches(ends[0], ends[1], tendons, off[None])
+
+
+class CableSpan(NamedTuple):
+    """A piece of a tendon from one guide that holds it to the next, or to an end."""
+
+    tendon: int
+    guides: tuple[int, ...]  # numbers in order; the first and the last one hold it, or are ends
+    into: int  # which of Tendons.grips feeds it; -1 at an end
+    out_of: int  # which of them takes from it; -1 at an end
+
+
+def spans_of(tendons: Tendons, tendon: int) -> list[CableSpan]:
+    """The spans of a tendon in its order, of a loop from its first guide that holds it; or none."""
+    grips = tendons.gripped(tendon).tolist()
+    if not grips:
+        return []
+    path = tendons.guides(tendon)
+    held = tendons.grips[grips].tolist()
+    between = [CableSpan(tendon, tuple(range(a, b + 1)), grips[k], grips[k + 1])
+               for k, (a, b) in enumerate(itertools.pairwise(held))]
+    if tendons.closed[tendon]:
+        on = (*range(held[-1], path.stop - 1), *range(path.start, held[0] + 1))
+        return [*between, CableSpan(tendon, on, grips[-1], grips[0])]
+    return [CableSpan(tendon, tuple(range(path.start, held[0] + 1)), -1, grips[0]), *between,
+            CableSpan(tendon, tuple(range(held[-1], path.stop)), grips[-1], -1)]
+
+
+def lifted_at_start(model: Model) -> Flags:
+    """Of every guide whether its tendon is off it at t = 0, [ng].
+
+    By default it is off a wheel that is clear of the straight path, a loop is on its wheels.
+    """
+    tendons = model.tendons
+    off = np.zeros(len(tendons.guide_body), dtype=bool)
+    for tendon in range(len(tendons.name)):
+        path, guides = tendons.guides(tendon), model.mechanism.tendons[tendon].guides
+        default = "on" if tendons.closed[tendon] else "off"
+        loose = [g for g in tendons.wheels[tendons.loose(tendon)].tolist()
+                 if (guides[g - path.start].begins or default) == "off"]
+        at = {g: model.at_start(tendons.guide_body[g], tendons.guide_at[g])
+              for g in range(path.start, path.stop)} if loose else {}
+        found = True
+        while found:
+            found = False
+            for wheel in loose:
+                before = max(g for g in range(path.start, wheel) if not off[g])
+                after = min(g for g in range(wheel + 1, path.stop) if not off[g])
+                three = [before, wheel, after]
+                if not off[wheel] and passes_by(
+                        [at[g] for g in three], tendons.guide_radius[three].tolist()
+                        ) > GRAZE * abs(tendons.guide_radius[wheel]):
+                    off[wheel] = found = True
+    return off
+
+
+def passes_by(centres: list[Vec], radii: Sequence[float]) -> float:
+    """Gap of a tendon of two wheels and one between them [m], < 0 where it bends; signed radii."""
+    (ax, ay), (cx, cy), (bx, by) = centres
+    dx, dy, offset = bx - ax, by - ay, radii[0] - radii[2]
+    square = dx * dx + dy * dy
+    if square <= offset * offset:
+        return -math.inf
+    straight = math.sqrt(square - offset * offset)
+    ux, uy = (straight * dx + offset * dy) / square, (straight * dy - offset * dx) / square
+    across = ux * (cy - ay) - uy * (cx - ax) - radii[0]
+    return float(-math.copysign(1.0, radii[1]) * across - abs(radii[1]))
 
 
 class _Course:

@@ -20,8 +20,7 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
 
 TOUCH = 1e-6  # Normal force [N] above which a body counts as touched
-CANCELLED = 1e-6
-"""Least magnitude of a resultant with a line of action, relative to the sum of its forces."""
+CANCELLED = 1e-6  # Minimum of a resultant with a line of action, over the sum of its forces
 
 
 class Contacts:
@@ -32,19 +31,12 @@ class Contacts:
         self.sample: Integers = arrays["contact_sample"]
         self.body: Integers = arrays["contact_body"]
         self.other: Integers = arrays["contact_other"]
+        self.point: Array = arrays["contact_point"]
         self.force: Array = arrays["contact_force"]
         self.direction: Array = arrays["contact_normal"]
-
-    @cached_property
-    def normal(self) -> Array:
-        """Normal force of every row [N], shape [m]."""
-        force, direction = self.force, self.direction
-        return force[:, 0] * direction[:, 0] + force[:, 1] * direction[:, 1]
-
-    @cached_property
-    def tangential(self) -> Array:
-        """Tangential force of every row [N], shape [m]; signed."""
-        return self.force[:, 1] * self.direction[:, 0] - self.force[:, 0] * self.direction[:, 1]
+        (fx, fy), (nx, ny) = self.force.T, self.direction.T
+        self.normal: Array = fx * nx + fy * ny  # Normal force of every row [N], [m]
+        self.tangential: Array = fy * nx - fx * ny  # Tangential force, signed [N], [m]
 
     @cached_property
     def _by_body(self) -> tuple[Integers, Integers]:
@@ -111,9 +103,8 @@ FARTHER = 1e-3  # Least relative difference of paths that is not rounding
 def on_the_other(model: Model, arrays: Arrays, body: Integers, other: Integers) -> Flags:
     """Whether the force between two bodies is shown on ``other`` rather than on ``body``, [m].
 
-    It is shown on the one with the role ``object`` if one of the two has it, else on the one with
-    the longer path in the run, and on ``body`` if both are about as long. Rotations of bodies that
-    move freely count at the radius of gyration.
+    That is the only ``object`` of the two, else the one with the longer path in the run. Rotations
+    of bodies that move freely count at the radius of gyration.
     """
     pose, mass, inertia = (arrays[f"body_{key}"] for key in ("pose", "mass", "inertia"))
     x, y = np.moveaxis(placed(pose, arrays["body_centre"]), -1, 0)

@@ -20,7 +20,6 @@ from sandbox.numeric import Array
 from sandbox.samples.grasps import STIFFNESS
 from sandbox.samples.samples import Samples
 from sandbox.scene.settings import ROUNDING, WITHIN, Expect, Looked
-from sandbox.wording import is_pattern
 
 WHOLE = ("min", "max", "final")  # Statistics that are a whole number of whole numbers
 
@@ -43,12 +42,10 @@ class Verdict:
     @property
     def allowed(self) -> str:
         """The range in words: ``at most 3``, ``2.9 to 3.1``; empty where anything passes."""
-        low, high = math.isfinite(self.low), math.isfinite(self.high)
+        low, high = (f"{end:.6g}" if math.isfinite(end) else "" for end in (self.low, self.high))
         if low and high:
-            if self.low == self.high:
-                return f"{self.low:.6g}"
-            return f"{self.low:.6g} to {self.high:.6g}"
-        return f"at least {self.low:.6g}" if low else f"at most {self.high:.6g}" if high else ""
+            return low if self.low == self.high else f"{low} to {high}"
+        return f"at least {low}" if low else f"at most {high}" if high else ""
 
 
 def verdicts(run: Samples) -> list[Verdict]:
@@ -62,42 +59,31 @@ def verdicts(run: Samples) -> list[Verdict]:
 
 
 def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
-    name, fault = expect.quantity, ""
-    try:
-        low, high = expect.range()
-    except ValueError as error:
-        low, high, fault = math.nan, math.nan, f"the range cannot be read: {error}"
-    blank = Verdict(name, expect.statistic, low, high, math.nan, False, because=expect.because,
-                    reason=fault)
-    names = run.match(name)
+    low, high = expect.range()
+    blank = Verdict(expect.quantity, expect.statistic, low, high, math.nan, False,
+                    because=expect.because)
+    names, catalogue = run.match(blank.quantity), run.catalogue
     if not names:
-        near = run.catalogue.near(name)
-        yield replace(blank, reason=(
-            "no quantity fits" + (f"; did you mean {near!r}?" if near else "")
-            if is_pattern(name) else
-            str(UnknownQuantityError(name, near, run.catalogue.lacking(name)))))
-        return
+        yield replace(blank, reason=str(UnknownQuantityError(
+            blank.quantity, catalogue.near(blank.quantity), catalogue.lacking(blank.quantity))))
     chosen, unreached = window(run, expect)
     for name in names:
-        source = run.catalogue.find(name)
-        found = replace(blank, quantity=name, unit=run.unit(name))
-        if expect.value is not None and expect.within == WITHIN:
-            # the default range has no width for 1 or 0, and for counts if it holds no other
-            alone = found.high - found.low < 1 and expect.statistic in WHOLE and (
-                float(expect.value).is_integer())
-            row = row_of(source.kind, source.quantity)
-            if row.yes_no or (alone and row.count):
-                found = replace(found, low=expect.value, high=expect.value)
-        if not fault:
-            value, reason = measured(run, name, expect, chosen)
-            if not reason:
-                reason = unreached
-                if value < found.low and source.quantity == "held" and not reason and (
-                        because := _not_held(run, source, _looked_at(run, expect, chosen))):
-                    reason = f"{NOT_HELD}{because}"
-                found = replace(found, ok=found.low <= value <= found.high and not unreached)
-            found = replace(found, value=value, reason=reason)
-        yield found
+        source = catalogue.find(name)
+        found, row = replace(blank, quantity=name, unit=source.unit), row_of(
+            source.kind, source.quantity)
+        # the default range has no width for 1 or 0, and for counts if it holds no other
+        if expect.value is not None and expect.within == WITHIN and (row.yes_no or (
+                row.count and high - low < 1 and expect.statistic in WHOLE
+                and float(expect.value).is_integer())):
+            found = replace(found, low=expect.value, high=expect.value)
+        value, reason = measured(run, name, expect, chosen)
+        if not reason:
+            reason = unreached
+            if value < found.low and source.quantity == "held" and not reason and (
+                    because := _not_held(run, source, _looked_at(run, expect, chosen))):
+                reason = f"{NOT_HELD}{because}"
+            found = replace(found, ok=found.low <= value <= found.high and not unreached)
+        yield replace(found, value=value, reason=reason)
 
 
 def measured(run: Samples, quantity: str, spec: Looked, chosen: slice) -> tuple[float, str]:

@@ -21,7 +21,7 @@ from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.nearby import flat_sides, pressed
-from sandbox.samples.yielding import Yielding, without_stiffness
+from sandbox.samples.stiffness import Linearization, without_stiffness
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
@@ -29,12 +29,9 @@ if TYPE_CHECKING:
     from sandbox.samples.samples import Samples
 
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")  # Roles of parts of a hand that may be fixed
-FLAT, IN_LINE = 1e-7, 1e-4
-"""Distance [m] and angle [rad] from a plane within which a side presses on its whole length."""
-STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
-"""As :meth:`sandbox.samples.yielding.Yield.stiffness` gives them."""
-MAX_STIFFNESS_SAMPLES = 25
-"""Largest number of samples of one reading in which the stiffness is calculated."""
+FLAT, IN_LINE = 1e-7, 1e-4  # [m, rad] from a plane, within which a whole side presses
+STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")  # of PushResponse
+MAX_STIFFNESS_SAMPLES = 25  # Maximum number of samples of one reading with a new stiffness
 
 
 class _Holding(NamedTuple):
@@ -67,12 +64,10 @@ class Grasp:
         self.other: Integers = np.where(
             first, a["contact_other"][rows], a["contact_body"][rows])[presses]
         bodies = run.mechanism.bodies
+        roles = np.array([each.role for each in bodies])[self.other]
         self.of_hand: Flags = np.array([of_hand(each) for each in bodies])[self.other]
-        objects = np.array([each.role == "object" for each in bodies])
-        self.of_others: Flags = ~self.of_hand & ~objects[self.other]
-        """Contacts with bodies that are neither hand nor object, [m]."""
-        self.on_finger: Flags = self.of_hand & np.array(
-            [each.role != "palm" for each in bodies])[self.other]
+        self.of_others: Flags = ~self.of_hand & (roles != "object")  # Neither hand nor object, [m]
+        self.on_finger: Flags = self.of_hand & (roles != "palm")
         self.count: Integers = np.bincount(self.sample[self.of_hand], minlength=len(run))
         """Contacts of the hand in every sample, [n]."""
         local = centre_of(bodies[body])
@@ -126,7 +121,7 @@ class Grasp:
                 off = facing[own, None] - flat_sides(bodies[body])
                 in_line[own] &= (np.abs(np.sin(off / 2)) < IN_LINE).any(axis=1)
         flat = {row: ends for row in rows[in_line].tolist()
-                if (ends := pressed(self.run, int(self.row[row]), FLAT)) is not None
+                if (ends := pressed(self.run, int(self.row[row]), FLAT)[0]) is not None
                 and len(ends) == 2}
         twice = np.repeat(rows, 1 + np.isin(rows, list(flat)))
         points = self.point[twice]
@@ -138,9 +133,8 @@ class Grasp:
     def stiffness(self, name: str, chosen: slice = slice(None)) -> Array:
         """One of :data:`STIFFNESS` in the chosen samples, [k]; nan where it has no value.
 
-        It is calculated in at most :data:`MAX_STIFFNESS_SAMPLES` of those in which the object is
-        held, evenly spread, with the first and the last of them. Samples in between repeat the
-        value before.
+        It is calculated in :data:`MAX_STIFFNESS_SAMPLES` of those in which the object is held,
+        evenly spread. Samples in between repeat the value before.
         """
         numbers = np.arange(len(self.run))[chosen]
         result = np.full(len(numbers), np.nan)
@@ -154,7 +148,7 @@ class Grasp:
             if sample not in self._stiffnesses:
                 self._stiffnesses[sample] = np.full(len(STIFFNESS), np.nan)
                 with contextlib.suppress(ArithmeticError):
-                    self._stiffnesses[sample] = Yielding(
+                    self._stiffnesses[sample] = Linearization(
                         self.run, sample, self.size).of(self.body).stiffness()
         values = np.array([self._stiffnesses[sample][STIFFNESS.index(name)] for sample in samples])
         result[held] = np.repeat(values, np.diff(at, append=len(held)))
@@ -217,16 +211,9 @@ class Grasp:
         """The conditions of ``held`` that a sample does not meet, with numbers; empty if held."""
         rest, most = self._rest, f"{_mm(STRAY * self.size)} is the most"
         window = f"in the {WINDOW:g} s before"
-        reasons = []
-        if not rest.hand[sample]:
-            before = np.flatnonzero(rest.hand[:sample])
-            reasons.append(
-                f"no body of a hand touched it after {self.run.time[before[-1]]:.6g} s"
-                if len(before) else "no body of a hand had touched it yet")
-        elif not rest.ready[sample]:
-            reasons.append(f"the run was not {WINDOW:g} s old")
-        elif rest.released[sample]:
-            reasons.append(f"the hand released it {window}")
+        reasons = ["no body of a hand touches it" if not rest.hand[sample] else
+                   f"the run was not {WINDOW:g} s old" if not rest.ready[sample] else
+                   f"the hand released it {window}" if rest.released[sample] else ""]
         if rest.carried[sample]:
             rows = np.flatnonzero(self.of_others & (self.sample == sample))
             carrier = self._most(rows, self.push[rows])[0]
@@ -240,7 +227,7 @@ class Grasp:
             took = np.diff(self.run.time)[self.sample[rows] - 1]
             name, way = self._most(rows, slip_speeds(self.run.arrays, self.row[rows]) * took)
             reasons.append(f"it slid by {_mm(slid)} {window}, {most}, along {name!r} by {_mm(way)}")
-        return "; ".join(reasons)
+        return "; ".join(filter(None, reasons))
 
     def _most(self, rows: Integers, amounts: Array) -> tuple[str, float]:
         """The touching body with the largest sum of amounts over contacts, and the sum."""

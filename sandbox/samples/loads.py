@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from sandbox.model.joints import meeting
+from sandbox.model.joints import meeting, rotated
 from sandbox.model.model import NONE, held_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import Frames, Places, piece_tensions
@@ -152,13 +152,10 @@ class Loads:
             yield self.drive_efforts.times(np.nan_to_num(self.given))
         if len(pushing := model.drives.giving("force")):
             drives, body = model.drives, model.drives.target[pushing]
-            value, along = a["drive_value"].T[pushing], drives.direction[pushing]
             at = self.frames.places(body, drives.at[pushing])
-            turns = drives.turning[pushing, None]
-            c = np.where(turns, self.frames.cos[body], 1.0)
-            s = np.where(turns, self.frames.sin[body], 0.0)
-            fx = value * (c * along[:, :1] - s * along[:, 1:])
-            fy = value * (s * along[:, :1] + c * along[:, 1:])
+            turned = np.where(drives.turning[pushing, None], self.frames.pose[2, body], 0.0)
+            fx, fy = a["drive_value"].T[pushing] * np.moveaxis(
+                rotated(drives.direction[pushing, None], turned), -1, 0)
             yield Batch("force", pushing, body, np.stack(
                 [fx, fy, at.arm_x * fy - at.arm_y * fx], axis=1))
 

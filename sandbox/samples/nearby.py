@@ -117,8 +117,8 @@ class Face(NamedTuple):
     radius: float  # Of the shape there [m]; 0 of a corner
 
 
-def pressed(run: Samples, row: int, near: float) -> Array | None:
-    """The one or two points [m], [k, 2], between which a contact row may press.
+def pressed(run: Samples, row: int, near: float) -> tuple[Array | None, list[Face | None]]:
+    """The one or two points [m], [k, 2], between which a contact row may press; its two faces.
 
     ``near`` [m] is the distance from the plane of the contact, besides half its gap, within which a
     corner presses. None for bodies of several shapes that touch with several normals.
@@ -130,6 +130,8 @@ def pressed(run: Samples, row: int, near: float) -> Array | None:
     place = float(point @ along)
     near += abs(float(a["contact_gap"][row])) / 2
     sides = faces(run, row, near)
+    here = [next((each for each in side if each.low - near <= place <= each.high + near), None)
+            for side in sides]
     shared = [(max(one.low, two.low), min(one.high, two.high))
               for one in sides[0] for two in sides[1]]
     shared = [(min(ends), max(ends)) for ends in shared if ends[0] <= ends[1] + near]
@@ -138,8 +140,8 @@ def pressed(run: Samples, row: int, near: float) -> Array | None:
         low, high = min(ends[0] for ends in shared), max(ends[1] for ends in shared)
         if low - near <= place <= high + near:
             ends = [low] if high - low <= near else [low, high]
-            return np.array([point + (end - place) * along for end in ends])
-    return None if several else point[None]
+            return np.array([point + (end - place) * along for end in ends]), here
+    return None if several else point[None], here
 
 
 def faces(run: Samples, row: int, near: float) -> tuple[list[Face], list[Face]]:

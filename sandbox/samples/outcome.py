@@ -20,10 +20,8 @@ from sandbox.values.units import size_fault
 from sandbox.wording import quoted
 
 INTERRUPTED = "interrupted"  # The reason of a run that Ctrl-C ended
-LIMITED = "more was recorded than the limit 'recorded_bytes' allows"
-"""The reason of a run that recorded more than it may."""
-FAILED = "a controller failed: "
-"""The reason of a run that an exception of a controller ended begins with this."""
+LIMITED = "more was recorded than the limit 'recorded_bytes' allows"  # Reason of such a run
+FAILED = "a controller failed: "  # Begins the reason of a run that its controller ended
 
 
 class Status(Enum):

@@ -9,18 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.elements.arrays import (
-    CONTACT,
-    MEAN,
-    MEAN_CONTACT,
-    METERS,
-    PER_SAMPLE,
-    Arrays,
-    completed,
-    dtype_of,
-    faults,
-    has_numbers,
-)
+from sandbox.elements.arrays import CONTACT, MEAN, MEAN_CONTACT, METERS, PER_SAMPLE, Arrays, checked
 from sandbox.elements.element import NAMED
 from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, QUANTITIES, numbered
 from sandbox.model import meters
@@ -40,8 +29,7 @@ from sandbox.wording import is_pattern
 OLDER = ("this recording has no directions of forces; pymunk and older versions give none: "
          "reaction_x and reaction_y have no value")
 TIME = "time"  # What Samples.time is called, unless something of the mechanism has this name
-TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}
-"""The tables of a recording and the kind of element each holds."""
+TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}  # and what each holds
 
 
 class Columns(NamedTuple):
@@ -69,12 +57,7 @@ class Samples:
     ) -> None:
         self.mechanism: Mechanism = mechanism
         self.info = info
-        self.arrays: Arrays = {key: np.asarray(array, dtype=dtype_of(key)).view()
-                               for key, array in completed(mechanism, arrays).items()}
-        for array in self.arrays.values():
-            array.setflags(write=False)
-        if found := faults(mechanism, self.arrays):
-            raise ValueError("; ".join(found))
+        self.arrays: Arrays = checked(mechanism, arrays)
         self._model = model
         self.catalogue = catalogue or Catalogue(mechanism)
         self._grasps: dict[int, Grasp] = {}
@@ -109,14 +92,13 @@ class Samples:
     def notes(self) -> list[str]:
         """Notes for the reader, such as on meters without a value."""
         force = self.arrays["joint_force"]
-        older = force.size and not has_numbers(force)
+        older = force.size and np.isnan(force).all()
         notes = [*self.info.notes, *broken(self), *ended(self), *stalled(self),
                  *([OLDER] if older else []), *self._meters[1]]
         return list(dict.fromkeys(notes))
 
     def __contains__(self, name: str) -> bool:
-        return name in self.catalogue or name == TIME or (
-            is_pattern(name) and self.catalogue.fits(name))
+        return name in self.catalogue or name == TIME or bool(self.match(name))
 
     def __getitem__(self, name: str) -> Array:
         """The quantity ``name`` over time, shape [n], in the unit that :meth:`unit` gives.
@@ -189,21 +171,16 @@ class Samples:
         Raises:
             KeyError: another kind.
         """
-        wanted, names, units, columns = TABLES[kind], [], [], []
-        for head, element in self.catalogue.elements.items():
-            index = element.index
-            if element.kind != wanted or (
-                wanted == "body" and self.mechanism.bodies[index].motion == "fixed"
-            ):
-                continue
-            for quantity, unit in element.quantities.items():
-                if wanted == "body" and quantity in GRASP:
-                    continue
-                names.append(f"{head}.{quantity}" if quantity else head)
-                units.append(unit)
-                columns.append(self._read(Source(wanted, index, quantity, unit)))
-        values = np.column_stack(columns) if columns else np.empty((len(self), 0))
-        return Columns(names, units, values)
+        wanted, bodies = TABLES[kind], self.mechanism.bodies
+        shown = [(head, Source(wanted, each.index, quantity, unit))
+                 for head, each in self.catalogue.elements.items() if each.kind == wanted
+                 and not (wanted == "body" and bodies[each.index].motion == "fixed")
+                 for quantity, unit in each.quantities.items()
+                 if not (wanted == "body" and quantity in GRASP)]
+        columns = [self._read(source) for _, source in shown]
+        return Columns([f"{head}.{source.quantity}".removesuffix(".") for head, source in shown],
+                       [source.unit for _, source in shown],
+                       np.column_stack(columns) if shown else np.empty((len(self), 0)))
 
     def part(self, first: int, last: int) -> Self:
         """Samples ``first`` to ``last - 1`` as a recording of its own; shares the memory."""
@@ -238,14 +215,10 @@ class Samples:
         return self.arrays | self._means
 
     @cached_property
-    def mean_rows(self) -> Arrays:
-        """The contact rows as means over sample intervals."""
-        return mean_contact_rows(self.arrays)
-
-    @cached_property
     def mean_contacts(self) -> Contacts:
-        """The contacts of :attr:`mean_rows`."""
-        return Contacts(self.mean_rows, samples=len(self), bodies=len(self.mechanism.bodies))
+        """The contact rows as means over sample intervals."""
+        return Contacts(mean_contact_rows(self.arrays), samples=len(self),
+                        bodies=len(self.mechanism.bodies))
 
     def with_meters(self) -> Arrays:
         """All arrays, the meters among them as ``meter_value`` [n, meters] if there are any."""
@@ -266,8 +239,8 @@ class Samples:
         elif kind == "pair":
             result = self.mean_contacts.of_pair(index, source.other, quantity)
         elif kind == "group":
-            found = map(self.catalogue.elements.get, self.mechanism.groups[index].bodies)
-            members = [each.index for each in found if each is not None and each.kind == "body"]
+            members = [self.catalogue.elements[name].index
+                       for name in self.mechanism.groups[index].bodies]
             what = quantity.removeprefix("contact.")
             contacts = self.contacts if what == "count" else self.mean_contacts
             result = contacts.of_group(members, what)
@@ -290,17 +263,16 @@ class Samples:
             of = normal_in_slot if quantity == "normal" else partial(of_wheels, quantity=quantity)
             result = of(self.model, self.means("joint_force"), index)
         elif at := numbered(kind, quantity):
-            what, number = at
+            (what, number), tendons = at, self.model.tendons
+            guide = int(tendons.first[index]) + number
             if what == "tension":
-                rows = np.flatnonzero(self.model.tendons.stretch_tendon == index)
                 arrays = self.means("tendon_tension", "guide_friction")
-                result = piece_tensions(self.model, arrays, rows[number:number + 1])[0]
+                result = piece_tensions(
+                    self.model, arrays, np.flatnonzero(tendons.stretch_first == guide))[0]
             else:
-                tendons = self.model.tendons
                 guides, key = (tendons.wheels, "guide_lifted") if what == "lifted" else (
                     tendons.grips, "guide_slip")
-                guide = int(tendons.first[index]) + number
-                result = self.arrays[key][:, int(np.flatnonzero(guides == guide)[0])]
+                result = self.arrays[key][:, guides.tolist().index(guide)]
         else:
             row = QUANTITIES[kind][quantity]
             stored = self.means(row.array)[row.array][:, index]
@@ -345,8 +317,7 @@ def broken(run: Samples) -> list[str]:
     return few(notes, "broke after that")
 
 
-AT_END = 1e-5
-"""Distance [m] from an end of the groove at which a point that presses on it has reached it."""
+AT_END = 1e-5  # Distance [m] from an end of a groove at which a point that presses is there
 PRESSES = 1e-9  # Least force along the groove, relative to the joint's largest force
 
 

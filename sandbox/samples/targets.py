@@ -1,17 +1,11 @@
-"""Targets of quantities, drives under control, and step responses.
+"""Targets of quantities, drives under control, and step responses (docs/plots.md).
 
 The target of a quantity over a run is the first of these that there is: one given by hand; that of
 a controller that reads the quantity by its plain name, as events changed it, active controllers
 first; a meter named ``<quantity>.target``, such as ``finger.mcp.angle.target``.
 
 Definitions of responses are those of Franklin, Powell and Emami-Naeini, *Feedback Control of
-Dynamic Systems*, section 3.4:
-
-* overshoot: the distance of the peak beyond the last target, as a fraction of the step from the
-  first value to the last target;
-* settling time: the last time outside a band of +-2 % of the target about it, from t = 0;
-* steady error: the mean of value - target over the last 5 % of the run;
-* IAE: the integral of |value - target| over time.
+Dynamic Systems*, section 3.4.
 """
 
 from __future__ import annotations
@@ -33,7 +27,7 @@ SUFFIX = ".target"  # Of a meter that holds the target of the quantity before it
 def track(run: Samples, name: str, goal: Array | None = None) -> tuple[Array, Array, Array | None]:
     """Instants [s], a quantity and its target, from t = 0 where the value there is known."""
     begins = start(run, name)
-    if begins is None or not len(run) or run.time[0] <= 0:
+    if begins is None or run.time[0] <= 0:
         return run.time, run[name], goal
     return (np.append(0.0, run.time), np.append(begins, run[name]),
             None if goal is None else np.append(goal[0], goal))
@@ -56,8 +50,8 @@ def start(run: Samples, name: str) -> float | None:
 
 def targets(run: Samples, given: Mapping[str, float] | None = None) -> dict[str, Array]:
     """Quantity to its target over time [n], SI; ``given`` are targets by hand."""
-    found: dict[str, Array] = {name: np.full(len(run), value)
-                               for name, value in (given or {}).items() if name in run.catalogue}
+    found = {name: np.full(len(run), value)
+             for name, value in (given or {}).items() if name in run.catalogue}
     for controller in sorted(run.mechanism.controllers, key=lambda each: not each.active):
         for name, target in _tracked(run, controller):
             found.setdefault(name, target)
@@ -104,22 +98,16 @@ def _tracked(run: Samples, controller: Controller) -> Iterator[tuple[str, Array]
     for i, (text, signal) in enumerate(zip(controller.readings, controller.signals, strict=False)):
         name = text.removeprefix("=").strip()
         if name in run:  # else an expression of several quantities
-            target = values(signal, run.time, run.mechanism.functions)
-            # events set the first target of a controller
-            yield name, _changed(run, controller.name, target) if i == 0 else target
-
-
-def _changed(run: Samples, controller: str, target: Array) -> Array:
-    """A target with the values that events of the run set, and for how long."""
-    key, target = f"{controller}{SUFFIX}", target.copy()
-    events = {event.name: event for event in run.mechanism.events if key in event.set}
-    for happened in run.info.events:
-        if event := events.get(happened.event):
-            since = run.time > happened.time
-            if event.lasts is not None:
-                since &= run.time <= happened.time + event.lasts
-            target[since] = event.set[key]
-    return target
+            target = values(signal, run.time, run.mechanism.functions).copy()
+            key = f"{controller.name}{SUFFIX}"  # events set the first target of a controller
+            events = {event.name: event for event in run.mechanism.events
+                      if i == 0 and key in event.set}
+            for happened in run.info.events:
+                if event := events.get(happened.event):
+                    lasts = math.inf if event.lasts is None else event.lasts
+                    target[(run.time > happened.time)
+                           & (run.time <= happened.time + lasts)] = event.set[key]
+            yield name, target
 
 
 BAND = 0.02  # Half the width of the band that counts as settled, as a fraction of the target
@@ -150,8 +138,6 @@ class Effort:
 
 def respond(time: Array, value: Array, target: Array) -> Response:
     """All figures of one response to a target, which may move."""
-    if len(time) < 2:
-        raise ValueError(f"a response needs at least 2 samples, got {len(time)}")
     end, first, goal = ending(time), float(value[0]), float(target[-1])
     overshoot = math.nan if goal == first else float(
         100 * max(0.0, np.max((value - goal) / (goal - first))))
@@ -165,8 +151,7 @@ def respond(time: Array, value: Array, target: Array) -> Response:
 def settling_time(time: Array, value: Array, target: Array) -> float:
     """The last time outside the band about the target [s], interpolated between two samples.
 
-    0 if it never was outside; inf without the last 5 % of the run in the band. A sample without a
-    value counts as outside. The band refers to the last target, or to the step if that is 0.
+    0 if it never was outside, inf if it was in the last 5 % of the run; no value counts as outside.
     """
     error, band = value - target, BAND * abs(float(target[-1]) or float(value[0]))
     outside = np.flatnonzero(~(np.abs(error) <= band))
@@ -183,12 +168,7 @@ def settling_time(time: Array, value: Array, target: Array) -> float:
 
 
 def effort(time: Array, value: Array, before: float) -> Effort:
-    """The control effort of a drive over a run; ``before`` is its value before the first sample.
-
-    A jump from there counts as one within the time between two samples.
-    """
-    if len(time) < 2:
-        raise ValueError(f"a control effort needs at least 2 samples, got {len(time)}")
+    """The control effort of a drive over a run; ``before`` is its value before the first sample."""
     changes = np.abs(np.diff(value, prepend=before))
     spacing = np.diff(time, prepend=2 * time[0] - time[1])
     return Effort(variation=float(changes.sum()), peak=float(np.max(np.abs(value))),

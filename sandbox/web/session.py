@@ -352,7 +352,7 @@ def _of_pairs(name: str, known: Catalogue) -> list[str]:
     """The quantities of pairs that match a name or a pattern; other names as they are."""
     if "/" not in name or is_expression(name):
         return [name]
-    if not known.fits(name):
+    if not known.match(name):
         raise UnknownQuantityError(name, known.near(name))
     return list(itertools.islice(known.match(name), MAX_METERS + 1))
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.elements.controllers.custom import Custom, StopRun
+from sandbox.elements.controllers.custom import Custom
 from sandbox.errors import ControllerFailed
 
 
@@ -73,14 +73,3 @@ def test_a_controller_without_outputs_returns_nothing():
     assert seen == [(0.5, 3.0)]
     with pytest.raises(ControllerFailed, match=r"returned 2\.0, but 'writes' names no drive"):
         law_of(writes=[], act=lambda t, x: 2.0).act(0.5, [3.0], [], [])
-
-
-def test_stop_run_passes_through():
-    def enough(t, x):
-        raise StopRun("far enough", verdict="fail")
-
-    with pytest.raises(StopRun) as wish:
-        law_of(act=enough).act(0.5, [3.0], [], [0.0])
-    assert (wish.value.because, wish.value.verdict) == ("far enough", "fail")
-    with pytest.raises(ValueError, match="'pass' or 'fail', not 'done'"):
-        StopRun(verdict="done")

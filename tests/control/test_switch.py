@@ -31,7 +31,3 @@ def test_a_switch_continues_from_the_drive_value():
     assert path(law, [1.5], has=20.0) == [20]
     assert path(switch(active=False), [1.5], has=7.0) == [7]
     assert path(switch(active=False), [2.5], has=7.0) == [20]
-
-
-def test_thresholds_the_other_way_round_are_values_the_other_way_round():
-    assert path(switch(value_below=5, value_above=0), [0.0, 1.5, 2.5, 1.5, 0.5]) == [5, 5, 0, 0, 5]

@@ -203,12 +203,12 @@ def test_a_contact_between_samples_is_logged_where_it_was():
     """The ball is hit once in 50 steps: no sample's step touches, the log has the contact."""
     run = run_of(5e-4, 40, duration=0.2, **bouncing())
     assert len(run.arrays["contact_gap"]) == 0
-    a, rows = run.arrays, run.mean_rows
-    assert len(rows["contact_sample"]) == len(a["impact_time"]) == 1
-    assert abs(run.time[rows["contact_sample"][0]] - a["impact_time"][0]) <= 0.0125
-    assert rows["contact_point"] == pytest.approx(a["impact_point"], abs=1e-15)
-    assert rows["contact_normal"].tolist() == [[0.0, 1.0]]
-    assert rows["contact_force"] / 40 == pytest.approx(a["impact_impulse"], rel=1e-12)
+    a, rows = run.arrays, run.mean_contacts
+    assert len(rows.sample) == len(a["impact_time"]) == 1
+    assert abs(run.time[rows.sample[0]] - a["impact_time"][0]) <= 0.0125
+    assert rows.point == pytest.approx(a["impact_point"], abs=1e-15)
+    assert rows.direction.tolist() == [[0.0, 1.0]]
+    assert rows.force / 40 == pytest.approx(a["impact_impulse"], rel=1e-12)
 
 
 def test_every_step_has_its_own_forces():

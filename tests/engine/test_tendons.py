@@ -13,8 +13,8 @@ import sandbox
 from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
-from sandbox.model.tendons import lifted_at_start
 from sandbox.recording.recording import Recording
+from sandbox.samples.cables import lifted_at_start
 from tests.support.mechanisms import guide
 
 from .machines import G, H, cable, fixed, mass, mechanism, sound

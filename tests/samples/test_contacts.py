@@ -49,28 +49,6 @@ def test_a_group_counts_outside_touches_only(run):
 # --- the body that a force acts on
 
 
-def moving(roles, poses, rows=(), **given):
-    """Bodies of these roles that go where ``poses`` [n, nb, 3] say; ``rows`` of contacts."""
-    mechanism = Mechanism.model_validate({"bodies": [
-        {"name": f"body{i}", "mass": 1, "role": role,
-         "shapes": [{"type": "circle", "radius": 0.1}]} for i, role in enumerate(roles)]})
-    poses = np.asarray(poses, dtype=float)
-    time = np.arange(len(poses)) / 10.0
-    rows = np.array([(0, *row) for row in rows], dtype=float).reshape(-1, 5)
-    return drawn_recording(mechanism, time, poses, contact_sample=rows[:, 0].astype(int),
-                     contact_body=rows[:, 1].astype(int), contact_other=rows[:, 2].astype(int),
-                     contact_force=rows[:, 3:5], contact_point=np.zeros((len(rows), 2)),
-                     contact_normal=np.zeros((len(rows), 2)), contact_gap=np.zeros(len(rows)),
-                     **given)
-
-
-def along_x(*lengths, samples=11):
-    """Each body goes so far to the right, evenly."""
-    share = np.linspace(0, 1, samples)
-    return np.stack([np.stack((length * share, 0 * share, 0 * share), axis=1)
-                     for length in lengths], axis=1)
-
-
 @pytest.mark.parametrize(("roles", "lengths", "swapped"), [
     (("phalanx", "object"), (1.0, 0.0), True),
     (("link", "link"), (0.5, 1.0), True),
@@ -79,7 +57,11 @@ def along_x(*lengths, samples=11):
     (("link", "link"), (1.0, 1.0 + 1e-9), False),
 ])
 def test_it_acts_on_the_object_else_on_what_goes_farther(roles, lengths, swapped):
-    found = moving(roles, along_x(*lengths))
+    mechanism = Mechanism.model_validate({"bodies": [
+        {"name": f"body{i}", "mass": 1, "role": role,
+         "shapes": [{"type": "circle", "radius": 0.1}]} for i, role in enumerate(roles)]})
+    time = np.linspace(0, 1, 11)
+    found = drawn_recording(mechanism, time, time[:, None, None] * [[x, 0, 0] for x in lengths])
     ask = on_the_other(found.model, found.arrays, np.array([0]), np.array([1]))
     assert ask.tolist() == [swapped]
 

@@ -81,7 +81,6 @@ class ControllerSpec(Element):
     """The base of all controllers."""
 
     PYMUNK = "a controller"
-
     LAW: ClassVar[Any]  # the class of its law, of the controller and its period [s]
     of_drive: ClassVar[tuple[str, ...]] = ()  # fields with numbers in the unit of its drives
     of_reading: ClassVar[tuple[str, ...]] = ()  # and of its readings
@@ -103,7 +102,6 @@ class ControllerSpec(Element):
 
     @property
     def written(self) -> tuple[str, ...]:
-        """The drives that it sets."""
         return self._all_of("writes")
 
     @property
@@ -132,7 +130,6 @@ class ControllerSpec(Element):
         return iter(())
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
-        """Its law, which acts every ``period`` [s]."""
         law: Law = self.LAW(self, period)
         return law
 
@@ -179,7 +176,6 @@ class Direct(Law):
     """Sets its target, or its reading where it has no target."""
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """The current target or reading."""
         return [(targets or readings)[0]]
 
 
@@ -205,7 +201,6 @@ class FeedbackController(SingleController):
 
     @property
     def immediate(self) -> str:
-        """The expression."""
         return self.value
 
 
@@ -216,12 +211,10 @@ class Switch(Law):
         self._spec, self._value, self._keeps = spec, spec.value_below, not spec.active
 
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
-        """Set the value to be kept between the thresholds."""
         self._value = inputs[0] if self._keeps else self._spec.value_below
         self._keeps = True
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """Switch if the reading is outside of the thresholds; on one of them it is not."""
         if readings[0] < self._spec.below:
             self._value = self._spec.value_below
         elif readings[0] > self._spec.above:

@@ -99,12 +99,10 @@ class EquilibriumController(SeveralController):
 
     @property
     def readings(self) -> tuple[str, ...]:
-        """Angles and rates of its joints, and the tension unless ``pull`` is given."""
         motion = [f"{joint}.{kind}" for kind in ("angle", "rate") for joint in self.joints]
         return (*motion, *([f"{self.tendon}.tension"] if self.pull is None else []))
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """A tendon or springs that do not act on its joints."""
         drives = {drive.name for drive in mechanism.drives}
         known = any(tendon.name == self.tendon for tendon in mechanism.tendons)
         for i, (pin, guides, spring) in enumerate(crossings(self, mechanism)):
@@ -120,7 +118,6 @@ class EquilibriumController(SeveralController):
                               allowed="a stiffness drive for each joint, in the joints' order")
 
     def law_problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """Springs without a moment at the rotation that the law falls back on."""
         if next(self.problems(mechanism, ""), None) is not None:
             return
         try:
@@ -137,7 +134,6 @@ class EquilibriumController(SeveralController):
                               "stretched and has an arm")
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
-        """Its law, which acts every ``period`` [s]."""
         return Equilibrium(self, joint_model(self, mechanism), period)
 
 
@@ -264,7 +260,6 @@ class Equilibrium(Law):
         self._resumes = True
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """The stiffnesses; see the class."""
         if self._since is None:
             self._since = t
         fraction = min(1.0, (t - self._since) / self._rise) if self._rise > 0 else 1.0

@@ -60,7 +60,6 @@ class Pid(Law):
         self._resumes = self._fresh = True
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """The output; see the class."""
         reading = readings[0]
         error = targets[0] - reading
         if self._fresh:
@@ -69,11 +68,8 @@ class Pid(Law):
         else:
             step = self._half_ki * (error + self._error)
             cut = self._wanted - applied[0]
-            if cut and self._clamp:
-                if step * cut < 0:
-                    self._integral += step
-            else:
-                self._integral += step - self._back * cut
+            self._integral = self.integrated(self._integral, step, cut) if self._clamp else (
+                self._integral + (step - self._back * cut))
             self._slope = self._keep * self._slope + self._weight * (reading - self._before)
         self._before = reading
         self._error = error
@@ -166,7 +162,6 @@ class Relay(Law):
         self._starts, self._cycles, self._cycle = [], [], []
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """The relay's side, or the PID's output once there is one."""
         if self._pid is not None:
             return self._pid.act(t, readings, targets, applied)
         error, hysteresis = targets[0] - readings[0], self._spec.hysteresis
@@ -208,7 +203,6 @@ class Relay(Law):
         return Pid(PidController.model_construct(**gains, bias=mean, bumpless=True), self._period)
 
     def report(self) -> dict[str, Any]:
-        """The gains, or why there are none."""
         if self._found:
             return self._found
         why = "it was never switched on"

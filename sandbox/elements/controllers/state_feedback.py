@@ -50,7 +50,6 @@ class StateFeedback(Law):
         self._resumes = self._fresh = True
 
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
-        """The output; see the class."""
         errors = list(map(sub, targets, readings))
         if self._kept:
             kept = [errors[j] for j in self._kept]

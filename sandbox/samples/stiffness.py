@@ -12,7 +12,7 @@ the forces B differ from the rows A, and their null space from Z.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -22,21 +22,18 @@ from sandbox.model.joints import rotated
 from sandbox.model.model import NONE, Model, held_of
 from sandbox.model.pairs import friction_of, pair_skins
 from sandbox.model.supports import components
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.loads import Batch, Loads
-from sandbox.samples.nearby import faces, pressed
+from sandbox.samples.nearby import pressed
 
 if TYPE_CHECKING:
     from sandbox.samples.samples import Samples
 
 RANK = 1e-9  # Directions with a smaller share than this are rounding
 SMALL = 1e-7  # Motions [m, and by the size of the object rad] of central differences
-NOTHING = 1e-6
-"""Least stiffness relative to the largest force over the object's size, which is the order of the
-geometric stiffness."""
-NEAR = 1e-8
-"""Distance [m] from the plane of a contact, besides motion in a step, at which corners press."""
+NOTHING = 1e-6  # Minimum stiffness over that of the order of the geometric one, force / size
+NEAR = 1e-8  # Distance [m] from a contact's plane, besides motion in a step, where corners press
 AT_CONE = 1e-6  # Distance of friction from its limit, relative to it, that counts as 0
 SLIDES = 1e-6  # Least speed of sliding [m/s]
 SOFTLY = 1e-6  # Least component of an object in a motion without stiffness
@@ -51,7 +48,7 @@ class Elastic(NamedTuple):
     pull: Array  # Wrench of its unit force on all free bodies, [3 n]
 
 
-class Yield(NamedTuple):
+class PushResponse(NamedTuple):
     """The response of a body to a small push at its centre of mass."""
 
     compliance: Array
@@ -98,15 +95,14 @@ class Rigid(NamedTuple):
     friction: float = 0.0  # Ratio of the next force to this one, of a contact that slides
 
 
-class Yielding:
+class Linearization:
     """The free bodies of a recording in one of its samples."""
 
     def __init__(self, run: Samples, sample: int, size: float) -> None:
         """``size`` is the length [m] equivalent to a rotation of 1 rad."""
         self.run, self.model, self.sample, self.size = run, run.model, sample, size
         free = np.flatnonzero(self.model.bodies.free)
-        self.place = {int(body): 3 * k for k, body in enumerate(free)}
-        self._at = np.full(len(self.model.bodies.name), NONE)
+        self._at = np.full(len(self.model.bodies.name), NONE)  # first row of each body
         self._at[free] = 3 * np.arange(len(free))
         self.count = 3 * len(free)
         self.steps = SMALL * np.tile([size, size, 1.0], len(free))
@@ -116,8 +112,7 @@ class Yielding:
         moved[1 + self.count + each, free[each // 3], each % 3] = -self.steps
         self.loads = Loads(_repeated(run, sample, moved))
         """At rest, then with each freedom moved by a step forwards, then with each backwards."""
-        frames = self.loads.frames
-        self.centre = frames.centre[:2, :, 0].T
+        self.centre = self.loads.frames.centre[:2, :, 0].T
         turned = np.zeros((self.count, 2 * self.count))  # of loads of constant magnitude
         for batch in self.loads.batches:
             on = self._at[batch.body] >= 0
@@ -125,19 +120,19 @@ class Yielding:
                       batch.wrench[on, :, 1:])
         self.stiffness = np.asarray(
             (turned[:, self.count:] - turned[:, :self.count]) / (2 * self.steps))
-        elastic = np.zeros((self.count, self.count))
-        for one in self.elastic():
-            elastic += one.stiffness * np.outer(one.pull, one.pull)
-        self.stiffness += elastic
+        self.stiffness += sum((one.stiffness * np.outer(one.pull, one.pull)
+                               for one in self.elastic()), np.zeros_like(self.stiffness))
         self.largest = max((float(np.hypot(*batch.wrench[:, :2, 0].T).max(initial=0.0))
                             for batch in self.loads.batches), default=0.0)
         self._engaged = held_of(self.model.bonds.joint, run.arrays["held"])[:, sample]
-        self._rigids, held = list(self._forces()), list(self._fixed())
-        rows = self._rigid_rows()
-        self.kept = held + [rows[i] for i, one in enumerate(self._rigids) if one.holds]
+        rigids = [one for j in np.flatnonzero(self._engaged).tolist() for one in self._joint(j)]
+        for row in np.flatnonzero(run.arrays["contact_sample"] == sample).tolist():
+            rigids += self._touch(row)
+        rows, held = self._rigid_rows(rigids), list(self._fixed())
+        self.kept = held + [rows[i] for i, one in enumerate(rigids) if one.holds]
         """Rows of the constraints, each [3 n]."""
         self.pushes = held + [rows[i] + (one.friction * rows[i + 1] if one.friction else 0.0)
-                              for i, one in enumerate(self._rigids) if one.holds]
+                              for i, one in enumerate(rigids) if one.holds]
         """Forces of the constraints; they differ from the rows at sliding contacts."""
 
     def _rows(self, efforts: Batch, count: int) -> Array:
@@ -149,21 +144,19 @@ class Yielding:
         """Elastic elements: springs, taut tendons, servos with a stiffness."""
         a, model, s = self.run.arrays, self.model, self.sample
         springs, tendons = model.springs, model.tendons
-        efforts = self._rows(self.loads.spring_efforts, len(springs.name))
-        for i, law in enumerate(springs.law):
-            by = int(springs.drive[i])
-            k = float(springs.stiffness[i] if by == NONE else a["drive_value"][s, by])
-            if law is not None:
-                stretch = float(a["spring_length"][s, i] - springs.rest[i])
-                step = 1e-5 * max(abs(stretch), 1e-3)
-                k = float(law.slopes(stretch + np.array([-step, step]), k)[0])
-            yield Elastic("spring", i, k, efforts[i])
         taut = np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist()
-        efforts = self._rows(self.loads.cable_efforts, len(tendons.name)) if taut else efforts
-        for i in taut:
-            by = int(tendons.stiffener[i])
-            k = float(tendons.stiffness[i] if by == NONE else a["drive_value"][s, by])
-            yield Elastic("tendon", i, k, efforts[i])
+        for kind, own, drive, which, efforts in (
+                ("spring", springs.stiffness, springs.drive, range(len(springs.name)),
+                 self.loads.spring_efforts),
+                ("tendon", tendons.stiffness, tendons.stiffener, taut, self.loads.cable_efforts)):
+            rows = self._rows(efforts, len(own))
+            for i in which:
+                k = float(own[i] if drive[i] == NONE else a["drive_value"][s, drive[i]])
+                if kind == "spring" and (law := springs.law[i]) is not None:
+                    stretch = float(a["spring_length"][s, i] - springs.rest[i])
+                    step = 1e-5 * max(abs(stretch), 1e-3)
+                    k = float(law.slopes(stretch + np.array([-step, step]), k)[0])
+                yield Elastic(kind, i, k, rows[i])
         for i, u in self._placing():
             if np.isfinite(model.drives.stiffness[i]):
                 yield Elastic("drive", i, float(model.drives.stiffness[i]), u)
@@ -191,42 +184,21 @@ class Yielding:
         for j in np.flatnonzero(self._engaged & ~joints.turns).tolist():
             turn = np.zeros(self.count)
             for body, sign in zip(joints.bodies[j].tolist(), (-1.0, 1.0), strict=True):
-                if body in self.place:
-                    turn[self.place[body] + 2] = sign
+                if self._at[body] >= 0:
+                    turn[self._at[body] + 2] = sign
             yield turn
 
-    def _forces(self) -> Iterator[Rigid]:
-        """Forces of joints and contacts."""
-        for j in np.flatnonzero(self._engaged).tolist():
-            yield from self._joint(j)
-        for row in np.flatnonzero(self.run.arrays["contact_sample"] == self.sample).tolist():
-            yield from self._touch(row)
-
-    def _rigid_rows(self) -> Array:
-        """The rows of all such forces, [k, 3 n]; adds their geometric stiffness."""
-        found = np.zeros((len(self._rigids), self.count))
-        if not self._rigids:
+    def _rigid_rows(self, rigids: Sequence[Rigid]) -> Array:
+        """The rows of forces of joints and contacts, [k, 3 n]; adds their geometric stiffness."""
+        found = np.zeros((len(rigids), self.count))
+        if not rigids:
             return found
-        # central differences by the motions of both bodies
+        bodies, arms, radii, along, turns, forces, across, *_ = map(
+            np.array, zip(*rigids, strict=True))
+        # central differences of wrenches by the motions x, y, angle of both bodies
         steps = SMALL * np.array([self.size, self.size, 1.0] * 2)
-        all_of = self._wrenches(np.concatenate([np.zeros((1, 6)), np.diag(steps), -np.diag(steps)]))
-        slopes_of = ((all_of[:, 1:7] - all_of[:, 7:]) / (2 * steps[:, None])).transpose(0, 2, 1)
-        for i, (rigid, wrench, slopes) in enumerate(zip(
-                self._rigids, all_of[:, 0], slopes_of, strict=True)):
-            self.largest = max(self.largest, abs(rigid.force))
-            places = self._at[list(rigid.bodies)]
-            on = np.repeat(places >= 0, 3)
-            at = (places[:, None] + np.arange(3)).ravel()[on]
-            found[i, at] = wrench[on]
-            self.stiffness[np.ix_(at, at)] -= rigid.force * slopes[np.ix_(on, on)]
-        return found
-
-    def _wrenches(self, moved: Array) -> Array:
-        """Wrenches of unit forces on both bodies, moved by x, y and angle each, [k, m, 6]."""
-        bodies, arms, radii, along, turns, _, across, *_ = map(
-            np.array, zip(*self._rigids, strict=True))
-        centres = self.centre[bodies]
-        at = [centres[:, None, k] + moved[:, 3 * k:3 * k + 2] for k in (0, 1)]
+        moved = np.concatenate([np.zeros((1, 6)), np.diag(steps), -np.diag(steps)])
+        at = [self.centre[bodies[:, None, k]] + moved[:, 3 * k:3 * k + 2] for k in (0, 1)]
         ends = [at[k] + rotated(arms[:, None, k], moved[:, 3 * k + 2]) for k in (0, 1)]
         way = ends[0] - ends[1]
         n = np.broadcast_to(along[:, None], way.shape).copy()
@@ -239,7 +211,15 @@ class Yielding:
         f = np.where(across[:, None, None], np.stack([-n[..., 1], n[..., 0]], axis=-1), n)
         moments = [(point - at[k])[..., 0] * f[..., 1] - (point - at[k])[..., 1] * f[..., 0]
                    for k in (0, 1)]
-        return np.concatenate([f, moments[0][..., None], -f, -moments[1][..., None]], axis=-1)
+        wrenches = np.concatenate([f, moments[0][..., None], -f, -moments[1][..., None]], axis=-1)
+        slopes = ((wrenches[:, 1:7] - wrenches[:, 7:]) / (2 * steps[:, None])).transpose(0, 2, 1)
+        self.largest = max(self.largest, float(np.abs(forces).max()))
+        for i, places in enumerate(self._at[bodies]):
+            on = np.repeat(places >= 0, 3)
+            rows = (places[:, None] + np.arange(3)).ravel()[on]
+            found[i, rows] = wrenches[i, 0, on]
+            self.stiffness[np.ix_(rows, rows)] -= forces[i] * slopes[i][np.ix_(on, on)]
+        return found
 
     def _joint(self, j: int) -> Iterator[Rigid]:
         """The possible forces of a joint on ``b``."""
@@ -283,7 +263,7 @@ class Yielding:
         pair = int(a["contact_body"][row]), int(a["contact_other"][row])
         u, force = a["contact_normal"][row], a["contact_force"][row]
         normal, tangential = float(force @ u), float(force @ np.array([-u[1], u[0]]))
-        if normal <= TOUCH or not any(body in self.place for body in pair):
+        if normal <= TOUCH or not self.model.bodies.free[list(pair)].any():
             return
         mu = friction_of(self.run.mechanism, *pair)
         slides = abs(tangential) >= mu * normal * (1 - AT_CONE) and slip_speeds(
@@ -299,14 +279,10 @@ class Yielding:
         a, s, both = self.run.arrays, self.sample, list(pair)
         u, point = a["contact_normal"][row], a["contact_point"][row]
         near = NEAR + self.run.info.step * float(np.hypot(*a["body_velocity"][s, both, :2].T).sum())
-        ends, along = pressed(self.run, row, near), np.array([-u[1], u[0]])
+        ends, (one, two) = pressed(self.run, row, near)
         near += abs(float(a["contact_gap"][row])) / 2
-        place = float(point @ along)
-        sides = [side for found in faces(self.run, row, near) for side in [next((
-            each for each in found if each.low - near <= place <= each.high + near), None)] if side]
-        if ends is None or len(sides) < 2:
+        if ends is None or one is None or two is None:
             raise ArithmeticError("bodies that touch with several normals")
-        one, two = sides
         flat = [side.high - side.low > near for side in (one, two)]
         if len(ends) == 2:
             way = ends[1] - ends[0]
@@ -320,11 +296,19 @@ class Yielding:
         arms = np.array([point + radii[0] * u, point - radii[1] * u]) - self.centre[both]
         return [(1.0, Rigid(pair, arms, radii, u, 0 if flat[0] else 1 if flat[1] else 2))]
 
-    def of(self, body: int, *, signed: bool = False) -> Yield:
-        """The response of a free body; ``signed`` as of :class:`Yield`."""
+    def of(self, body: int, *, signed: bool = False) -> PushResponse:
+        """The response of a free body; ``signed`` as of :class:`PushResponse`."""
         kept, pushes = (np.array(rows).reshape(len(rows), self.count)
                         for rows in (self.kept, self.pushes))
-        own, part = self._together(body, np.concatenate([kept, pushes]))
+        # degrees of freedom coupled to those of the body, and its own among them
+        bodies = [np.abs(each).reshape(len(each), self.count // 3, 3).max(axis=2) > 0
+                  for each in (kept, pushes, self.stiffness)]
+        joins = bodies[0].T @ bodies[0] | bodies[1].T @ bodies[1] | (
+            bodies[2].reshape(-1, 3, self.count // 3).any(axis=1))
+        group, first = np.array(components(len(joins), np.argwhere(joins))), self._at[body] // 3
+        reached = group == group[first]
+        part = np.flatnonzero(np.repeat(reached, 3))
+        own = 3 * int(reached[:first].sum()) + np.arange(3)
         scale = np.tile([1.0, 1.0, 1 / self.size], len(part) // 3)
         K = scale * self.stiffness[np.ix_(part, part)] * scale[:, None]
         symmetric = np.array_equal(kept, pushes)
@@ -348,19 +332,9 @@ class Yielding:
         firm = ~soft
         C = (motions @ right[:, firm] / values[firm]) @ (forces @ left[:, firm]).T
         back = np.array([1.0, 1.0, 1 / self.size])
-        free = away[:, :2]
-        return Yield(back * C * back[:, None], np.abs(away).max(axis=0, initial=0.0) > SOFTLY,
-                     free[np.abs(free).max(axis=1, initial=0.0) > SOFTLY], signed)
-
-    def _together(self, body: int, rows: Array) -> tuple[slice, Integers]:
-        """The degrees of freedom coupled to those of a body, and its own among them."""
-        bodies = [np.abs(each).reshape(len(each), self.count // 3, 3).max(axis=2) > 0
-                  for each in (rows, self.stiffness)]
-        joins = bodies[0].T @ bodies[0] | bodies[1][0::3] | bodies[1][1::3] | bodies[1][2::3]
-        group, first = np.array(components(len(joins), np.argwhere(joins))), self.place[body] // 3
-        reached = group == group[first]
-        at = 3 * int(reached[:first].sum())
-        return slice(at, at + 3), np.flatnonzero(np.repeat(reached, 3))
+        loose = np.abs(away).max(axis=0, initial=0.0) > SOFTLY
+        free = away[np.abs(away[:, :2]).max(axis=1, initial=0.0) > SOFTLY, :2]
+        return PushResponse(back * C * back[:, None], loose, free, signed)
 
 
 def _repeated(run: Samples, sample: int, moved: Array) -> Samples:

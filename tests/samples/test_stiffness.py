@@ -10,7 +10,7 @@ import pytest
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.samples.grasps import MAX_STIFFNESS_SAMPLES, Grasp
-from sandbox.samples.yielding import Yielding
+from sandbox.samples.stiffness import Linearization
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
@@ -92,8 +92,8 @@ def test_stiffness_is_calculated_only_in_the_samples_that_are_read(
 ) -> None:
     run = tips(0.0, 400.0, 1.0)
     calculated = []
-    plain = Yielding.__init__
-    monkeypatch.setattr(Yielding, "__init__", lambda self, run, sample, size: (
+    plain = Linearization.__init__
+    monkeypatch.setattr(Linearization, "__init__", lambda self, run, sample, size: (
         calculated.append(sample), plain(self, run, sample, size))[0])
     last = run.within("thing.stiffness", slice(-1, None))
     assert calculated == [len(run) - 1]
@@ -137,7 +137,7 @@ def test_shipped_hands_answer_a_push_as_their_stiffness_says(
     rest = simulate(mechanism)
     body = [each.name for each in mechanism.bodies].index(name)
     rho, end = Grasp(rest, body).size, len(rest) - 1
-    expected = size * Yielding(rest, end, rho).of(body).compliance[0, 0]
+    expected = size * Linearization(rest, end, rho).of(body).compliance[0, 0]
     ways = []
     for share in (1.0, -1.0, 0.5, -0.5):
         run = simulate(pushed(mechanism, name, (share * size, 0.0)))
