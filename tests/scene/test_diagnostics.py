@@ -70,7 +70,7 @@ parts[2].name = "finger1" | duplicate-name | is taken by parts[0]
 templates.digit.rads = 1 | unknown-key | unknown key ? 'radii'
 parameters.pull = "=each" | circular-definition | each → pull → each @ parameters.each
 parameters["a.b"] = 1 | invalid-name | is not the name of a parameter
-title = "a\ud800" | invalid-json | half a character
+title = "a\ud800" | invalid-json | half a character (a surrogate) @ $
 parameters = 3 | wrong-type | expected an object {…}, got the number 3
 run.duration = 31500000.0 | limit-exceeded | 63 000 000 000 steps
 view.fps = 30 | not-allowed | 30 is not allowed here
@@ -271,8 +271,9 @@ def rows() -> Iterator[Any]:
         found = [change.split(" =", 1) for change in changes.split(" & ")]
         message, _, place = message.partition(" @ ")
         message, _, hint = message.partition(" ? ")
-        yield pytest.param(SCENES[scene], found, (code, f"$.{place or found[-1][0]}", hint),
-                           message, id=f"{scene}: {changes[:60]}")
+        path = "$" if place == "$" else f"$.{place or found[-1][0]}"
+        yield pytest.param(SCENES[scene], found, (code, path, hint), message,
+                           id=f"{scene}: {changes[:60]}")
 
 
 def change(scene: dict[str, Any], place: str, value: str) -> None:

@@ -75,17 +75,6 @@ def test_overrides_that_lead_nowhere(path: str, value: Any, words: str, hint: st
     assert (problem.hint, problem.line) == (hint, 0)
 
 
-def test_a_parameter_has_a_hundred_letters_at_most_and_depends_a_hundred_deep() -> None:
-    def chain(deep: int) -> dict[str, Any]:
-        return {"parameters": {f"p{i}": f"=p{i + 1}" for i in range(deep)} | {f"p{deep}": 7}}
-    assert load_scene(chain(100)).parameters["p0"] == 7.0
-    assert load_scene({"parameters": {"a" * 100: 1}}).parameters["a" * 100] == 1.0
-    for deep in (101, 150):
-        (problem,) = _problems(chain(deep))
-        assert problem.path == "$.parameters.p101"
-        assert "more than 100 deep" in problem.message
-
-
 def test_mistakes_in_several_elements_are_reported_together() -> None:
     bodies = [{"name": "disc", "mass": "1 mm"}, {"name": "disc", "mass": 1, "inertia": 1},
               {"name": "wall", "motion": "fixed"}]

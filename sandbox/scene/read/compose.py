@@ -19,7 +19,7 @@ from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read import scopes
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origins import Composed, Origin, RefusedError
-from sandbox.scene.read.scopes import Scope, plain_tables, resolved_tables
+from sandbox.scene.read.scopes import Scope, resolved_tables
 from sandbox.scene.read.source import Library, SceneSource
 from sandbox.values.numbers import number_from
 from sandbox.values.paths import JsonPath, parse_path
@@ -47,20 +47,10 @@ class Context:
     templates: Any
     home: Origin  # of the templates
     files: tuple[Path, ...] = ()  # files that include one another, down to the file of this piece
-    inside: tuple[str, ...] = ()  # templates that contain this piece
 
     def to(self, step: str | int, place: Origin) -> Context:
         """The context of a child at a place."""
         return replace(self, place=place, trail=(*self.trail, step))
-
-    @property
-    def in_template(self) -> Context:
-        """The same, with the template in which an entry is written."""
-        base, path = self.home.path, self.place.path
-        if self.place.source is not self.home.source or path[:len(base)] != base or path == base:
-            return self
-        name = str(path[len(base)])
-        return self if name in self.inside else replace(self, inside=(*self.inside, name))
 
 
 def compose(
@@ -89,11 +79,13 @@ def _has_words(value: Any) -> bool:
     return isinstance(value, list) and any(map(_has_words, value))
 
 
-def merged(entry: Any, at: Context, places: Composed, near: NearMisses) -> Any:
+def merged(
+    entry: Any, at: Context, places: Composed, near: NearMisses, inside: tuple[str, ...] = (),
+) -> Any:
     """An entry with the keys of the templates that it is like.
 
     Objects are merged key by key; lists and numbers are replaced as a whole. A template may itself
-    be like another one. ``places`` notes where each key was written.
+    be like another one: ``inside`` are those so far. ``places`` notes where each key was written.
     """
     if not isinstance(entry, dict) or "like" not in entry:
         return entry
@@ -103,10 +95,10 @@ def merged(entry: Any, at: Context, places: Composed, near: NearMisses) -> Any:
         if not isinstance(name, str):
             raise WrongValueError("bad-template",
                                   f"'like' is the name of a template, not {kind_of(name)}")
-        if name in at.inside:
+        if name in inside:
             raise WrongValueError("circular-definition", "templates are like one another: "
-                                  f"{' → '.join([*at.inside, name])}")
-        if len(at.inside) >= DEEPEST_LIKE:
+                                  f"{' → '.join([*inside, name])}")
+        if len(inside) >= DEEPEST_LIKE:
             raise WrongValueError("circular-definition", "templates are like one another more than "
                                   f"{DEEPEST_LIKE} deep")
         if name not in known:
@@ -118,7 +110,7 @@ def merged(entry: Any, at: Context, places: Composed, near: NearMisses) -> Any:
         if not isinstance(known[name], dict):
             raise WrongValueError("bad-template", f"the template {quoted(name)} is "
                                   f"{kind_of(known[name])}, not an object {{…}}")
-    below = merged(known[name], replace(at, place=home, inside=(*at.inside, name)), places, near)
+    below = merged(known[name], replace(at, place=home), places, near, (*inside, name))
     return _over(entry, at.place, below, home, places)
 
 
@@ -225,7 +217,6 @@ class _Composer:
                 self.top = here.place
             try:
                 if isinstance(item, dict):
-                    here = here.in_template
                     self.copies(out, merged(item, here, self.made, self.near), here)
                 else:
                     if len(out) != number:
@@ -303,7 +294,7 @@ class _Composer:
         around, tables = at.scope.known, at.scope.tables
         if file is not None:
             defaults, around = file.source.data.get("parameters", {}), {}
-            tables = plain_tables(file.source.data.get("tables"))
+            tables = resolved_tables(file.source.data.get("tables"), {}, None)
         places = {name: self.made.at(given, name, place) for name in given}
         foreign = [name for name in given if file is not None and name not in defaults]
         problems = [places[name].problem(

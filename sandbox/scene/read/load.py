@@ -7,6 +7,7 @@ steps would find: what could not be read is left out, and the rest is checked.
 
 from __future__ import annotations
 
+import json
 import numbers
 import os
 import sys
@@ -37,11 +38,10 @@ from sandbox.scene.read.scopes import (
     IDENTIFIER,
     STAND_IN,
     Parameters,
-    plain_tables,
     resolve_parameters,
     resolved_tables,
 )
-from sandbox.scene.read.source import SceneSource, first_problems, half_character, read_source
+from sandbox.scene.read.source import SceneSource, first_problems, read_source
 from sandbox.values.expressions import RESERVED, NamedValues
 from sandbox.values.messages import explain, written
 from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path
@@ -163,14 +163,10 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
             if not isinstance(key, str):
                 problems.append(Problem("wrong-type",
                                         f"a key is text, not {kind_of(key)}", shown_path(path)))
-            elif half := half_character(key):
-                problems.append(Problem("invalid-json", half, shown_path((*path, key)), key=True))
         return {key: _plain(entry, (*path, key), nesting, problems)
                 for key, entry in value.items() if isinstance(key, str)}
     if isinstance(value, (list, tuple)):
         return [_plain(entry, (*path, i), nesting, problems) for i, entry in enumerate(value)]
-    if isinstance(value, str) and (half := half_character(value)):
-        problems.append(Problem("invalid-json", half, shown_path(path)))
     if isinstance(value, numbers.Real) and not isinstance(value, (bool, int, float)):
         return float(value)
     return value
@@ -199,8 +195,17 @@ class _Loading:
         if too_large := check_size(data, self.limits):
             self.report(too_large)
             return None
-        self.parameters = resolve_parameters(
-            data.get("parameters"), plain_tables(data.get("tables")))
+        try:
+            json.dumps(data, ensure_ascii=False, default=str).encode()
+        except UnicodeEncodeError as error:  # no file can hold it
+            before = quoted(error.object[max(error.start - 20, 0):error.start])
+            self.report([Problem("invalid-json", f"half a character (a surrogate) after {before}")])
+            return None
+        if not isinstance(own := data.get("parameters", {}), dict):  # others would follow from it
+            self.report([Problem("wrong-type", f"expected an object {{…}}, got {kind_of(own)}",
+                                 "$.parameters")])
+            return None
+        self.parameters = resolve_parameters(own, resolved_tables(data.get("tables"), {}, None))
         self.report(self.parameters.problems)
         self.composed = compose(self.source, data, self.parameters, self.limits)
         self.add(self.composed.problems)
@@ -210,7 +215,7 @@ class _Loading:
             return None
         self.ignored = set(self.composed.broken)
         values: dict[str, Any] = self.parameters.values
-        if isinstance(data.get("parameters"), dict):
+        if own:
             data = {**data, "parameters": dict(values)}
         if tables := resolved_tables(data.get("tables"), values):
             values = NamedValues({**values, **tables})
@@ -239,9 +244,8 @@ class _Loading:
     def _is_cause(self, problem: Problem, data: Any) -> bool:
         """Whether a problem is not the consequence of another one."""
         path = parse_path(problem.path)
-        return path[:2] not in self.ignored and (
-            path == ("parameters",)
-            or not self.parameters.reads_failed(reduce(getitem, path, data)))
+        return path[:2] not in self.ignored and not self.parameters.reads_failed(
+            reduce(getitem, path, data))
 
     def _checked(self, scene: Scene, readable: _Readable) -> Mechanism:
         """The mechanism of a scene, after checks of parts, units, names and sizes."""

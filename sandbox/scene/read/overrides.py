@@ -12,7 +12,7 @@ from sandbox.errors import Problem
 from sandbox.scene.read.compose import Context, merged
 from sandbox.scene.read.origins import Composed, Origin, RefusedError
 from sandbox.scene.read.scopes import Scope
-from sandbox.scene.read.source import SceneSource, half_character
+from sandbox.scene.read.source import SceneSource
 from sandbox.values.paths import JsonPath, holds, parse_path
 from sandbox.values.units import dimension_of, unit_in, units_of
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
@@ -40,9 +40,6 @@ def apply_overrides(
                     value = json.loads(value, parse_constant=str)
             if steps[:1] == ("parameters",):
                 _check_dimension(result, steps, value)
-            written = json.dumps([*steps, value], default=str, skipkeys=True, ensure_ascii=False)
-            if half := half_character(written):
-                raise WrongValueError("invalid-json", half)
             paths.add(_set(result, steps, value))
         except WrongValueError as error:
             problems.append(Problem.of(

@@ -9,6 +9,7 @@ from collections import ChainMap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from graphlib import TopologicalSorter
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -38,7 +39,6 @@ from sandbox.wording import WrongValueError, kind_of, listed, number_text, quote
 
 _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-DEEPEST = 100  # maximum length of a chain of parameters that depend on one another
 PLACEHOLDER = 1.0
 """Replaces a parameter without a value, so that the rest of the scene can be checked."""
 STAND_IN = {"points": [[0, 1], [1, 1]]}
@@ -76,7 +76,7 @@ class Scope:
         """A text with the scope's values in it."""
         if self.braces and ("{" in text or "}" in text):
             text = _BRACES.sub(self._filled, text)
-        if not text.lstrip().startswith("=") or not (self.values or self.renamed is not None):
+        if not ex.is_expression(text) or not (self.values or self.renamed is not None):
             return text
         try:
             expression = ex.parse_expression(text)
@@ -131,106 +131,87 @@ class Parameters:
     values: dict[str, float] = field(default_factory=ex.NamedValues)
     failed: set[str] = field(default_factory=set)
     problems: list[Problem] = field(default_factory=list)
-    unreadable: bool = False  # whether the scene's parameters are not even an object
 
     def reads_failed(self, text: object) -> bool:
         """Whether a text is an expression of a failed parameter, which may be a reserved word."""
-        if not isinstance(text, str) or not (self.failed or self.unreadable):
+        if not isinstance(text, str) or not self.failed:
             return False
         try:
             names = ex.parse_expression(text).names
         except ValueError:  # a parameter named by a keyword of Python makes it invalid
             names = frozenset()
-        words = names | (ex.RESERVED & set(IDENTIFIER.findall(text)))
-        return bool(names if self.unreadable else words & self.failed)
+        return not self.failed.isdisjoint(names | (ex.RESERVED & set(IDENTIFIER.findall(text))))
 
 
-def resolve_parameters(raw: Any, tables: Mapping[str, Any]) -> Parameters:
+def resolve_parameters(raw: Mapping[str, Any], tables: Mapping[str, Any]) -> Parameters:
     """The values of ``{"pull": "15 N", "each": "=pull / 4"}``; a cycle is named.
 
-    They may call ``tables``, except those that read parameters themselves, which are None there.
-    What is not an object has no values: the models refuse it.
+    They may call ``tables``; those that are None there read parameters themselves.
     """
-    found = Parameters(unreadable=raw is not None and not isinstance(raw, dict))
-    known = ex.NamedValues()
-    for name, value in raw.items() if isinstance(raw, dict) else ():
+    found, known, reads = Parameters(), ex.NamedValues(), dict[str, list[str]]()
+    values = ChainMap(found.values, {
+        name: each for name, each in tables.items() if each is not None})
+
+    def refuse(name: str, error: WrongValueError, *, key: bool = False) -> None:
+        if key or not found.reads_failed(raw[name]):
+            found.problems.append(Problem.of(error, path_text(("parameters", name)), key=key))
+        found.failed.add(name)
+
+    for name, value in raw.items():
         try:
             check_name(name, "a parameter", {})
             known[name] = value
         except WrongValueError as error:
-            found.problems.append(Problem.of(error, path_text(("parameters", name)), key=True))
-            found.failed.add(name)
-    for name in known:
-        _resolve(name, known, found, [], tables)
-    return found
-
-
-def _resolve(
-    name: str, raw: Mapping[str, Any], found: Parameters, chain: list[str],
-    tables: Mapping[str, Any],
-) -> None:
-    """Find one value, after those that it reads; ``chain`` leads from the first one to it."""
-    if name in found.values:
-        return
-    value, failed = raw[name], True
-    known: Mapping[str, Any] = found.values
-    try:
-        if name in chain:
-            cycle = " → ".join([*chain[chain.index(name):], name])
-            raise WrongValueError("circular-definition",
-                                  f"parameters that depend on each other: {cycle}")
-        if len(chain) > DEEPEST:
-            raise WrongValueError("circular-definition", "parameters depend on each other more "
-                                  f"than {DEEPEST} deep")
-        if isinstance(value, str) and value.lstrip().startswith("="):
-            expression = ex.parse_expression(value)
-            for table in sorted(expression.tables):
-                known = ChainMap(found.values, {
-                    name: each for name, each in tables.items() if each is not None})
+            refuse(name, error, key=True)
+    for name, value in known.items():
+        reads[name] = []
+        try:
+            expression = ex.parse_expression(value) if ex.is_expression(value) else None
+            reads[name] = sorted(expression.names) if expression else []
+            for table in sorted(expression.tables) if expression else ():
                 if tables.get(ex.call(table), table) is None:
                     raise WrongValueError(
                         "invalid-name", f"the table {quoted(table)} reads parameters itself, so "
                         "no parameter can use it", allowed="a table of plain numbers")
-            for needed in sorted(expression.names):
-                if needed in raw:
-                    _resolve(needed, raw, found, [*chain, name], tables)
-                elif needed not in found.failed:
-                    raise ex.unknown_name(needed, raw, but=name)
-        if name in found.values:
-            return  # it was part of a cycle, reported where the cycle closed
-        number = number_from(value, None, known)
-        failed = found.reads_failed(value)
-    except WrongValueError as error:
-        number = PLACEHOLDER
-        if not found.reads_failed(value):
-            found.problems.append(Problem.of(error, path_text(("parameters", name))))
-    found.values[name] = number
-    if failed:
-        found.failed.add(name)
+        except WrongValueError as error:
+            refuse(name, error)
+    for ring in ex.rings({name: [each for each in needed if each in known]
+                          for name, needed in reads.items()}):
+        start = ring.index(next(name for name in known if name in ring))
+        ring = [*ring[start:], *ring[:start], ring[start]]
+        refuse(ring[0], WrongValueError("circular-definition", "parameters that depend on each "
+                                        f"other: {' → '.join(ring)}"))
+        found.failed.update(ring)
+    for name in TopologicalSorter({name: () if name in found.failed else needed
+                                   for name, needed in reads.items()}).static_order():
+        if name not in known or name in found.failed:
+            continue
+        try:
+            for needed in reads[name]:
+                if needed not in known and needed not in found.failed:
+                    raise ex.unknown_name(needed, known, but=name)
+            if found.failed.isdisjoint(reads[name]):
+                found.values[name] = number_from(known[name], None, values)
+            else:
+                found.failed.add(name)
+        except WrongValueError as error:
+            refuse(name, error)
+    found.values = ex.NamedValues({
+        name: found.values.get(name, PLACEHOLDER) for name in known})
+    return found
 
 
-def plain_tables(raw: Any) -> dict[str, Any]:
-    """The tables by their calls that parameters may call; None for those that read parameters."""
-    def reads(value: Any) -> bool:
-        if isinstance(value, (dict, list)):
-            return any(map(reads, value.values() if isinstance(value, dict) else value))
-        return isinstance(value, str) and value.lstrip().startswith("=")
-
-    reading = {ex.call(name) for name, entry in raw.items() if reads(entry)} if isinstance(
-        raw, dict) else set()
-    return {name: None if name in reading else each
-            for name, each in resolved_tables(raw, {}).items()}
-
-
-def resolved_tables(raw: Any, parameters: Mapping[str, float]) -> dict[str, Any]:
-    """All tables by their calls, a constant for each that is invalid; validation reports it."""
+def resolved_tables(
+    raw: Any, parameters: Mapping[str, float], invalid: Any = np.ones_like,
+) -> dict[str, Any]:
+    """All tables by their calls, ``invalid`` for each that is invalid; validation reports it."""
     found: dict[str, Any] = {}
     for name, entry in raw.items() if isinstance(raw, dict) else ():
         try:
             table = NamedTable.model_validate(entry, context={"parameters": parameters})
             found[ex.call(name)] = function_of(table)
         except ValidationError:
-            found[ex.call(name)] = np.ones_like
+            found[ex.call(name)] = invalid
     return found
 
 
@@ -261,7 +242,7 @@ def _count(value: Any, info: ValidationInfo) -> int:
         count = number_from(value, "ratio", parameters_of(info))
         shown = number_text(count)
     except WrongValueError:
-        if isinstance(value, str) and value.lstrip().startswith("="):
+        if ex.is_expression(value):
             raise
     if not (count == int(count) and count >= 1):
         raise WrongValueError(
