@@ -107,8 +107,7 @@ def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
 def _number(metadata: tuple[Any, ...]) -> str:
     mark = mark_of(metadata, numbers.Dimension) or numbers.Dimension()
     word = "number" if mark.name in (None, "ratio") else f"{mark.name} [{units_of(mark.name)[0]}]"
-    if mark.sign == "> 0" or numbers.POSITIVE in metadata or any(
-            getattr(each, "gt", None) == 0 for each in metadata):
+    if mark.sign == "> 0" or numbers.POSITIVE in metadata:
         return f"{word}, > 0"
     if numbers.AT_MOST_ONE in metadata:
         return f"{word}, 0 to 1"

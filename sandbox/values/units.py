@@ -71,8 +71,7 @@ _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*((?:1\s*/\s*)?[^0-9.\s].*)?")
 _NEWTONS = re.compile(r"\b([mkM]?N)(m|mm|cm)?(s)?\b")
 _DOTS = str.maketrans({"·": " ", "⋅": " ", "*": " ", "²": "^2", "³": "^3", "μ": "µ"})
-_WORDS = re.compile(r"[^\W\d]+|\d+|%|°")
-_PREFIXES = frozenset("pnuµmcdhkKMGT")
+_PREFIX = re.compile(r"\b[pnuµmcdhkKMGT](?=[^\W\d])")
 MAX_LENGTH = 100
 
 
@@ -179,18 +178,10 @@ def factor_of(unit: str, dimension: str | None) -> float:
 
 def _other_prefix(unit: str, other: str) -> bool:
     """Whether two units differ in a prefix, and so by a power of ten: not to be suggested."""
-    def cuts(word: str) -> list[tuple[str, str]]:
-        """Possible prefixes, with the rest in lower case."""
-        whole = [("", word.lower())]
-        if word[:1] in _PREFIXES:
-            whole.append((word[0].replace("K", "k").replace("u", "µ"), word[1:].lower()))
-        return whole
-
-    ones, others = _WORDS.findall(unit), _WORDS.findall(other)
-    pairs = [("".join(ones), "".join(others)), *(zip(ones, others, strict=True)
-                                                 if len(ones) == len(others) else ())]
-    return any(rest and rest == same and first != second
-               for a, b in pairs for first, rest in cuts(a) for second, same in cuts(b))
+    (one, first), (two, second) = (
+        (_PREFIX.sub("", each).lower(), _PREFIX.findall(each.replace("K", "k").replace("u", "µ")))
+        for each in (unit, other))
+    return one == two and first != second
 
 
 def range_of(dimension: str | None) -> Range:

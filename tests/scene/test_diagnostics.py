@@ -169,7 +169,7 @@ parameters.i = 3 | duplicate-name | 'i' is that of a parameter @ bodies[0].repea
 bodies[0].repeat = {"count": 2, "index": "t"}
     | invalid-name | means the time @ bodies[0].repeat.index
 bodies[0].repeat = {"count": 2, "circle": [0, 0], "line": [0, 0]}
-    | bad-repeat | exclude each other @ bodies[0].repeat.circle
+    | bad-repeat | exclude each other @ bodies[0].repeat
 [tables]
 tables.profile = {"points": [[0, 1], [0, 2]]}
     | bad-table | must increase: point 1 has 0 after 0 @ tables.profile.points
@@ -246,7 +246,7 @@ gravity = [1, 0] & loads[0] = {"type": "buoyancy", "name": "f"} | bad-fluid | gr
 bodies[0].displaces = [{"type": "polyline", "points": [[0, 0], [1, 0]]}] | bad-outline | no area
     that could keep a liquid away @ bodies[0]
 events = [{"name": "e", "at": 0.1, "release": ["hinge", "disc"]}] | not-releasable | 'disc' is a
-    body, which events cannot release @ events[0].release[1]
+    body, which cannot be released @ events[0].release[1]
 events = [{"name": "e", "at": 0.1, "take_up": "mesh"}] | not-releasable | 'mesh' joins wheels where
     they meet at t = 0, so events cannot engage it again @ events[0].take_up[0]
 events = [{"name": "e", "at": 0.1, "release": "hinge", "take_up": "hinge"}] | conflicting-keys | one

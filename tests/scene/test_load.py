@@ -80,8 +80,7 @@ def test_mistakes_in_several_elements_are_reported_together() -> None:
               {"name": "wall", "motion": "fixed"}]
     joints = [{"type": "pin", "name": "p", "a": "wal", "b": "disc", "on_a": [0, 0]}]
     assert {(each.code, each.path) for each in _problems({"bodies": bodies, "joints": joints})} == {
-        ("wrong-unit", "$.bodies[0].mass"), ("duplicate-name", "$.bodies[0].name"),
-        ("name-not-found", "$.joints[0].a")}
+        ("wrong-unit", "$.bodies[0].mass"), ("name-not-found", "$.joints[0].a")}
 
 
 def test_very_many_problems_are_counted() -> None:

@@ -21,11 +21,10 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from sandbox.elements.element import LISTS as MECHANISM_LISTS
-from sandbox.elements.element import NAMED
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.check.control import check_units
 from sandbox.scene.check.ranges import check_ranges
-from sandbox.scene.check.references import check_references, duplicate
+from sandbox.scene.check.references import check_references
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.library import find_scene
@@ -44,7 +43,7 @@ from sandbox.scene.read.scopes import (
 from sandbox.scene.read.source import SceneSource, first_problems, read_source
 from sandbox.values.expressions import RESERVED, NamedValues
 from sandbox.values.messages import explain, written
-from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path
+from sandbox.values.paths import JsonPath, parse_path, path_text
 from sandbox.values.spec import Spec
 from sandbox.wording import kind_of, quoted
 
@@ -154,7 +153,7 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
     if isinstance(value, (Mapping, Spec, list, tuple)) and len(path) >= nesting:
         if not problems:
             problems.append(Problem("limit-exceeded", "nested deeper than the limit 'nesting' of "
-                                    f"{nesting}", shown_path(path)))
+                                    f"{nesting}", path_text(path)))
         return None
     if isinstance(value, Spec):
         value = value.model_dump(by_alias=True, exclude_unset=True)
@@ -162,7 +161,7 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
         for key in value:
             if not isinstance(key, str):
                 problems.append(Problem("wrong-type",
-                                        f"a key is text, not {kind_of(key)}", shown_path(path)))
+                                        f"a key is text, not {kind_of(key)}", path_text(path)))
         return {key: _plain(entry, (*path, key), nesting, problems)
                 for key, entry in value.items() if isinstance(key, str)}
     if isinstance(value, (list, tuple)):
@@ -238,8 +237,7 @@ class _Loading:
                 scene = Scene.model_validate(readable.data, context=context)
             except ValidationError:
                 return None
-        mechanism = self._checked(scene, readable)
-        return Loaded(scene, mechanism, self.composed)
+        return Loaded(scene, self._checked(scene, readable), self.composed)
 
     def _is_cause(self, problem: Problem, data: Any) -> bool:
         """Whether a problem is not the consequence of another one."""
@@ -257,23 +255,14 @@ class _Loading:
                         if not readable.assumed or problem.code == "duplicate-name")
             readable.assumed |= {part.name for part in scene.parts}
         relocate = Relocation(mechanism, scene)
-        too_large = check_limits(mechanism, self.limits)
-        self.report(readable.located(relocate(problem)) for problem in too_large)
-        if too_large:  # further checks would take too much time and memory
-            return mechanism
-        for problem in check_units(mechanism):  # without steps that an author may leave out
-            found = readable.located(relocate(problem))
-            path = written(self.composed.data, parse_path(found.path))
-            self.report([replace(found, path=path_text(path))])
-        for problem in [*check_references(mechanism, assumed=readable.assumed),
-                        *check_ranges(mechanism)]:
+        too_large = check_limits(mechanism, self.limits)  # other checks would take too much time
+        for problem in too_large or [*check_references(mechanism, assumed=readable.assumed),
+                                     *check_ranges(mechanism)]:
             self.report([readable.located(relocate(problem))])
-        taken = {each.name: kind for kind in reversed([*NAMED])
-                 for each in getattr(mechanism, kind)}
-        for (kind, i), name in readable.unread.items():
-            if name in taken and kind in NAMED and (kind, i) not in self.ignored:
-                self.report([duplicate(name, kind, taken[name], f"$.{kind}[{i}].name")])
-            taken.setdefault(name, kind)
+        for problem in () if too_large else check_units(mechanism):
+            found = readable.located(relocate(problem))
+            path = written(self.composed.data, parse_path(found.path))  # as far as it is written
+            self.report([replace(found, path=path_text(path))])
         return mechanism
 
     def report(self, problems: Iterable[Problem]) -> None:
@@ -296,8 +285,7 @@ class _Loading:
         """The problems in the order of the file, the first ones if there are very many."""
         ordered = sorted(self.problems, key=lambda problem: (
             problem.file, problem.line, problem.column))
-        return [replace(problem, path=shown_path(parse_path(problem.path)))
-                for problem in first_problems(ordered, self.limits.problems)]
+        return first_problems(ordered, self.limits.problems)
 
 
 class _Readable:
@@ -306,8 +294,6 @@ class _Readable:
     def __init__(self, data: dict[str, Any], broken: set[JsonPath]) -> None:
         self.assumed: set[str] = set()
         """Names of the elements left out; ``*`` for one without a name."""
-        self.unread: dict[tuple[str, int], str] = {}
-        """The names of those in lists, by list and index."""
         self.kept: dict[str, list[int]] = {}
         """For each list, the indices of the elements left in."""
         self.data = dict(data)
@@ -325,8 +311,6 @@ class _Readable:
                     if (key, i) in broken:
                         name = entry.get("name") if isinstance(entry, dict) else None
                         self.assumed.add(name if isinstance(name, str) else "*")
-                        if isinstance(name, str):
-                            self.unread[key, i] = name
         for key in objects:
             if isinstance(entries := self.data.get(key), dict):
                 out = {name for name in entries if (key, name) in broken}

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from graphlib import TopologicalSorter
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import (
@@ -21,8 +21,6 @@ from pydantic import (
     Tag,
     ValidationError,
     ValidationInfo,
-    field_validator,
-    model_validator,
 )
 
 from sandbox.errors import Problem
@@ -35,7 +33,7 @@ from sandbox.values.numbers import Coordinate, Pair, number_from, parameters_of
 from sandbox.values.paths import parse_path, path_text
 from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, function_of
-from sandbox.wording import WrongValueError, kind_of, listed, number_text, quoted
+from sandbox.wording import WrongValueError, kind_of, listed, number_text, quoted, refuse_if
 
 _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -278,18 +276,11 @@ class Repeat(Spec):
     circle: Pair[Coordinate] | None = None
     """Centre of the circle that the copies go round [m]."""
 
-    @field_validator("circle")
-    @classmethod
-    def _alone(cls, circle: Any, info: ValidationInfo) -> Any:
-        if info.data.get("line") is not None:
-            raise WrongValueError("bad-repeat", "'line' and 'circle' exclude each other")
-        return circle
-
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        if (self.count is None) == (self.entries is None):
-            raise WrongValueError("bad-repeat", "a repeat needs either 'count' or 'list'")
-        return self
+    def _verify(self) -> None:
+        refuse_if(None not in (self.line, self.circle), "'line' and 'circle' exclude each other",
+                  "bad-repeat")
+        refuse_if((self.count is None) == (self.entries is None),
+                  "a repeat needs either 'count' or 'list'", "bad-repeat")
 
     @property
     def rows(self) -> list[Names]:

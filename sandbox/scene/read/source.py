@@ -21,10 +21,9 @@ from typing import Any, NoReturn
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.library import scenes_beside, shipped_scenes, similar_scene
 from sandbox.scene.read.limits import Limits
-from sandbox.values.paths import JsonPath, shown_path
+from sandbox.values.paths import JsonPath, path_text
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
 
-LONGEST_NAME = 400  # characters of a path that messages show
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _HUGE = re.compile(r"[0-9][eE]\+?[0-9]{3}|[0-9]{300}")  # numbers; :mod:`json` accepts them
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_. -]{0,99}")
@@ -61,7 +60,6 @@ class SceneSource:
 def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSource:
     """Read and parse a scene's file."""
     limits, name, path = limits or Limits(), str(path), Path(path)
-    name = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
     try:
         content = _read(path, limits)
         text = content.decode("utf-8-sig")
@@ -225,7 +223,7 @@ class Scan:
         return line, offset - self.lines[line - 1] + 1
 
     def _note(self, path: JsonPath, message: str, at: int, code: str = "invalid-json") -> None:
-        self.faults.append(Problem(code, message, shown_path(path), *self.position(at)))
+        self.faults.append(Problem(code, message, path_text(path), *self.position(at)))
 
     def _fail(self, path: JsonPath, message: str, at: int, code: str = "invalid-json") -> NoReturn:
         self._note(path, message, at, code)
