@@ -12,7 +12,6 @@ from pydantic import AfterValidator, Field, PrivateAttr, ValidationInfo, field_v
 
 from sandbox.elements.element import Placed, Reference
 from sandbox.errors import SceneError
-from sandbox.numeric import Array
 from sandbox.scene.outlines.cams import DiscCam, cam_nodes
 from sandbox.scene.outlines.curves import SmoothCurve, flattened, turned
 from sandbox.scene.outlines.drawings import Drawing, curves_of, own_file
@@ -194,7 +193,11 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
                                 tolerance=shape.tolerance), shape.angle
     rings = [turned(nodes, turn, shape.at) for nodes in rings]
     closed = not isinstance(shape, SmoothCurve) or shape.closed
-    flat = _flat(rings, shape.tolerance, closed=closed)
+    flat = [flattened(each, shape.tolerance, closed=closed) for each in rings]
+    corners = sum(map(len, flat))  # they go by the root of the tolerance
+    refuse_if(corners > MAX_CORNERS, f"the tolerance of {shape.tolerance:.3g} m needs {corners} "
+              f"corners, more than {MAX_CORNERS}", "bad-outline",
+              allowed=f"a tolerance of {2 * shape.tolerance * (corners / MAX_CORNERS)**2:.1g} m")
     nodes: Nodes = ()
     if any(each[:, 3].any() for each in rings):  # not only straight lines
         nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
@@ -210,20 +213,6 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     if isinstance(shape, DiscCam):
         found._swing = shape.curve().swing()
     return found
-
-
-def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
-    def flat(within: float) -> list[Ring]:
-        return [flattened(nodes, within, closed=closed) for nodes in curves]
-
-    rings, wider = flat(tolerance), tolerance
-    if (corners := sum(map(len, rings))) <= MAX_CORNERS:
-        return rings
-    while sum(map(len, flat(wider))) > MAX_CORNERS and wider < 1e3 * tolerance:
-        wider *= 2
-    raise WrongValueError("bad-outline", f"the tolerance of {tolerance:.3g} m needs {corners} "
-                          f"corners, more than {MAX_CORNERS}", allowed="a tolerance of "
-                          f"{wider:.3g} m")
 
 
 if TYPE_CHECKING:

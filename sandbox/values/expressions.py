@@ -182,9 +182,9 @@ def parse_expression(text: str) -> Expression:
     refuse_if(len(body) > MAX_LENGTH, f"an expression has at most {MAX_LENGTH} characters, this "
               f"one has {len(body)}", "limit-exceeded")
     refuse_if(not body, "the expression is empty", "bad-expression", allowed=_GRAMMAR)
-    if strange := _STRANGE.search(body):
-        raise WrongValueError("bad-expression", f"{quoted(strange.group())} has no place in the "
-                              f"expression {quoted(body)}", allowed=_GRAMMAR)
+    for strange in _STRANGE.findall(body):
+        refuse_if(strange, f"{quoted(strange)} has no place in the expression {quoted(body)}",
+                  "bad-expression", allowed=_GRAMMAR)
     return _expression(body, _tree_of(body))
 
 

@@ -39,8 +39,8 @@ def parse_path(text: str) -> JsonPath:
     while at < len(body):
         match = _STEP.match(body, at)
         if match is None:
-            raise WrongValueError("bad-override", f"{text[:80]!r} is not a path such as "
-                                  "bodies[0].mass or run.step")
+            raise WrongValueError(
+                "bad-override", f"{text[:80]!r} is not a path such as bodies[0].mass or run.step")
         if match["index"] is not None:
             steps.append(int(match["index"]))
         elif match["quoted"] is not None:

@@ -23,7 +23,7 @@ from sandbox.values.expressions import RESERVED, call
 from sandbox.values.numbers import Items, Pair, Quantity
 from sandbox.values.spec import Spec
 from sandbox.values.units import Measured, dimension_of
-from sandbox.wording import WrongValueError, quoted, refuse_if
+from sandbox.wording import quoted, refuse_if
 
 MAX_POINTS = 1000  # of one table
 CLOSEST = 1e-9  # the least distance of two points, as a share of the whole table
@@ -35,9 +35,8 @@ def check_distinct(points: Sequence[tuple[float, float]], *, closed: bool) -> No
     """Check that neighbouring points of a curve differ."""
     for i, one in enumerate(points):
         j = (i + 1) % len(points)
-        if one == points[j] and (closed or j):
-            raise WrongValueError("bad-outline", f"points {i} and {j} are the same point",
-                                  allowed="each point once; a closed curve closes automatically")
+        refuse_if(one == points[j] and (closed or j), f"points {i} and {j} are the same point",
+                  "bad-outline", allowed="each point once; a closed curve closes automatically")
 
 
 def natural(at: Array, values: Array, *, bent: bool = False) -> Array:

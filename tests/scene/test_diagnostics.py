@@ -101,7 +101,7 @@ controllers[0].rate = "300 Hz"
 controllers[0].target = "=1 / (t - t)" | out-of-range | no finite value
 controllers[0].name = "motor" | duplicate-name | already that of a drive
 events = [{"name": "later", "at": "2 s", "stop": "pass"}]
-    | event-never-happens | the run ends at 1 s @ events[0].at
+    | event-never-happens | and the run ends at 1 s @ events[0].at
 events = [{"name": "later", "when": "=t > 0", "after": "0.6 s", "rate": "2 Hz", "stop": "pass"}]
     | event-never-happens | due at 1 s @ events[0].after
 events = [{"name": "later", "when": "=t > 5", "stop": "pass"}]

@@ -102,17 +102,14 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
     """An event that cannot happen during the run, or that lasts without anything to reverse."""
     duration, step = mechanism.run.duration, mechanism.run.step
     yield from rate_problems(event.rate, step, f"{path}.rate")
-    key, start = ("at", event.at) if event.at is not None else ("after", event.after)
+    key = "at" if event.at is not None else "after"
     first, last = first_step(event, step), math.ceil(duration / step - 1e-9)
     if event.when is not None:
         first += -first % every(event.rate, step)
-    if start >= duration:
-        yield Problem("event-never-happens", "this event can never happen: the run ends at "
-                      f"{duration:g} s", f"{path}.{key}", allowed=f"less than {duration:g} s")
-    elif first > 0 and first >= last:
-        yield Problem("event-never-happens",
-                      f"this event can never happen: it would be due at {first * step:g} s, after "
-                      "the run's last step has begun", f"{path}.{key}", allowed="an earlier time")
+    if 0 < first >= last:
+        yield Problem("event-never-happens", "this event can never happen: it would be due at "
+                      f"{first * step:g} s, and the run ends at {duration:g} s", f"{path}.{key}",
+                      allowed="an earlier time")
     if event.when is not None:
         names = parse_expression(event.when).names
         steps = range(first, last, every(event.rate, step))

@@ -101,11 +101,9 @@ class CamCurve:
 def cam_nodes(curve: CamCurve) -> Array:
     """Nodes of the outline [n, 4], counter-clockwise, one at every angle of the lift's table."""
     lowest = float(curve.lift(curve.checked)[0].min())
-    if curve.base + lowest <= 0:
-        raise WrongValueError(
-            "bad-outline", f"the curve through the entries of 'lift' goes down to {lowest:.6g} m, "
-            "below the cam's centre", allowed=f"a base radius above {-lowest:.6g} m, or more "
-            "entries where the curve swings between them")
+    refuse_if(curve.base + lowest <= 0, "the curve through the entries of 'lift' goes down to "
+              f"{lowest:.6g} m, below the cam's centre", "bad-outline", allowed="a base radius "
+              f"above {-lowest:.6g} m, or more entries where the curve swings between them")
     radius = curve.radius(curve.checked)
     if radius.min() <= 0:
         raise _undercut(curve, math.degrees(float(curve.checked[int(radius.argmin())])))

@@ -23,7 +23,7 @@ from sandbox.scene.read.scopes import Scope, resolved_tables
 from sandbox.scene.read.source import Library, SceneSource
 from sandbox.values.numbers import number_from
 from sandbox.values.paths import JsonPath, parse_path
-from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
+from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted, refuse_if
 
 WORDS = ("like", "repeat", "include")
 ENTRY_WORDS = ("like", "repeat")  # keys that no composed entry has
@@ -92,24 +92,19 @@ def merged(
     known = at.templates if isinstance(at.templates, dict) else {}
     name = entry["like"]
     with at.place.to("like").refusing():
-        if not isinstance(name, str):
-            raise WrongValueError("bad-template",
-                                  f"'like' is the name of a template, not {kind_of(name)}")
-        if name in inside:
+        refuse_if(not isinstance(name, str), "'like' is the name of a template, not "
+                  f"{kind_of(name)}", "bad-template")
+        if name in inside or len(inside) >= DEEPEST_LIKE:
             raise WrongValueError("circular-definition", "templates are like one another: "
                                   f"{' → '.join([*inside, name])}")
-        if len(inside) >= DEEPEST_LIKE:
-            raise WrongValueError("circular-definition", "templates are like one another more than "
-                                  f"{DEEPEST_LIKE} deep")
         if name not in known:
             raise WrongValueError(
                 "bad-template", f"there is no template {quoted(name)}", hint=near(name, known),
                 allowed=listed(known) or "none: the scene has no templates")
     home = at.home.to(name).copied(at.place)
     with home.refusing():
-        if not isinstance(known[name], dict):
-            raise WrongValueError("bad-template", f"the template {quoted(name)} is "
-                                  f"{kind_of(known[name])}, not an object {{…}}")
+        refuse_if(not isinstance(known[name], dict), f"the template {quoted(name)} is "
+                  f"{kind_of(known[name])}, not an object {{…}}", "bad-template")
     below = merged(known[name], replace(at, place=home), places, near, (*inside, name))
     return _over(entry, at.place, below, home, places)
 
@@ -330,13 +325,11 @@ class _Composer:
     def included(self, item: dict[str, Any], at: Context) -> dict[str, Any]:
         place, name = self.made.at(item, "include", at.place), item["include"]
         with place.refusing():
-            if item.get("type", "assembly") != "assembly":
-                raise WrongValueError("bad-include", "only an assembly includes a scene",
-                                      allowed='"type": "assembly", or no type')
+            refuse_if(item.get("type", "assembly") != "assembly", "only an assembly includes a "
+                      "scene", "bad-include", allowed='"type": "assembly", or no type')
             path = self.library.find(at.scope.text(name) if isinstance(name, str) else name)
-            if path in at.files:
-                raise WrongValueError("bad-include", "a scene that includes itself has no end: "
-                                      + " → ".join(each.name for each in (*at.files, path)))
+            refuse_if(path in at.files, "a scene that includes itself has no end: "
+                      + " → ".join(each.name for each in (*at.files, path)), "bad-include")
             try:
                 source = self.library.open(path)
             except SceneError as error:
@@ -344,14 +337,10 @@ class _Composer:
                     replace(each, message=f"{each.message} ({place.including})")
                     for each in error.problems]) from None
         root, data = Origin(source, included=place.including, copy=at.place.copy), source.data
-        for key in data:
-            try:
-                with root.to(key).refusing(key=True):
-                    if key not in KEYS:
-                        raise WrongValueError("unknown-key", f"unknown key {quoted(key)}",
-                                              allowed=", ".join(KEYS), hint=near(key, KEYS))
-            except RefusedError as error:
-                self.refuse(error, at.trail)
+        for key in (key for key in data if key not in KEYS):
+            self.refuse(RefusedError(root.to(key), [root.to(key).problem(
+                "unknown-key", f"unknown key {quoted(key)}", key=True, allowed=", ".join(KEYS),
+                hint=near(key, KEYS))]), at.trail)
         tables = data.get("tables")
         _check_object(data.get("parameters", {}), root.to("parameters"))
         given = self.parameters(item, at, root)
@@ -394,5 +383,5 @@ class _Composer:
 
 def _check_object(value: Any, place: Origin) -> None:
     with place.refusing():
-        if not isinstance(value, dict):
-            raise WrongValueError("wrong-type", f"expected an object {{…}}, got {kind_of(value)}")
+        refuse_if(not isinstance(value, dict), f"expected an object {{…}}, got {kind_of(value)}",
+                  "wrong-type")

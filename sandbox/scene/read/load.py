@@ -11,12 +11,12 @@ import json
 import numbers
 import os
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from operator import getitem
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from pydantic import ValidationError
 
@@ -124,28 +124,16 @@ def read_scene(
         found = SceneSource(_plain(source, (), limits.nesting, problems))
         if problems:
             raise SceneError(first_problems(problems, limits.problems))
+    elif isinstance(text := os.fspath(source) if isinstance(source, os.PathLike) else source, str):
+        path = find_scene(text)
+        found = read_source(path, limits=limits)
+        # a file's name is bytes, which need not be text
+        found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
     else:
-        found = _from_file(source, limits)
-    loading = _Loading(found, limits)
-    loaded = loading.scene(found.data, overrides or {})
-    if loading.problems or loaded is None:
-        raise SceneError(loading.reported(), found.name)
-    return loaded
-
-
-def _from_file(source: str | os.PathLike[str], limits: Limits) -> SceneSource:
-    """The text of a file, or else of a shipped scene; a directory of that name holds its runs."""
-    text = os.fspath(source) if isinstance(source, os.PathLike) else source
-    if not isinstance(text, str):
-        raise SceneError([Problem(
-            "bad-argument", f"{quoted(source)} is no scene", "source",
-            allowed="a path, the name of a shipped scene, or a mapping with the content of a "
-            "file")])
-    path = find_scene(text)
-    found = read_source(path, limits=limits)
-    # a file's name is bytes, which need not be text
-    found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
-    return found
+        raise SceneError([Problem("bad-argument", f"{quoted(source)} is no scene", "source",
+                                  allowed="a path, the name of a shipped scene, or a mapping with "
+                                  "the content of a file")])
+    return _Loading(found, limits).scene(found.data, overrides or {})
 
 
 def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) -> Any:
@@ -185,65 +173,61 @@ class _Loading:
     ignored: set[JsonPath] = field(default_factory=set)
     """Entries whose problems have been reported already."""
 
-    def scene(self, data: dict[str, Any], overrides: Mapping[str, Any]) -> Loaded | None:
-        """The scene, or the readable part of it; None if there is none."""
+    def scene(self, data: dict[str, Any], overrides: Mapping[str, Any]) -> Loaded:
+        """The scene."""
         data, self.overridden, problems = apply_overrides(
             data, overrides, nesting=self.limits.nesting)
         self.problems = dict.fromkeys(problems)
         self.composed = Composed(data, Origin(self.source))
-        if too_large := check_size(data, self.limits):
-            self.report(too_large)
-            return None
+        self.stop(check_size(data, self.limits))
         try:
             json.dumps(data, ensure_ascii=False, default=str).encode()
         except UnicodeEncodeError as error:  # no file can hold it
             before = quoted(error.object[max(error.start - 20, 0):error.start])
-            self.report([Problem("invalid-json", f"half a character (a surrogate) after {before}")])
-            return None
+            self.stop([Problem("invalid-json", f"half a character (a surrogate) after {before}")])
         if not isinstance(own := data.get("parameters", {}), dict):  # others would follow from it
-            self.report([Problem("wrong-type", f"expected an object {{…}}, got {kind_of(own)}",
-                                 "$.parameters")])
-            return None
+            self.stop([Problem("wrong-type", f"expected an object {{…}}, got {kind_of(own)}",
+                               "$.parameters")])
         self.parameters = resolve_parameters(own, resolved_tables(data.get("tables"), {}, None))
         self.report(self.parameters.problems)
         self.composed = compose(self.source, data, self.parameters, self.limits)
         self.add(self.composed.problems)
         data = self.composed.data
-        self.report(too_large := [] if self.composed.failed else check_size(data, self.limits))
-        if self.composed.failed or too_large:
-            return None
+        self.stop([] if self.composed.failed else check_size(data, self.limits),
+                  always=self.composed.failed)
         self.ignored = set(self.composed.broken)
         values: dict[str, Any] = self.parameters.values
         if own:
             data = {**data, "parameters": dict(values)}
         if tables := resolved_tables(data.get("tables"), values):
             values = NamedValues({**values, **tables})
-        return self._validated(data, {
+        scene, readable = self._validated(data, {
             "parameters": values, "folder": self.source.path and self.source.path.parent})
+        mechanism = self._checked(scene, readable)
+        self.stop(always=bool(self.problems))
+        return Loaded(scene, mechanism, self.composed)
 
-    def _validated(self, data: dict[str, Any], context: dict[str, Any]) -> Loaded | None:
-        paths: set[JsonPath] = set()
+    def _validated(
+        self, data: dict[str, Any], context: dict[str, Any],
+    ) -> tuple[Scene, _Readable]:
+        """The readable part of the scene."""
         readable = _Readable(data, self.ignored)
         try:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
             problems = explain(error, data, Scene, MAX_EXPLAINED)
-            self.report(each for each in problems if self._is_cause(each, data))
-            if not self.problems:  # a problem left out must have been reported
-                self.report(problems)
-            paths = {parse_path(problem.path) for problem in problems}
+            paths = [parse_path(problem.path) for problem in problems]
+            causes = [problem for problem, path in zip(problems, paths, strict=True)
+                      if path[:2] not in self.ignored and not self.parameters.reads_failed(
+                          reduce(getitem, path, cast(Any, data)))]
+            self.report(causes if self.problems else causes or problems)
             readable = _Readable(data, {path[:2] for path in paths} | self.ignored)
             try:
                 scene = Scene.model_validate(readable.data, context=context)
             except ValidationError:
-                return None
-        return Loaded(scene, self._checked(scene, readable), self.composed)
-
-    def _is_cause(self, problem: Problem, data: Any) -> bool:
-        """Whether a problem is not the consequence of another one."""
-        path = parse_path(problem.path)
-        return path[:2] not in self.ignored and not self.parameters.reads_failed(
-            reduce(getitem, path, data))
+                self.stop(always=True)
+                raise
+        return scene, readable
 
     def _checked(self, scene: Scene, readable: _Readable) -> Mechanism:
         """The mechanism of a scene, after checks of parts, units, names and sizes."""
@@ -265,6 +249,13 @@ class _Loading:
             self.report([replace(found, path=path_text(path))])
         return mechanism
 
+    def stop(self, problems: Sequence[Problem] = (), *, always: bool = False) -> None:
+        """Report problems that exclude further checks, and raise all so far, if there are any."""
+        self.report(problems)
+        if problems or always:
+            ordered = sorted(self.problems, key=lambda each: (each.file, each.line, each.column))
+            raise SceneError(first_problems(ordered, self.limits.problems), self.source.name)
+
     def report(self, problems: Iterable[Problem]) -> None:
         """Add problems of the data with their places in the file; of copies, the first one's."""
         for found in problems:
@@ -280,12 +271,6 @@ class _Loading:
                 problem = replace(problem, line=0, column=0,
                                   message=f"{problem.message} (set by an override)")
             self.problems.setdefault(problem)
-
-    def reported(self) -> list[Problem]:
-        """The problems in the order of the file, the first ones if there are very many."""
-        ordered = sorted(self.problems, key=lambda problem: (
-            problem.file, problem.line, problem.column))
-        return first_problems(ordered, self.limits.problems)
 
 
 class _Readable:

@@ -109,17 +109,14 @@ class Scope:
 
 def check_name(name: Any, what: str, parameters: Mapping[str, float]) -> None:
     """Check a name that expressions are to read."""
-    if isinstance(name, str) and name in ex.RESERVED:
-        means = "the time" if name == "t" else "a constant, a function or a word of expressions"
-        raise WrongValueError("invalid-name", f"{quoted(name)} cannot be the name of {what}: it "
-                              f"already means {means}")
-    if not isinstance(name, str) or not IDENTIFIER.fullmatch(name) or "__" in name or (
-            len(name) > 100):
-        raise WrongValueError("invalid-name", f"{quoted(name)} is not the name of {what}",
-                              allowed="a letter, then letters, digits and single _")
-    if name in parameters:
-        raise WrongValueError("duplicate-name", f"the name {quoted(name)} is that of a parameter "
-                              "already", allowed='another one for the index: "index": "j"')
+    means = "the time" if name == "t" else "a constant, a function or a word of expressions"
+    refuse_if(isinstance(name, str) and name in ex.RESERVED, f"{quoted(name)} cannot be the name "
+              f"of {what}: it already means {means}", "invalid-name")
+    refuse_if(not isinstance(name, str) or not IDENTIFIER.fullmatch(name) or "__" in name
+              or len(name) > 100, f"{quoted(name)} is not the name of {what}", "invalid-name",
+              allowed="a letter, then letters, digits and single _")
+    refuse_if(name in parameters, f"the name {quoted(name)} is that of a parameter already",
+              "duplicate-name", allowed='another one for the index: "index": "j"')
 
 
 @dataclass
@@ -167,10 +164,9 @@ def resolve_parameters(raw: Mapping[str, Any], tables: Mapping[str, Any]) -> Par
             expression = ex.parse_expression(value) if ex.is_expression(value) else None
             reads[name] = sorted(expression.names) if expression else []
             for table in sorted(expression.tables) if expression else ():
-                if tables.get(ex.call(table), table) is None:
-                    raise WrongValueError(
-                        "invalid-name", f"the table {quoted(table)} reads parameters itself, so "
-                        "no parameter can use it", allowed="a table of plain numbers")
+                refuse_if(tables.get(ex.call(table), table) is None, f"the table {quoted(table)} "
+                          "reads parameters itself, so no parameter can use it", "invalid-name",
+                          allowed="a table of plain numbers")
         except WrongValueError as error:
             refuse(name, error)
     for ring in ex.rings({name: [each for each in needed if each in known]
@@ -219,10 +215,9 @@ Names = dict[str, float | str]
 
 
 def _index(name: str, info: ValidationInfo) -> str:
-    if name == info.data.get("index"):
-        raise WrongValueError("duplicate-name", f"the name {quoted(name)} is that of the index, "
-                              "which counts the entries",
-                              allowed='another name, or another "index"')
+    refuse_if(name == info.data.get("index"), f"the name {quoted(name)} is that of the index, "
+              "which counts the entries", "duplicate-name",
+              allowed='another name, or another "index"')
     check_name(name, "an index", (info.context or {})["own"])
     return name
 
@@ -242,15 +237,12 @@ def _count(value: Any, info: ValidationInfo) -> int:
     except WrongValueError:
         if ex.is_expression(value):
             raise
-    if not (count == int(count) and count >= 1):
-        raise WrongValueError(
-            "bad-repeat", f"{shown} is not a number of copies",
-            allowed=f"a whole number from 1 to {maximum}, an expression of parameters that gives "
-            "one, or an object with 'count' or 'list'")
-    if count > maximum:
-        raise WrongValueError(
-            "limit-exceeded", f"{shown} copies are more than a scene may have elements",
-            allowed=f"at most {maximum} (the limit 'elements', raised by --limit elements=N)")
+    refuse_if(count != int(count) or count < 1, f"{shown} is not a number of copies", "bad-repeat",
+              allowed=f"a whole number from 1 to {maximum}, an expression of parameters that gives "
+              "one, or an object with 'count' or 'list'")
+    refuse_if(count > maximum, f"{shown} copies are more than a scene may have elements",
+              "limit-exceeded",
+              allowed=f"at most {maximum} (the limit 'elements', raised by --limit elements=N)")
     return int(count)
 
 
@@ -293,14 +285,11 @@ class Repeat(Spec):
         """A copy of an entry, moved along the line or round the circle."""
         if self.line is None and self.circle is None:
             return entry
-        if among not in WITH_POSITION:
-            raise WrongValueError("bad-repeat", f"an entry of {quoted(among)} has no position, so "
-                                  "it cannot have 'line' or 'circle'",
-                                  allowed=f"entries of {listed(WITH_POSITION)}; others use the "
-                                  "index in their names")
-        if "path" in entry:
-            raise WrongValueError("bad-repeat", "a body with a path is not moved by a line or "
-                                  "circle", allowed="the body in an assembly, and that repeated")
+        refuse_if(among not in WITH_POSITION, f"an entry of {quoted(among)} has no position, so it "
+                  "cannot have 'line' or 'circle'", "bad-repeat", allowed="entries of "
+                  f"{listed(WITH_POSITION)}; others use the index in their names")
+        refuse_if("path" in entry, "a body with a path is not moved by a line or circle",
+                  "bad-repeat", allowed="the body in an assembly, and that repeated")
         copies = self.count or len(self.entries or ())
         turn = math.tau * number / copies if self.circle is not None else 0.0
         keys: tuple[str, ...] = ("at",)

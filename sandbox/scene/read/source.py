@@ -22,7 +22,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.scene.library import scenes_beside, shipped_scenes, similar_scene
 from sandbox.scene.read.limits import Limits
 from sandbox.values.paths import JsonPath, path_text
-from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
+from sandbox.wording import WrongValueError, kind_of, listed, near, quoted, refuse_if
 
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _HUGE = re.compile(r"[0-9][eE]\+?[0-9]{3}|[0-9]{300}")  # numbers; :mod:`json` accepts them
@@ -31,6 +31,11 @@ _TOKEN = re.compile(r'"(?:[^"\\\x00-\x1f]|\\.)*+"|["\][{}:,]|[^][{}:," \t\n\r]+'
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?")
 _WORD = re.compile(r"[-+]?[A-Za-z_][A-Za-z0-9_]*")
 _WORDS = ("true", "false", "null")
+_NO_VALUE = {"'": 'put text in double quotes ("…"), not in single quotes',
+             "=": 'put an expression in double quotes: "=pull / 2"',
+             "+.0123456789-": "this is not a JSON number (write 0.5, -2, 1e-3)",
+             ",}]:": "a value is missing before this"}
+"""What is wrong with a token that is no value, by its first character."""
 
 
 @dataclass(frozen=True)
@@ -124,10 +129,9 @@ def _read(path: Path, limits: Limits) -> bytes:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise WrongValueError("file-not-found", f"the file cannot be read: {reason}") from None
-    if len(content) > limits.file_bytes:
-        raise WrongValueError("limit-exceeded", "the file is larger than the limit 'file_bytes' of "
-                              f"{limits.file_bytes} bytes",
-                              allowed="a larger one when the limit is raised")
+    refuse_if(len(content) > limits.file_bytes, "the file is larger than the limit 'file_bytes' of "
+              f"{limits.file_bytes} bytes", "limit-exceeded",
+              allowed="a larger one when the limit is raised")
     return content
 
 
@@ -170,10 +174,8 @@ class Library:
                 "bad-include", f"there is no scene {quoted(stem)} beside this one{copied}",
                 hint=near(stem, others),
                 allowed=listed(others) or "none: no other scene is in the folder") from None
-        if not own:
-            raise WrongValueError("bad-include", f"{quoted(path.name)} is a link that leads out of "
-                                  "this scene's folder, or no file", allowed="a file of the folder "
-                                  "itself")
+        refuse_if(not own, f"{quoted(path.name)} is a link that leads out of this scene's folder, "
+                  "or no file", "bad-include", allowed="a file of the folder itself")
         return real
 
     def open(self, path: Path) -> SceneSource:
@@ -187,11 +189,9 @@ class Library:
             raise SceneError([replace(problem, file=name)
                               for problem in error.problems], name) from None
         self.size += len(found.text)
-        if self.size > self.limits.file_bytes:
-            raise WrongValueError("limit-exceeded", f"with {quoted(path.name)} the files of this "
-                                  "scene are larger than the limit 'file_bytes' of "
-                                  f"{self.limits.file_bytes} bytes", allowed="larger ones when the "
-                                  "limit is raised")
+        refuse_if(self.size > self.limits.file_bytes, f"with {quoted(path.name)} the files of this "
+                  f"scene are larger than the limit 'file_bytes' of {self.limits.file_bytes} bytes",
+                  "limit-exceeded", allowed="larger ones when the limit is raised")
         self.read[path] = found
         return found
 
@@ -263,7 +263,9 @@ class Scan:
                 hint = f"; write {text.lower()}" if text.lower() in _WORDS else ""
                 self._fail(path, f"{text[:40]} is not a value: put text in double quotes{hint}", at)
         elif not _NUMBER.fullmatch(token):
-            self._fail(path, _not_a_value(token[:1]), at)
+            self._fail(path, next(
+                (what for begin, what in _NO_VALUE.items() if token[0] in begin),
+                'expected a value: a number, "text", {…}, […], true, false or null'), at)
         elif math.isinf(float(token)):
             self._note(path, "this number is too large", at)
 
@@ -309,16 +311,3 @@ class Scan:
             ended = not {"\n", '"'} & {*self.text[at + 1:]}
             self._fail(path, "the file ends inside the text that begins here" if ended else
                        'the text that begins here has no closing " on its line', at)
-
-
-def _not_a_value(char: str) -> str:
-    """The fault of a character that begins no value."""
-    if char == "'":
-        return 'put text in double quotes ("…"), not in single quotes'
-    if char == "=":
-        return 'put an expression in double quotes: "=pull / 2"'
-    if char and char in "+.0123456789-":
-        return "this is not a JSON number (write 0.5, -2, 1e-3)"
-    if char in (",", "}", "]", ":"):
-        return f"a value is missing before '{char}'"
-    return "expected a value: a number, \"text\", {…}, […], true, false or null"
