@@ -76,8 +76,7 @@ class Assembly(ElementLists, PlacedPart):
 
         pulled = frozenset(name.removeprefix(begin) for name in known.pulled
                            if name.startswith(begin))
-        inner, problems = expand_parts(
-            self, Known(pulled=pulled, outside=outside, near=known.near))
+        inner, problems = expand_parts(self, Known(pulled=pulled, outside=outside, near=known.near))
         if problems:
             raise PartError([dataclasses.replace(problem, path=problem.path.removeprefix("$"))
                              for problem in problems])
@@ -85,8 +84,7 @@ class Assembly(ElementLists, PlacedPart):
         return before + placed(self.name, inner, placement, outside)
 
 
-Part = Annotated[Finger | RockerTree | PulleyTree | Section | Assembly,
-                 Field(discriminator="type")]
+Part = Annotated[Finger | RockerTree | PulleyTree | Section | Assembly, Field(discriminator="type")]
 
 
 class Scene(Mechanism):

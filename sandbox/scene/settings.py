@@ -274,8 +274,7 @@ class Event(Spec):
     def _verify(self) -> None:
         refuse_if((self.at is None) == (self.when is None), "give either 'at' or 'when'")
         for key in ("after", "rate"):
-            refuse_if(self.at is not None and getattr(self, key),
-                      f"'{key}' needs 'when', not 'at'")
+            refuse_if(self.at is not None and getattr(self, key), f"'{key}' needs 'when', not 'at'")
         for name in set(self.release) & set(self.take_up):
             refuse_if(name, f"one event cannot release and engage '{name}'")
 

@@ -167,9 +167,7 @@ StiffnessSignal = Annotated[_Union, OverTime()]
 """Its dimension depends on the spring, linear or rotary."""
 
 
-def values(
-    signal: AnySignal, t: Array, tables: Tables = NONE, *, finite: bool = True,
-) -> Array:
+def values(signal: AnySignal, t: Array, tables: Tables = NONE, *, finite: bool = True) -> Array:
     """The signal at times ``t`` [s], shape [n]; SI. Formulas may call ``tables``, the scene's."""
     if isinstance(signal, Constant):
         return np.full(len(t), signal.constant)
@@ -184,8 +182,7 @@ def values(
         if signal.between == "step":
             row = value[np.clip(np.searchsorted(at, t, side="right") - 1, 0, None)]
         return row
-    result = parse_expression(signal.expression).evaluate(
-        {**tables, "t": t}, finite=finite)
+    result = parse_expression(signal.expression).evaluate({**tables, "t": t}, finite=finite)
     return np.broadcast_to(np.asarray(result, dtype=float), t.shape).copy()
 
 

@@ -96,8 +96,7 @@ def texts() -> st.SearchStrategy[str]:
                      st.sampled_from(["pi", "deg"]))
 
     def grow(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
-        signs = st.sampled_from(["+", "-", "*", "/", "%", "**", "<", ">=", "==", "!=", "and",
-                                 "or"])
+        signs = st.sampled_from(["+", "-", "*", "/", "%", "**", "<", ">=", "==", "!=", "and", "or"])
         binary = st.tuples(inner, signs, inner)
         calls = st.sampled_from(sorted(FUNCTIONS)).flatmap(lambda name: st.lists(
             inner, min_size=FUNCTIONS[name].arguments or 2, max_size=FUNCTIONS[name].arguments or 3,

@@ -27,16 +27,18 @@ from sandbox.wording import NearMisses, is_pattern, listed, quoted
 
 
 def check_references(
-    mechanism: Mechanism, *, assumed: Collection[str] = ()
+    mechanism: Mechanism, *, assumed: Collection[str] = (), faulty: bool = False,
 ) -> list[Problem]:
     """Every name that is unknown, duplicate or ambiguous.
 
     Names in ``assumed``, also followed by a dot and more, count as known: they belong to elements
-    that could not be read. ``"*"`` matches any name.
+    that could not be read. ``"*"`` matches any name. Quantities are checked when the mechanism is
+    complete; of a ``faulty`` one only those of unknown elements are reported.
     """
     names = _References(mechanism, assumed)
-    return [*names.names(), *names.elements(), *names.others(),
-            *check_control(mechanism, names.is_assumed)]
+    found = [*names.names(), *names.elements(), *names.others(),
+             *check_control(mechanism, names.is_assumed)]
+    return [*found, *(names.expected() if found or faulty else ())]
 
 
 class _References:
@@ -46,10 +48,8 @@ class _References:
                       for kind in NAMED}
         self.known["materials"] = dict.fromkeys(mechanism.materials)
         self.known[RELEASABLES] = {name: None for kind in RELEASABLE for name in self.known[kind]}
-        self.hinges = dict.fromkeys(
-            joint.name for joint in mechanism.joints if joint.facts.angle)
-        self.actuators = dict.fromkeys(
-            joint.name for joint in mechanism.joints if joint.facts.line)
+        self.hinges = dict.fromkeys(joint.name for joint in mechanism.joints if joint.facts.angle)
+        self.actuators = dict.fromkeys(joint.name for joint in mechanism.joints if joint.facts.line)
 
     def is_assumed(self, name: str) -> bool:
         """Whether a name is, or begins with, that of an element that could not be read."""
@@ -157,6 +157,17 @@ class _References:
         for layer, patterns in view.show.items():
             for pattern in patterns if patterns != EVERY else ():
                 yield from self._seen(pattern, f"$.view.show.{layer}")
+
+    def expected(self) -> Iterator[Problem]:
+        """Expectations on quantities of unknown elements."""
+        known = {name for names in self.known.values() for name in names}
+        for i, expect in enumerate(self.mechanism.expect):
+            for name in expect.quantity.split("/"):
+                heads = accumulate(name.split("."), "{}.{}".format)
+                if known.isdisjoint(heads) and not is_pattern(name) and not self.is_assumed(name):
+                    yield Problem("unknown-quantity", f"unknown quantity {quoted(expect.quantity)}",
+                                  f"$.expect[{i}].{expect.key}",
+                                  hint=self.near(name.split(".")[0], known))
 
     def _seen(self, pattern: str, path: str) -> Iterator[Problem]:
         if not pattern.startswith(BY_ROLE):

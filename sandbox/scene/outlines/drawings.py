@@ -87,8 +87,7 @@ def own_file(folder: Path | None, name: str) -> bytes:
     except (OSError, RuntimeError, ValueError):
         there: list[str] = []
         with contextlib.suppress(OSError):
-            there = sorted(each.name for each in folder.iterdir()
-                           if each.suffix.lower() in READERS)
+            there = sorted(each.name for each in folder.iterdir() if each.suffix.lower() in READERS)
         raise DrawingError(
             f"there is no file {quoted(name)} that can be read in the scene's folder",
             listed(there) or "none: it has no .svg and no .dxf file", near(name, there)) from None
@@ -120,8 +119,7 @@ def curves_of(
                            "a sound file, such as a drawing program writes it") from None
     scale = own if unit is None else unit
     if scale is None:
-        raise DrawingError(f"{quoted(name)}: it has no unit",
-                           "'unit', such as \"unit\": \"1 mm\"")
+        raise DrawingError(f"{quoted(name)}: it has no unit", "'unit', such as \"unit\": \"1 mm\"")
     scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves]
     return _outline_first([_closed(nodes, tolerance, name)
                            for nodes in _chained(scaled, tolerance)], name)

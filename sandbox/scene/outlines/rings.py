@@ -133,8 +133,7 @@ def ring_fault(ring: Ring) -> str:
 def hole_fault(outer: Ring, holes: Sequence[Ring]) -> str:
     """Why the first hole that is not inside an outline and separate is not; empty without one."""
     for k, hole in enumerate(holes):
-        for what, ring in (("the outline", outer),
-                           *((f"hole {m}", holes[m]) for m in range(k))):
+        for what, ring in (("the outline", outer), *((f"hole {m}", holes[m]) for m in range(k))):
             if meeting := first_meeting([ring, hole]):
                 return (f"hole {k}: this hole meets {what} {meeting[2]}, at the side from corner "
                         f"{meeting[1]}")
@@ -158,8 +157,7 @@ class Piece:
 @lru_cache(maxsize=256)
 def pieces_of(outer: Ring, holes: tuple[Ring, ...] = ()) -> tuple[Piece, ...]:
     """The convex pieces of a sound outline with sound holes."""
-    rings = [wound(without_straight(outer)),
-             *(wound(without_straight(hole), -1) for hole in holes)]
+    rings = [wound(without_straight(outer)), *(wound(without_straight(hole), -1) for hole in holes)]
     corners = [corner for ring in rings for corner in ring]
     after = _after(rings)
     before = {following: i for i, following in enumerate(after)}

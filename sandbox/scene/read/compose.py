@@ -17,7 +17,7 @@ from sandbox.elements.element import LISTS
 from sandbox.errors import SceneError
 from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read import scopes
-from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.limits import Limits, over
 from sandbox.scene.read.origins import Composed, Origin, RefusedError
 from sandbox.scene.read.scopes import Scope, resolved_tables
 from sandbox.scene.read.source import Library, SceneSource
@@ -232,14 +232,11 @@ class _Composer:
         repeat = scopes.read_repeat(item["repeat"], at.scope, self.limits, place)
         among = next((str(step) for step in reversed(at.trail) if isinstance(step, str)), "")
         limit = "bodies" if among in ("bodies", "parts") else "elements"
-        maximum, rows = getattr(self.limits, limit), repeat.rows
-        count = len(out) + len(rows)
-        if count > maximum:
-            raise TooLargeError(place.problem(
-                "limit-exceeded", f"with these copies there are {count} {among or 'entries'}",
-                allowed=f"at most {maximum} (the limit '{limit}', raised by --limit {limit}=N)"))
+        for problem in over(self.limits, limit, len(out) + len(repeat.rows), "$",
+                            f"with these copies there are {{count}} {among or 'entries'}"):
+            raise TooLargeError(place.located(problem))
         known = len(self.made.problems)
-        for number, names in enumerate(rows):
+        for number, names in enumerate(repeat.rows):
             name, value = next(iter(names.items()))
             label = f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
             scope = at.scope.naming(names, braces=True)
@@ -258,8 +255,7 @@ class _Composer:
 
     def entry(self, item: dict[str, Any], at: Context) -> Any:
         if "each" in item and "repeat" in item:
-            return self.value(item["each"],
-                              replace(at, place=self.made.at(item, "each", at.place)))
+            return self.value(item["each"], replace(at, place=self.made.at(item, "each", at.place)))
         if at.trail[-2:-1] == ("parts",):
             if "include" in item:
                 return self.object(self.included(item, at), item, at, (*ASSEMBLY_WORDS, "type"))
@@ -285,17 +281,16 @@ class _Composer:
         """Values of an assembly's parameters, which replace those of the file that it includes."""
         given, place = item.get("parameters", {}), self.made.at(item, "parameters", at.place)
         _check_object(given, place)
-        defaults: Mapping[str, Any] = {}
-        around, tables = at.scope.known, at.scope.tables
-        if file is not None:
-            defaults, around = file.source.data.get("parameters", {}), {}
-            tables = resolved_tables(file.source.data.get("tables"), {}, None)
+        data = file.source.data if file else {}
+        defaults: Mapping[str, Any] = data.get("parameters", {})
+        around, tables = ({}, resolved_tables(data.get("tables"), {}, None)) if file else (
+            at.scope.known, at.scope.tables)
         places = {name: self.made.at(given, name, place) for name in given}
-        foreign = [name for name in given if file is not None and name not in defaults]
         problems = [places[name].problem(
             "name-not-found", f"the included scene has no parameter {quoted(name)}", key=True,
-            allowed=listed(defaults) or "none", hint=near(name, defaults)) for name in foreign]
-        given = {name: value for name, value in given.items() if name not in foreign}
+            allowed=listed(defaults) or "none", hint=near(name, defaults))
+            for name in given if file and name not in defaults]
+        given = {name: value for name, value in given.items() if not file or name in defaults}
         values = {name: self.parameter(name, value, at.scope, places[name], given)
                   if isinstance(value, str) else value for name, value in given.items()}
         resolved = scopes.resolve_parameters({**defaults, **around, **values}, tables)

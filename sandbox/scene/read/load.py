@@ -33,15 +33,10 @@ from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_size
 from sandbox.scene.read.origins import Composed, Origin, Relocation
 from sandbox.scene.read.overrides import apply_overrides
-from sandbox.scene.read.scopes import (
-    IDENTIFIER,
-    STAND_IN,
-    Parameters,
-    resolve_parameters,
-    resolved_tables,
-)
+from sandbox.scene.read.scopes import Parameters, resolve_parameters, resolved_tables
 from sandbox.scene.read.source import SceneSource, first_problems, read_source
-from sandbox.values.expressions import RESERVED, NamedValues
+from sandbox.scene.settings import RETIRED
+from sandbox.values.expressions import NamedValues
 from sandbox.values.messages import explain, written
 from sandbox.values.paths import JsonPath, parse_path, path_text
 from sandbox.values.spec import Spec
@@ -49,6 +44,8 @@ from sandbox.wording import kind_of, quoted
 
 MAX_EXPLAINED = 5_000  # number of invalid values that are explained
 LISTS = (*MECHANISM_LISTS, "parts")
+STAND_INS: dict[str, Any] = {"materials": {}, "tables": {"points": [[0, 1], [1, 1]]}}
+"""Replace invalid entries, so that the rest of the scene can be checked."""
 Valid = TypeVar("Valid", Scene, Mechanism)
 
 
@@ -77,6 +74,13 @@ class Loaded:
         return tuple(name for name in self.scene.parameters
                      if isinstance(text := written.get(name), str) and text.lstrip()[:1] == "=")
 
+    @property
+    def ignored(self) -> list[Problem]:
+        """Warnings about settings of older scenes, in the mechanism."""
+        return [Problem("unknown-key", f"{quoted(key)} is ignored: the solver no longer has it",
+                        f"$.run.{key}", key=True, severity="warning")
+                for key in RETIRED if key in self.origins.data.get("run", {})]
+
     def placed(self, problems: Iterable[Problem]) -> list[Problem]:
         """Problems of the mechanism, each with its path, line and column in the file."""
         relocate = Relocation(self.mechanism, self.scene)
@@ -84,9 +88,7 @@ class Loaded:
 
 
 def load_scene(
-    source: str | Path | Mapping[str, Any],
-    *,
-    overrides: Mapping[str, Any] | None = None,
+    source: str | Path | Mapping[str, Any], *, overrides: Mapping[str, Any] | None = None,
     limits: Limits | None = None,
 ) -> Scene:
     """Load a scene from a file, or from data as a file would hold it.
@@ -105,10 +107,8 @@ def load_scene(
 
 
 def read_scene(
-    source: str | os.PathLike[str] | Mapping[str, Any],
-    *,
-    overrides: Mapping[str, Any] | None = None,
-    limits: Limits | None = None,
+    source: str | os.PathLike[str] | Mapping[str, Any], *,
+    overrides: Mapping[str, Any] | None = None, limits: Limits | None = None,
 ) -> Loaded:
     """Load a scene as :func:`load_scene` does, with its mechanism and its places in the file."""
     if limits is not None and not isinstance(limits, Limits):
@@ -207,9 +207,7 @@ class _Loading:
         self.stop(always=bool(self.problems))
         return Loaded(scene, mechanism, self.composed)
 
-    def _validated(
-        self, data: dict[str, Any], context: dict[str, Any],
-    ) -> tuple[Scene, _Readable]:
+    def _validated(self, data: dict[str, Any], context: dict[str, Any]) -> tuple[Scene, _Readable]:
         """The readable part of the scene."""
         readable = _Readable(data, self.ignored)
         try:
@@ -240,8 +238,9 @@ class _Loading:
             readable.assumed |= {part.name for part in scene.parts}
         relocate = Relocation(mechanism, scene)
         too_large = check_limits(mechanism, self.limits)  # other checks would take too much time
-        for problem in too_large or [*check_references(mechanism, assumed=readable.assumed),
-                                     *check_ranges(mechanism)]:
+        for problem in too_large or [
+                *check_references(mechanism, assumed=readable.assumed, faulty=bool(self.problems)),
+                *check_ranges(mechanism)]:
             self.report([readable.located(relocate(problem))])
         for problem in () if too_large else check_units(mechanism):
             found = readable.located(relocate(problem))
@@ -279,12 +278,10 @@ class _Readable:
     def __init__(self, data: dict[str, Any], broken: set[JsonPath]) -> None:
         self.assumed: set[str] = set()
         """Names of the elements left out; ``*`` for one without a name."""
-        self.kept: dict[str, list[int]] = {}
-        """For each list, the indices of the elements left in."""
+        self.kept: dict[str, list[int]] = {}  # for each list, the indices of the elements left in
         self.data = dict(data)
-        objects = ("materials", "tables")
         for path in broken:
-            if path and (len(path) != 2 or path[0] not in (*LISTS, *objects)):
+            if path and (len(path) != 2 or path[0] not in (*LISTS, *STAND_INS)):
                 self.data.pop(str(path[0]), None)
                 if path[0] in (*LISTS, "materials"):
                     self.assumed.add("*")
@@ -296,14 +293,10 @@ class _Readable:
                     if (key, i) in broken:
                         name = entry.get("name") if isinstance(entry, dict) else None
                         self.assumed.add(name if isinstance(name, str) else "*")
-        for key in objects:
+        for key, stand_in in STAND_INS.items():
             if isinstance(entries := self.data.get(key), dict):
-                out = {name for name in entries if (key, name) in broken}
-                keep = {name for name in out if key == "tables" and IDENTIFIER.fullmatch(name)
-                        and name not in RESERVED and "__" not in name and len(name) <= 100}
-                self.data[key] = {name: STAND_IN if name in out else entry for name, entry
-                                  in entries.items() if name not in out or name in keep}
-                self.assumed |= out if key == "materials" else set()
+                self.data[key] = {name: stand_in if (key, name) in broken else entry
+                                  for name, entry in entries.items()}
 
     def located(self, problem: Problem) -> Problem:
         path = parse_path(problem.path)

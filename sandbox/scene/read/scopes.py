@@ -39,8 +39,6 @@ _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 PLACEHOLDER = 1.0
 """Replaces a parameter without a value, so that the rest of the scene can be checked."""
-STAND_IN = {"points": [[0, 1], [1, 1]]}
-"""Replaces an invalid table, so that the rest of the scene can be checked."""
 
 
 @dataclass(frozen=True)
@@ -80,18 +78,12 @@ class Scope:
             expression = ex.parse_expression(text)
         except WrongValueError:
             return text  # validation reports it
-        self._check_numbers(expression)
         if self.renamed is not None:
             expression.check_tables(self.tables)
         if not (expression.names & set(self.numbers) or
                 (self.renamed is not None and expression.tables)):
             return text
         return f"={expression.bind(self.numbers, self.renamed).text}"
-
-    def _check_numbers(self, expression: ex.Expression) -> None:
-        for name in sorted(expression.names & (set(self.values) - set(self.numbers))):
-            raise WrongValueError("bad-expression", f"{quoted(name)} is text; an expression needs "
-                                  "numbers", allowed=f"{{{name}}} inside of a name")
 
     def _filled(self, match: re.Match[str]) -> str:
         inner = match.group(1)
@@ -100,7 +92,6 @@ class Scope:
         if isinstance(word := self.values.get(inner.strip()), str):
             return word
         known, expression = self.known, ex.parse_expression(inner)
-        self._check_numbers(expression)
         for name in sorted(expression.names.difference(known)):
             raise ex.unknown_name(name, {**known, **self.values})
         value = float(expression.evaluate({**self.tables, **known}))
@@ -190,8 +181,7 @@ def resolve_parameters(raw: Mapping[str, Any], tables: Mapping[str, Any]) -> Par
                 found.failed.add(name)
         except WrongValueError as error:
             refuse(name, error)
-    found.values = ex.NamedValues({
-        name: found.values.get(name, PLACEHOLDER) for name in known})
+    found.values = ex.NamedValues({name: found.values.get(name, PLACEHOLDER) for name in known})
     return found
 
 
@@ -280,8 +270,7 @@ class Repeat(Spec):
         return [{self.index: float(i), **row} if isinstance(row, dict) else {self.index: row}
                 for i, row in enumerate(self.entries or map(float, range(self.count or 0)))]
 
-    def moved(self, entry: dict[str, Any], number: int, among: str, scope: Scope
-              ) -> dict[str, Any]:
+    def moved(self, entry: dict[str, Any], number: int, among: str, scope: Scope) -> dict[str, Any]:
         """A copy of an entry, moved along the line or round the circle."""
         if self.line is None and self.circle is None:
             return entry
