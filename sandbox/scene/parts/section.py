@@ -19,15 +19,10 @@ from sandbox.values.spec import TYPE
 from sandbox.wording import refuse_if
 
 ARM_FRACTION = 0.2  # of the square's mass, for the body that carries the rod's angle
-
-
-def _lift(value: Any) -> Any:
-    return value if isinstance(value, (list, tuple)) else [value, value]
-
-
 _NUMBER: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 RodLengths = Annotated[
-    of.Written[tuple[of.Distance, of.Length]], BeforeValidator(_lift),
+    of.Written[tuple[of.Distance, of.Length]],
+    BeforeValidator(lambda value: value if isinstance(value, (list, tuple)) else [value, value]),
     WithJsonSchema({"anyOf": [*_NUMBER["anyOf"], {
         "type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}]}),
 ]
