@@ -19,7 +19,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
 from sandbox.values.spec import ReadMark
-from sandbox.values.units import Measured, in_range, parse_quantity, range_of, units_of, with_unit
+from sandbox.values.units import RANGES, Measured, in_range, parse_quantity, units_of, with_unit
 from sandbox.wording import WrongValueError, kind_of, quoted, refuse_if
 
 T = TypeVar("T")
@@ -140,10 +140,10 @@ class Dimension(ReadMark):
     def read(self, value: Any, info: ValidationInfo) -> float:
         """The value in SI, with its sign and size checked."""
         number = number_from(value, self.name, parameters_of(info))
-        least = range_of(self.name).least if self.sign == "> 0" else 0.0
-        wanted = "0 or more" if not least else "greater than 0" if number <= 0 else \
-            f"at least {with_unit(least, self.name)}"
-        refuse_if(self.sign and number < least, f"must be {wanted}, got {number:.6g}",
+        minimum = RANGES[self.name].minimum if self.sign == "> 0" else 0.0
+        allowed = "0 or more" if not minimum else "greater than 0" if number <= 0 else \
+            f"at least {with_unit(minimum, self.name)}"
+        refuse_if(self.sign and number < minimum, f"must be {allowed}, got {number:.6g}",
                   "out-of-range")
         return number
 

@@ -76,7 +76,7 @@ def _weight(body: Body, path: str) -> Iterator[Problem]:
         if fault := size_fault(value, what):
             yield Problem("out-of-range", f"its {what} is {fault}", path)
             return
-    if not all(abs(c) <= RANGES["length"].most for c in weight.centre):
+    if not all(abs(c) <= RANGES["length"].maximum for c in weight.centre):
         yield Problem("out-of-range", "its centre of mass is far from its shapes", path)
 
 

@@ -53,9 +53,7 @@ class Context:
         return replace(self, place=place, trail=(*self.trail, step))
 
 
-def compose(
-    source: SceneSource, data: dict[str, Any], parameters: scopes.Parameters, limits: Limits,
-) -> Composed:
+def compose(source: SceneSource, data: dict[str, Any], parameters: scopes.Parameters) -> Composed:
     """Compose a scene's data, which may differ from its file's by overrides."""
     root = Origin(source)
     made = Composed(data, root)
@@ -63,7 +61,7 @@ def compose(
         tables = data.get("tables")
         scope = Scope(parameters.values, tables=resolved_tables(tables, parameters.values))
         home = (source.path.resolve(),) if source.path is not None else ()
-        composer = _Composer(made, Library(source, limits), limits, root,
+        composer = _Composer(made, Library(source), source.limits, root,
                              dict(tables) if isinstance(tables, dict) else {})
         composer.scene(data, Context(
             root, (), scope, data.get("templates"), root.to("templates"), home))

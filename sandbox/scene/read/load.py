@@ -121,7 +121,7 @@ def read_scene(
                                   allowed='values by their paths, such as {"run.step": "1 ms"}')])
     if isinstance(source, Mapping):
         problems: list[Problem] = []
-        found = SceneSource(_plain(source, (), limits.nesting, problems))
+        found = SceneSource(_plain(source, (), limits.nesting, problems), limits=limits)
         if problems:
             raise SceneError(first_problems(problems, limits.problems))
     elif isinstance(text := os.fspath(source) if isinstance(source, os.PathLike) else source, str):
@@ -133,7 +133,7 @@ def read_scene(
         raise SceneError([Problem("bad-argument", f"{quoted(source)} is no scene", "source",
                                   allowed="a path, the name of a shipped scene, or a mapping with "
                                   "the content of a file")])
-    return _Loading(found, limits).scene(found.data, overrides or {})
+    return _Loading(found).scene(found.data, overrides or {})
 
 
 def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) -> Any:
@@ -164,7 +164,6 @@ class _Loading:
     """The state of reading one scene: its problems so far, and their positions."""
 
     source: SceneSource
-    limits: Limits
     problems: dict[Problem, None] = field(default_factory=dict)
     """In the order in which they were found, each once."""
     overridden: set[JsonPath] = field(default_factory=set)
@@ -175,11 +174,11 @@ class _Loading:
 
     def scene(self, data: dict[str, Any], overrides: Mapping[str, Any]) -> Loaded:
         """The scene."""
-        data, self.overridden, problems = apply_overrides(
-            data, overrides, nesting=self.limits.nesting)
+        limits = self.source.limits
+        data, self.overridden, problems = apply_overrides(data, overrides, nesting=limits.nesting)
         self.problems = dict.fromkeys(problems)
         self.composed = Composed(data, Origin(self.source))
-        self.stop(check_size(data, self.limits))
+        self.stop(check_size(data, limits))
         try:
             json.dumps(data, ensure_ascii=False, default=str).encode()
         except UnicodeEncodeError as error:  # no file can hold it
@@ -190,10 +189,10 @@ class _Loading:
                                "$.parameters")])
         self.parameters = resolve_parameters(own, resolved_tables(data.get("tables"), {}, None))
         self.report(self.parameters.problems)
-        self.composed = compose(self.source, data, self.parameters, self.limits)
+        self.composed = compose(self.source, data, self.parameters)
         self.add(self.composed.problems)
         data = self.composed.data
-        self.stop([] if self.composed.failed else check_size(data, self.limits),
+        self.stop([] if self.composed.failed else check_size(data, limits),
                   always=self.composed.failed)
         self.ignored = set(self.composed.broken)
         values: dict[str, Any] = self.parameters.values
@@ -237,7 +236,8 @@ class _Loading:
                         if not readable.assumed or problem.code == "duplicate-name")
             readable.assumed |= {part.name for part in scene.parts}
         relocate = Relocation(mechanism, scene)
-        too_large = check_limits(mechanism, self.limits)  # other checks would take too much time
+        # of a scene that is too large other checks would take too much time
+        too_large = check_limits(mechanism, self.source.limits)
         for problem in too_large or [
                 *check_references(mechanism, assumed=readable.assumed, faulty=bool(self.problems)),
                 *check_ranges(mechanism)]:
@@ -253,7 +253,7 @@ class _Loading:
         self.report(problems)
         if problems or always:
             ordered = sorted(self.problems, key=lambda each: (each.file, each.line, each.column))
-            raise SceneError(first_problems(ordered, self.limits.problems), self.source.name)
+            raise SceneError(first_problems(ordered, self.source.limits.problems), self.source.name)
 
     def report(self, problems: Iterable[Problem]) -> None:
         """Add problems of the data with their places in the file; of copies, the first one's."""

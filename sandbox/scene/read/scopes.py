@@ -25,6 +25,7 @@ from pydantic import (
 
 from sandbox.errors import Problem
 from sandbox.scene.bodies import SHAPES
+from sandbox.scene.geometry import to_world
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origins import Origin, RefusedError
 from sandbox.values import expressions as ex
@@ -304,8 +305,7 @@ class Repeat(Spec):
             return value
         if self.circle is not None:
             cx, cy = self.circle
-            c, s = math.cos(turn), math.sin(turn)
-            x, y = cx + c * (x - cx) - s * (y - cy), cy + s * (x - cx) + c * (y - cy)
+            x, y = to_world((cx, cy, turn), (x - cx, y - cy))
         if self.line is not None:
             x, y = x + number * self.line[0], y + number * self.line[1]
         return [x, y]

@@ -140,7 +140,6 @@ class Library:
     """The scenes beside a scene's file that it has read so far."""
 
     main: SceneSource
-    limits: Limits
     read: dict[Path, SceneSource] = field(default_factory=dict)
     size: int = 0  # of all files together [characters]
 
@@ -184,13 +183,14 @@ class Library:
             return self.read[path]
         name = str(Path(self.main.name).parent / path.name) if self.main.name else path.name
         try:
-            found = replace(read_source(path, limits=self.limits), name=name)
+            found = replace(read_source(path, limits=self.main.limits), name=name)
         except SceneError as error:
             raise SceneError([replace(problem, file=name)
                               for problem in error.problems], name) from None
         self.size += len(found.text)
-        refuse_if(self.size > self.limits.file_bytes, f"with {quoted(path.name)} the files of this "
-                  f"scene are larger than the limit 'file_bytes' of {self.limits.file_bytes} bytes",
+        maximum = self.main.limits.file_bytes
+        refuse_if(self.size > maximum, f"with {quoted(path.name)} the files of this scene are "
+                  f"larger than the limit 'file_bytes' of {maximum} bytes",
                   "limit-exceeded", allowed="larger ones when the limit is raised")
         self.read[path] = found
         return found
