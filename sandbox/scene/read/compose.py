@@ -1,7 +1,6 @@
-"""Composition of a scene: ``like``, ``repeat`` and ``include`` are expanded.
+"""Composition of a scene, before validation: ``like``, ``repeat`` and ``include`` are expanded.
 
-Composition comes before validation. Its result is plain data as a file could hold it, with the
-place where each piece was written. Nesting and size of the result are limited on the way.
+The result is plain data, of limited nesting and size, with the place of each piece.
 """
 
 from __future__ import annotations

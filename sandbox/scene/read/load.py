@@ -1,8 +1,7 @@
-"""From a file to a Scene that can be used, or to every problem that it has.
+"""From a file to a scene, or to every problem that it has.
 
-The order: read the text, apply ``--set`` overrides, resolve parameters, compose, validate by the
-models, expand the parts, check the whole mechanism. A step that fails does not hide what later
-steps would find: what could not be read is left out, and the rest is checked.
+Read the text, apply ``--set`` overrides, resolve parameters, compose, validate by the models,
+expand the parts, check the mechanism. What could not be read is left out; the rest is checked.
 """
 
 from __future__ import annotations

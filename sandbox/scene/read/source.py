@@ -1,7 +1,7 @@
 """A scene's text: JSON to plain data, and where in the file each piece of it stands.
 
-A valid file is read by :mod:`json`. Only for messages, a slower scan of the same text finds the
-line and column of every key and value, and describes what is not JSON (RFC 8259).
+A valid file is read by :mod:`json`. For messages, a slower scan of the text finds the line and
+column of every key and value, and describes what is not JSON (RFC 8259).
 """
 
 from __future__ import annotations
