@@ -69,7 +69,7 @@ def test_any_bytes_are_data_or_problems(tmp_path_factory: pytest.TempPathFactory
     ('{"a": .5}', 1, 7, "$.a", "not a JSON number"), ('{"a"}', 1, 5, "$", "expected ':'"),
     ('{"a": "b', 1, 7, "$.a", "the file ends inside the text"), ("{} {}", 1, 4, "$", "more text"),
     ('{"a": 1 // why\n}', 1, 9, "$", "no comments"), ('{"a":}', 1, 6, "$.a", "missing before"),
-    (" \n", 0, 0, "$", "empty"),
+    (r'{"a": "\ud800"}', 1, 7, "$.a", "half a character"), (" \n", 0, 0, "$", "empty"),
 ])
 def test_complaints(text: str, line: int, column: int, path: str, words: str) -> None:
     with pytest.raises(SceneError) as refused:

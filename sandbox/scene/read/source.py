@@ -25,7 +25,8 @@ from sandbox.values.paths import JsonPath, path_text
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted, refuse_if
 
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
-_HUGE = re.compile(r"[0-9][eE]\+?[0-9]{3}|[0-9]{300}")  # numbers; :mod:`json` accepts them
+_FOR_SCAN = re.compile(r"\\u[dD][89A-Fa-f]|[0-9][eE]\+?[0-9]{3}|[0-9]{300}")
+"""Surrogates and huge numbers, which :mod:`json` accepts."""
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_. -]{0,99}")
 _TOKEN = re.compile(r'"(?:[^"\\\x00-\x1f]|\\.)*+"|["\][{}:,]|[^][{}:," \t\n\r]+')
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?")
@@ -94,7 +95,7 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
     brackets = re.findall(r"[\[\]{}]", _STRING.sub("", text))
     depth = max(accumulate(1 if each in "[{" else -1 for each in brackets), default=0)
     try:
-        if depth > limits.nesting or _HUGE.search(text):
+        if depth > limits.nesting or _FOR_SCAN.search(text):
             raise ValueError
         data = json.loads(text, object_pairs_hook=unique, parse_constant=int)
     except RecursionError:
@@ -304,10 +305,13 @@ class Scan:
 
     def _string(self, path: JsonPath, token: str, at: int) -> str:
         try:
-            return str(json.loads(token))
+            value = str(json.loads(token))
         except ValueError:
             if len(token) > 1:
                 self._fail(path, "this text has an unknown escape after a backslash", at)
             ended = not {"\n", '"'} & {*self.text[at + 1:]}
             self._fail(path, "the file ends inside the text that begins here" if ended else
                        'the text that begins here has no closing " on its line', at)
+        if any("\ud800" <= each <= "\udfff" for each in value):
+            self._note(path, "the text has half a character (a surrogate) in it", at)
+        return value
