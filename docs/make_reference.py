@@ -38,7 +38,7 @@ from sandbox.scene.reference import (
     summary,
 )
 from sandbox.values.spec import Spec
-from sandbox.values.units import ANY, RANGES, units_of
+from sandbox.values.units import RANGES, units_of
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS.parent / "scenes" / "scene.schema.json"
@@ -135,9 +135,10 @@ def ranges() -> Iterator[str]:
     yield "| numbers of | unit | least of a size | most of a magnitude |"
     yield "|---|---|---|---|"
     for dimension, span in RANGES.items():
-        unit = "1" if dimension == "ratio" else units_of(dimension)[0]
-        yield f"| {dimension} | {unit} | {span.least:g} | {span.most:g} |"
-    yield f"| any other, such as a parameter or a gain | | | {ANY.most:g} |"
+        if dimension is not None:
+            unit = "1" if dimension == "ratio" else units_of(dimension)[0]
+            yield f"| {dimension} | {unit} | {span.minimum:g} | {span.maximum:g} |"
+    yield f"| any other, such as a parameter or a gain | | | {RANGES[None].maximum:g} |"
 
 
 def mechanisms() -> Iterator[str]:

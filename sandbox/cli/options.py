@@ -41,7 +41,7 @@ class Source:
         from sandbox.engine.inspect import look_over
         found = look_over(loaded.mechanism)
         beyond = list(found.estimate.beyond(self.limits))
-        return found._replace(problems=[*beyond, *found.problems])
+        return found._replace(problems=[*beyond, *found.problems, *loaded.ignored])
 
 
 def refuse_blocking(problems: Sequence[Problem], loaded: Loaded) -> None:

@@ -21,7 +21,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.numeric import Array, Integers
 from sandbox.scene.bodies import Body
 from sandbox.values.signals import AnySignal, Constant, Path, values
-from sandbox.values.units import range_of
+from sandbox.values.units import RANGES
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class Inputs:
             if self._latched.get(i) != value:
                 self._latched[i] = value
                 # a controller's value is not checked, and pymunk refuses some
-                circle.unsafe_set_radius(min(value, range_of("length").most) + margin)
+                circle.unsafe_set_radius(min(value, RANGES["length"].maximum) + margin)
                 shapes = self.world.shape_tables.shapes
                 shapes["radius"][circle.collision_type - 1] = circle.radius - margin
                 self.world.space.reindex_shape(circle)  # pymunk keeps the bounds of fixed bodies

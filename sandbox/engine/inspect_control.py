@@ -12,13 +12,13 @@ from sandbox.elements.controllers.custom import Custom
 from sandbox.elements.quantities import LIVE, row_of
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
-from sandbox.model.meters import misread, order, rings
+from sandbox.model.meters import misread, order
 from sandbox.scene.check.control import rate_problems
 from sandbox.scene.check.ranges import nothing_to_run
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import read_scene, sound
-from sandbox.values.expressions import dotted, names_in, parse_expression
+from sandbox.values.expressions import dotted, names_in, parse_expression, rings
 from sandbox.wording import MAX_NAMED, NearMisses, listed, quoted
 
 

@@ -30,13 +30,8 @@ from sandbox.model.model import Model
 from sandbox.model.pairs import friction_of
 from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording
-<<<<<<< HEAD
-from sandbox.samples.yielding import NOTHING, Yielding, without_stiffness
-from sandbox.scene.geometry import reach_of
-=======
 from sandbox.samples.stiffness import NOTHING, Linearization, without_stiffness
-from sandbox.scene.geometry import centre_of, reach_of
->>>>>>> elements
+from sandbox.scene.geometry import reach_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
@@ -61,15 +56,9 @@ class PoseBalance:
         # motions that no constraint forbids, rotations as lengths, orthonormal [n, k]
         self.free: Array = null_space(self._rows, rcond=RANK)
         self.speed = still.speed[bodies].reshape(-1)  # velocities after the step from rest, [n]
-<<<<<<< HEAD
         # stiffness of all motions [n, n], and of the free ones [k, k], N/m
-        self.whole = np.asarray(self.scale * self.yielding.stiffness * self.scale[:, None])
-        self.stiffness = self.free.T @ self.whole @ self.free
-=======
         self.whole = np.asarray(self.scale * self.linear.stiffness * self.scale[:, None])
-        """Stiffness of all motions, [n, n] N/m."""
-        self.stiffness = self.free.T @ self.whole @ self.free  # [k, k] N/m
->>>>>>> elements
+        self.stiffness = self.free.T @ self.whole @ self.free
         self.force = self.scale * self._force()  # residual forces, with constraint forces, [n] N
         self.largest = self.linear.largest  # the largest force on anything [N]
         self.left = self.free.T @ self.force  # residual forces along free motions, [k] N

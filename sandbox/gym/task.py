@@ -28,7 +28,7 @@ from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
 from sandbox.values.numbers import number_from
 from sandbox.values.signals import values
-from sandbox.values.units import UNITS, range_of, unfit
+from sandbox.values.units import RANGES, UNITS, unfit
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
 Span = tuple[float, float]  # minimum and maximum, SI
@@ -293,7 +293,7 @@ def quantity_range(model: Model, known: Catalogue, name: str, acted: Mapping[str
             span = _finite(*joints.stops[joint].tolist())
         elif (kind, quantity) == ("joint", "length"):
             span = _finite(*joints.reach[index].tolist())
-    most = range_of(UNITS[unit][1] if unit in UNITS else None).most
+    most = RANGES[UNITS[unit][1] if unit in UNITS else None].maximum
     return span or (max(low, -most), most)
 
 

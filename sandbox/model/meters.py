@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from graphlib import CycleError, TopologicalSorter
-from typing import TypeVar
 
 import numpy as np
 
@@ -16,11 +15,10 @@ from sandbox.model.catalogue import PAIR, Catalogue, pair_parts
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Expect, ShownMeter, View
-from sandbox.values.expressions import RESERVED, names_in, parse_expression
+from sandbox.values.expressions import RESERVED, names_in, parse_expression, rings
 from sandbox.values.units import UNITS, Measured, factor_of
 from sandbox.wording import MAX_HINTED, WrongValueError, is_pattern, listed, quoted
 
-_Node = TypeVar("_Node", bound=Hashable)
 Read = Callable[[str], Array]
 _QUOTIENT = re.compile(r"([A-Za-z_][\w.]*) */ *([A-Za-z_][\w.]*)")
 
@@ -41,17 +39,6 @@ def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
         done += ready
         sorter.done(*ready)
     return done, circles
-
-
-def rings(nexts: Mapping[_Node, Sequence[_Node]]) -> Iterator[list[_Node]]:
-    """Cycles of a graph, which has the next ones of each node; none has a node of another."""
-    while True:
-        try:
-            return TopologicalSorter(nexts).prepare()
-        except CycleError as error:
-            yield (ring := error.args[1][:0:-1])
-            nexts = {node: [each for each in following if each not in ring]
-                     for node, following in nexts.items() if node not in ring}
 
 
 def evaluate(mechanism: Mechanism, *, read: Read, time: Array) -> tuple[Array, list[str]]:

@@ -5,27 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import (
-    AfterValidator,
-    Field,
-    PrivateAttr,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import AfterValidator, Field, PrivateAttr, ValidationInfo, field_validator
 
-from sandbox.elements.element import Placed
+from sandbox.elements.element import Placed, Reference
 from sandbox.errors import SceneError
-from sandbox.numeric import Array
 from sandbox.scene.outlines.cams import DiscCam, cam_nodes
 from sandbox.scene.outlines.curves import SmoothCurve, flattened, turned
 from sandbox.scene.outlines.drawings import Drawing, curves_of, own_file
 from sandbox.scene.outlines.rings import (
     PIECE_CORNERS,
-    CutError,
     Ring,
     hole_fault,
     is_convex,
@@ -38,7 +29,7 @@ from sandbox.values.signals import Path
 from sandbox.values.spec import TYPE, Spec
 from sandbox.values.tables import check_distinct
 from sandbox.values.units import size_fault
-from sandbox.wording import WrongValueError
+from sandbox.wording import WrongValueError, refuse_if
 
 
 class Circle(Spec):
@@ -64,6 +55,7 @@ class Box(Spec):
 
 
 SHAPES = ("shapes", "displaces")  # fields of a body that hold outlines
+SOUND = "an outline with an area that does not touch or cross itself"
 MAX_CORNERS = 2000  # of a polygon with its holes, or of a polyline
 Outline = Annotated[of.Items[of.Point], Field(min_length=3, max_length=MAX_CORNERS)]
 Nodes = tuple[tuple[tuple[of.Coordinate, of.Coordinate, float, float], ...], ...]
@@ -73,21 +65,32 @@ AT_CORNER = 1e-6
 
 def _check_nodes(nodes: Nodes, rings: Sequence[Ring]) -> None:
     """Check that nodes lie at corners of their outlines."""
-    if nodes and len(nodes) != len(rings):
-        raise WrongValueError("bad-outline", f"there are {len(nodes)} curves of 'nodes'",
-                              allowed=f"{len(rings)}, one for each outline, or none")
+    refuse_if(nodes and len(nodes) != len(rings), f"there are {len(nodes)} curves of 'nodes'",
+              "bad-outline", allowed=f"{len(rings)}, one for each outline, or none")
     for number, (curve, ring) in enumerate(zip(nodes, rings, strict=False)):
         places, corners = np.array(curve).reshape(-1, 4)[:, :2], np.array(ring)
         size = float(np.ptp(corners, axis=0).max())
         apart = np.hypot(*(places[:, None] - corners).transpose(2, 0, 1)).min(axis=1)
-        if len(np.unique(places, axis=0)) < 2 or apart.max() > AT_CORNER * size:
-            raise WrongValueError("bad-outline", f"the nodes of curve {number} are not on its "
-                                  "outline", allowed="two or more nodes, each at a corner")
+        refuse_if(len(np.unique(places, axis=0)) < 2 or apart.max() > AT_CORNER * size,
+                  f"the nodes of curve {number} are not on its outline", "bad-outline",
+                  allowed="two or more nodes, each at a corner")
+
+
+def _check_ring(ring: Ring, hole: str = "") -> Ring:
+    refuse_if(fault := ring_fault(ring), f"{hole}{fault}", "bad-outline", allowed=SOUND)
+    _check_sides((*ring, ring[0]))
+    return ring
+
+
+def _check_line(points: Ring) -> Ring:
+    check_distinct(points, closed=False)
+    _check_sides(points)
+    return points
 
 
 def _check_sides(points: Ring) -> None:
-    if fault := size_fault(min(math.dist(p, q) for p, q in pairwise(points)), "length"):
-        raise WrongValueError("out-of-range", f"the shortest side is {fault}")
+    fault = size_fault(min(math.dist(p, q) for p, q in pairwise(points)), "length")
+    refuse_if(fault, f"the shortest side is {fault}", "out-of-range")
 
 
 class Polygon(Spec):
@@ -98,7 +101,7 @@ class Polygon(Spec):
     """
 
     type: Literal["polygon"] = TYPE
-    points: Outline
+    points: Annotated[Outline, AfterValidator(_check_ring)]
     """Its corners in order, in the body's frame [m]; the outline may not touch or cross itself."""
     holes: Annotated[of.Items[Outline], Field(max_length=MAX_CORNERS)] = ()
     """Outlines of its holes, separate and inside the outline; corners as in ``points``."""
@@ -113,44 +116,25 @@ class Polygon(Spec):
         """Of a cam just read, :meth:`sandbox.scene.outlines.cams.CamCurve.swing`."""
         return self._swing
 
-    @field_validator("points")
-    @classmethod
-    def _check_outline(cls, ring: Ring) -> Ring:
-        if fault := ring_fault(ring):
-            raise WrongValueError("bad-outline", fault, allowed=SOUND)
-        _check_sides((*ring, ring[0]))
-        return ring
-
     @field_validator("holes")
     @classmethod
     def _check_holes(cls, holes: tuple[Ring, ...], info: ValidationInfo) -> tuple[Ring, ...]:
         outer = info.data.get("points")
         if not holes or outer is None:  # the points have a message of their own
             return holes
-        found = next(((k, fault) for k, ring in enumerate(holes) if (fault := ring_fault(ring))),
-                     None) or hole_fault(outer, holes)
-        if found is not None:
-            raise WrongValueError("bad-outline", f"hole {found[0]}: {found[1]}", allowed=SOUND)
-        for ring in holes:
-            _check_sides((*ring, ring[0]))
+        for k, ring in enumerate(holes):
+            _check_ring(ring, f"hole {k}: ")
+        fault = hole_fault(outer, holes)
+        refuse_if(fault, fault, "bad-outline", allowed=SOUND)
         return holes
 
-    @model_validator(mode="after")
-    def _check_pieces(self) -> Self:
+    def _verify(self) -> None:
         corners = len(self.points) + sum(map(len, self.holes))
-        if corners > MAX_CORNERS:
-            raise WrongValueError("bad-outline", f"this outline and its holes have {corners} "
-                                  "corners", allowed=f"at most {MAX_CORNERS}")
+        refuse_if(corners > MAX_CORNERS, f"this outline and its holes have {corners} corners",
+                  "bad-outline", allowed=f"at most {MAX_CORNERS}")
         _check_nodes(self.nodes, (self.points, *self.holes))
-        if self.whole:
-            return self
-        try:
+        if not self.whole:
             pieces_of(self.points, self.holes)
-        except CutError as error:
-            raise WrongValueError("bad-outline", "this outline cannot be cut into convex pieces: "
-                                  f"{error!s}", allowed="sides further apart than "
-                                  "rounding") from None
-        return self
 
     @property
     def whole(self) -> bool:
@@ -165,24 +149,16 @@ class Polyline(Spec):
     """
 
     type: Literal["polyline"] = TYPE
-    points: Annotated[of.Items[of.Point], Field(min_length=2, max_length=MAX_CORNERS)]
+    points: Annotated[of.Items[of.Point], Field(min_length=2, max_length=MAX_CORNERS),
+                      AfterValidator(_check_line)]
     """Its corners and ends; closed if the last point equals the first."""
     radius: of.Distance = 0.0
     """Distance of its surface from the line through its points."""
     nodes: Annotated[Nodes, Placed("nodes")] = ()
     """The true curve, as of a polygon."""
 
-    @field_validator("points")
-    @classmethod
-    def _apart(cls, points: tuple[of.Point, ...]) -> tuple[of.Point, ...]:
-        check_distinct(points, closed=False)
-        _check_sides(points)
-        return points
-
-    @model_validator(mode="after")
-    def _curved(self) -> Self:
+    def _verify(self) -> None:
         _check_nodes(self.nodes, (self.points,))
-        return self
 
 
 class Capsule(Spec):
@@ -197,7 +173,6 @@ class Capsule(Spec):
     """Half its thickness, and the radius of its ends [m]."""
 
 
-SOUND = "an outline with an area that does not touch or cross itself"
 Solid = Circle | Box | Polygon | Capsule  # shapes with an area; only a polygon may not be convex
 Shape = Solid | Polyline
 WrittenShape = Annotated[Shape | SmoothCurve | DiscCam | Drawing, Field(discriminator="type")]
@@ -218,7 +193,11 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
                                 tolerance=shape.tolerance), shape.angle
     rings = [turned(nodes, turn, shape.at) for nodes in rings]
     closed = not isinstance(shape, SmoothCurve) or shape.closed
-    flat = _flat(rings, shape.tolerance, closed=closed)
+    flat = [flattened(each, shape.tolerance, closed=closed) for each in rings]
+    corners = sum(map(len, flat))  # they go by the root of the tolerance
+    refuse_if(corners > MAX_CORNERS, f"the tolerance of {shape.tolerance:.3g} m needs {corners} "
+              f"corners, more than {MAX_CORNERS}", "bad-outline",
+              allowed=f"a tolerance of {2 * shape.tolerance * (corners / MAX_CORNERS)**2:.1g} m")
     nodes: Nodes = ()
     if any(each[:, 3].any() for each in rings):  # not only straight lines
         nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
@@ -234,20 +213,6 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     if isinstance(shape, DiscCam):
         found._swing = shape.curve().swing()
     return found
-
-
-def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
-    def flat(within: float) -> list[Ring]:
-        return [flattened(nodes, within, closed=closed) for nodes in curves]
-
-    rings, wider = flat(tolerance), tolerance
-    if (corners := sum(map(len, rings))) <= MAX_CORNERS:
-        return rings
-    while sum(map(len, flat(wider))) > MAX_CORNERS and wider < 1e3 * tolerance:
-        wider *= 2
-    raise WrongValueError("bad-outline", f"the tolerance of {tolerance:.3g} m needs {corners} "
-                          f"corners, more than {MAX_CORNERS}", allowed="a tolerance of "
-                          f"{wider:.3g} m")
 
 
 if TYPE_CHECKING:
@@ -293,7 +258,7 @@ class Body(Spec):
     """Velocity [x, y] of the centre of mass at t = 0, in the world [m/s]."""
     angular_velocity: Annotated[of.AngularSpeed, Placed("sign")] = 0.0
     """Angular velocity at t = 0 [rad/s], counter-clockwise."""
-    material: of.Name | None = None
+    material: Annotated[of.Name, Reference("materials")] | None = None
     """Name of one of the scene's ``materials``; without one, friction is 0.5 and restitution 0."""
     plane: Planes = (0,)
     """Plane number: bodies of different planes never touch; higher numbers are drawn in front. A
@@ -308,26 +273,20 @@ class Body(Spec):
     fill: of.Flag = True
     """False draws only the outline; a circle whose radius a drive changes stays filled."""
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        if (self.motion == "scheduled") != (self.path is not None):
-            raise WrongValueError("conflicting-keys", "'path' and \"motion\": \"scheduled\" belong "
-                                  "together")
-        if any(isinstance(shape, Polyline) for shape in self.displaces):
-            raise WrongValueError("bad-outline", "a polyline has no area that could keep a liquid "
-                                  "away", allowed="shapes with an area for 'displaces'")
+    def _verify(self) -> None:
+        refuse_if((self.motion == "scheduled") != (self.path is not None),
+                  "'path' and \"motion\": \"scheduled\" belong together")
+        refuse_if(any(isinstance(shape, Polyline) for shape in self.displaces), "a polyline has no "
+                  "area that could keep a liquid away", "bad-outline",
+                  allowed="shapes with an area for 'displaces'")
         if self.motion == "dynamic":
-            if any(isinstance(shape, Polyline) for shape in self.shapes):
-                raise WrongValueError(
-                    "bad-outline", "a dynamic body cannot have a polyline or open curve: it has no "
-                    "area", allowed='"motion": "fixed" or "scheduled"; or a closed shape')
-            if (self.mass is None) == (self.density is None):
-                raise WrongValueError("conflicting-keys", "a dynamic body needs either 'mass' or "
-                                      "'density'")
-            if not self.shapes and (self.inertia is None or self.mass is None):
-                raise WrongValueError("conflicting-keys", "a dynamic body without shapes needs "
-                                      "'mass' and 'inertia'")
-        return self
+            refuse_if(any(isinstance(shape, Polyline) for shape in self.shapes), "a dynamic body "
+                      "cannot have a polyline or open curve: it has no area", "bad-outline",
+                      allowed='"motion": "fixed" or "scheduled"; or a closed shape')
+            refuse_if((self.mass is None) == (self.density is None),
+                      "a dynamic body needs either 'mass' or 'density'")
+            refuse_if(not self.shapes and (self.inertia is None or self.mass is None),
+                      "a dynamic body without shapes needs 'mass' and 'inertia'")
 
 
 BOUNCING_SKIN = "'restitution' is for rigid surfaces; a 'skin' rebounds by its stiffness"
@@ -366,10 +325,6 @@ class Material(Spec):
     colour: FillColour | None = None
     """Fill in pictures of the bodies of this material, as a body's ``colour``."""
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        if self.static > 1 and not self.friction:
-            raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
-        if self.skin and self.restitution:
-            raise WrongValueError("conflicting-keys", BOUNCING_SKIN)
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.static > 1 and not self.friction, STATIC_OF_NOTHING)
+        refuse_if(self.skin and self.restitution, BOUNCING_SKIN)

@@ -5,7 +5,6 @@ Users may register further types of parts: classes that combine existing element
 
 from __future__ import annotations
 
-import dataclasses
 import sys
 import traceback
 from collections.abc import Callable, Mapping, Sequence
@@ -76,17 +75,12 @@ class Assembly(ElementLists, PlacedPart):
 
         pulled = frozenset(name.removeprefix(begin) for name in known.pulled
                            if name.startswith(begin))
-        inner, problems = expand_parts(
-            self, Known(pulled=pulled, outside=outside, near=known.near))
-        if problems:
-            raise PartError([dataclasses.replace(problem, path=problem.path.removeprefix("$"))
-                             for problem in problems])
+        inner = expand_parts(self, Known(pulled=pulled, outside=outside, near=known.near))
         placement = Placement(self.at, self.angle, self.mirror, self.scale)
         return before + placed(self.name, inner, placement, outside)
 
 
-Part = Annotated[Finger | RockerTree | PulleyTree | Section | Assembly,
-                 Field(discriminator="type")]
+Part = Annotated[Finger | RockerTree | PulleyTree | Section | Assembly, Field(discriminator="type")]
 
 
 class Scene(Mechanism):
@@ -130,16 +124,15 @@ class Composite(PartSpec):
         """All elements so far, and those of :meth:`elements`."""
         try:
             whole = Assembly(**{"name": self.name, **self.elements()})
-        except SceneError as error:
-            raise self._wrong([f"{error.source}{str(each).removeprefix('$')}"
+            inner = expand_parts(whole, known)
+        except (SceneError, PartError) as error:
+            source = error.source if isinstance(error, SceneError) else ""
+            raise self._wrong([f"{source}{str(each).removeprefix('$')}"
                                for each in error.problems]) from None
         except Exception as error:  # whatever the class raises
             raise self._wrong([f"{type(error).__name__}: {error}"]) from None
         if other := sorted(whole.model_fields_set.difference(("type", "name", *ASSEMBLED))):
             raise self._wrong([f"{quoted(other[0])} is no list of elements"])
-        inner, problems = expand_parts(whole, known)
-        if problems:
-            raise self._wrong([str(each) for each in problems])
         names = (each.name for kind, elements in inner.items()
                  if kind not in ("contacts", "materials") for each in elements)
         if foreign := [name for name in names if not name.startswith(f"{self.name}.")]:

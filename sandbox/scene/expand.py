@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.parts.expansion import Known, expand_parts
+from sandbox.scene.parts.expansion import Known, PartError, expand_parts
 from sandbox.wording import quoted
 
 LINE_WIDTH = 100  # of the printed mechanism
@@ -28,9 +29,10 @@ def expand(scene: Scene) -> Mechanism:
     if not isinstance(scene, Scene):
         raise SceneError([Problem("bad-argument", f"{quoted(scene)} is no scene", "scene",
                                   allowed="a scene from sandbox.load_scene")])
-    elements, problems = expand_parts(scene, Known())
-    if problems:
-        raise SceneError(problems)
+    try:
+        elements = expand_parts(scene, Known())
+    except PartError as error:
+        raise SceneError([replace(each, path=f"${each.path}") for each in error.problems]) from None
     fields = {name: getattr(scene, name) for name in Mechanism.model_fields}
     fields |= elements | {"materials": dict(elements["materials"])}
     return Mechanism.model_construct(set(fields), **fields)

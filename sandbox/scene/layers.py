@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import BeforeValidator, WithJsonSchema
 
 from sandbox.values.numbers import Written
-from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
+from sandbox.wording import WrongValueError, kind_of, listed, near, quoted, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.scene.bodies import Body
@@ -120,14 +120,14 @@ def _patterns(layer: str, of: Any) -> tuple[str, ...]:
     if isinstance(of, bool):
         return EVERY if of else ()
     patterns = (of,) if isinstance(of, str) else of
-    if not isinstance(patterns, list | tuple) or not all(isinstance(p, str) for p in patterns):
-        raise WrongValueError("wrong-type",
-                              f"{kind_of(of)} does not name the bodies for {quoted(layer)}",
-                              allowed="true, false, or a list of names and patterns of bodies")
-    if not LAYERS[layer].per_body and tuple(patterns) not in ((), EVERY):
-        some = (name for name, row in LAYERS.items() if row.per_body)
-        raise WrongValueError("wrong-type", f"{quoted(layer)} is shown for all bodies or for none",
-                              allowed=f"true or false; of some bodies: {', '.join(some)}")
+    refuse_if(not isinstance(patterns, list | tuple) or not all(
+        isinstance(each, str) for each in patterns), f"{kind_of(of)} does not name the bodies for "
+        f"{quoted(layer)}", "wrong-type", allowed="true, false, or a list of names and patterns of "
+        "bodies")
+    some = ", ".join(name for name, row in LAYERS.items() if row.per_body)
+    refuse_if(not LAYERS[layer].per_body and tuple(patterns) not in ((), EVERY),
+              f"{quoted(layer)} is shown for all bodies or for none", "wrong-type",
+              allowed=f"true or false; of some bodies: {some}")
     return tuple(patterns)
 
 

@@ -18,15 +18,14 @@ from sandbox.scene.settings import ContactRule, Event, Expect, Group, Meter, Run
 from sandbox.values.numbers import Acceleration, Items, Name, Pair
 from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, TableName, Tables, tables_of
-from sandbox.wording import WrongValueError
+from sandbox.wording import refuse_if
 
 FORMAT = 1  # the version of the scene format that is read
 
 
 def _readable(version: object) -> object:
-    if isinstance(version, int) and version > FORMAT:
-        raise WrongValueError("unsupported-format", f"this scene has format {version}; this "
-                              f"version of sandbox reads format {FORMAT}")
+    refuse_if(isinstance(version, int) and version > FORMAT, f"this scene has format {version}; "
+              f"this version of sandbox reads format {FORMAT}", "unsupported-format")
     return version
 
 

@@ -16,7 +16,8 @@ from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_ori
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
+from pydantic.json_schema import GenerateJsonSchema
+from pydantic_core import PydanticUndefined, core_schema
 
 from sandbox.elements import fluids, loads, springs, tendons
 from sandbox.elements.controllers.equilibrium import FingerGeometry
@@ -107,8 +108,7 @@ def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
 def _number(metadata: tuple[Any, ...]) -> str:
     mark = mark_of(metadata, numbers.Dimension) or numbers.Dimension()
     word = "number" if mark.name in (None, "ratio") else f"{mark.name} [{units_of(mark.name)[0]}]"
-    if mark.sign == "> 0" or numbers.POSITIVE in metadata or any(
-            getattr(each, "gt", None) == 0 for each in metadata):
+    if mark.sign == "> 0" or numbers.POSITIVE in metadata:
         return f"{word}, > 0"
     if numbers.AT_MOST_ONE in metadata:
         return f"{word}, 0 to 1"
@@ -233,8 +233,17 @@ def quantity_rows() -> Iterator[QuantityRow]:
         yield QuantityRow("", "joint, spring, tendon", name, each.unit, each.about)
 
 
-DRAFT = "https://json-schema.org/draft/2020-12/schema"
 Schema = dict[str, Any]
+
+
+class _Schemas(GenerateJsonSchema):
+    """Without discriminators, a keyword of OpenAPI that JSON Schema does not have."""
+
+    def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> Schema:
+        return {"oneOf": super().tagged_union_schema(schema)["oneOf"]}
+
+
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def scene_schema() -> Schema:
@@ -260,7 +269,7 @@ def scene_schema() -> Schema:
 
 def described(top: type[Spec]) -> Schema:
     """The JSON Schema of a model and of all that it holds, with its docstrings as descriptions."""
-    schema: Schema = top.model_json_schema(by_alias=True, mode="validation")
+    schema: Schema = top.model_json_schema(schema_generator=_Schemas)
     waiting: list[type[BaseModel]] = [Spec]
     while waiting:
         model = waiting.pop()
@@ -273,7 +282,6 @@ def described(top: type[Spec]) -> Schema:
             entry = target["properties"][keys[field]]
             units = entry.get("description", "")  # of a number
             entry["description"] = f"{text} {units}".strip()
-    _drop_mappings(schema)
     return schema
 
 
@@ -303,15 +311,6 @@ def docstrings(model: type) -> dict[str, str]:
         ):
             found[field.target.id] = inspect.cleandoc(after.value.value)
     return found
-
-
-def _drop_mappings(value: Any) -> None:
-    """Remove discriminators, a keyword of OpenAPI that JSON Schema does not have."""
-    if isinstance(value, dict) and "mapping" in (value.get("discriminator") or ()):
-        del value["discriminator"]
-    for entry in value.values() if isinstance(value, dict) else value:
-        if isinstance(entry, (dict, list)):
-            _drop_mappings(entry)
 
 
 COMPOSED: Schema = {

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     Field,
     ValidationInfo,
@@ -16,13 +17,14 @@ from pydantic import (
 )
 
 from sandbox.elements.controllers.controller import bound
-from sandbox.elements.element import BODY, BodyName
+from sandbox.elements.element import BODY, HELD, BodyName
 from sandbox.scene.bodies import STATIC_OF_NOTHING
 from sandbox.scene.layers import ShownLayers
 from sandbox.values import numbers as of
+from sandbox.values.expressions import is_expression
 from sandbox.values.numbers import Instant, Items, Name, Pair, Quantity, number_from
 from sandbox.values.spec import Spec, text_for
-from sandbox.wording import WrongValueError
+from sandbox.wording import refuse_if
 
 RETIRED = ("iterations", "slop")  # settings of Run in older scenes and recordings; they are ignored
 
@@ -78,11 +80,13 @@ class ContactRule(Spec):
     static: of.Ratio | None = Field(default=None, ge=1)
     """Ratio of static to sliding friction; by default the geometric mean of the two materials'."""
 
-    @model_validator(mode="after")
-    def _static_needs_friction(self) -> Self:
-        if self.friction == 0 and (self.static or 1) > 1:
-            raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.friction == 0 and (self.static or 1) > 1, STATIC_OF_NOTHING)
+
+
+def _bound_text(text: str, info: ValidationInfo) -> str:
+    """An expression with the scene's parameters replaced by their values."""
+    return f"={of.bound_expression(text, info).text}"
 
 
 class Meter(Spec):
@@ -90,20 +94,10 @@ class Meter(Spec):
 
     name: Name
     """Its name; it is recorded, expected and plotted like any other quantity."""
-    value: str
+    value: Annotated[str, AfterValidator(_bound_text)]
     """An expression of quantities, SI: ``"=finger1.mcp.angle + finger1.pip.angle"``."""
     unit: str = ""
     """Unit shown in files and plots; values are not converted."""
-
-    @field_validator("value")
-    @classmethod
-    def _bind(cls, text: str, info: ValidationInfo) -> str:
-        return _bound_text(text, info)
-
-
-def _bound_text(text: str, info: ValidationInfo) -> str:
-    """An expression with the scene's parameters replaced by their values."""
-    return f"={of.bound_expression(text, info).text}"
 
 
 def _window(value: object, info: ValidationInfo) -> object:
@@ -173,20 +167,15 @@ class Looked(Spec):
             return f"the window is the last {-start:g} s, the run has {duration:g} s"
         return ""
 
-    @model_validator(mode="after")
-    def _one_statistic(self) -> Self:
-        if sum(getattr(self, name) is not None for name in (*STATISTICS, "of")) != 1:
-            raise WrongValueError("conflicting-keys", "give exactly one of "
-                                  f"{', '.join(STATISTICS)}, or 'quantity' with 'at'")
-        if (self.of is None) != (self.at is None):
-            raise WrongValueError("conflicting-keys", "'quantity' and 'at' go together")
-        if self.at is not None and self.over != (0.0, None):
-            raise WrongValueError("conflicting-keys", "'at' is one instant and 'over' a window: "
-                                  "give one of them")
-        if self.over[1] is not None and self.over[1] < self.over[0]:
-            raise WrongValueError("out-of-range", f"the window ends at {self.over[1]:g} s, before "
-                                  f"it begins at {self.over[0]:g} s")
-        return self
+    def _verify(self) -> None:
+        start, end = self.over
+        refuse_if(sum(getattr(self, name) is not None for name in (*STATISTICS, "of")) != 1,
+                  f"give exactly one of {', '.join(STATISTICS)}, or 'quantity' with 'at'")
+        refuse_if((self.of is None) != (self.at is None), "'quantity' and 'at' go together")
+        refuse_if(self.at is not None and self.over != (0.0, None),
+                  "'at' is one instant and 'over' a window: give one of them")
+        refuse_if(end is not None and end < start, f"the window ends at {end or 0:g} s, before it "
+                  f"begins at {start:g} s", "out-of-range")
 
 
 class Expect(Looked):
@@ -223,16 +212,13 @@ class Expect(Looked):
         """A plain number: pydantic takes a union's members by their very types."""
         return within if isinstance(within, str) else float(within)
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> Self:
-        if sum(x is not None for x in (self.value, self.between)) + (
-            self.above is not None or self.below is not None
-        ) != 1:
-            raise WrongValueError("conflicting-keys", "give one of 'is', 'between', or "
-                                  "'above'/'below'")
-        if self.between is not None and self.between[0] > self.between[1]:
-            raise WrongValueError("out-of-range", "'between' is [lowest, highest]")
-        return self
+    def _verify(self) -> None:
+        super()._verify()
+        either = self.above if self.above is not None else self.below
+        refuse_if(sum(x is not None for x in (self.value, self.between, either)) != 1,
+                  "give one of 'is', 'between', or 'above'/'below'")
+        refuse_if(self.between is not None and self.between[0] > self.between[1],
+                  "'between' is [lowest, highest]", "out-of-range")
 
     def range(self) -> tuple[float, float]:
         """Minimum and maximum that pass (infinite where open)."""
@@ -250,9 +236,9 @@ def _listed(value: object) -> object:
     return [value] if isinstance(value, str) else value
 
 
-Names = Annotated[Items[Name], BeforeValidator(_listed, json_schema_input_type=(
+Names = Annotated[Items[Annotated[Name, HELD]], BeforeValidator(_listed, json_schema_input_type=(
     Name | tuple[Name, ...]))]
-"""One name or several."""
+"""One name or several of elements that can be released."""
 
 
 class Event(Spec):
@@ -265,7 +251,7 @@ class Event(Spec):
     """Its name in the result."""
     at: of.Instant | None = None
     """Its time [s]: before the first step whose forces act at or after it."""
-    when: str | None = None
+    when: Annotated[str, AfterValidator(bound)] | None = None
     """A condition of quantities, such as ``"=finger.mcp.angle > 0.5"``; instead of ``at``."""
     after: of.Instant = 0.0
     """Earliest time for ``when`` [s]."""
@@ -285,22 +271,12 @@ class Event(Spec):
     because: str = ""
     """Reason, shown in the result."""
 
-    @field_validator("when")
-    @classmethod
-    def _bind(cls, text: str | None, info: ValidationInfo) -> str | None:
-        return None if text is None else bound(text, info)
-
-    @model_validator(mode="after")
-    def _one_cause(self) -> Self:
-        if (self.at is None) == (self.when is None):
-            raise WrongValueError("conflicting-keys", "give either 'at' or 'when'")
+    def _verify(self) -> None:
+        refuse_if((self.at is None) == (self.when is None), "give either 'at' or 'when'")
         for key in ("after", "rate"):
-            if self.at is not None and getattr(self, key):
-                raise WrongValueError("conflicting-keys", f"'{key}' needs 'when', not 'at'")
-        if both := sorted(set(self.release) & set(self.take_up)):
-            raise WrongValueError("conflicting-keys",
-                                  f"one event cannot release and engage '{both[0]}'")
-        return self
+            refuse_if(self.at is not None and getattr(self, key), f"'{key}' needs 'when', not 'at'")
+        for name in set(self.release) & set(self.take_up):
+            refuse_if(name, f"one event cannot release and engage '{name}'")
 
 
 def first_step(event: Event, step: float) -> int:
@@ -320,9 +296,8 @@ class Trace(Spec):
     """The point in the body's frame [m], also outside the body."""
 
 
-_ONE_OR_MORE = WithJsonSchema({"anyOf": [
-    {"type": "string"},
-    {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 32}]})
+def _bound_words(words: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+    return tuple(_bound_text(word, info) if is_expression(word) else word for word in words)
 
 
 class ShownMeter(Spec):
@@ -331,7 +306,11 @@ class ShownMeter(Spec):
     A text is short for a meter with only ``of``.
     """
 
-    of: Annotated[Items[str], _ONE_OR_MORE] = Field(min_length=1, max_length=32)
+    of: Annotated[
+        Items[str], BeforeValidator(_listed), AfterValidator(_bound_words), WithJsonSchema(
+            {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"},
+                                            "minItems": 1, "maxItems": 32}]}),
+    ] = Field(min_length=1, max_length=32)
     """A name or pattern of quantities or an expression (SI) such as
     ``"=finger1.tendon.tension - 2"``, or a list: curves of one meter, in one unit."""
     title: str = ""
@@ -343,22 +322,9 @@ class ShownMeter(Spec):
     style: Literal["plot", "number"] = "plot"
     """``"plot"`` has the curve below the value, ``"number"`` is the value alone."""
 
-    @field_validator("of", mode="before")
-    @classmethod
-    def _one(cls, value: object) -> object:
-        return [value] if isinstance(value, str) else value
-
-    @field_validator("of")
-    @classmethod
-    def _bind(cls, words: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
-        return tuple(_bound_text(word, info) if word.lstrip().startswith("=") else word
-                     for word in words)
-
-    @model_validator(mode="after")
-    def _rises(self) -> Self:
-        if self.range is not None and not self.range[0] < self.range[1]:
-            raise WrongValueError("out-of-range", "'range' is [lowest, highest]")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.range is not None and not self.range[0] < self.range[1],
+                  "'range' is [lowest, highest]", "out-of-range")
 
 
 class View(Spec):

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ValidationInfo, WithJsonSchema
 
+from sandbox.values.expressions import is_expression
 from sandbox.values.numbers import Items, number_from, parameters_of
 from sandbox.wording import WrongValueError, kind_of, near, quoted, refuse_if
 
@@ -29,20 +30,18 @@ def _read(value: Any, info: ValidationInfo) -> tuple[int, ...] | Literal["all"]:
     numbers = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     refuse_if(not 0 < len(numbers) <= MAX_PLANES,
               f"expected 1 to {MAX_PLANES} planes, got {len(numbers)}", "wrong-type")
-    return tuple(_plane(number, info) for number in numbers)
-
-
-def _plane(written: Any, info: ValidationInfo) -> int:
-    number = written
-    if isinstance(written, str) and written.lstrip().startswith("="):
-        computed = number_from(written, None, parameters_of(info))
-        number = int(computed) if computed.is_integer() else computed
-    if isinstance(number, bool) or not isinstance(number, int) or abs(number) > HIGHEST:
-        named = number if isinstance(number, str) else ""
-        raise WrongValueError("not-allowed", f"{quoted(named) if named else kind_of(number)} is "
-                              f"not a plane from {-HIGHEST} to {HIGHEST}", allowed=WORDS,
-                              hint=near(named, [ALL]))
-    return number
+    planes = []
+    for number in numbers:
+        if is_expression(number):
+            computed = number_from(number, None, parameters_of(info))
+            number = int(computed) if computed.is_integer() else computed
+        if isinstance(number, bool) or not isinstance(number, int) or abs(number) > HIGHEST:
+            named = number if isinstance(number, str) else ""
+            raise WrongValueError("not-allowed", f"{quoted(named) if named else kind_of(number)} "
+                                  f"is not a plane from {-HIGHEST} to {HIGHEST}", allowed=WORDS,
+                                  hint=near(named, [ALL]))
+        planes.append(number)
+    return tuple(planes)
 
 
 Planes = Annotated[Items[int] | Literal["all"], BeforeValidator(_read), SCHEMA]

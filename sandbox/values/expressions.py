@@ -16,10 +16,11 @@ import operator
 import re
 import sys
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, reduce
-from typing import Any, NamedTuple
+from graphlib import CycleError, TopologicalSorter
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -30,6 +31,7 @@ MAX_LENGTH = 1000
 MAX_DEPTH = 60
 MAX_EXPONENT = 64.0
 Read = Callable[[], float]
+_Node = TypeVar("_Node", bound=Hashable)
 
 CONSTANTS: dict[str, float] = {"pi": math.pi, "tau": math.tau, "e": math.e, "deg": math.pi / 180}
 
@@ -163,6 +165,11 @@ class Expression:
         return quoted(f"={self.text}")
 
 
+def is_expression(value: object) -> bool:
+    """Whether a written value is an expression."""
+    return isinstance(value, str) and value.lstrip().startswith("=")
+
+
 def call(table: str) -> str:
     """The key of a table among named values; no other name has this form."""
     return f"{table}()"
@@ -175,9 +182,9 @@ def parse_expression(text: str) -> Expression:
     refuse_if(len(body) > MAX_LENGTH, f"an expression has at most {MAX_LENGTH} characters, this "
               f"one has {len(body)}", "limit-exceeded")
     refuse_if(not body, "the expression is empty", "bad-expression", allowed=_GRAMMAR)
-    if strange := _STRANGE.search(body):
-        raise WrongValueError("bad-expression", f"{quoted(strange.group())} has no place in the "
-                              f"expression {quoted(body)}", allowed=_GRAMMAR)
+    for strange in _STRANGE.findall(body):
+        refuse_if(strange, f"{quoted(strange)} has no place in the expression {quoted(body)}",
+                  "bad-expression", allowed=_GRAMMAR)
     return _expression(body, _tree_of(body))
 
 
@@ -205,6 +212,17 @@ def closure(text: str, read: Callable[[str], Read], tables: Mapping[str, Any]) -
         return result if math.isfinite(result) else math.nan
 
     return value
+
+
+def rings(nexts: Mapping[_Node, Sequence[_Node]]) -> Iterator[list[_Node]]:
+    """Cycles of a graph, which has the next ones of each node; none has a node of another."""
+    while True:
+        try:
+            return TopologicalSorter(nexts).prepare()
+        except CycleError as error:
+            yield (ring := error.args[1][:0:-1])
+            nexts = {node: [each for each in following if each not in ring]
+                     for node, following in nexts.items() if node not in ring}
 
 
 def _expression(body: str, tree: ast.expr) -> Expression:

@@ -153,20 +153,17 @@ _WORDS = {
 """Messages of pydantic's types of errors; the others have their own."""
 
 
-ELEMENTS, PARTS = "docs/elements.md", "docs/parts.md"
-"""Pages with the fields of all elements and parts."""
-STUDIES = "docs/sweeps.md#a-study-as-a-file"
-SEARCHES = "docs/searches.md#a-search-as-a-file"
-OWN_PAGE = "docs/howto/own_joint.md"  # the page about elements of your own
+ELEMENTS, PARTS = "docs/elements.md", "docs/parts.md"  # have the fields of all elements and parts
 
 
 def fields_page(model: Model) -> str:
     """The section of the docs that has a model's fields, as ``docs/parts.md#leaf``."""
     room, name = model.__module__, model.__name__
     if not room.startswith("sandbox."):
-        return OWN_PAGE
+        return "docs/howto/own_joint.md"
     if room.startswith("sandbox.sweeps."):
-        return SEARCHES if "Search" in name else STUDIES
+        return "docs/searches.md#a-search-as-a-file" if "Search" in name else \
+            "docs/sweeps.md#a-study-as-a-file"
     part = ".parts." in room or name == "Assembly"
     return f"{PARTS if part else ELEMENTS}#{name.lower()}"
 

@@ -9,16 +9,17 @@ from __future__ import annotations
 import math
 import numbers
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
+from annotated_types import Ge, Gt, Le
 from pydantic import AfterValidator, Field, StrictBool, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
 from sandbox.values.spec import ReadMark
-from sandbox.values.units import Measured, in_range, parse_quantity, range_of, units_of, with_unit
+from sandbox.values.units import RANGES, Measured, in_range, parse_quantity, units_of, with_unit
 from sandbox.wording import WrongValueError, kind_of, quoted, refuse_if
 
 T = TypeVar("T")
@@ -139,31 +140,21 @@ class Dimension(ReadMark):
     def read(self, value: Any, info: ValidationInfo) -> float:
         """The value in SI, with its sign and size checked."""
         number = number_from(value, self.name, parameters_of(info))
-        if self.sign == "≥ 0" and number < 0:
-            raise _out_of_bounds("0 or more", number)
-        if self.sign == "> 0" and number < (least := range_of(self.name).least):
-            raise _out_of_bounds("greater than 0" if number <= 0 else
-                                 f"at least {with_unit(least, self.name)}", number)
+        minimum = RANGES[self.name].minimum if self.sign == "> 0" else 0.0
+        allowed = "0 or more" if not minimum else "greater than 0" if number <= 0 else \
+            f"at least {with_unit(minimum, self.name)}"
+        refuse_if(self.sign and number < minimum, f"must be {allowed}, got {number:.6g}",
+                  "out-of-range")
         return number
 
 
-def _out_of_bounds(wanted: str, value: float) -> WrongValueError:
-    return WrongValueError("out-of-range", f"must be {wanted}, got {value:.6g}")
+def _not_zero(value: float) -> float:
+    refuse_if(abs(value) < 1e-24, f"must be other than 0, got {value:.6g}", "out-of-range")
+    return value
 
 
-def _bound(test: Callable[[float], bool], wanted: str) -> AfterValidator:
-    def check(value: float) -> float:
-        if not test(value):
-            raise _out_of_bounds(wanted, value)
-        return value
-
-    return AfterValidator(check)
-
-
-POSITIVE = _bound(lambda v: v > 0, "greater than 0")
-NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
-NOT_ZERO = _bound(lambda v: abs(v) >= 1e-24, "other than 0")
-AT_MOST_ONE = _bound(lambda v: v <= 1, "at most 1")
+POSITIVE, NOT_NEGATIVE, AT_MOST_ONE = Gt(0), Ge(0), Le(1)
+NOT_ZERO = AfterValidator(_not_zero)
 
 Quantity = Annotated[Float, Dimension()]
 Number = Annotated[Float, Dimension("ratio")]

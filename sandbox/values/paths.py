@@ -10,7 +10,6 @@ from typing import Any
 from sandbox.wording import WrongValueError
 
 JsonPath = tuple[str | int, ...]
-SHOWN = 100  # characters of a key that are shown to a person: as many as a name may have
 _PLAIN_KEY = re.compile(r"[A-Za-z_$][A-Za-z0-9_$]*")
 _STEP = re.compile(
     r'(?:^|\.)(?P<key>[A-Za-z_$][\w$-]*)|\[(?P<index>[0-9]{1,9})\]'
@@ -30,12 +29,6 @@ def path_text(path: Sequence[str | int]) -> str:
     return text
 
 
-def shown_path(path: Sequence[str | int]) -> str:
-    """The text of a path for a person: keys are cut where they are very long."""
-    return path_text([step if isinstance(step, int) or len(step) <= SHOWN
-                      else f"{step[:SHOWN]}..." for step in path])
-
-
 def parse_path(text: str) -> JsonPath:
     """The steps of a path; a leading ``$`` may be left out, and ``[finger1]`` is a name."""
     body = text.strip()
@@ -46,8 +39,8 @@ def parse_path(text: str) -> JsonPath:
     while at < len(body):
         match = _STEP.match(body, at)
         if match is None:
-            raise WrongValueError("bad-override", f"{text[:80]!r} is not a path such as "
-                                  "bodies[0].mass or run.step")
+            raise WrongValueError(
+                "bad-override", f"{text[:80]!r} is not a path such as bodies[0].mass or run.step")
         if match["index"] is not None:
             steps.append(int(match["index"]))
         elif match["quoted"] is not None:

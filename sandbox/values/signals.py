@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, ValidationError, ValidationInfo, field_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationError, ValidationInfo
 from pydantic_core import InitErrorDetails
 
 from sandbox.numeric import Array
@@ -33,35 +33,34 @@ class Ramp(Spec):
     """Duration [s]; 0 is a step."""
 
 
+def _in_order(table: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    refuse_if(any(b[0] <= a[0] for a, b in pairwise(table)),
+              "the times of a table must increase", "bad-table")
+    return table
+
+
 class Table(Spec):
     """Points ``[t, value]`` in order of time, held before the first and after the last."""
 
-    table: of.Items[tuple[of.Instant, of.Quantity]] = Field(min_length=1)
+    table: Annotated[of.Items[tuple[of.Instant, of.Quantity]], AfterValidator(_in_order)] = Field(
+        min_length=1)
     """Points ``[t, value]``: increasing times [s], values in the unit of the driven quantity."""
     between: Literal["linear", "step"] = "linear"
     """Interpolation: ``linear``, or ``step``, which keeps the value of the point before."""
 
-    @field_validator("table")
-    @classmethod
-    def _in_order(cls, table: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        refuse_if(any(b[0] <= a[0] for a, b in pairwise(table)),
-                  "the times of a table must increase", "bad-table")
-        return table
+
+def _bound(text: str, info: ValidationInfo) -> str:
+    bound = of.bound_expression(text, info)
+    for unknown in sorted(bound.names - {"t"}):
+        raise unknown_name(unknown, of.parameters_of(info), also="t")
+    return f"={bound.text}"
 
 
 class Formula(Spec):
     """An expression of the time ``t`` [s]; parameters are bound when it is read."""
 
-    expression: str
+    expression: Annotated[str, AfterValidator(_bound)]
     """An expression of ``t`` [s] and of parameters, such as ``"=pull * sin(2 * pi * t)"``."""
-
-    @field_validator("expression")
-    @classmethod
-    def _bind(cls, text: str, info: ValidationInfo) -> str:
-        bound = of.bound_expression(text, info)
-        for unknown in sorted(bound.names - {"t"}):
-            raise unknown_name(unknown, of.parameters_of(info), also="t")
-        return f"={bound.text}"
 
 
 class Constant(Spec):
@@ -168,7 +167,7 @@ StiffnessSignal = Annotated[_Union, OverTime()]
 """Its dimension depends on the spring, linear or rotary."""
 
 
-def values(signal: AnySignal, t: Array, tables: Tables = NONE) -> Array:
+def values(signal: AnySignal, t: Array, tables: Tables = NONE, *, finite: bool = True) -> Array:
     """The signal at times ``t`` [s], shape [n]; SI. Formulas may call ``tables``, the scene's."""
     if isinstance(signal, Constant):
         return np.full(len(t), signal.constant)
@@ -183,7 +182,7 @@ def values(signal: AnySignal, t: Array, tables: Tables = NONE) -> Array:
         if signal.between == "step":
             row = value[np.clip(np.searchsorted(at, t, side="right") - 1, 0, None)]
         return row
-    result = parse_expression(signal.expression).evaluate({**tables, "t": t})
+    result = parse_expression(signal.expression).evaluate({**tables, "t": t}, finite=finite)
     return np.broadcast_to(np.asarray(result, dtype=float), t.shape).copy()
 
 

@@ -23,7 +23,7 @@ from sandbox.values.expressions import RESERVED, call
 from sandbox.values.numbers import Items, Pair, Quantity
 from sandbox.values.spec import Spec
 from sandbox.values.units import Measured, dimension_of
-from sandbox.wording import WrongValueError, quoted, refuse_if
+from sandbox.wording import quoted, refuse_if
 
 MAX_POINTS = 1000  # of one table
 CLOSEST = 1e-9  # the least distance of two points, as a share of the whole table
@@ -35,9 +35,8 @@ def check_distinct(points: Sequence[tuple[float, float]], *, closed: bool) -> No
     """Check that neighbouring points of a curve differ."""
     for i, one in enumerate(points):
         j = (i + 1) % len(points)
-        if one == points[j] and (closed or j):
-            raise WrongValueError("bad-outline", f"points {i} and {j} are the same point",
-                                  allowed="each point once; a closed curve closes automatically")
+        refuse_if(one == points[j] and (closed or j), f"points {i} and {j} are the same point",
+                  "bad-outline", allowed="each point once; a closed curve closes automatically")
 
 
 def natural(at: Array, values: Array, *, bent: bool = False) -> Array:
@@ -64,33 +63,30 @@ class PeriodicSpline:
     """The spline through three or more values at increasing angles [rad], within one period."""
 
     def __init__(self, angles: Array, values: Array, period: float = math.tau) -> None:
-        self.angles = angles  # of its values [rad], [n]
-        self._period = period
-        self._step = np.append(angles[1:], angles[0] + period) - angles
-        self._value = values
-        chord = (np.roll(values, -1) - values) / self._step
-        n, before = len(angles), np.roll(self._step, 1)
-        matrix = np.zeros((n, n))
-        i = np.arange(n)
-        matrix[i, i] = 2 * (before + self._step)
-        np.add.at(matrix, (i, (i - 1) % n), before)
-        np.add.at(matrix, (i, (i + 1) % n), self._step)
-        self._bend = np.linalg.solve(matrix, 6 * (chord - np.roll(chord, 1)))
-        self._slope = chord - self._step * (2 * self._bend + np.roll(self._bend, -1)) / 6
-        self._jerk = (np.roll(self._bend, -1) - self._bend) / self._step
+        self.angles, self._period = angles, period  # of its values [rad], [n]
+        step = np.append(angles[1:], angles[0] + period) - angles
+        chord = (np.roll(values, -1) - values) / step
+        i, before = np.arange(len(angles)), np.roll(step, 1)
+        matrix = np.diag(2 * (before + step))
+        np.add.at(matrix, (i, i - 1), before)
+        np.add.at(matrix, (i, (i + 1) % len(i)), step)
+        bend = np.linalg.solve(matrix, 6 * (chord - np.roll(chord, 1)))
+        after = np.roll(bend, -1)
+        self._terms = np.stack([
+            values, chord - step * (2 * bend + after) / 6, bend, (after - bend) / step])
 
     def __call__(self, angle: Array) -> tuple[Array, Array, Array]:
         """Value and first and second derivative at angles [m] rad, [m] each."""
         turned = (angle - self.angles[0]) % self._period + self.angles[0]
         k = np.searchsorted(self.angles, turned, side="right") - 1
-        t, slope, bend, jerk = turned - self.angles[k], self._slope[k], self._bend[k], self._jerk[k]
-        return (self._value[k] + t * (slope + t * (bend / 2 + t * jerk / 6)),
+        t, (value, slope, bend, jerk) = turned - self.angles[k], self._terms[:, k]
+        return (value + t * (slope + t * (bend / 2 + t * jerk / 6)),
                 slope + t * (bend + t * jerk / 2), bend + t * jerk)
 
     @property
     def pieces(self) -> Array:
         """As of :func:`natural`, the last one up to the first place again, [n, 4]."""
-        return np.stack([self._value, self._slope, self._bend / 2, self._jerk / 6], axis=1)
+        return np.stack(list(self._terms / [[1], [1], [2], [6]]), axis=1)
 
 
 class NamedTable(Spec):
@@ -149,8 +145,7 @@ class Function:
 
     def __init__(self, table: NamedTable) -> None:
         at, value = np.array(table.points, dtype=float).T
-        self.knots: Array = at
-        """Where pieces but the first begin, [n]."""
+        self.knots: Array = at  # where pieces but the first begin, [n]
         self.repeats = table.beyond == "repeat"
         self.period = float(at[-1] - at[0])  # from its first to its last knot
         with np.errstate(all="ignore"):  # a table that is too steep is refused with its number

@@ -21,8 +21,8 @@ INCH = 0.0254  # [m]
 class Range(NamedTuple):
     """Of one dimension, in SI: the minimum of a positive size, and the maximum of any magnitude."""
 
-    least: float
-    most: float
+    minimum: float
+    maximum: float
 
 
 _DIMENSIONS: dict[str, tuple[float, float, dict[str, float]]] = {
@@ -64,15 +64,15 @@ _DIMENSIONS: dict[str, tuple[float, float, dict[str, float]]] = {
 """Of each dimension its range in SI, and the factors to SI of its units, the SI unit first."""
 UNITS = {unit: (factor, dimension) for dimension, (_, _, units) in _DIMENSIONS.items()
          for unit, factor in units.items()}  # the factor to SI and the dimension of each unit
-RANGES = {dimension: Range(least, most) for dimension, (least, most, _) in _DIMENSIONS.items()}
-ANY = Range(0.0, 1e18)  # of a number whose dimension is not known: a parameter, a gain
+RANGES: dict[str | None, Range] = {
+    dimension: Range(*span) for dimension, (*span, _) in _DIMENSIONS.items()}
+RANGES[None] = Range(0.0, 1e18)  # of a number whose dimension is not known: a parameter, a gain
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*((?:1\s*/\s*)?[^0-9.\s].*)?")
 _NEWTONS = re.compile(r"\b([mkM]?N)(m|mm|cm)?(s)?\b")
 _DOTS = str.maketrans({"·": " ", "⋅": " ", "*": " ", "²": "^2", "³": "^3", "μ": "µ"})
-_WORDS = re.compile(r"[^\W\d]+|\d+|%|°")
-_PREFIXES = frozenset("pnuµmcdhkKMGT")
+_PREFIX = re.compile(r"\b[pnuµmcdhkKMGT](?=[^\W\d])")
 MAX_LENGTH = 100
 
 
@@ -179,42 +179,29 @@ def factor_of(unit: str, dimension: str | None) -> float:
 
 def _other_prefix(unit: str, other: str) -> bool:
     """Whether two units differ in a prefix, and so by a power of ten: not to be suggested."""
-    def cuts(word: str) -> list[tuple[str, str]]:
-        """Possible prefixes, with the rest in lower case."""
-        whole = [("", word.lower())]
-        if word[:1] in _PREFIXES:
-            whole.append((word[0].replace("K", "k").replace("u", "µ"), word[1:].lower()))
-        return whole
-
-    ones, others = _WORDS.findall(unit), _WORDS.findall(other)
-    pairs = [("".join(ones), "".join(others)), *(zip(ones, others, strict=True)
-                                                 if len(ones) == len(others) else ())]
-    return any(rest and rest == same and first != second
-               for a, b in pairs for first, rest in cuts(a) for second, same in cuts(b))
-
-
-def range_of(dimension: str | None) -> Range:
-    """The range of a dimension; of None that of any number."""
-    return RANGES[dimension] if dimension else ANY
+    (one, first), (two, second) = (
+        (_PREFIX.sub("", each).lower(), _PREFIX.findall(each.replace("K", "k").replace("u", "µ")))
+        for each in (unit, other))
+    return one == two and first != second
 
 
 def in_range(value: float, dimension: str | None) -> float:
     """``value`` [SI], if its magnitude is within the range of its dimension, or of its unit."""
     dimension = dimension or (dimension_of(value.unit) if isinstance(value, Measured) else None)
-    most = range_of(dimension).most
-    if not abs(value) <= most:  # nor is that of nan
+    maximum = RANGES[dimension].maximum
+    if not abs(value) <= maximum:  # nor is that of nan
         raise WrongValueError(
             "out-of-range", f"{float(value):.6g} is too large to be computed with",
-            allowed=f"a magnitude of at most {with_unit(most, dimension)}")
+            allowed=f"a magnitude of at most {with_unit(maximum, dimension)}")
     return value
 
 
 def size_fault(value: float, dimension: str) -> str:
     """The fault of a number that cannot be a size, such as a mass; empty without one."""
-    allowed = range_of(dimension)
-    if allowed.least <= value <= allowed.most:
+    allowed = RANGES[dimension]
+    if allowed.minimum <= value <= allowed.maximum:
         return ""
-    span = f"{allowed.least:g} to {with_unit(allowed.most, dimension)}"
+    span = f"{allowed.minimum:g} to {with_unit(allowed.maximum, dimension)}"
     text = f"{value:.6g}" if math.isfinite(value) else "no finite number"
     return f"{text}, outside of {span}"
 

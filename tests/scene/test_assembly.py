@@ -72,8 +72,7 @@ def recording(**placing: Any) -> Any:
 @pytest.fixture(scope="module")
 def still() -> Any:
     """The machine written without an assembly."""
-    return simulate(load_scene({
-        "run": RUN, **MACHINE, "bodies": [GROUND, *MACHINE["bodies"]]}))
+    return simulate(load_scene({"run": RUN, **MACHINE, "bodies": [GROUND, *MACHINE["bodies"]]}))
 
 
 @pytest.mark.parametrize("placing", [

@@ -30,14 +30,6 @@ def test_of_all_copies_the_first_wrong_one_is_told():
         ("$.bodies[0].mass", "(for i = 1)"), ("$.bodies[0].at[1]", "(for i = 0)")}
 
 
-def test_a_template_in_its_own_content_is_named():
-    found = problems({"templates": {"a": {"type": "assembly", "parts": [
-        {"like": "b", "name": "x"}]}, "b": {"type": "assembly", "parts": [
-            {"like": "a", "name": "y"}]}}, "parts": [{"like": "a", "name": "p"}]})
-    assert [(e.path, e.message) for e in found] == [
-        ("$.templates.b.parts[0].like", "templates are like one another: a → b → a")]
-
-
 def test_what_is_written_out_counts_as_bytes():
     found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 100, "shapes": [
         {"type": "circle", "radius": 1}] * 100}]}, limits=Limits(file_bytes=100_000))

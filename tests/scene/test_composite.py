@@ -102,8 +102,7 @@ def test_worker_processes_get_the_file(capsys: Any) -> None:
     ('"springs":', '"at": [1, 0], "springs":', "'at' is no list of elements"),
     ("name=spring", 'name="spring"', "the name 'spring' must begin with 'leg.'"),
 ])
-def test_a_wrong_file_gets_one_clear_message(
-    old: str, new: str, message: str, capsys: Any) -> None:
+def test_a_wrong_file_gets_one_clear_message(old: str, new: str, message: str, capsys: Any) -> None:
     text = BLOCKS["my_strut"]
     assert old in text
     Path("wrong.py").write_text(text.replace(old, new), encoding="utf-8")

@@ -16,8 +16,7 @@ import sandbox
 from sandbox.values.paths import parse_path
 from tests.scene.hand import ARM, FLUIDS, hand
 
-DISC: dict[str, Any] = {
-    "name": "disc", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
+DISC: dict[str, Any] = {"name": "disc", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
 PUSH = {"type": "force", "name": "push", "body": "ball", "direction": [1, 0],
         "value": "=profile(t)"}
 SCENES: dict[str, dict[str, Any]] = {
@@ -70,7 +69,7 @@ parts[2].name = "finger1" | duplicate-name | is taken by parts[0]
 templates.digit.rads = 1 | unknown-key | unknown key ? 'radii'
 parameters.pull = "=each" | circular-definition | each → pull → each @ parameters.each
 parameters["a.b"] = 1 | invalid-name | is not the name of a parameter
-title = "a\ud800" | invalid-json | half a character
+title = "a\ud800" | invalid-json | half a character (a surrogate) @ $
 parameters = 3 | wrong-type | expected an object {…}, got the number 3
 run.duration = 31500000.0 | limit-exceeded | 63 000 000 000 steps
 view.fps = 30 | not-allowed | 30 is not allowed here
@@ -101,13 +100,9 @@ controllers[0].rate = "300 Hz"
 controllers[0].target = "=1 / (t - t)" | out-of-range | no finite value
 controllers[0].name = "motor" | duplicate-name | already that of a drive
 events = [{"name": "later", "at": "2 s", "stop": "pass"}]
-    | event-never-happens | the run ends at 1 s @ events[0].at
+    | event-never-happens | and the run ends at 1 s @ events[0].at
 events = [{"name": "later", "when": "=t > 0", "after": "0.6 s", "rate": "2 Hz", "stop": "pass"}]
     | event-never-happens | due at 1 s @ events[0].after
-events = [{"name": "later", "when": "=t > 5", "stop": "pass"}]
-    | event-never-happens | true at no time of the run @ events[0].when
-events = [{"name": "later", "when": "=elbow.angel > 1", "stop": "pass"}]
-    | unknown-quantity | unknown quantity 'elbow.angel' ? 'elbow.angle' @ events[0].when
 events = [{"name": "later", "at": 0.1, "set": {"loop.tarket": 1}}] | name-not-found
     | there is nothing named 'loop.tarket' to set ? 'loop.target' @ events[0].set["loop.tarket"]
 events = [{"name": "later", "at": 0.1, "set": {"loop.active": 2}}]
@@ -123,7 +118,6 @@ lines[1].volume = | out-of-range | outside of
 lines[1].modulus = 1000000000.0 | conflicting-keys | exclude each other @ lines[1]
 lines[0].least = 1 | out-of-range | a vacuum, to 0 @ lines[0]
 lines[0].pressure = "-2 bar" | out-of-range | between least and relief @ lines[0]
-valves[0].b = "oil" | conflicting-keys | a valve needs a line @ valves[0]
 valves[0].resistance = | conflicting-keys | a 'resistance' greater than 0 @ valves[0]
 drives[0] = {"type": "pressure", "name": "more", "line": "air", "value": 0}
     | set-twice | the pressure of 'air' is set already, by 'more' @ drives[1].line
@@ -169,7 +163,7 @@ parameters.i = 3 | duplicate-name | 'i' is that of a parameter @ bodies[0].repea
 bodies[0].repeat = {"count": 2, "index": "t"}
     | invalid-name | means the time @ bodies[0].repeat.index
 bodies[0].repeat = {"count": 2, "circle": [0, 0], "line": [0, 0]}
-    | bad-repeat | exclude each other @ bodies[0].repeat.circle
+    | bad-repeat | exclude each other @ bodies[0].repeat
 [tables]
 tables.profile = {"points": [[0, 1], [0, 2]]}
     | bad-table | must increase: point 1 has 0 after 0 @ tables.profile.points
@@ -199,21 +193,12 @@ meters = [{"name": "hinge", "value": "=1"}]
     | duplicate-name | already that of a joint @ meters[0].name
 bodies[2] = {"name": "disc.angle", "mass": 1, "inertia": 1}
     | duplicate-name | also means the quantity 'angle' of 'disc' @ bodies[2].name
-meters = [{"name": "disc.angle", "value": "=1"}]
-    | duplicate-name | also means the quantity 'angle' of 'disc' @ meters[0].name
-drives = [{"type": "pull", "name": "d", "value": 1, "tendon": "cord"}, {"type": "pull",
-    "name": "e", "value": 1, "tendon": "cord"}]
-    | set-twice | is set already, by 'd' @ drives[1].tendon
 drives = [{"type": "servo", "name": "d", "joint": "piston", "value": 0.1, "torque": 1}]
     | name-not-found | 'piston' is an actuator, and 'servo' acts on a hinge
     ? a drive of type 'length', which acts on an actuator @ drives[0].joint
-drives = [{"type": "length", "name": "d", "joint": "hinge", "value": 0.1, "force": 1}]
-    | name-not-found | 'hinge' is a hinge, and 'length' acts on an actuator
-    ? a drive of type 'servo', which acts on a hinge @ drives[0].joint
 [mesh]
 joints[0].friction = 1 & joints[0].friction_coefficient = 0.1 & joints[0].pin_radius = 0.01 |
     conflicting-keys | not both @ joints[0]
-joints[0].friction_coefficient = 0.1 | conflicting-keys | needs a 'pin_radius' @ joints[0]
 joints[0].friction = 1 & joints[0].static = 0.5 | out-of-range | at least 1 @ joints[0].static
 joints[1].pressure_angle = "50 deg" | out-of-range | must be at most 0.785398
 joints[1].inside = true & joints[1].radius_b = 0.02 | out-of-range | must differ @ joints[1]
@@ -221,9 +206,8 @@ joints[1].backlash = -0.001 | out-of-range | must be 0 or more
 joints[1] = {"type": "rack", "name": "mesh", "a": "wall", "b": "disc", "radius": 0.02, "along": [0,
     0]} | out-of-range | [0, 0] is no direction @ joints[1].along
 springs[0].force = | conflicting-keys | give either 'stiffness' or 'force' @ springs[0]
-springs[0].stiffness = 1 | conflicting-keys | give either @ springs[0]
 springs[0].force = "=twist" | name-not-found | unknown name 'twist'
-springs[0].force = "=play(stretch)" | bad-expression | unknown function 'play'
+springs[0].force = "=sine(stretch)" | bad-expression | unknown function 'sine' ? 'sin'
 drives = [{"type": "stiffness", "name": "d", "spring": "band", "value": 200}] | not-settable |
     has no stiffness to set: it follows a law @ drives[0].spring
 drives = [{"type": "stiffness", "name": "k", "spring": "band", "tendon": "cord"}] & tendons =
@@ -234,7 +218,6 @@ parameters = {"mass": 2} & loads[0].force = ["=-mass * vx", 0] | duplicate-name 
     parameter, and here it would mean the body's own @ loads[0].force[0]
 loads[0].force[0] = "3 m/s" | wrong-unit | 'm/s' is a unit of speed, but this is a force
 loads[0].force = | conflicting-keys | give a 'force', an 'acceleration' or a 'torque' @ loads[0]
-loads[0].acceleration = [0, 0] | conflicting-keys | not both @ loads[0]
 loads[0].bodies = "dsc" | name-not-found | no body's name matches 'dsc' ? 'disc' @
     loads[0].bodies[0]
 loads[0].bodies = ["wall"] | name-not-found | 'wall' matches no body that moves freely @
@@ -246,7 +229,7 @@ gravity = [1, 0] & loads[0] = {"type": "buoyancy", "name": "f"} | bad-fluid | gr
 bodies[0].displaces = [{"type": "polyline", "points": [[0, 0], [1, 0]]}] | bad-outline | no area
     that could keep a liquid away @ bodies[0]
 events = [{"name": "e", "at": 0.1, "release": ["hinge", "disc"]}] | not-releasable | 'disc' is a
-    body, which events cannot release @ events[0].release[1]
+    body, which cannot be released @ events[0].release[1]
 events = [{"name": "e", "at": 0.1, "take_up": "mesh"}] | not-releasable | 'mesh' joins wheels where
     they meet at t = 0, so events cannot engage it again @ events[0].take_up[0]
 events = [{"name": "e", "at": 0.1, "release": "hinge", "take_up": "hinge"}] | conflicting-keys | one
@@ -271,8 +254,9 @@ def rows() -> Iterator[Any]:
         found = [change.split(" =", 1) for change in changes.split(" & ")]
         message, _, place = message.partition(" @ ")
         message, _, hint = message.partition(" ? ")
-        yield pytest.param(SCENES[scene], found, (code, f"$.{place or found[-1][0]}", hint),
-                           message, id=f"{scene}: {changes[:60]}")
+        path = "$" if place == "$" else f"$.{place or found[-1][0]}"
+        yield pytest.param(SCENES[scene], found, (code, path, hint), message,
+                           id=f"{scene}: {changes[:60]}")
 
 
 def change(scene: dict[str, Any], place: str, value: str) -> None:

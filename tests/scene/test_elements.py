@@ -43,8 +43,7 @@ def test_a_target_beyond_a_stop_is_warned_of(target):
 # --- planes
 
 
-BALL: dict[str, Any] = {
-    "name": "ball", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
+BALL: dict[str, Any] = {"name": "ball", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
 
 
 def loaded(plane: Any) -> sandbox.Scene:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.load import load_scene
+from sandbox.scene.read.load import load_scene, read_scene
 from sandbox.scene.settings import Run
 from sandbox.values.paths import path_text
 from tests.scene.hand import hand
@@ -75,24 +75,15 @@ def test_overrides_that_lead_nowhere(path: str, value: Any, words: str, hint: st
     assert (problem.hint, problem.line) == (hint, 0)
 
 
-def test_a_parameter_has_a_hundred_letters_at_most_and_depends_a_hundred_deep() -> None:
-    def chain(deep: int) -> dict[str, Any]:
-        return {"parameters": {f"p{i}": f"=p{i + 1}" for i in range(deep)} | {f"p{deep}": 7}}
-    assert load_scene(chain(100)).parameters["p0"] == 7.0
-    assert load_scene({"parameters": {"a" * 100: 1}}).parameters["a" * 100] == 1.0
-    for deep in (101, 150):
-        (problem,) = _problems(chain(deep))
-        assert problem.path == "$.parameters.p101"
-        assert "more than 100 deep" in problem.message
-
-
 def test_mistakes_in_several_elements_are_reported_together() -> None:
     bodies = [{"name": "disc", "mass": "1 mm"}, {"name": "disc", "mass": 1, "inertia": 1},
               {"name": "wall", "motion": "fixed"}]
     joints = [{"type": "pin", "name": "p", "a": "wal", "b": "disc", "on_a": [0, 0]}]
-    assert {(each.code, each.path) for each in _problems({"bodies": bodies, "joints": joints})} == {
-        ("wrong-unit", "$.bodies[0].mass"), ("duplicate-name", "$.bodies[0].name"),
-        ("name-not-found", "$.joints[0].a")}
+    scene = {"bodies": bodies, "joints": joints, "expect": [
+        {"max": "wall.x", "below": 1}, {"max": "wal.x", "below": 1}]}
+    assert {(each.code, each.path) for each in _problems(scene)} == {
+        ("unknown-quantity", "$.expect[1].max"),
+        ("wrong-unit", "$.bodies[0].mass"), ("name-not-found", "$.joints[0].a")}
 
 
 def test_very_many_problems_are_counted() -> None:
@@ -157,10 +148,12 @@ def test_without_a_unit_before_or_now_any_is_taken(path, value):
     assert load_scene(TWO, overrides={path: value})
 
 
-def test_retired_settings_are_ignored() -> None:
-    scene = {"run": {"step": "1 ms", "iterations": "many", "slop": None},
-             "bodies": [{"name": "still", "motion": "fixed"}]}
-    assert load_scene(scene).run.model_dump() == Run(step=1e-3).model_dump()
+def test_retired_settings_are_ignored_with_a_warning() -> None:
+    loaded = read_scene({"run": {"step": "1 ms", "iterations": "many", "slop": None},
+                         "bodies": [{"name": "still", "motion": "fixed"}]})
+    assert loaded.scene.run.model_dump() == Run(step=1e-3).model_dump()
+    assert [(each.path, each.severity) for each in loaded.ignored] == [
+        ("$.run.iterations", "warning"), ("$.run.slop", "warning")]
     old = Mechanism().model_dump_json(by_alias=True).replace(
         '"sample_rate"', '"iterations":40,"slop":1e-06,"sample_rate"')
     assert Mechanism.model_validate_json(old).model_dump() == Mechanism().model_dump()

@@ -54,8 +54,7 @@ def test_only_the_cause_is_reported_of_dependent_parts():
     trees = tree_of("f1", "g"), tree_of("tree", "f2") | {"name": "two"}
     assert set(problems(*fingers(2), broken, *trees)) == {"$.parts[2].on"}
     within = {"type": "assembly", "name": "hand", "parts": [broken]}
-    assert set(problems(*fingers(1), within, tree_of("f1", "hand.g"))) == {
-        "$.parts[1].parts[0].on"}
+    assert set(problems(*fingers(1), within, tree_of("f1", "hand.g"))) == {"$.parts[1].parts[0].on"}
     assert set(problems(*fingers(1), broken, tree_of("f1", "g.tendon", "gg"))) == {
         "$.parts[1].on", "$.parts[2].pulls[2]"}
 

@@ -18,7 +18,7 @@ from sandbox.wording import WrongValueError
 
 @pytest.mark.parametrize("dimension", ["length", "force"])
 def test_a_number_at_the_end_of_its_range(dimension: str) -> None:
-    most, least = RANGES[dimension].most, RANGES[dimension].least
+    most, least = RANGES[dimension].maximum, RANGES[dimension].minimum
     assert number_from(-most, dimension, {}) == -most
     assert size_fault(most, dimension) == size_fault(least, dimension) == ""
     with pytest.raises(WrongValueError, match="too large"):

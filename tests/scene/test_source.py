@@ -32,13 +32,13 @@ def test_the_scan_accepts_what_json_reads(value: object, indent: int | None, asc
 @given(json_values, st.sampled_from([None, 2]))
 def test_every_place_is_where_its_value_stands(value: object, indent: int | None) -> None:
     text = json.dumps(value, indent=indent)
-    for path, place in Scan(text, Limits()).places.items():
+    for path, (place, key) in Scan(text, Limits()).places.items():
         inner: Any = value
         for step in path:
             inner = inner[step]
-        assert json.JSONDecoder().raw_decode(text, place.value)[0] == inner
-        if place.key >= 0:
-            assert json.JSONDecoder().raw_decode(text, place.key)[0] == path[-1]
+        assert json.JSONDecoder().raw_decode(text, place)[0] == inner
+        if key >= 0:
+            assert json.JSONDecoder().raw_decode(text, key)[0] == path[-1]
 
 
 @given(st.binary(max_size=200))
@@ -69,7 +69,7 @@ def test_any_bytes_are_data_or_problems(tmp_path_factory: pytest.TempPathFactory
     ('{"a": .5}', 1, 7, "$.a", "not a JSON number"), ('{"a"}', 1, 5, "$", "expected ':'"),
     ('{"a": "b', 1, 7, "$.a", "the file ends inside the text"), ("{} {}", 1, 4, "$", "more text"),
     ('{"a": 1 // why\n}', 1, 9, "$", "no comments"), ('{"a":}', 1, 6, "$.a", "missing before"),
-    (" \n", 0, 0, "$", "empty"),
+    (r'{"a": "\ud800"}', 1, 7, "$.a", "half a character"), (" \n", 0, 0, "$", "empty"),
 ])
 def test_complaints(text: str, line: int, column: int, path: str, words: str) -> None:
     with pytest.raises(SceneError) as refused:

@@ -7,13 +7,10 @@ or on the quantity that they read. Their numbers keep their unit
 
 from __future__ import annotations
 
-import contextlib
 import math
 import re
 from collections.abc import Callable, Iterator
 from typing import Any
-
-import numpy as np
 
 from sandbox.elements.controllers.controller import every
 from sandbox.elements.quantities import QUANTITIES
@@ -27,21 +24,17 @@ from sandbox.values.signals import Constant, Ramp, Table
 from sandbox.values.units import UNITS, Measured, factor_of, size_fault
 from sandbox.wording import NearMisses, WrongValueError, listed, quoted
 
-MAX_EVALUATIONS = 500_000  # of conditions of the time, for all events, before a run
 READINGS = {name.rpartition(".")[2]: UNITS[quantity.unit][1]
             for rows in QUANTITIES.values() for name, quantity in rows.items()
             if quantity.live and quantity.unit in UNITS}
 """Dimensions of the quantities that can be read, by the last word of their names."""
-_PLAIN = re.compile(rf"{NAME[1:-1]}(/{NAME[1:-1]})?")
 Place = tuple[str, float | None, str | None]
 """A path, the number there, and its required dimension; None if unknown."""
 WHOLE = 1e-6
 """Relative deviation of the steps between two acts from a whole number: a rate in decimals."""
 
 
-def check_control(
-    mechanism: Mechanism, assumed: Callable[[str], bool],
-) -> Iterator[Problem]:
+def check_control(mechanism: Mechanism, assumed: Callable[[str], bool]) -> Iterator[Problem]:
     """Drives, rates and events that are unknown or impossible; ``assumed`` names count as known."""
     near = NearMisses()
     drives = dict.fromkeys(drive.name for drive in mechanism.drives)
@@ -102,34 +95,18 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
     """An event that cannot happen during the run, or that lasts without anything to reverse."""
     duration, step = mechanism.run.duration, mechanism.run.step
     yield from rate_problems(event.rate, step, f"{path}.rate")
-    key, start = ("at", event.at) if event.at is not None else ("after", event.after)
+    key = "at" if event.at is not None else "after"
     first, last = first_step(event, step), math.ceil(duration / step - 1e-9)
     if event.when is not None:
         first += -first % every(event.rate, step)
-    if start >= duration:
-        yield Problem("event-never-happens", "this event can never happen: the run ends at "
-                      f"{duration:g} s", f"{path}.{key}", allowed=f"less than {duration:g} s")
-    elif first > 0 and first >= last:
-        yield Problem("event-never-happens",
-                      f"this event can never happen: it would be due at {first * step:g} s, after "
-                      "the run's last step has begun", f"{path}.{key}", allowed="an earlier time")
-    if event.when is not None:
-        names = parse_expression(event.when).names
-        steps = range(first, last, every(event.rate, step))
-        if not names:
-            yield Problem("event-never-happens", f"the condition {quoted(event.when)} reads "
-                          "nothing, so it never changes", f"{path}.when", allowed="a condition of "
-                          'quantities or of the time t, such as "=finger.mcp.angle > 0.5"')
-        elif names == {"t"} and 0 < len(steps) * len(mechanism.events) <= MAX_EVALUATIONS:
-            true: Any = True  # undefined at some time, it may be true at another
-            with contextlib.suppress(ValueError):
-                true = np.atleast_1d(parse_expression(event.when).evaluate(
-                    {**mechanism.functions, "t": step * np.asarray(steps)})) > 0
-            if not np.any(true):
-                yield Problem("event-never-happens", "this event can never happen: "
-                              f"{quoted(event.when)} is true at no time of the run, which ends at "
-                              f"{duration:g} s", f"{path}.when",
-                              allowed="a condition that becomes true")
+    if 0 < first >= last:
+        yield Problem("event-never-happens", "this event can never happen: it would be due at "
+                      f"{first * step:g} s, and the run ends at {duration:g} s", f"{path}.{key}",
+                      allowed="an earlier time")
+    if event.when is not None and not parse_expression(event.when).names:
+        yield Problem("event-never-happens", f"the condition {quoted(event.when)} reads nothing, "
+                      "so it never changes", f"{path}.when", allowed="a condition of quantities "
+                      'or of the time t, such as "=finger.mcp.angle > 0.5"')
     if event.lasts is not None and not (event.set or event.release or event.take_up):
         yield Problem("conflicting-keys", "'lasts' needs 'set', 'release' or 'take_up'",
                       f"{path}.lasts")
@@ -179,15 +156,10 @@ def _measured(mechanism: Mechanism) -> Iterator[Place]:
 
 
 def _of_reading(text: str, meters: set[str]) -> str | None:
-    """The dimension of a plain quantity; of an expression or a meter it is not known."""
-    if _PLAIN.fullmatch(text) is None or text in meters:
-        return None
+    """The dimension of a quantity; of an expression, a pair or a meter it is not known."""
     element, _, last = text.rpartition(".")
-    first, divided, _ = element.partition("/")
-    if divided and (last != "normal" or first in meters
-                    or first.rpartition(".")[2] in (*READINGS, "value", "t")):
-        return None  # not a pair of bodies but a quotient
-    return READINGS.get(last) if element else None
+    plain = element and text not in meters and re.fullmatch(NAME, text)
+    return READINGS.get(last) if plain else None
 
 
 def _values(path: str, value: Any, dimension: str | None) -> Iterator[Place]:

@@ -5,7 +5,6 @@ The range of a field is checked where it is read (:mod:`sandbox.values.units`).
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Iterator
 
 import numpy as np
@@ -77,7 +76,7 @@ def _weight(body: Body, path: str) -> Iterator[Problem]:
         if fault := size_fault(value, what):
             yield Problem("out-of-range", f"its {what} is {fault}", path)
             return
-    if not all(abs(c) <= RANGES["length"].most for c in weight.centre):
+    if not all(abs(c) <= RANGES["length"].maximum for c in weight.centre):
         yield Problem("out-of-range", "its centre of mass is far from its shapes", path)
 
 
@@ -89,27 +88,23 @@ def _signal(
     if dimension is None and not isinstance(signal, Formula):
         return
 
-    def lacks(t: Array) -> str:
-        """Why the signal has no value at one of some instants; empty otherwise."""
-        try:
-            values(signal, t, tables)
-        except ValueError as error:
-            return str(error)
-        return ""
-
-    duration, tables = mechanism.run.duration, mechanism.functions
+    duration = mechanism.run.duration
     t: Array = duration * (np.arange(INSTANTS, dtype=np.float64) + 0.5) / INSTANTS
     t = t if first is None else np.append(first, t)
-    count = len(t) if not lacks(t) else bisect_left(
-        range(1, len(t) + 1), True, key=lambda n: lacks(t[:n]) != "")
-    found = values(signal, t[:count], tables)
+    try:
+        found = values(signal, t, mechanism.functions, finite=False)
+    except WrongValueError as error:
+        yield Problem.of(error, path)
+        return
+    finite = np.isfinite(found)
     if positive and np.any(found <= 0):
         yield Problem("out-of-range", "the radius is not greater than 0 at t = "
                       f"{t[int(np.argmax(found <= 0))]:.4g} s", path)
-    elif count < len(t):
-        yield Problem("out-of-range", f"{lacks(t[count:count + 1])} at t = {t[count]:.4g} s", path,
+    elif not finite.all():
+        yield Problem("out-of-range", "this has no finite value (a division by zero, or out of "
+                      f"range) at t = {t[int(np.argmin(finite))]:.4g} s", path,
                       allowed=f"a finite value from 0 to {duration:g} s")
-    if count == len(t) and dimension is not None:
+    elif dimension is not None:
         if isinstance(signal, Table):
             t, found = np.array(signal.table).T
         worst = int(np.argmax(np.abs(found)))

@@ -22,29 +22,23 @@ from sandbox.errors import Problem
 from sandbox.scene.check.control import check_control
 from sandbox.scene.layers import BY_ROLE, EVERY, meant
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.settings import Event
 from sandbox.values.spec import Spec
 from sandbox.wording import NearMisses, is_pattern, listed, quoted
 
 
 def check_references(
-    mechanism: Mechanism, *, assumed: Collection[str] = ()
+    mechanism: Mechanism, *, assumed: Collection[str] = (), faulty: bool = False,
 ) -> list[Problem]:
     """Every name that is unknown, duplicate or ambiguous.
 
     Names in ``assumed``, also followed by a dot and more, count as known: they belong to elements
-    that could not be read. ``"*"`` matches any name.
+    that could not be read. ``"*"`` matches any name. Quantities are checked when the mechanism is
+    complete; of a ``faulty`` one only those of unknown elements are reported.
     """
     names = _References(mechanism, assumed)
-    return [*names.names(), *names.elements(), *names.others(),
-            *check_control(mechanism, names.is_assumed)]
-
-
-def duplicate(name: str, kind: str, first: str, path: str) -> Problem:
-    """The problem of an element of a kind whose name one of the ``first`` kind has, too."""
-    return Problem("duplicate-name", f"the name {quoted(name)} is already that of "
-                   f"{'another' if first == kind else 'a'} {NAMED[first].one}", path,
-                   allowed="a unique name for every element")
+    found = [*names.names(), *names.elements(), *names.others(),
+             *check_control(mechanism, names.is_assumed)]
+    return [*found, *(names.expected() if found or faulty else ())]
 
 
 class _References:
@@ -52,50 +46,48 @@ class _References:
         self.mechanism, self.assumed, self.near = mechanism, assumed, NearMisses()
         self.known = {kind: dict.fromkeys(each.name for each in getattr(mechanism, kind))
                       for kind in NAMED}
-        self.hinges = dict.fromkeys(
-            joint.name for joint in mechanism.joints if joint.facts.angle)
-        self.actuators = dict.fromkeys(
-            joint.name for joint in mechanism.joints if joint.facts.line)
-        self.pulled_groups = [group.name for group in mechanism.groups
-                              if group.tree or group.kind == "finger"]
+        self.known["materials"] = dict.fromkeys(mechanism.materials)
+        self.known[RELEASABLES] = {name: None for kind in RELEASABLE for name in self.known[kind]}
+        self.hinges = dict.fromkeys(joint.name for joint in mechanism.joints if joint.facts.angle)
+        self.actuators = dict.fromkeys(joint.name for joint in mechanism.joints if joint.facts.line)
 
     def is_assumed(self, name: str) -> bool:
         """Whether a name is, or begins with, that of an element that could not be read."""
         return bool(self.assumed) and ("*" in self.assumed or any(
             begin in self.assumed for begin in accumulate(name.split("."), "{}.{}".format)))
 
-    def _unknown(self, name: str, known: Collection[str], what: str, path: str, *,
-                 also: Collection[str] = ()) -> Iterator[Problem]:
-        """A name that is none of the known ones; ``also`` are further suggestions."""
-        if name not in known and not self.is_assumed(name):
-            none = "" if self.assumed else f"none: there is no {what}"
-            yield Problem("name-not-found", f"there is no {what} named {quoted(name)}", path,
-                          allowed=listed(known) or none, hint=self.near(name, [*known, *also]))
-
     def target(
-        self, model: type[Spec] | None, reference: Reference, name: str, path: str,
+        self, model: type[Spec], reference: Reference, name: str, path: str,
     ) -> Iterator[Problem]:
         """An element that a field names; a pull may name the group of its tendon."""
-        if reference.among == RELEASABLES:
-            known, what = {name: None for kind in RELEASABLE for name in self.known[kind]}, \
-                "joint, spring or tendon"
-        elif reference.hinge or reference.line:
+        known, also = self.known[reference.among], list[str]()
+        what = {"materials": "material", RELEASABLES: "joint, spring or tendon"}.get(
+            reference.among) or NAMED[reference.among].one
+        if reference.hinge or reference.line:
             known, what, others, one, acts = \
                 (self.hinges, "pin joint", self.actuators, "an actuator", "a hinge") \
                 if reference.hinge else \
                 (self.actuators, "actuator", self.hinges, "a hinge", "an actuator")
-            if model is not None and (tag := tag_of(model)) and name in others:
+            if (tag := tag_of(model)) and name in others:
                 twin = getattr(getattr(model, "facts", None), "twin", "")
                 yield Problem(
                     "name-not-found", f"{quoted(name)} is {one}, and '{tag}' acts on {acts}", path,
                     allowed=listed(known) or f"none: there is no {acts.split()[1]}",
                     hint=f"a drive of type '{twin}', which acts on {one}" if twin else "")
                 return
-        else:
-            known, what = self.known[reference.among], NAMED[reference.among].one
-        yield from self._unknown(
-            name, known, what, path,
-            also=self.pulled_groups if reference.among == "tendons" else ())
+        elif reference.among == "tendons":
+            also = [group.name for group in self.mechanism.groups
+                    if group.tree or group.kind == "finger"]
+        if name in known or self.is_assumed(name):
+            return
+        kind = next((kind for kind in NAMED if name in self.known[kind]), "")
+        if kind and reference.among == RELEASABLES:
+            yield Problem("not-releasable", f"{quoted(name)} is a {NAMED[kind].one}, which cannot "
+                          "be released", path, allowed=listed(known))
+            return
+        none = "" if self.assumed else f"none: there is no {what}"
+        yield Problem("name-not-found", f"there is no {what} named {quoted(name)}", path,
+                      allowed=listed(known) or none, hint=self.near(name, [*known, *also]))
 
     def names(self) -> Iterator[Problem]:
         """Duplicate names, and names that are also another element's quantity."""
@@ -103,9 +95,12 @@ class _References:
         for kind in NAMED:
             for i, element in enumerate(getattr(self.mechanism, kind)):
                 path = f"$.{kind}[{i}].name"
-                if element.name in first:
-                    yield duplicate(element.name, kind, first[element.name][0], path)
-                first.setdefault(element.name, (kind, path))
+                other, _ = first.setdefault(element.name, (kind, path))
+                if first[element.name][1] != path:
+                    yield Problem("duplicate-name", f"the name {quoted(element.name)} is already "
+                                  f"that of {'another' if other == kind else 'a'} "
+                                  f"{NAMED[other].one}", path,
+                                  allowed="a unique name for every element")
         taken = {kind: reserved(kind) for kind in NAMED}
         objects = {body.name for body in self.mechanism.bodies if body.role == "object"}
         for name, (_, path) in first.items():
@@ -121,7 +116,7 @@ class _References:
     def elements(self) -> Iterator[Problem]:
         """References to unknown elements, and problems of each kind of element."""
         owners: dict[tuple[object, ...], str] = {}
-        for kind in KINDS:
+        for kind in NAMED:
             for i, element in enumerate(getattr(self.mechanism, kind)):
                 path = f"$.{kind}[{i}]"
                 named = list(references(element, path))
@@ -130,7 +125,8 @@ class _References:
                 if kind == "loads":
                     for j, pattern in enumerate(element.bodies):
                         yield from self._fitting(pattern, f"{path}.bodies[{j}]", load=True)
-                yield from element.problems(self.mechanism, path)
+                if kind in KINDS:
+                    yield from element.problems(self.mechanism, path)
                 if kind == "drives" and element.kind.sole:
                     owned = element.owned
                     if owned in owners:
@@ -141,47 +137,37 @@ class _References:
                     owners.setdefault(owned, quoted(element.name))
 
     def others(self) -> Iterator[Problem]:
-        """Unknown names in bodies, contact rules, groups, events and the view."""
-        mechanism = self.mechanism
-        for i, body in enumerate(mechanism.bodies):
-            if body.material is not None:
-                yield from self._unknown(body.material, mechanism.materials, "material",
-                                         f"$.bodies[{i}].material")
+        """Unknown names in contact rules and the view, and wheels that events engage."""
+        mechanism, view = self.mechanism, self.mechanism.view
         for i, rule in enumerate(mechanism.contacts):
             for j, pattern in enumerate(rule.between):
                 yield from self._fitting(pattern, f"$.contacts[{i}].between[{j}]")
-        groups = [(group, f"$.groups[{i}]") for i, group in enumerate(mechanism.groups)]
-        for spec, path in (*groups, (mechanism.view, "$.view")):
-            for place, reference, name in references(spec, path):
-                yield from self.target(None, reference, name, place)
+        wheels = {joint.name for joint in mechanism.joints if joint.facts.wheels}
         for i, event in enumerate(mechanism.events):
-            for field in ("release", "take_up"):
-                for j, name in enumerate(getattr(event, field)):
-                    yield from self._released(name, event, field, f"$.events[{i}]", j)
-        for i, pattern in enumerate(mechanism.view.bodies):
+            for name in wheels.intersection(event.release if event.lasts is not None else ()):
+                yield no_mesh(name, f"$.events[{i}].lasts")
+            for j, name in enumerate(event.take_up):
+                if name in wheels:
+                    yield no_mesh(name, f"$.events[{i}].take_up[{j}]")
+        for place, reference, name in references(view, "$.view"):
+            yield from self.target(type(view), reference, name, place)
+        for i, pattern in enumerate(view.bodies):
             if not any(fnmatch.fnmatchcase(group.name, pattern) for group in mechanism.groups):
                 yield from self._seen(pattern, f"$.view.bodies[{i}]")
-        for layer, patterns in mechanism.view.show.items():
+        for layer, patterns in view.show.items():
             for pattern in patterns if patterns != EVERY else ():
                 yield from self._seen(pattern, f"$.view.show.{layer}")
 
-    def _released(
-        self, name: str, event: Event, field: str, path: str, number: int,
-    ) -> Iterator[Problem]:
-        known = {each.name: each for each in self.mechanism.holding}
-        place = f"{path}.{field}[{number}]"
-        kind = next((kind for kind in NAMED if kind not in RELEASABLE and name in self.known[kind]),
-                    None)
-        if kind is not None:
-            yield Problem("not-releasable", f"{quoted(name)} is a {NAMED[kind].one}, which events "
-                          "cannot release", place,
-                          allowed=listed(known) or (
-                              "" if self.assumed else "none: nothing holds anything"))
-        elif name not in known:
-            yield from self._unknown(name, known, "joint, spring or tendon", place)
-        elif (field == "take_up" or event.lasts is not None) and getattr(
-                getattr(known[name], "facts", None), "wheels", False):
-            yield no_mesh(name, place if field == "take_up" else f"{path}.lasts")
+    def expected(self) -> Iterator[Problem]:
+        """Expectations on quantities of unknown elements."""
+        known = {name for names in self.known.values() for name in names}
+        for i, expect in enumerate(self.mechanism.expect):
+            for name in expect.quantity.split("/"):
+                heads = accumulate(name.split("."), "{}.{}".format)
+                if known.isdisjoint(heads) and not is_pattern(name) and not self.is_assumed(name):
+                    yield Problem("unknown-quantity", f"unknown quantity {quoted(expect.quantity)}",
+                                  f"$.expect[{i}].{expect.key}",
+                                  hint=self.near(name.split(".")[0], known))
 
     def _seen(self, pattern: str, path: str) -> Iterator[Problem]:
         if not pattern.startswith(BY_ROLE):

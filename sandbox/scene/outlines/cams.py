@@ -21,17 +21,17 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import nodes_along
 from sandbox.values.numbers import Angle, Coordinate, Items, Length, Point
 from sandbox.values.spec import TYPE, Spec
 from sandbox.values.tables import PeriodicSpline
-from sandbox.wording import WrongValueError
+from sandbox.wording import WrongValueError, refuse_if
 
 CHECKED = 3600  # angles at which undercut is checked, besides 8 between neighbours in the table
 SPARE = 1e-3  # relative margin of the reported radius above the smallest possible one
@@ -101,11 +101,9 @@ class CamCurve:
 def cam_nodes(curve: CamCurve) -> Array:
     """Nodes of the outline [n, 4], counter-clockwise, one at every angle of the lift's table."""
     lowest = float(curve.lift(curve.checked)[0].min())
-    if curve.base + lowest <= 0:
-        raise WrongValueError(
-            "bad-outline", f"the curve through the entries of 'lift' goes down to {lowest:.6g} m, "
-            "below the cam's centre", allowed=f"a base radius above {-lowest:.6g} m, or more "
-            "entries where the curve swings between them")
+    refuse_if(curve.base + lowest <= 0, "the curve through the entries of 'lift' goes down to "
+              f"{lowest:.6g} m, below the cam's centre", "bad-outline", allowed="a base radius "
+              f"above {-lowest:.6g} m, or more entries where the curve swings between them")
     radius = curve.radius(curve.checked)
     if radius.min() <= 0:
         raise _undercut(curve, math.degrees(float(curve.checked[int(radius.argmin())])))
@@ -157,26 +155,20 @@ class DiscCam(Spec):
     tolerance: Length = 1e-5
     """Maximum deviation of chords in pictures and in its area; contacts do not depend on it."""
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
-        if self.follower == "roller" and self.roller is None:
-            raise WrongValueError("missing-key", "'roller' is missing (its radius)",
-                                  allowed="a 'roller', or '\"follower\": \"flat\"'")
-        if self.follower == "flat" and self.roller is not None:
-            raise WrongValueError("conflicting-keys", "a flat follower has no 'roller'",
-                                  allowed="no 'roller', or '\"follower\": \"roller\"'")
+    def _verify(self) -> None:
+        refuse_if(self.follower == "roller" and self.roller is None, "'roller' is missing (its "
+                  "radius)", "missing-key", allowed="a 'roller', or '\"follower\": \"flat\"'")
+        refuse_if(self.follower == "flat" and self.roller is not None, "a flat follower has no "
+                  "'roller'", allowed="no 'roller', or '\"follower\": \"roller\"'")
         angles = [angle for angle, _ in self.lift]
         for i, (one, two) in enumerate(pairwise(angles)):
-            if two - one < 1e-6:
-                raise WrongValueError("bad-outline", "the angles of 'lift' must increase: entry "
-                                      f"{i + 1} has {math.degrees(two):.6g} deg after "
-                                      f"{math.degrees(one):.6g} deg")
-        if angles[-1] - angles[0] > math.tau - 1e-6:
-            raise WrongValueError("bad-outline", "the angles of 'lift' cover "
-                                  f"{math.degrees(angles[-1] - angles[0]):.6g} deg; plain numbers "
-                                  "are radians", allowed="less than a whole turn, without the "
-                                  "first entry again at its end; '15 deg' for degrees")
-        return self
+            refuse_if(two - one < 1e-6, f"the angles of 'lift' must increase: entry {i + 1} has "
+                      f"{math.degrees(two):.6g} deg after {math.degrees(one):.6g} deg",
+                      "bad-outline")
+        turn = angles[-1] - angles[0]
+        refuse_if(turn > math.tau - 1e-6, f"the angles of 'lift' cover {math.degrees(turn):.6g} "
+                  "deg; plain numbers are radians", "bad-outline", allowed="less than a whole "
+                  "turn, without the first entry again at its end; '15 deg' for degrees")
 
     def curve(self) -> CamCurve:
         """The outline about the cam's centre."""

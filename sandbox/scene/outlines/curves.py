@@ -14,17 +14,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from sandbox.numeric import Array, Flags
 from sandbox.scene.outlines.rings import Ring
 from sandbox.values.numbers import Angle, Distance, Flag, Items, Length, Point
 from sandbox.values.spec import TYPE, Spec
 from sandbox.values.tables import PeriodicSpline, check_distinct, natural
-from sandbox.wording import WrongValueError
+from sandbox.wording import refuse_if
 
 Node = tuple[float, float, float, float]
 """x, y [m], direction [rad], curvature [1/m], positive where the curve turns to the left."""
@@ -307,23 +307,19 @@ class SmoothCurve(Spec):
     angle: Angle = 0.0
     """Rotation about that origin in the body's frame."""
 
-    @model_validator(mode="after")
-    def _sound(self) -> Self:
-        if self.closed and self.radius:
-            raise WrongValueError("conflicting-keys", "'radius' belongs to an open curve",
-                                  allowed="'\"closed\": false', or no 'radius'")
-        if self.corners and max(self.corners) >= len(self.points):
-            raise WrongValueError("out-of-range", f"there is no point {max(self.corners)}",
-                                  allowed=f"0 to {len(self.points) - 1}")
+    def _verify(self) -> None:
+        refuse_if(self.closed and self.radius, "'radius' belongs to an open curve",
+                  allowed="'\"closed\": false', or no 'radius'")
+        last = max(self.corners, default=0)
+        refuse_if(last >= len(self.points), f"there is no point {last}", "out-of-range",
+                  allowed=f"0 to {len(self.points) - 1}")
         check_distinct(self.points, closed=self.closed)
-        return self
 
     def curve(self) -> Array:
         """Its nodes, [n, 4]."""
         with np.errstate(invalid="ignore", divide="ignore"):
             nodes = through(np.array(self.points), closed=self.closed,
                             corners=tuple(sorted(set(self.corners))))
-        if not np.isfinite(nodes).all():
-            raise WrongValueError("bad-outline", "this curve turns back on itself at a point",
-                                  allowed="points round an area, or a corner where it turns back")
+        refuse_if(not np.isfinite(nodes).all(), "this curve turns back on itself at a point",
+                  "bad-outline", allowed="points round an area, or a corner where it turns back")
         return nodes

@@ -30,7 +30,7 @@ from sandbox.scene.outlines.curves import (
 from sandbox.scene.outlines.rings import inside, signed_area
 from sandbox.values.numbers import Angle, Length, Point
 from sandbox.values.spec import TYPE, Spec
-from sandbox.wording import WrongValueError, listed, near, quoted
+from sandbox.wording import WrongValueError, listed, near, quoted, refuse_if
 
 MAX_BYTES = 1_000_000  # of a drawing: some seconds of reading
 MAX_NODES = 20_000  # of all curves of a drawing
@@ -65,18 +65,14 @@ class Drawing(Spec):
     """Rotation of the drawing about its origin, in the body's frame."""
 
 
-class DrawingError(WrongValueError):
-    """A drawing without a usable outline: message, allowed values, a similar name."""
-
-    def __init__(self, message: str, allowed: str = "", hint: str = "") -> None:
-        super().__init__("bad-drawing", message, allowed=allowed, hint=hint)
+CODE = "bad-drawing"  # of a drawing without a usable outline
 
 
 def own_file(folder: Path | None, name: str) -> bytes:
     """The content of a file in a scene's own folder, or below it."""
     if folder is None:
-        raise DrawingError("a scene that is no file has no folder to read a drawing from",
-                           "a polygon with the corners themselves")
+        raise WrongValueError(CODE, "a scene that is no file has no folder to read a drawing from",
+                              allowed="a polygon with the corners themselves")
     found = b""
     try:
         path = (folder / name).resolve(strict=True)
@@ -87,19 +83,16 @@ def own_file(folder: Path | None, name: str) -> bytes:
     except (OSError, RuntimeError, ValueError):
         there: list[str] = []
         with contextlib.suppress(OSError):
-            there = sorted(each.name for each in folder.iterdir()
-                           if each.suffix.lower() in READERS)
-        raise DrawingError(
-            f"there is no file {quoted(name)} that can be read in the scene's folder",
-            listed(there) or "none: it has no .svg and no .dxf file", near(name, there)) from None
-    if outside:
-        raise DrawingError(f"{quoted(name)} leads out of the scene's own folder",
-                           "a name such as 'plate.svg' or 'parts/plate.dxf', below the scene's")
-    if not found:
-        raise DrawingError(f"{quoted(name)} is empty, or no file", "an SVG or DXF file")
-    if len(found) > MAX_BYTES:
-        raise DrawingError(f"{quoted(name)} is too large for the drawing of an outline",
-                           f"at most {MAX_BYTES} bytes, with nothing in it but the outline")
+            there = sorted(each.name for each in folder.iterdir() if each.suffix.lower() in READERS)
+        raise WrongValueError(
+            CODE, f"there is no file {quoted(name)} that can be read in the scene's folder",
+            allowed=listed(there) or "none: it has no .svg and no .dxf file",
+            hint=near(name, there)) from None
+    refuse_if(outside, f"{quoted(name)} leads out of the scene's own folder", CODE,
+              allowed="a name such as 'plate.svg' or 'parts/plate.dxf', below the scene's")
+    refuse_if(not found, f"{quoted(name)} is empty, or no file", CODE, allowed="an SVG or DXF file")
+    refuse_if(len(found) > MAX_BYTES, f"{quoted(name)} is too large for the drawing of an outline",
+              CODE, allowed=f"at most {MAX_BYTES} bytes, with nothing in it but the outline")
     return found
 
 
@@ -108,20 +101,22 @@ def curves_of(
 ) -> list[Array]:
     """Nodes [k, 4] of a drawing's outline, then of its holes; see :class:`Drawing`."""
     ending = PurePosixPath(name).suffix.lower()
-    if ending not in READERS:
-        raise DrawingError(f"{quoted(name)} is neither an SVG nor a DXF file", ".svg, .dxf")
+    refuse_if(ending not in READERS, f"{quoted(name)} is neither an SVG nor a DXF file", CODE,
+              allowed=".svg, .dxf")
     try:
         curves, own = READERS[ending](text, layer)
-    except DrawingError as error:
-        raise DrawingError(f"{quoted(name)}: {error.message}", error.allowed, error.hint) from None
+    except WrongValueError as error:
+        raise WrongValueError(CODE, f"{quoted(name)}: {error.message}", allowed=error.allowed,
+                              hint=error.hint) from None
     except Exception as error:  # parsers raise many types of errors
         reason = " ".join(str(error).split())[:100] or type(error).__name__
-        raise DrawingError(f"{quoted(name)} cannot be read as {ending[1:].upper()}: {reason}",
-                           "a sound file, such as a drawing program writes it") from None
+        raise WrongValueError(
+            CODE, f"{quoted(name)} cannot be read as {ending[1:].upper()}: {reason}",
+            allowed="a sound file, such as a drawing program writes it") from None
     scale = own if unit is None else unit
     if scale is None:
-        raise DrawingError(f"{quoted(name)}: it has no unit",
-                           "'unit', such as \"unit\": \"1 mm\"")
+        raise WrongValueError(CODE, f"{quoted(name)}: it has no unit",
+                              allowed="'unit', such as \"unit\": \"1 mm\"")
     scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves]
     return _outline_first([_closed(nodes, tolerance, name)
                            for nodes in _chained(scaled, tolerance)], name)
@@ -129,31 +124,29 @@ def curves_of(
 
 def _closed(nodes: Array, tolerance: float, name: str) -> Array:
     apart = math.dist(nodes[0, :2], nodes[-1, :2])
-    if apart > tolerance:
-        (x0, y0), (x1, y1) = nodes[0, :2].tolist(), nodes[-1, :2].tolist()
-        raise DrawingError(f"{quoted(name)}: an outline is open, from [{x0:.6g}, {y0:.6g}] to "
-                           f"[{x1:.6g}, {y1:.6g}] m", "ends that meet within the tolerance of "
-                           f"{tolerance:g} m; their distance is {apart:.4g} m")
-    if len(flattened(nodes, tolerance, closed=False)) < 4:
-        raise DrawingError(f"{quoted(name)}: an outline at [{nodes[0][0]:.6g}, "
-                           f"{nodes[0][1]:.6g}] m has no area")
+    (x0, y0), (x1, y1) = nodes[0, :2].tolist(), nodes[-1, :2].tolist()
+    refuse_if(apart > tolerance, f"{quoted(name)}: an outline is open, from [{x0:.6g}, {y0:.6g}] "
+              f"to [{x1:.6g}, {y1:.6g}] m", CODE, allowed="ends that meet within the tolerance of "
+              f"{tolerance:g} m; their distance is {apart:.4g} m")
+    refuse_if(len(flattened(nodes, tolerance, closed=False)) < 4,
+              f"{quoted(name)}: an outline at [{x0:.6g}, {y0:.6g}] m has no area", CODE)
     nodes[-1, :2] = nodes[0, :2]
     return nodes[:-1] if is_smooth(nodes[-1], nodes[0]) else nodes
 
 
 def _outline_first(curves: list[Array], name: str) -> list[Array]:
-    if not curves:
-        raise DrawingError(f"{quoted(name)} has no outline",
-                           "closed paths, circles, rectangles or polylines, or lines that join")
+    refuse_if(not curves, f"{quoted(name)} has no outline", CODE,
+              allowed="closed paths, circles, rectangles or polylines, or lines that join")
     size = max(float(np.ptp(nodes[:, :2], axis=0).max()) for nodes in curves)
     flat = [flattened(nodes, 1e-4 * size, closed=True) for nodes in curves]
     order = sorted(range(len(curves)), key=lambda k: -abs(signed_area(flat[k])))
     beside = [flat[k] for k in order[1:] if not inside(flat[k][0], flat[order[0]])]
     if beside:
         x, y = beside[0][0]
-        raise DrawingError(
-            f"{quoted(name)} holds {1 + len(beside)} outlines that are not one in the other, one "
-            f"through [{x:.6g}, {y:.6g}] m", "one outline and its holes: select it by 'layer'")
+        raise WrongValueError(
+            CODE, f"{quoted(name)} holds {1 + len(beside)} outlines that are not one in the other, "
+            f"one through [{x:.6g}, {y:.6g}] m",
+            allowed="one outline and its holes: select it by 'layer'")
     return [curves[k] for k in order]
 
 
@@ -208,8 +201,8 @@ def _nodes_of(drawn: Iterable[list[Array]]) -> list[Array]:
         found = [nodes_along(_bezier(points), np.array([0.0, 1.0]), FINE * size)
                  for points, size in zip(pieces, sizes, strict=True) if size > POINT * max(sizes)]
         curves += [joined(found)] if found else []
-        if sum(map(len, curves)) > MAX_NODES:
-            raise DrawingError(f"its curves have more than {MAX_NODES} nodes", "fewer curves")
+        refuse_if(sum(map(len, curves)) > MAX_NODES, "its curves have more than "
+                  f"{MAX_NODES} nodes", CODE, allowed="fewer curves")
     return curves
 
 
@@ -218,15 +211,15 @@ def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
 
     if found := re.search(rb"<!ENTITY|<use[\s/>]", text):
         word = found[0].decode().strip("<! />").strip()
-        raise DrawingError(f"it holds {word!r}, which is not followed",
-                           "copies and clones made paths of their own")
+        raise WrongValueError(CODE, f"it holds {word!r}, which is not followed",
+                              allowed="copies and clones made paths of their own")
     # a drawing's own unit is that of its view box, else pixels
     drawn = svgelements.SVG.parse(io.BytesIO(text), reify=True, ppi=96.0)
     view = svgelements.Matrix(drawn.viewbox_transform or "")
     box = abs(float(view.a)) or 1.0, float(view.e), float(view.f)
     chosen = drawn if layer is None else drawn.get_element_by_id(layer)
-    if chosen is None:
-        raise DrawingError(f"it has no id {quoted(layer)}", listed(sorted(drawn.objects)[:20]))
+    refuse_if(chosen is None, f"it has no id {quoted(layer)}", CODE,
+              allowed=listed(sorted(drawn.objects)[:20]))
     shapes = ([chosen] if isinstance(chosen, svgelements.Shape) else
               [each for each in chosen.select() if isinstance(each, svgelements.Shape)])
     paths = (svgelements.Path(part) for shape in shapes
@@ -263,12 +256,13 @@ def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
     space = list(document.modelspace())
     layers = sorted({entity.dxf.layer for entity in space})
     if layer is not None and layer not in layers:
-        raise DrawingError(f"it has no layer {quoted(layer)}", listed(layers), near(layer, layers))
+        raise WrongValueError(CODE, f"it has no layer {quoted(layer)}", allowed=listed(layers),
+                              hint=near(layer, layers))
     chosen = [entity for entity in space if layer is None or entity.dxf.layer == layer]
     for entity in chosen:
         if entity.dxftype() == "INSERT":
-            raise DrawingError(f"it holds the block {quoted(entity.dxf.name)}, which is not "
-                               "followed", "blocks exploded into lines and curves")
+            raise WrongValueError(CODE, f"it holds the block {quoted(entity.dxf.name)}, which is "
+                                  "not followed", allowed="blocks exploded into lines and curves")
 
     def control_points(entity: Any) -> list[Array]:
         drawn = path.make_path(entity, segments=ARCS)

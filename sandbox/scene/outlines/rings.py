@@ -21,6 +21,7 @@ import mapbox_earcut
 import numpy as np
 
 from sandbox.numeric import Array
+from sandbox.wording import refuse_if
 
 Corner = tuple[float, float]
 Ring = tuple[Corner, ...]  # corners in order, the last joined to the first
@@ -129,21 +130,20 @@ def ring_fault(ring: Ring) -> str:
     return ""
 
 
-def hole_fault(outer: Ring, holes: Sequence[Ring]) -> tuple[int, str] | None:
-    """The first hole that is not inside an outline and separate, and why."""
+def hole_fault(outer: Ring, holes: Sequence[Ring]) -> str:
+    """Why the first hole that is not inside an outline and separate is not; empty without one."""
     for k, hole in enumerate(holes):
-        for what, ring in (("the outline", outer),
-                           *((f"hole {m}", holes[m]) for m in range(k))):
+        for what, ring in (("the outline", outer), *((f"hole {m}", holes[m]) for m in range(k))):
             if meeting := first_meeting([ring, hole]):
-                return k, (f"this hole meets {what} {meeting[2]}, at the side from corner "
-                           f"{meeting[1]}")
+                return (f"hole {k}: this hole meets {what} {meeting[2]}, at the side from corner "
+                        f"{meeting[1]}")
         if not inside(hole[0], outer):
             x, y = hole[0]
-            return k, f"this hole lies outside of the outline at [{x:.6g}, {y:.6g}]"
+            return f"hole {k}: this hole lies outside of the outline at [{x:.6g}, {y:.6g}]"
         for m in range(k):
             if inside(hole[0], holes[m]) or inside(holes[m][0], hole):
-                return k, f"this hole and hole {m} lie one in the other"
-    return None
+                return f"hole {k}: this hole and hole {m} lie one in the other"
+    return ""
 
 
 @dataclass(frozen=True)
@@ -154,15 +154,10 @@ class Piece:
     faces: Array  # arcs of unit normals, a quarter turn at most each: x and y of both ends, [k, 4]
 
 
-class CutError(ValueError):
-    """An outline that could not be cut up because of rounding."""
-
-
 @lru_cache(maxsize=256)
 def pieces_of(outer: Ring, holes: tuple[Ring, ...] = ()) -> tuple[Piece, ...]:
     """The convex pieces of a sound outline with sound holes."""
-    rings = [wound(without_straight(outer)),
-             *(wound(without_straight(hole), -1) for hole in holes)]
+    rings = [wound(without_straight(outer)), *(wound(without_straight(hole), -1) for hole in holes)]
     corners = [corner for ring in rings for corner in ring]
     after = _after(rings)
     before = {following: i for i, following in enumerate(after)}
@@ -201,8 +196,9 @@ def _triangles(rings: Sequence[Ring], corners: Sequence[Corner]) -> list[tuple[i
     areas = [signed_area(tuple(corners[i] for i in each)) for each in found]
     area = sum(abs(signed_area(ring)) * (1 if k == 0 else -1) for k, ring in enumerate(rings))
     whole = sum(map(abs, areas))
-    if abs(whole - area) > COVERED * area:
-        raise CutError(f"the triangles cover {whole:.6g} of {area:.6g} m^2")
+    refuse_if(abs(whole - area) > COVERED * area, "this outline cannot be cut into convex pieces: "
+              f"the triangles cover {whole:.6g} of {area:.6g} m^2", "bad-outline",
+              allowed="sides further apart than rounding")
     return [tuple(each if size > 0 else each[::-1])
             for each, size in zip(found, areas, strict=True)]
 

@@ -88,8 +88,12 @@ class PartSpec(Spec):
         raise NotImplementedError
 
 
-def expand_parts(scene: Scene | Assembly, around: Known) -> tuple[Elements, list[Problem]]:
-    """The elements of a scene or assembly, not placed, with what is known around it."""
+def expand_parts(scene: Scene | Assembly, around: Known) -> Elements:
+    """The elements of a scene or assembly, not placed, with what is known around it.
+
+    Raises:
+        PartError: problems of its parts; their paths start at the scene or assembly.
+    """
     elements = Elements(materials=tuple(scene.materials.items()),
                         **{kind: getattr(scene, kind) for kind in OWN})
     tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
@@ -100,13 +104,13 @@ def expand_parts(scene: Scene | Assembly, around: Known) -> tuple[Elements, list
     for i, part in enumerate(scene.parts):
         if first.setdefault(part.name, i) != i:
             problems.append(Problem("duplicate-name", f"the name {quoted(part.name)} is taken by "
-                                    f"parts[{first[part.name]}]", f"$.parts[{i}].name",
+                                    f"parts[{first[part.name]}]", f".parts[{i}].name",
                                     allowed="a unique name for every part"))
         for j, leaf in enumerate(part.leaves):
-            key, path = (leaf.name.removesuffix(".tendon"), leaf.at), f"$.parts[{i}].pulls[{j}]"
+            key, path = (leaf.name.removesuffix(".tendon"), leaf.at), f".parts[{i}].pulls[{j}]"
             if key in pullers:  # a tendon has one end
                 problems.append(Problem("set-twice", f"{leaf.name!r} is pulled already, by "
-                                        f"{pullers[key]}", path=path))
+                                        f"${pullers[key]}", path=path))
             pullers.setdefault(key, path)
     failed: set[str] = set()
     for i, part in sorted(enumerate(scene.parts), key=lambda item: bool(item[1].leaves)):
@@ -115,17 +119,19 @@ def expand_parts(scene: Scene | Assembly, around: Known) -> tuple[Elements, list
                 elements, tendon_of, frozenset(failed), pulled, around.outside, around.near))
         except PartError as error:
             failed.add(part.name)
-            problems += [dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")
+            problems += [dataclasses.replace(problem, path=f".parts[{i}]{problem.path}")
                          for problem in error.problems]
         except (SceneError, ArithmeticError) as error:
             failed.add(part.name)
             reasons = [each.message for each in error.problems] if isinstance(error, SceneError) \
                 else ["its numbers are too large or too small"]
-            problems += [Problem("bad-part", f"this part cannot be built: {why}", f"$.parts[{i}]")
+            problems += [Problem("bad-part", f"this part cannot be built: {why}", f".parts[{i}]")
                          for why in reasons]
+    if problems:
+        raise PartError(problems)
     drives = [drive.model_copy(update={"tendon": tendon_of[drive.target[1]]})
               if drive.target[0].among == "tendons" and drive.target[1] in tendon_of else drive
               for drive in scene.drives]
     return Elements(**elements | {
         "drives": (*drives, *elements["drives"]), "contacts": elements["contacts"] + scene.contacts,
-        "groups": elements["groups"] + scene.groups}), problems
+        "groups": elements["groups"] + scene.groups})

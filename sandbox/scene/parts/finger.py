@@ -12,9 +12,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from sandbox.elements.element import Turn
 from sandbox.elements.joints import Pin
@@ -29,7 +29,7 @@ from sandbox.scene.settings import ContactRule, Group
 from sandbox.values import numbers as of
 from sandbox.values.appearance import Planes
 from sandbox.values.spec import TYPE, ReadMark, Spec
-from sandbox.wording import WrongValueError
+from sandbox.wording import refuse_if
 
 ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]
 PALM_MARGIN = 0.003  # of the palm's block around the finger [m]
@@ -152,17 +152,15 @@ class Finger(PartSpec):
                      for name, field in FingerSprings.model_fields.items()}
         for what, entries in lists.items():
             counts = (exact,) if exact else tuple(dict.fromkeys((1, n)))
-            if n and entries is not None and len(entries) not in counts:
-                raise WrongValueError("wrong-type", f"{what}: expected "
-                                      f"{' or '.join(map(str, counts))} entries, got "
-                                      f"{len(entries)}")
+            if n and entries is not None:
+                refuse_if(len(entries) not in counts, f"{what}: expected "
+                          f"{' or '.join(map(str, counts))} entries, got {len(entries)}",
+                          "wrong-type")
         return given
 
-    @model_validator(mode="after")
-    def _weighed(self) -> Self:
-        if (self.masses is None) == (self.density is None):
-            raise WrongValueError("conflicting-keys", "a finger needs either 'masses' or 'density'")
-        return self
+    def _verify(self) -> None:
+        refuse_if((self.masses is None) == (self.density is None),
+                  "a finger needs either 'masses' or 'density'")
 
     @property
     def tendon_names(self) -> dict[str, str]:

@@ -36,11 +36,11 @@ from sandbox.scene.geometry import Pose, Vec, pose_of, to_body, to_world
 from sandbox.scene.outlines.curves import Node
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.settings import Group
-from sandbox.values.expressions import RESERVED
+from sandbox.values.expressions import RESERVED, is_expression
 from sandbox.values.numbers import Dimension, Point
 from sandbox.values.signals import AnySignal, Constant, Formula, OverTime, Ramp, Table, values
 from sandbox.values.spec import Spec, mark_of
-from sandbox.wording import WrongValueError, is_pattern, near
+from sandbox.wording import WrongValueError, is_pattern, near, refuse_if
 
 Mirror = Literal["left-right", "up-down"]
 OTHER = {"left": "right", "right": "left",
@@ -160,7 +160,7 @@ class Mover:
 
     def _text(self, text: str) -> str:
         """A field's text: a name, a pattern of names, a pair, a quantity, an expression."""
-        if text.lstrip().startswith("="):
+        if is_expression(text):
             return _DOTTED.sub(lambda match: match.group() if match.group() in RESERVED else
                                self._name(match.group()), text)
         if "/" in text:
@@ -308,11 +308,9 @@ def added(one: AnySignal, other: AnySignal) -> AnySignal:
         total = values(one, times) + values(other, times)
         return one.model_copy(update={"table": tuple(zip(
             times.tolist(), total.tolist(), strict=True))})
-    if isinstance(one, Table) or isinstance(other, Table):
-        raise WrongValueError(
-            "bad-part",
-            "a path with a table for one of x and y and something else for the other cannot be "
-            "turned", allowed="tables for both, expressions for both, or a quarter turn")
+    refuse_if(isinstance(one, Table) or isinstance(other, Table), "a path with a table for one of "
+              "x and y and something else for the other cannot be turned", "bad-part",
+              allowed="tables for both, expressions for both, or a quarter turn")
     return Formula(expression=f"={_text(one)} + {_text(other)}")
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, WithJsonSchema
 
 from sandbox.elements.joints import Pin, Rod, Rope, Slot
 from sandbox.elements.registry import Joint
@@ -16,18 +16,13 @@ from sandbox.scene.settings import Group
 from sandbox.values import numbers as of
 from sandbox.values.appearance import Planes
 from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError
+from sandbox.wording import refuse_if
 
 ARM_FRACTION = 0.2  # of the square's mass, for the body that carries the rod's angle
-
-
-def _lift(value: Any) -> Any:
-    return value if isinstance(value, (list, tuple)) else [value, value]
-
-
 _NUMBER: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 RodLengths = Annotated[
-    of.Written[tuple[of.Distance, of.Length]], BeforeValidator(_lift),
+    of.Written[tuple[of.Distance, of.Length]],
+    BeforeValidator(lambda value: value if isinstance(value, (list, tuple)) else [value, value]),
     WithJsonSchema({"anyOf": [*_NUMBER["anyOf"], {
         "type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}]}),
 ]
@@ -60,13 +55,10 @@ class Section(PartSpec):
     plane: Planes = (0,)
     """Plane of its bodies, as a body's ``plane``."""
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
-        if (self.square is None) != (self.rod is None):
-            raise WrongValueError("conflicting-keys", "'square' and 'rod' belong together")
-        if self.rod is not None and self.rod[0] > self.rod[1]:
-            raise WrongValueError("wrong-type", "'rod' is a length or [shortest, longest]")
-        return self
+    def _verify(self) -> None:
+        refuse_if((self.square is None) != (self.rod is None), "'square' and 'rod' belong together")
+        refuse_if(self.rod is not None and self.rod[0] > self.rod[1],
+                  "'rod' is a length or [shortest, longest]", "wrong-type")
 
     def expand(self, known: Known) -> Elements:
         """All elements so far, the circle and, if there is one, the square on its rod.

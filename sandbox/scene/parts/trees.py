@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import accumulate, groupby, pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from sandbox.elements.joints import Rope, Slot
 from sandbox.elements.tendons import RIGID, Guide, Tendon
@@ -18,7 +18,7 @@ from sandbox.scene.parts.expansion import Elements, Known, Leaf, PartError, Part
 from sandbox.scene.settings import ContactRule, Group
 from sandbox.values.numbers import Angle, Damping, Items, Length, Mass, Name, Ratio, Stiffness
 from sandbox.values.spec import TYPE, text_for
-from sandbox.wording import NearMisses, WrongValueError
+from sandbox.wording import NearMisses, refuse_if
 
 MIN_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
 ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]
@@ -51,13 +51,10 @@ class _TreeSpec(PartSpec):
     damping: Damping = 0.0
     """Tension per rate of stretch of the strings [N s/m]."""
 
-    @model_validator(mode="after")
-    def _one_share_each(self) -> Self:
-        if self.shares is not None and (
-            len(self.shares) != len(self.pulls) or min(self.shares) <= 0
-        ):
-            raise WrongValueError("out-of-range", "'shares' needs a positive number for each leaf")
-        return self
+    def _verify(self) -> None:
+        refuse_if(self.shares is not None and (
+            len(self.shares) != len(self.pulls) or min(self.shares) <= 0),
+            "'shares' needs a positive number for each leaf", "out-of-range")
 
     @property
     def leaves(self) -> tuple[Leaf, ...]:

@@ -1,7 +1,6 @@
-"""Composition of a scene: ``like``, ``repeat`` and ``include`` are expanded.
+"""Composition of a scene, before validation: ``like``, ``repeat`` and ``include`` are expanded.
 
-Composition comes before validation. Its result is plain data as a file could hold it, with the
-place where each piece was written. Nesting and size of the result are limited on the way.
+The result is plain data, of limited nesting and size, with the place of each piece.
 """
 
 from __future__ import annotations
@@ -17,13 +16,13 @@ from sandbox.elements.element import LISTS
 from sandbox.errors import SceneError
 from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read import scopes
-from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.limits import Limits, over
 from sandbox.scene.read.origins import Composed, Origin, RefusedError
-from sandbox.scene.read.scopes import Scope, plain_tables, resolved_tables
+from sandbox.scene.read.scopes import Scope, resolved_tables
 from sandbox.scene.read.source import Library, SceneSource
 from sandbox.values.numbers import number_from
 from sandbox.values.paths import JsonPath, parse_path
-from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
+from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted, refuse_if
 
 WORDS = ("like", "repeat", "include")
 ENTRY_WORDS = ("like", "repeat")  # keys that no composed entry has
@@ -47,25 +46,13 @@ class Context:
     templates: Any
     home: Origin  # of the templates
     files: tuple[Path, ...] = ()  # files that include one another, down to the file of this piece
-    inside: tuple[str, ...] = ()  # templates that contain this piece
 
     def to(self, step: str | int, place: Origin) -> Context:
         """The context of a child at a place."""
         return replace(self, place=place, trail=(*self.trail, step))
 
-    @property
-    def in_template(self) -> Context:
-        """The same, with the template in which an entry is written."""
-        base, path = self.home.path, self.place.path
-        if self.place.source is not self.home.source or path[:len(base)] != base or path == base:
-            return self
-        name = str(path[len(base)])
-        return self if name in self.inside else replace(self, inside=(*self.inside, name))
 
-
-def compose(
-    source: SceneSource, data: dict[str, Any], parameters: scopes.Parameters, limits: Limits,
-) -> Composed:
+def compose(source: SceneSource, data: dict[str, Any], parameters: scopes.Parameters) -> Composed:
     """Compose a scene's data, which may differ from its file's by overrides."""
     root = Origin(source)
     made = Composed(data, root)
@@ -73,7 +60,7 @@ def compose(
         tables = data.get("tables")
         scope = Scope(parameters.values, tables=resolved_tables(tables, parameters.values))
         home = (source.path.resolve(),) if source.path is not None else ()
-        composer = _Composer(made, Library(source, limits), limits, root,
+        composer = _Composer(made, Library(source), source.limits, root,
                              dict(tables) if isinstance(tables, dict) else {})
         composer.scene(data, Context(
             root, (), scope, data.get("templates"), root.to("templates"), home))
@@ -89,36 +76,33 @@ def _has_words(value: Any) -> bool:
     return isinstance(value, list) and any(map(_has_words, value))
 
 
-def merged(entry: Any, at: Context, places: Composed, near: NearMisses) -> Any:
+def merged(
+    entry: Any, at: Context, places: Composed, near: NearMisses, inside: tuple[str, ...] = (),
+) -> Any:
     """An entry with the keys of the templates that it is like.
 
     Objects are merged key by key; lists and numbers are replaced as a whole. A template may itself
-    be like another one. ``places`` notes where each key was written.
+    be like another one: ``inside`` are those so far. ``places`` notes where each key was written.
     """
     if not isinstance(entry, dict) or "like" not in entry:
         return entry
     known = at.templates if isinstance(at.templates, dict) else {}
     name = entry["like"]
     with at.place.to("like").refusing():
-        if not isinstance(name, str):
-            raise WrongValueError("bad-template",
-                                  f"'like' is the name of a template, not {kind_of(name)}")
-        if name in at.inside:
+        refuse_if(not isinstance(name, str), "'like' is the name of a template, not "
+                  f"{kind_of(name)}", "bad-template")
+        if name in inside or len(inside) >= DEEPEST_LIKE:
             raise WrongValueError("circular-definition", "templates are like one another: "
-                                  f"{' → '.join([*at.inside, name])}")
-        if len(at.inside) >= DEEPEST_LIKE:
-            raise WrongValueError("circular-definition", "templates are like one another more than "
-                                  f"{DEEPEST_LIKE} deep")
+                                  f"{' → '.join([*inside, name])}")
         if name not in known:
             raise WrongValueError(
                 "bad-template", f"there is no template {quoted(name)}", hint=near(name, known),
                 allowed=listed(known) or "none: the scene has no templates")
     home = at.home.to(name).copied(at.place)
     with home.refusing():
-        if not isinstance(known[name], dict):
-            raise WrongValueError("bad-template", f"the template {quoted(name)} is "
-                                  f"{kind_of(known[name])}, not an object {{…}}")
-    below = merged(known[name], replace(at, place=home, inside=(*at.inside, name)), places, near)
+        refuse_if(not isinstance(known[name], dict), f"the template {quoted(name)} is "
+                  f"{kind_of(known[name])}, not an object {{…}}", "bad-template")
+    below = merged(known[name], replace(at, place=home), places, near, (*inside, name))
     return _over(entry, at.place, below, home, places)
 
 
@@ -225,7 +209,6 @@ class _Composer:
                 self.top = here.place
             try:
                 if isinstance(item, dict):
-                    here = here.in_template
                     self.copies(out, merged(item, here, self.made, self.near), here)
                 else:
                     if len(out) != number:
@@ -246,14 +229,11 @@ class _Composer:
         repeat = scopes.read_repeat(item["repeat"], at.scope, self.limits, place)
         among = next((str(step) for step in reversed(at.trail) if isinstance(step, str)), "")
         limit = "bodies" if among in ("bodies", "parts") else "elements"
-        maximum, rows = getattr(self.limits, limit), repeat.rows
-        count = len(out) + len(rows)
-        if count > maximum:
-            raise TooLargeError(place.problem(
-                "limit-exceeded", f"with these copies there are {count} {among or 'entries'}",
-                allowed=f"at most {maximum} (the limit '{limit}', raised by --limit {limit}=N)"))
+        for problem in over(self.limits, limit, len(out) + len(repeat.rows), "$",
+                            f"with these copies there are {{count}} {among or 'entries'}"):
+            raise TooLargeError(place.located(problem))
         known = len(self.made.problems)
-        for number, names in enumerate(rows):
+        for number, names in enumerate(repeat.rows):
             name, value = next(iter(names.items()))
             label = f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
             scope = at.scope.naming(names, braces=True)
@@ -272,8 +252,7 @@ class _Composer:
 
     def entry(self, item: dict[str, Any], at: Context) -> Any:
         if "each" in item and "repeat" in item:
-            return self.value(item["each"],
-                              replace(at, place=self.made.at(item, "each", at.place)))
+            return self.value(item["each"], replace(at, place=self.made.at(item, "each", at.place)))
         if at.trail[-2:-1] == ("parts",):
             if "include" in item:
                 return self.object(self.included(item, at), item, at, (*ASSEMBLY_WORDS, "type"))
@@ -299,17 +278,16 @@ class _Composer:
         """Values of an assembly's parameters, which replace those of the file that it includes."""
         given, place = item.get("parameters", {}), self.made.at(item, "parameters", at.place)
         _check_object(given, place)
-        defaults: Mapping[str, Any] = {}
-        around, tables = at.scope.known, at.scope.tables
-        if file is not None:
-            defaults, around = file.source.data.get("parameters", {}), {}
-            tables = plain_tables(file.source.data.get("tables"))
+        data = file.source.data if file else {}
+        defaults: Mapping[str, Any] = data.get("parameters", {})
+        around, tables = ({}, resolved_tables(data.get("tables"), {}, None)) if file else (
+            at.scope.known, at.scope.tables)
         places = {name: self.made.at(given, name, place) for name in given}
-        foreign = [name for name in given if file is not None and name not in defaults]
         problems = [places[name].problem(
             "name-not-found", f"the included scene has no parameter {quoted(name)}", key=True,
-            allowed=listed(defaults) or "none", hint=near(name, defaults)) for name in foreign]
-        given = {name: value for name, value in given.items() if name not in foreign}
+            allowed=listed(defaults) or "none", hint=near(name, defaults))
+            for name in given if file and name not in defaults]
+        given = {name: value for name, value in given.items() if not file or name in defaults}
         values = {name: self.parameter(name, value, at.scope, places[name], given)
                   if isinstance(value, str) else value for name, value in given.items()}
         resolved = scopes.resolve_parameters({**defaults, **around, **values}, tables)
@@ -339,13 +317,11 @@ class _Composer:
     def included(self, item: dict[str, Any], at: Context) -> dict[str, Any]:
         place, name = self.made.at(item, "include", at.place), item["include"]
         with place.refusing():
-            if item.get("type", "assembly") != "assembly":
-                raise WrongValueError("bad-include", "only an assembly includes a scene",
-                                      allowed='"type": "assembly", or no type')
+            refuse_if(item.get("type", "assembly") != "assembly", "only an assembly includes a "
+                      "scene", "bad-include", allowed='"type": "assembly", or no type')
             path = self.library.find(at.scope.text(name) if isinstance(name, str) else name)
-            if path in at.files:
-                raise WrongValueError("bad-include", "a scene that includes itself has no end: "
-                                      + " → ".join(each.name for each in (*at.files, path)))
+            refuse_if(path in at.files, "a scene that includes itself has no end: "
+                      + " → ".join(each.name for each in (*at.files, path)), "bad-include")
             try:
                 source = self.library.open(path)
             except SceneError as error:
@@ -353,14 +329,10 @@ class _Composer:
                     replace(each, message=f"{each.message} ({place.including})")
                     for each in error.problems]) from None
         root, data = Origin(source, included=place.including, copy=at.place.copy), source.data
-        for key in data:
-            try:
-                with root.to(key).refusing(key=True):
-                    if key not in KEYS:
-                        raise WrongValueError("unknown-key", f"unknown key {quoted(key)}",
-                                              allowed=", ".join(KEYS), hint=near(key, KEYS))
-            except RefusedError as error:
-                self.refuse(error, at.trail)
+        for key in (key for key in data if key not in KEYS):
+            self.refuse(RefusedError(root.to(key), [root.to(key).problem(
+                "unknown-key", f"unknown key {quoted(key)}", key=True, allowed=", ".join(KEYS),
+                hint=near(key, KEYS))]), at.trail)
         tables = data.get("tables")
         _check_object(data.get("parameters", {}), root.to("parameters"))
         given = self.parameters(item, at, root)
@@ -403,5 +375,5 @@ class _Composer:
 
 def _check_object(value: Any, place: Origin) -> None:
     with place.refusing():
-        if not isinstance(value, dict):
-            raise WrongValueError("wrong-type", f"expected an object {{…}}, got {kind_of(value)}")
+        refuse_if(not isinstance(value, dict), f"expected an object {{…}}, got {kind_of(value)}",
+                  "wrong-type")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -14,8 +13,6 @@ from sandbox.errors import Problem
 from sandbox.scene.bodies import MAX_CORNERS
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import is_pattern
-
-BODIES = ("bodies", "parts")  # lists whose entries count as bodies
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,10 +68,10 @@ def check_size(data: dict[str, Any], limits: Limits) -> list[Problem]:
     problems: list[Problem] = []
     for key in (*LISTS, "parts", "materials", "parameters", "tables"):
         if isinstance(value := data.get(key), (list, dict)):
-            problems += over(limits, "bodies" if key in BODIES else "elements", len(value),
-                             f"$.{key}", f"the scene has {{count}} {key}")
+            limit = "bodies" if key in ("bodies", "parts") else "elements"
+            problems += over(limits, limit, len(value), f"$.{key}",
+                             f"the scene has {{count}} {key}")
     values, corners = 0, 0
-    inner: Counter[str] = Counter()  # lengths of the lists of assemblies
     waiting: list[Any] = [{**data, "templates": None}]  # only copies of templates count
     while waiting and values <= limits.values:
         entry = waiting.pop()
@@ -83,28 +80,16 @@ def check_size(data: dict[str, Any], limits: Limits) -> list[Problem]:
             if kind in ("cam", "drawing"):
                 corners += MAX_CORNERS
             elif kind in ("polygon", "polyline", "curve"):
+                holes = entry.get("holes")
                 corners += sum(len(ring) for ring in (
-                    entry.get("points"), *_list(entry, "holes")) if isinstance(ring, list))
-            elif kind == "assembly":
-                inner.update({key: len(_list(entry, key)) for key in (*LISTS, "parts")})
+                    entry.get("points"), *(holes if isinstance(holes, list) else ()))
+                    if isinstance(ring, list))
         if isinstance(entry, (dict, list)):
             values += len(entry)
             waiting += entry.values() if isinstance(entry, dict) else entry
-    if not problems:
-        for name, count, where, what in (
-                ("bodies", sum(inner[key] for key in BODIES), "parts",
-                 "with those of its assemblies the scene has {count} bodies and parts"),
-                ("elements", inner.total(), "parts",
-                 "with those of its assemblies the scene has {count} elements"),
-                ("corners", corners, "bodies", "outlines have {count} corners")):
-            problems += over(limits, name, count, f"$.{where}", what)
     return [*problems,
+            *over(limits, "corners", corners, "$.bodies", "outlines have {count} corners"),
             *over(limits, "values", values, "$", "the scene has {count} values and more")]
-
-
-def _list(holder: dict[str, Any], key: str) -> list[Any]:
-    value = holder.get(key)
-    return value if isinstance(value, list) else []
 
 
 def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:

@@ -1,30 +1,29 @@
-"""From a file to a Scene that can be used, or to every problem that it has.
+"""From a file to a scene, or to every problem that it has.
 
-The order: read the text, apply ``--set`` overrides, resolve parameters, compose, validate by the
-models, expand the parts, check the whole mechanism. A step that fails does not hide what later
-steps would find: what could not be read is left out, and the rest is checked.
+Read the text, apply ``--set`` overrides, resolve parameters, compose, validate by the models,
+expand the parts, check the mechanism. What could not be read is left out; the rest is checked.
 """
 
 from __future__ import annotations
 
+import json
 import numbers
 import os
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from operator import getitem
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from pydantic import ValidationError
 
 from sandbox.elements.element import LISTS as MECHANISM_LISTS
-from sandbox.elements.element import NAMED
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.check.control import check_units
 from sandbox.scene.check.ranges import check_ranges
-from sandbox.scene.check.references import check_references, duplicate
+from sandbox.scene.check.references import check_references
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.library import find_scene
@@ -33,23 +32,19 @@ from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_size
 from sandbox.scene.read.origins import Composed, Origin, Relocation
 from sandbox.scene.read.overrides import apply_overrides
-from sandbox.scene.read.scopes import (
-    IDENTIFIER,
-    STAND_IN,
-    Parameters,
-    plain_tables,
-    resolve_parameters,
-    resolved_tables,
-)
-from sandbox.scene.read.source import SceneSource, first_problems, half_character, read_source
-from sandbox.values.expressions import RESERVED, NamedValues
+from sandbox.scene.read.scopes import Parameters, resolve_parameters, resolved_tables
+from sandbox.scene.read.source import SceneSource, first_problems, read_source
+from sandbox.scene.settings import RETIRED
+from sandbox.values.expressions import NamedValues
 from sandbox.values.messages import explain, written
-from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path
+from sandbox.values.paths import JsonPath, parse_path, path_text
 from sandbox.values.spec import Spec
 from sandbox.wording import kind_of, quoted
 
 MAX_EXPLAINED = 5_000  # number of invalid values that are explained
 LISTS = (*MECHANISM_LISTS, "parts")
+STAND_INS: dict[str, Any] = {"materials": {}, "tables": {"points": [[0, 1], [1, 1]]}}
+"""Replace invalid entries, so that the rest of the scene can be checked."""
 Valid = TypeVar("Valid", Scene, Mechanism)
 
 
@@ -78,6 +73,13 @@ class Loaded:
         return tuple(name for name in self.scene.parameters
                      if isinstance(text := written.get(name), str) and text.lstrip()[:1] == "=")
 
+    @property
+    def ignored(self) -> list[Problem]:
+        """Warnings about settings of older scenes, in the mechanism."""
+        return [Problem("unknown-key", f"{quoted(key)} is ignored: the solver no longer has it",
+                        f"$.run.{key}", key=True, severity="warning")
+                for key in RETIRED if key in self.origins.data.get("run", {})]
+
     def placed(self, problems: Iterable[Problem]) -> list[Problem]:
         """Problems of the mechanism, each with its path, line and column in the file."""
         relocate = Relocation(self.mechanism, self.scene)
@@ -85,9 +87,7 @@ class Loaded:
 
 
 def load_scene(
-    source: str | Path | Mapping[str, Any],
-    *,
-    overrides: Mapping[str, Any] | None = None,
+    source: str | Path | Mapping[str, Any], *, overrides: Mapping[str, Any] | None = None,
     limits: Limits | None = None,
 ) -> Scene:
     """Load a scene from a file, or from data as a file would hold it.
@@ -106,10 +106,8 @@ def load_scene(
 
 
 def read_scene(
-    source: str | os.PathLike[str] | Mapping[str, Any],
-    *,
-    overrides: Mapping[str, Any] | None = None,
-    limits: Limits | None = None,
+    source: str | os.PathLike[str] | Mapping[str, Any], *,
+    overrides: Mapping[str, Any] | None = None, limits: Limits | None = None,
 ) -> Loaded:
     """Load a scene as :func:`load_scene` does, with its mechanism and its places in the file."""
     if limits is not None and not isinstance(limits, Limits):
@@ -122,31 +120,19 @@ def read_scene(
                                   allowed='values by their paths, such as {"run.step": "1 ms"}')])
     if isinstance(source, Mapping):
         problems: list[Problem] = []
-        found = SceneSource(_plain(source, (), limits.nesting, problems))
+        found = SceneSource(_plain(source, (), limits.nesting, problems), limits=limits)
         if problems:
             raise SceneError(first_problems(problems, limits.problems))
+    elif isinstance(text := os.fspath(source) if isinstance(source, os.PathLike) else source, str):
+        path = find_scene(text)
+        found = read_source(path, limits=limits)
+        # a file's name is bytes, which need not be text
+        found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
     else:
-        found = _from_file(source, limits)
-    loading = _Loading(found, limits)
-    loaded = loading.scene(found.data, overrides or {})
-    if loading.problems or loaded is None:
-        raise SceneError(loading.reported(), found.name)
-    return loaded
-
-
-def _from_file(source: str | os.PathLike[str], limits: Limits) -> SceneSource:
-    """The text of a file, or else of a shipped scene; a directory of that name holds its runs."""
-    text = os.fspath(source) if isinstance(source, os.PathLike) else source
-    if not isinstance(text, str):
-        raise SceneError([Problem(
-            "bad-argument", f"{quoted(source)} is no scene", "source",
-            allowed="a path, the name of a shipped scene, or a mapping with the content of a "
-            "file")])
-    path = find_scene(text)
-    found = read_source(path, limits=limits)
-    # a file's name is bytes, which need not be text
-    found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
-    return found
+        raise SceneError([Problem("bad-argument", f"{quoted(source)} is no scene", "source",
+                                  allowed="a path, the name of a shipped scene, or a mapping with "
+                                  "the content of a file")])
+    return _Loading(found).scene(found.data, overrides or {})
 
 
 def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) -> Any:
@@ -154,7 +140,7 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
     if isinstance(value, (Mapping, Spec, list, tuple)) and len(path) >= nesting:
         if not problems:
             problems.append(Problem("limit-exceeded", "nested deeper than the limit 'nesting' of "
-                                    f"{nesting}", shown_path(path)))
+                                    f"{nesting}", path_text(path)))
         return None
     if isinstance(value, Spec):
         value = value.model_dump(by_alias=True, exclude_unset=True)
@@ -162,15 +148,11 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
         for key in value:
             if not isinstance(key, str):
                 problems.append(Problem("wrong-type",
-                                        f"a key is text, not {kind_of(key)}", shown_path(path)))
-            elif half := half_character(key):
-                problems.append(Problem("invalid-json", half, shown_path((*path, key)), key=True))
+                                        f"a key is text, not {kind_of(key)}", path_text(path)))
         return {key: _plain(entry, (*path, key), nesting, problems)
                 for key, entry in value.items() if isinstance(key, str)}
     if isinstance(value, (list, tuple)):
         return [_plain(entry, (*path, i), nesting, problems) for i, entry in enumerate(value)]
-    if isinstance(value, str) and (half := half_character(value)):
-        problems.append(Problem("invalid-json", half, shown_path(path)))
     if isinstance(value, numbers.Real) and not isinstance(value, (bool, int, float)):
         return float(value)
     return value
@@ -181,7 +163,6 @@ class _Loading:
     """The state of reading one scene: its problems so far, and their positions."""
 
     source: SceneSource
-    limits: Limits
     problems: dict[Problem, None] = field(default_factory=dict)
     """In the order in which they were found, each once."""
     overridden: set[JsonPath] = field(default_factory=set)
@@ -190,58 +171,59 @@ class _Loading:
     ignored: set[JsonPath] = field(default_factory=set)
     """Entries whose problems have been reported already."""
 
-    def scene(self, data: dict[str, Any], overrides: Mapping[str, Any]) -> Loaded | None:
-        """The scene, or the readable part of it; None if there is none."""
-        data, self.overridden, problems = apply_overrides(
-            data, overrides, nesting=self.limits.nesting)
+    def scene(self, data: dict[str, Any], overrides: Mapping[str, Any]) -> Loaded:
+        """The scene."""
+        limits = self.source.limits
+        data, self.overridden, problems = apply_overrides(data, overrides, nesting=limits.nesting)
         self.problems = dict.fromkeys(problems)
         self.composed = Composed(data, Origin(self.source))
-        if too_large := check_size(data, self.limits):
-            self.report(too_large)
-            return None
-        self.parameters = resolve_parameters(
-            data.get("parameters"), plain_tables(data.get("tables")))
+        self.stop(check_size(data, limits))
+        try:
+            json.dumps(data, ensure_ascii=False, default=str).encode()
+        except UnicodeEncodeError as error:  # no file can hold it
+            before = quoted(error.object[max(error.start - 20, 0):error.start])
+            self.stop([Problem("invalid-json", f"half a character (a surrogate) after {before}")])
+        if not isinstance(own := data.get("parameters", {}), dict):  # others would follow from it
+            self.stop([Problem("wrong-type", f"expected an object {{…}}, got {kind_of(own)}",
+                               "$.parameters")])
+        self.parameters = resolve_parameters(own, resolved_tables(data.get("tables"), {}, None))
         self.report(self.parameters.problems)
-        self.composed = compose(self.source, data, self.parameters, self.limits)
+        self.composed = compose(self.source, data, self.parameters)
         self.add(self.composed.problems)
         data = self.composed.data
-        self.report(too_large := [] if self.composed.failed else check_size(data, self.limits))
-        if self.composed.failed or too_large:
-            return None
+        self.stop([] if self.composed.failed else check_size(data, limits),
+                  always=self.composed.failed)
         self.ignored = set(self.composed.broken)
         values: dict[str, Any] = self.parameters.values
-        if isinstance(data.get("parameters"), dict):
+        if own:
             data = {**data, "parameters": dict(values)}
         if tables := resolved_tables(data.get("tables"), values):
             values = NamedValues({**values, **tables})
-        return self._validated(data, {
+        scene, readable = self._validated(data, {
             "parameters": values, "folder": self.source.path and self.source.path.parent})
+        mechanism = self._checked(scene, readable)
+        self.stop(always=bool(self.problems))
+        return Loaded(scene, mechanism, self.composed)
 
-    def _validated(self, data: dict[str, Any], context: dict[str, Any]) -> Loaded | None:
-        paths: set[JsonPath] = set()
+    def _validated(self, data: dict[str, Any], context: dict[str, Any]) -> tuple[Scene, _Readable]:
+        """The readable part of the scene."""
         readable = _Readable(data, self.ignored)
         try:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
             problems = explain(error, data, Scene, MAX_EXPLAINED)
-            self.report(each for each in problems if self._is_cause(each, data))
-            if not self.problems:  # a problem left out must have been reported
-                self.report(problems)
-            paths = {parse_path(problem.path) for problem in problems}
+            paths = [parse_path(problem.path) for problem in problems]
+            causes = [problem for problem, path in zip(problems, paths, strict=True)
+                      if path[:2] not in self.ignored and not self.parameters.reads_failed(
+                          reduce(getitem, path, cast(Any, data)))]
+            self.report(causes if self.problems else causes or problems)
             readable = _Readable(data, {path[:2] for path in paths} | self.ignored)
             try:
                 scene = Scene.model_validate(readable.data, context=context)
             except ValidationError:
-                return None
-        mechanism = self._checked(scene, readable)
-        return Loaded(scene, mechanism, self.composed)
-
-    def _is_cause(self, problem: Problem, data: Any) -> bool:
-        """Whether a problem is not the consequence of another one."""
-        path = parse_path(problem.path)
-        return path[:2] not in self.ignored and (
-            path == ("parameters",)
-            or not self.parameters.reads_failed(reduce(getitem, path, data)))
+                self.stop(always=True)
+                raise
+        return scene, readable
 
     def _checked(self, scene: Scene, readable: _Readable) -> Mechanism:
         """The mechanism of a scene, after checks of parts, units, names and sizes."""
@@ -253,24 +235,24 @@ class _Loading:
                         if not readable.assumed or problem.code == "duplicate-name")
             readable.assumed |= {part.name for part in scene.parts}
         relocate = Relocation(mechanism, scene)
-        too_large = check_limits(mechanism, self.limits)
-        self.report(readable.located(relocate(problem)) for problem in too_large)
-        if too_large:  # further checks would take too much time and memory
-            return mechanism
-        for problem in check_units(mechanism):  # without steps that an author may leave out
-            found = readable.located(relocate(problem))
-            path = written(self.composed.data, parse_path(found.path))
-            self.report([replace(found, path=path_text(path))])
-        for problem in [*check_references(mechanism, assumed=readable.assumed),
-                        *check_ranges(mechanism)]:
+        # of a scene that is too large other checks would take too much time
+        too_large = check_limits(mechanism, self.source.limits)
+        for problem in too_large or [
+                *check_references(mechanism, assumed=readable.assumed, faulty=bool(self.problems)),
+                *check_ranges(mechanism)]:
             self.report([readable.located(relocate(problem))])
-        taken = {each.name: kind for kind in reversed([*NAMED])
-                 for each in getattr(mechanism, kind)}
-        for (kind, i), name in readable.unread.items():
-            if name in taken and kind in NAMED and (kind, i) not in self.ignored:
-                self.report([duplicate(name, kind, taken[name], f"$.{kind}[{i}].name")])
-            taken.setdefault(name, kind)
+        for problem in () if too_large else check_units(mechanism):
+            found = readable.located(relocate(problem))
+            path = written(self.composed.data, parse_path(found.path))  # as far as it is written
+            self.report([replace(found, path=path_text(path))])
         return mechanism
+
+    def stop(self, problems: Sequence[Problem] = (), *, always: bool = False) -> None:
+        """Report problems that exclude further checks, and raise all so far, if there are any."""
+        self.report(problems)
+        if problems or always:
+            ordered = sorted(self.problems, key=lambda each: (each.file, each.line, each.column))
+            raise SceneError(first_problems(ordered, self.source.limits.problems), self.source.name)
 
     def report(self, problems: Iterable[Problem]) -> None:
         """Add problems of the data with their places in the file; of copies, the first one's."""
@@ -288,13 +270,6 @@ class _Loading:
                                   message=f"{problem.message} (set by an override)")
             self.problems.setdefault(problem)
 
-    def reported(self) -> list[Problem]:
-        """The problems in the order of the file, the first ones if there are very many."""
-        ordered = sorted(self.problems, key=lambda problem: (
-            problem.file, problem.line, problem.column))
-        return [replace(problem, path=shown_path(parse_path(problem.path)))
-                for problem in first_problems(ordered, self.limits.problems)]
-
 
 class _Readable:
     """Scene data without the elements that could not be read."""
@@ -302,14 +277,10 @@ class _Readable:
     def __init__(self, data: dict[str, Any], broken: set[JsonPath]) -> None:
         self.assumed: set[str] = set()
         """Names of the elements left out; ``*`` for one without a name."""
-        self.unread: dict[tuple[str, int], str] = {}
-        """The names of those in lists, by list and index."""
-        self.kept: dict[str, list[int]] = {}
-        """For each list, the indices of the elements left in."""
+        self.kept: dict[str, list[int]] = {}  # for each list, the indices of the elements left in
         self.data = dict(data)
-        objects = ("materials", "tables")
         for path in broken:
-            if path and (len(path) != 2 or path[0] not in (*LISTS, *objects)):
+            if path and (len(path) != 2 or path[0] not in (*LISTS, *STAND_INS)):
                 self.data.pop(str(path[0]), None)
                 if path[0] in (*LISTS, "materials"):
                     self.assumed.add("*")
@@ -321,16 +292,10 @@ class _Readable:
                     if (key, i) in broken:
                         name = entry.get("name") if isinstance(entry, dict) else None
                         self.assumed.add(name if isinstance(name, str) else "*")
-                        if isinstance(name, str):
-                            self.unread[key, i] = name
-        for key in objects:
+        for key, stand_in in STAND_INS.items():
             if isinstance(entries := self.data.get(key), dict):
-                out = {name for name in entries if (key, name) in broken}
-                keep = {name for name in out if key == "tables" and IDENTIFIER.fullmatch(name)
-                        and name not in RESERVED and "__" not in name and len(name) <= 100}
-                self.data[key] = {name: STAND_IN if name in out else entry for name, entry
-                                  in entries.items() if name not in out or name in keep}
-                self.assumed |= out if key == "materials" else set()
+                self.data[key] = {name: stand_in if (key, name) in broken else entry
+                                  for name, entry in entries.items()}
 
     def located(self, problem: Problem) -> Problem:
         path = parse_path(problem.path)

@@ -12,10 +12,10 @@ from sandbox.errors import Problem
 from sandbox.scene.read.compose import Context, merged
 from sandbox.scene.read.origins import Composed, Origin, RefusedError
 from sandbox.scene.read.scopes import Scope
-from sandbox.scene.read.source import SceneSource, half_character
+from sandbox.scene.read.source import SceneSource
 from sandbox.values.paths import JsonPath, holds, parse_path
 from sandbox.values.units import dimension_of, unit_in, units_of
-from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
+from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted, refuse_if
 
 CLOSED = ("parameters", "templates")
 """Objects whose keys are the author's own, so that a new one is a slip."""
@@ -30,19 +30,22 @@ def apply_overrides(
     result, paths, problems = copy.deepcopy(data), set(), []
     for text, value in overrides.items():
         try:
-            if not isinstance(text, str):
-                raise WrongValueError("bad-override", "it is not the text of a path")
+            refuse_if(not isinstance(text, str), "it is not the text of a path", "bad-override")
             steps = parse_path(text)
             if isinstance(value, str):
-                if sum(map(value.count, "[{")) > 10 * nesting:
-                    raise WrongValueError("limit-exceeded", "the value has too many brackets")
+                refuse_if(sum(map(value.count, "[{")) > 10 * nesting,
+                          "the value has too many brackets", "limit-exceeded")
                 with contextlib.suppress(ValueError):
                     value = json.loads(value, parse_constant=str)
-            if steps[:1] == ("parameters",):
-                _check_dimension(result, steps, value)
-            written = json.dumps([*steps, value], default=str, skipkeys=True, ensure_ascii=False)
-            if half := half_character(written):
-                raise WrongValueError("invalid-json", half)
+            if steps[:1] == ("parameters",) and len(steps) == 2:
+                own = result.get("parameters")
+                before, after = (unit_in(each) for each in (
+                    own.get(steps[1]) if isinstance(own, dict) else None, value))
+                if before and after and dimension_of(before) != dimension_of(after):
+                    raise WrongValueError(
+                        "wrong-unit", f"{quoted(after)} is a unit of {dimension_of(after)}, and "
+                        f"{quoted(steps[1])} is in {quoted(before)}",
+                        allowed=", ".join(units_of(dimension_of(before))))
             paths.add(_set(result, steps, value))
         except WrongValueError as error:
             problems.append(Problem.of(
@@ -52,8 +55,7 @@ def apply_overrides(
 
 def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
     """Set one value; the path with names turned into indices."""
-    if not path:
-        raise WrongValueError("bad-override", "the whole scene cannot be replaced")
+    refuse_if(not path, "the whole scene cannot be replaced", "bad-override")
     holder: Any = data
     taken: list[str | int] = []
     for step, following in zip(path, (*path[1:], None), strict=True):
@@ -68,16 +70,6 @@ def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
     return tuple(taken)
 
 
-def _check_dimension(data: dict[str, Any], path: JsonPath, value: Any) -> None:
-    own = data.get("parameters")
-    before, after = (unit_in(each) for each in (
-        own.get(path[1]) if isinstance(own, dict) and len(path) == 2 else None, value))
-    if before and after and dimension_of(before) != dimension_of(after):
-        raise WrongValueError("wrong-unit", f"{quoted(after)} is a unit of {dimension_of(after)}, "
-                              f"and {quoted(path[1])} is in {quoted(before)}",
-                              allowed=", ".join(units_of(dimension_of(before))))
-
-
 def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
     """A copy of the list that an element has from its template."""
     value: Any = data
@@ -88,8 +80,8 @@ def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
             context = Context(nowhere, (), Scope(), data.get("templates"), nowhere)
             with contextlib.suppress(RefusedError):  # reading the scene reports it
                 value = merged(value, context, Composed({}, nowhere), NearMisses())
-    if not isinstance(value, list):
-        raise WrongValueError("bad-override", f"there is no list {quoted(taken[-1])} there")
+    refuse_if(not isinstance(value, list), f"there is no list {quoted(taken[-1])} there",
+              "bad-override")
     return copy.deepcopy(value)
 
 
@@ -106,11 +98,9 @@ def _key(holder: Any, step: str | int, taken: list[str | int]) -> str | int:
         raise WrongValueError("bad-override", f"{quoted(taken[-1])} is {kind_of(holder)} and has "
                               f"no {quoted(step)} in it")
     if isinstance(step, int):
-        if step < len(holder):
-            return step
-        raise WrongValueError(
-            "bad-override", f"{quoted(taken[-1])} has no entry {step}",
-            allowed=f"0 to {len(holder) - 1}" if holder else "none, the list is empty")
+        refuse_if(step >= len(holder), f"{quoted(taken[-1])} has no entry {step}", "bad-override",
+                  allowed=f"0 to {len(holder) - 1}" if holder else "none, the list is empty")
+        return step
     names = {entry["name"]: i for i, entry in enumerate(holder)
              if isinstance(entry, dict) and isinstance(entry.get("name"), str)}
     if step in names:

@@ -9,7 +9,8 @@ from collections import ChainMap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Annotated, Any, Self
+from graphlib import TopologicalSorter
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import (
@@ -20,12 +21,11 @@ from pydantic import (
     Tag,
     ValidationError,
     ValidationInfo,
-    field_validator,
-    model_validator,
 )
 
 from sandbox.errors import Problem
 from sandbox.scene.bodies import SHAPES
+from sandbox.scene.geometry import to_world
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origins import Origin, RefusedError
 from sandbox.values import expressions as ex
@@ -34,15 +34,12 @@ from sandbox.values.numbers import Coordinate, Pair, number_from, parameters_of
 from sandbox.values.paths import parse_path, path_text
 from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, function_of
-from sandbox.wording import WrongValueError, kind_of, listed, number_text, quoted
+from sandbox.wording import WrongValueError, kind_of, listed, number_text, quoted, refuse_if
 
 _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-DEEPEST = 100  # maximum length of a chain of parameters that depend on one another
 PLACEHOLDER = 1.0
 """Replaces a parameter without a value, so that the rest of the scene can be checked."""
-STAND_IN = {"points": [[0, 1], [1, 1]]}
-"""Replaces an invalid table, so that the rest of the scene can be checked."""
 
 
 @dataclass(frozen=True)
@@ -76,24 +73,18 @@ class Scope:
         """A text with the scope's values in it."""
         if self.braces and ("{" in text or "}" in text):
             text = _BRACES.sub(self._filled, text)
-        if not text.lstrip().startswith("=") or not (self.values or self.renamed is not None):
+        if not ex.is_expression(text) or not (self.values or self.renamed is not None):
             return text
         try:
             expression = ex.parse_expression(text)
         except WrongValueError:
             return text  # validation reports it
-        self._check_numbers(expression)
         if self.renamed is not None:
             expression.check_tables(self.tables)
         if not (expression.names & set(self.numbers) or
                 (self.renamed is not None and expression.tables)):
             return text
         return f"={expression.bind(self.numbers, self.renamed).text}"
-
-    def _check_numbers(self, expression: ex.Expression) -> None:
-        for name in sorted(expression.names & (set(self.values) - set(self.numbers))):
-            raise WrongValueError("bad-expression", f"{quoted(name)} is text; an expression needs "
-                                  "numbers", allowed=f"{{{name}}} inside of a name")
 
     def _filled(self, match: re.Match[str]) -> str:
         inner = match.group(1)
@@ -102,7 +93,6 @@ class Scope:
         if isinstance(word := self.values.get(inner.strip()), str):
             return word
         known, expression = self.known, ex.parse_expression(inner)
-        self._check_numbers(expression)
         for name in sorted(expression.names.difference(known)):
             raise ex.unknown_name(name, {**known, **self.values})
         value = float(expression.evaluate({**self.tables, **known}))
@@ -111,17 +101,14 @@ class Scope:
 
 def check_name(name: Any, what: str, parameters: Mapping[str, float]) -> None:
     """Check a name that expressions are to read."""
-    if isinstance(name, str) and name in ex.RESERVED:
-        means = "the time" if name == "t" else "a constant, a function or a word of expressions"
-        raise WrongValueError("invalid-name", f"{quoted(name)} cannot be the name of {what}: it "
-                              f"already means {means}")
-    if not isinstance(name, str) or not IDENTIFIER.fullmatch(name) or "__" in name or (
-            len(name) > 100):
-        raise WrongValueError("invalid-name", f"{quoted(name)} is not the name of {what}",
-                              allowed="a letter, then letters, digits and single _")
-    if name in parameters:
-        raise WrongValueError("duplicate-name", f"the name {quoted(name)} is that of a parameter "
-                              "already", allowed='another one for the index: "index": "j"')
+    means = "the time" if name == "t" else "a constant, a function or a word of expressions"
+    refuse_if(isinstance(name, str) and name in ex.RESERVED, f"{quoted(name)} cannot be the name "
+              f"of {what}: it already means {means}", "invalid-name")
+    refuse_if(not isinstance(name, str) or not IDENTIFIER.fullmatch(name) or "__" in name
+              or len(name) > 100, f"{quoted(name)} is not the name of {what}", "invalid-name",
+              allowed="a letter, then letters, digits and single _")
+    refuse_if(name in parameters, f"the name {quoted(name)} is that of a parameter already",
+              "duplicate-name", allowed='another one for the index: "index": "j"')
 
 
 @dataclass
@@ -131,106 +118,85 @@ class Parameters:
     values: dict[str, float] = field(default_factory=ex.NamedValues)
     failed: set[str] = field(default_factory=set)
     problems: list[Problem] = field(default_factory=list)
-    unreadable: bool = False  # whether the scene's parameters are not even an object
 
     def reads_failed(self, text: object) -> bool:
         """Whether a text is an expression of a failed parameter, which may be a reserved word."""
-        if not isinstance(text, str) or not (self.failed or self.unreadable):
+        if not isinstance(text, str) or not self.failed:
             return False
         try:
             names = ex.parse_expression(text).names
         except ValueError:  # a parameter named by a keyword of Python makes it invalid
             names = frozenset()
-        words = names | (ex.RESERVED & set(IDENTIFIER.findall(text)))
-        return bool(names if self.unreadable else words & self.failed)
+        return not self.failed.isdisjoint(names | (ex.RESERVED & set(IDENTIFIER.findall(text))))
 
 
-def resolve_parameters(raw: Any, tables: Mapping[str, Any]) -> Parameters:
+def resolve_parameters(raw: Mapping[str, Any], tables: Mapping[str, Any]) -> Parameters:
     """The values of ``{"pull": "15 N", "each": "=pull / 4"}``; a cycle is named.
 
-    They may call ``tables``, except those that read parameters themselves, which are None there.
-    What is not an object has no values: the models refuse it.
+    They may call ``tables``; those that are None there read parameters themselves.
     """
-    found = Parameters(unreadable=raw is not None and not isinstance(raw, dict))
-    known = ex.NamedValues()
-    for name, value in raw.items() if isinstance(raw, dict) else ():
+    found, known, reads = Parameters(), ex.NamedValues(), dict[str, list[str]]()
+    values = ChainMap(found.values, {
+        name: each for name, each in tables.items() if each is not None})
+
+    def refuse(name: str, error: WrongValueError, *, key: bool = False) -> None:
+        if key or not found.reads_failed(raw[name]):
+            found.problems.append(Problem.of(error, path_text(("parameters", name)), key=key))
+        found.failed.add(name)
+
+    for name, value in raw.items():
         try:
             check_name(name, "a parameter", {})
             known[name] = value
         except WrongValueError as error:
-            found.problems.append(Problem.of(error, path_text(("parameters", name)), key=True))
-            found.failed.add(name)
-    for name in known:
-        _resolve(name, known, found, [], tables)
+            refuse(name, error, key=True)
+    for name, value in known.items():
+        reads[name] = []
+        try:
+            expression = ex.parse_expression(value) if ex.is_expression(value) else None
+            reads[name] = sorted(expression.names) if expression else []
+            for table in sorted(expression.tables) if expression else ():
+                refuse_if(tables.get(ex.call(table), table) is None, f"the table {quoted(table)} "
+                          "reads parameters itself, so no parameter can use it", "invalid-name",
+                          allowed="a table of plain numbers")
+        except WrongValueError as error:
+            refuse(name, error)
+    for ring in ex.rings({name: [each for each in needed if each in known]
+                          for name, needed in reads.items()}):
+        start = ring.index(next(name for name in known if name in ring))
+        ring = [*ring[start:], *ring[:start], ring[start]]
+        refuse(ring[0], WrongValueError("circular-definition", "parameters that depend on each "
+                                        f"other: {' → '.join(ring)}"))
+        found.failed.update(ring)
+    for name in TopologicalSorter({name: () if name in found.failed else needed
+                                   for name, needed in reads.items()}).static_order():
+        if name not in known or name in found.failed:
+            continue
+        try:
+            for needed in reads[name]:
+                if needed not in known and needed not in found.failed:
+                    raise ex.unknown_name(needed, known, but=name)
+            if found.failed.isdisjoint(reads[name]):
+                found.values[name] = number_from(known[name], None, values)
+            else:
+                found.failed.add(name)
+        except WrongValueError as error:
+            refuse(name, error)
+    found.values = ex.NamedValues({name: found.values.get(name, PLACEHOLDER) for name in known})
     return found
 
 
-def _resolve(
-    name: str, raw: Mapping[str, Any], found: Parameters, chain: list[str],
-    tables: Mapping[str, Any],
-) -> None:
-    """Find one value, after those that it reads; ``chain`` leads from the first one to it."""
-    if name in found.values:
-        return
-    value, failed = raw[name], True
-    known: Mapping[str, Any] = found.values
-    try:
-        if name in chain:
-            cycle = " → ".join([*chain[chain.index(name):], name])
-            raise WrongValueError("circular-definition",
-                                  f"parameters that depend on each other: {cycle}")
-        if len(chain) > DEEPEST:
-            raise WrongValueError("circular-definition", "parameters depend on each other more "
-                                  f"than {DEEPEST} deep")
-        if isinstance(value, str) and value.lstrip().startswith("="):
-            expression = ex.parse_expression(value)
-            for table in sorted(expression.tables):
-                known = ChainMap(found.values, {
-                    name: each for name, each in tables.items() if each is not None})
-                if tables.get(ex.call(table), table) is None:
-                    raise WrongValueError(
-                        "invalid-name", f"the table {quoted(table)} reads parameters itself, so "
-                        "no parameter can use it", allowed="a table of plain numbers")
-            for needed in sorted(expression.names):
-                if needed in raw:
-                    _resolve(needed, raw, found, [*chain, name], tables)
-                elif needed not in found.failed:
-                    raise ex.unknown_name(needed, raw, but=name)
-        if name in found.values:
-            return  # it was part of a cycle, reported where the cycle closed
-        number = number_from(value, None, known)
-        failed = found.reads_failed(value)
-    except WrongValueError as error:
-        number = PLACEHOLDER
-        if not found.reads_failed(value):
-            found.problems.append(Problem.of(error, path_text(("parameters", name))))
-    found.values[name] = number
-    if failed:
-        found.failed.add(name)
-
-
-def plain_tables(raw: Any) -> dict[str, Any]:
-    """The tables by their calls that parameters may call; None for those that read parameters."""
-    def reads(value: Any) -> bool:
-        if isinstance(value, (dict, list)):
-            return any(map(reads, value.values() if isinstance(value, dict) else value))
-        return isinstance(value, str) and value.lstrip().startswith("=")
-
-    reading = {ex.call(name) for name, entry in raw.items() if reads(entry)} if isinstance(
-        raw, dict) else set()
-    return {name: None if name in reading else each
-            for name, each in resolved_tables(raw, {}).items()}
-
-
-def resolved_tables(raw: Any, parameters: Mapping[str, float]) -> dict[str, Any]:
-    """All tables by their calls, a constant for each that is invalid; validation reports it."""
+def resolved_tables(
+    raw: Any, parameters: Mapping[str, float], invalid: Any = np.ones_like,
+) -> dict[str, Any]:
+    """All tables by their calls, ``invalid`` for each that is invalid; validation reports it."""
     found: dict[str, Any] = {}
     for name, entry in raw.items() if isinstance(raw, dict) else ():
         try:
             table = NamedTable.model_validate(entry, context={"parameters": parameters})
             found[ex.call(name)] = function_of(table)
         except ValidationError:
-            found[ex.call(name)] = np.ones_like
+            found[ex.call(name)] = invalid
     return found
 
 
@@ -240,10 +206,9 @@ Names = dict[str, float | str]
 
 
 def _index(name: str, info: ValidationInfo) -> str:
-    if name == info.data.get("index"):
-        raise WrongValueError("duplicate-name", f"the name {quoted(name)} is that of the index, "
-                              "which counts the entries",
-                              allowed='another name, or another "index"')
+    refuse_if(name == info.data.get("index"), f"the name {quoted(name)} is that of the index, "
+              "which counts the entries", "duplicate-name",
+              allowed='another name, or another "index"')
     check_name(name, "an index", (info.context or {})["own"])
     return name
 
@@ -261,17 +226,14 @@ def _count(value: Any, info: ValidationInfo) -> int:
         count = number_from(value, "ratio", parameters_of(info))
         shown = number_text(count)
     except WrongValueError:
-        if isinstance(value, str) and value.lstrip().startswith("="):
+        if ex.is_expression(value):
             raise
-    if not (count == int(count) and count >= 1):
-        raise WrongValueError(
-            "bad-repeat", f"{shown} is not a number of copies",
-            allowed=f"a whole number from 1 to {maximum}, an expression of parameters that gives "
-            "one, or an object with 'count' or 'list'")
-    if count > maximum:
-        raise WrongValueError(
-            "limit-exceeded", f"{shown} copies are more than a scene may have elements",
-            allowed=f"at most {maximum} (the limit 'elements', raised by --limit elements=N)")
+    refuse_if(count != int(count) or count < 1, f"{shown} is not a number of copies", "bad-repeat",
+              allowed=f"a whole number from 1 to {maximum}, an expression of parameters that gives "
+              "one, or an object with 'count' or 'list'")
+    refuse_if(count > maximum, f"{shown} copies are more than a scene may have elements",
+              "limit-exceeded",
+              allowed=f"at most {maximum} (the limit 'elements', raised by --limit elements=N)")
     return int(count)
 
 
@@ -297,18 +259,11 @@ class Repeat(Spec):
     circle: Pair[Coordinate] | None = None
     """Centre of the circle that the copies go round [m]."""
 
-    @field_validator("circle")
-    @classmethod
-    def _alone(cls, circle: Any, info: ValidationInfo) -> Any:
-        if info.data.get("line") is not None:
-            raise WrongValueError("bad-repeat", "'line' and 'circle' exclude each other")
-        return circle
-
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        if (self.count is None) == (self.entries is None):
-            raise WrongValueError("bad-repeat", "a repeat needs either 'count' or 'list'")
-        return self
+    def _verify(self) -> None:
+        refuse_if(None not in (self.line, self.circle), "'line' and 'circle' exclude each other",
+                  "bad-repeat")
+        refuse_if((self.count is None) == (self.entries is None),
+                  "a repeat needs either 'count' or 'list'", "bad-repeat")
 
     @property
     def rows(self) -> list[Names]:
@@ -316,19 +271,15 @@ class Repeat(Spec):
         return [{self.index: float(i), **row} if isinstance(row, dict) else {self.index: row}
                 for i, row in enumerate(self.entries or map(float, range(self.count or 0)))]
 
-    def moved(self, entry: dict[str, Any], number: int, among: str, scope: Scope
-              ) -> dict[str, Any]:
+    def moved(self, entry: dict[str, Any], number: int, among: str, scope: Scope) -> dict[str, Any]:
         """A copy of an entry, moved along the line or round the circle."""
         if self.line is None and self.circle is None:
             return entry
-        if among not in WITH_POSITION:
-            raise WrongValueError("bad-repeat", f"an entry of {quoted(among)} has no position, so "
-                                  "it cannot have 'line' or 'circle'",
-                                  allowed=f"entries of {listed(WITH_POSITION)}; others use the "
-                                  "index in their names")
-        if "path" in entry:
-            raise WrongValueError("bad-repeat", "a body with a path is not moved by a line or "
-                                  "circle", allowed="the body in an assembly, and that repeated")
+        refuse_if(among not in WITH_POSITION, f"an entry of {quoted(among)} has no position, so it "
+                  "cannot have 'line' or 'circle'", "bad-repeat", allowed="entries of "
+                  f"{listed(WITH_POSITION)}; others use the index in their names")
+        refuse_if("path" in entry, "a body with a path is not moved by a line or circle",
+                  "bad-repeat", allowed="the body in an assembly, and that repeated")
         copies = self.count or len(self.entries or ())
         turn = math.tau * number / copies if self.circle is not None else 0.0
         keys: tuple[str, ...] = ("at",)
@@ -354,8 +305,7 @@ class Repeat(Spec):
             return value
         if self.circle is not None:
             cx, cy = self.circle
-            c, s = math.cos(turn), math.sin(turn)
-            x, y = cx + c * (x - cx) - s * (y - cy), cy + s * (x - cx) + c * (y - cy)
+            x, y = to_world((cx, cy, turn), (x - cx, y - cy))
         if self.line is not None:
             x, y = x + number * self.line[0], y + number * self.line[1]
         return [x, y]

@@ -1,7 +1,7 @@
 """A scene's text: JSON to plain data, and where in the file each piece of it stands.
 
-A valid file is read by :mod:`json`. Only for messages, a slower scan of the same text finds the
-line and column of every key and value, and describes what is not JSON (RFC 8259).
+A valid file is read by :mod:`json`. For messages, a slower scan of the text finds the line and
+column of every key and value, and describes what is not JSON (RFC 8259).
 """
 
 from __future__ import annotations
@@ -11,29 +11,32 @@ import json
 import math
 import re
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import accumulate, count
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.library import scenes_beside, shipped_scenes, similar_scene
 from sandbox.scene.read.limits import Limits
-from sandbox.values.paths import JsonPath, shown_path
-from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
+from sandbox.values.paths import JsonPath, path_text
+from sandbox.wording import WrongValueError, kind_of, listed, near, quoted, refuse_if
 
-LONGEST_NAME = 400  # characters of a path that messages show
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
-_FOR_SCANNER = re.compile(r"\\u[dD][89A-Fa-f]|[0-9][eE]\+?[0-9]{3}|[0-9]{300}")
+_FOR_SCAN = re.compile(r"\\u[dD][89A-Fa-f]|[0-9][eE]\+?[0-9]{3}|[0-9]{300}")
 """Surrogates and huge numbers, which :mod:`json` accepts."""
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_. -]{0,99}")
 _TOKEN = re.compile(r'"(?:[^"\\\x00-\x1f]|\\.)*+"|["\][{}:,]|[^][{}:," \t\n\r]+')
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?")
 _WORD = re.compile(r"[-+]?[A-Za-z_][A-Za-z0-9_]*")
-_SURROGATE = re.compile("[\ud800-\udfff]")
 _WORDS = ("true", "false", "null")
+_NO_VALUE = {"'": 'put text in double quotes ("…"), not in single quotes',
+             "=": 'put an expression in double quotes: "=pull / 2"',
+             "+.0123456789-": "this is not a JSON number (write 0.5, -2, 1e-3)",
+             ",}]:": "a value is missing before this"}
+"""What is wrong with a token that is no value, by its first character."""
 
 
 @dataclass(frozen=True)
@@ -56,14 +59,13 @@ class SceneSource:
             return 0, 0
         while path and path not in self._scan.places:
             path, key = path[:-1], False
-        place = self._scan.places[path]
-        return self._scan.position(place.key if key and place.key >= 0 else place.value)
+        value, of_key = self._scan.places[path]
+        return self._scan.position(of_key if key and of_key >= 0 else value)
 
 
 def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSource:
     """Read and parse a scene's file."""
     limits, name, path = limits or Limits(), str(path), Path(path)
-    name = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
     try:
         content = _read(path, limits)
         text = content.decode("utf-8-sig")
@@ -93,7 +95,7 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
     brackets = re.findall(r"[\[\]{}]", _STRING.sub("", text))
     depth = max(accumulate(1 if each in "[{" else -1 for each in brackets), default=0)
     try:
-        if depth > limits.nesting or _FOR_SCANNER.search(text):
+        if depth > limits.nesting or _FOR_SCAN.search(text):
             raise ValueError
         data = json.loads(text, object_pairs_hook=unique, parse_constant=int)
     except RecursionError:
@@ -128,10 +130,9 @@ def _read(path: Path, limits: Limits) -> bytes:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise WrongValueError("file-not-found", f"the file cannot be read: {reason}") from None
-    if len(content) > limits.file_bytes:
-        raise WrongValueError("limit-exceeded", "the file is larger than the limit 'file_bytes' of "
-                              f"{limits.file_bytes} bytes",
-                              allowed="a larger one when the limit is raised")
+    refuse_if(len(content) > limits.file_bytes, "the file is larger than the limit 'file_bytes' of "
+              f"{limits.file_bytes} bytes", "limit-exceeded",
+              allowed="a larger one when the limit is raised")
     return content
 
 
@@ -140,7 +141,6 @@ class Library:
     """The scenes beside a scene's file that it has read so far."""
 
     main: SceneSource
-    limits: Limits
     read: dict[Path, SceneSource] = field(default_factory=dict)
     size: int = 0  # of all files together [characters]
 
@@ -174,10 +174,8 @@ class Library:
                 "bad-include", f"there is no scene {quoted(stem)} beside this one{copied}",
                 hint=near(stem, others),
                 allowed=listed(others) or "none: no other scene is in the folder") from None
-        if not own:
-            raise WrongValueError("bad-include", f"{quoted(path.name)} is a link that leads out of "
-                                  "this scene's folder, or no file", allowed="a file of the folder "
-                                  "itself")
+        refuse_if(not own, f"{quoted(path.name)} is a link that leads out of this scene's folder, "
+                  "or no file", "bad-include", allowed="a file of the folder itself")
         return real
 
     def open(self, path: Path) -> SceneSource:
@@ -186,41 +184,17 @@ class Library:
             return self.read[path]
         name = str(Path(self.main.name).parent / path.name) if self.main.name else path.name
         try:
-            found = replace(read_source(path, limits=self.limits), name=name)
+            found = replace(read_source(path, limits=self.main.limits), name=name)
         except SceneError as error:
             raise SceneError([replace(problem, file=name)
                               for problem in error.problems], name) from None
         self.size += len(found.text)
-        if self.size > self.limits.file_bytes:
-            raise WrongValueError("limit-exceeded", f"with {quoted(path.name)} the files of this "
-                                  "scene are larger than the limit 'file_bytes' of "
-                                  f"{self.limits.file_bytes} bytes", allowed="larger ones when the "
-                                  "limit is raised")
+        maximum = self.main.limits.file_bytes
+        refuse_if(self.size > maximum, f"with {quoted(path.name)} the files of this scene are "
+                  f"larger than the limit 'file_bytes' of {maximum} bytes",
+                  "limit-exceeded", allowed="larger ones when the limit is raised")
         self.read[path] = found
         return found
-
-
-def half_character(text: str) -> str:
-    """The fault of a text with a lone surrogate, which no file can hold; empty without one."""
-    found = _SURROGATE.search(text)
-    return f"the text has half a character (\\u{ord(found.group()):04x}) in it" if found else ""
-
-
-class Place(NamedTuple):
-    """Offsets of a value, and of its key (-1 without one)."""
-
-    value: int
-    key: int = -1
-
-
-class _Container(NamedTuple):
-    """An object or list that the scan is inside of."""
-
-    path: JsonPath
-    closing: str  # its closing bracket
-    start: int  # offset of its opening bracket
-    numbers: Iterator[int]  # of the entries that follow, for a list
-    keys: dict[str, int]  # offsets of the keys so far, for an object
 
 
 class _SyntaxError(Exception):
@@ -234,118 +208,110 @@ class Scan:
         self.text, self.limits = text, limits
         self.lines = [0, *(match.end() for match in re.finditer("\n", text))]
         """Offsets of the first characters of all lines."""
-        self.places: dict[JsonPath, Place] = {}
+        self.places: dict[JsonPath, tuple[int, int]] = {}
+        """Offsets of each value and of its key (-1 without one)."""
         self.faults: list[Problem] = []
-        self.path: JsonPath = ()
+        self._tokens = _TOKEN.finditer(text)
         with contextlib.suppress(_SyntaxError):
-            self._scan()
+            self._value((), *self._next(()))
+            token, at = self._next(())
+            if token:
+                self._fail((), "there is more text after the end of the scene", at)
 
     def position(self, offset: int) -> tuple[int, int]:
         """Line and column, both from 1, of an offset."""
         line = bisect_right(self.lines, offset)
         return line, offset - self.lines[line - 1] + 1
 
-    def _note(self, message: str, offset: int, code: str = "invalid-json") -> None:
-        self.faults.append(Problem(code, message, shown_path(self.path), *self.position(offset)))
+    def _note(self, path: JsonPath, message: str, at: int, code: str = "invalid-json") -> None:
+        self.faults.append(Problem(code, message, path_text(path), *self.position(at)))
 
-    def _fail(self, message: str, offset: int, code: str = "invalid-json") -> NoReturn:
-        self._note(message, offset, code)
+    def _fail(self, path: JsonPath, message: str, at: int, code: str = "invalid-json") -> NoReturn:
+        self._note(path, message, at, code)
         raise _SyntaxError
 
-    def _scan(self) -> None:
-        around: list[_Container] = []
-        holder, before, name, key, comma = _Container((), "", 0, count(), {}), "", "", -1, -1
-        for match in _TOKEN.finditer(self.text):
+    def _next(self, path: JsonPath, inside: int = -1) -> tuple[str, int]:
+        """The next token and its offset; ``inside`` is that of the bracket around it."""
+        if match := next(self._tokens, None):
             token, at = match.group(), match.start()
             if token[0] != '"' and (comment := re.search(r"//|/\*", token)):
-                self._fail('JSON has no comments; use "about"', at + comment.start())
-            if token == holder.closing and before in ("opening", "value", "comma"):
-                if before == "comma":
-                    self._fail(f"a comma before '{token}' is one too many", comma)
-                holder, before = around.pop(), "value"
-                self.path = holder.path
-            elif before == "value":
-                if not holder.closing:
-                    self._fail("there is more text after the end of the scene", at)
-                if token != ",":
-                    self._fail(f"expected a comma or '{holder.closing}' here; is a comma missing?",
-                               at)
-                before, comma = "comma", at
-            elif before == "key":
-                if token != ":":
-                    self._fail(f"expected ':' after the key {json.dumps(name[:60])}", at)
-                before = "colon"
-            elif holder.closing == "}" and before != "colon":
-                if token[0] != '"':
-                    self._fail('expected a key in double quotes, such as "name"', at)
-                name, key, before = self._string(token, at), at, "key"
-                if holder.keys.setdefault(name, at) != at:
-                    line, column = self.position(holder.keys[name])
-                    self.path = (*holder.path, name)
-                    self._note(f"the key {json.dumps(name[:60])} is repeated, first at line "
-                               f"{line}, column {column}", at)
-                    self.path = holder.path
-            else:
-                if holder.closing:
-                    self.path = (*holder.path, name if before == "colon" else next(holder.numbers))
-                before = "value" if token not in ("[", "{") else "opening"
-                self._value(token, at, key if holder.closing == "}" else -1, len(around))
-                if before == "opening":
-                    around.append(holder)
-                    holder = _Container(
-                        self.path, "}" if token == "{" else "]", at, count(), {})
-                self.path = holder.path
-        if around:
-            line, column = self.position(holder.start)
-            kind = "object" if holder.closing == "}" else "list"
-            self._fail(f"the file ends inside the {kind} that begins at line {line}, column "
+                self._fail(path, 'JSON has no comments; use "about"', at + comment.start())
+            return token, at
+        if inside >= 0:
+            line, column = self.position(inside)
+            kind = "object" if self.text[inside] == "{" else "list"
+            self._fail(path, f"the file ends inside the {kind} that begins at line {line}, column "
                        f"{column}", len(self.text))
+        return "", len(self.text)
 
-    def _value(self, token: str, at: int, key: int, depth: int) -> None:
-        self.places[self.path] = Place(at, key)
+    def _value(self, path: JsonPath, token: str, at: int, key: int = -1) -> None:
+        self.places[path] = at, key
         if len(self.places) > self.limits.values:
-            self._fail(f"more values than the limit 'values' of {self.limits.values}", at,
+            self._fail(path, f"more values than the limit 'values' of {self.limits.values}", at,
                        "limit-exceeded")
         if token in ("[", "{"):
-            if depth >= self.limits.nesting:
-                self._fail(f"nested deeper than the limit 'nesting' of {self.limits.nesting}", at,
-                           "limit-exceeded")
-        elif token[0] == '"':
-            self._string(token, at)
+            if len(path) >= self.limits.nesting:
+                self._fail(path, f"nested deeper than the limit 'nesting' of {self.limits.nesting}",
+                           at, "limit-exceeded")
+            self._entries(path, "}" if token == "{" else "]", at)
+        elif token[:1] == '"':
+            self._string(path, token, at)
         elif word := _WORD.match(token):
             text = word.group()
             if text.lstrip("+-").lower() in ("nan", "inf", "infinity"):
-                self._note(f"{text} is not a number that a scene can use", at)
+                self._note(path, f"{text} is not a number that a scene can use", at)
             elif text not in _WORDS:
                 hint = f"; write {text.lower()}" if text.lower() in _WORDS else ""
-                self._fail(f"{text[:40]} is not a value: put text in double quotes{hint}", at)
+                self._fail(path, f"{text[:40]} is not a value: put text in double quotes{hint}", at)
         elif not _NUMBER.fullmatch(token):
-            self._fail(_not_a_value(token[0]), at)
+            self._fail(path, next(
+                (what for begin, what in _NO_VALUE.items() if token[0] in begin),
+                'expected a value: a number, "text", {…}, […], true, false or null'), at)
         elif math.isinf(float(token)):
-            self._note("this number is too large", at)
+            self._note(path, "this number is too large", at)
 
-    def _string(self, token: str, at: int) -> str:
+    def _entries(self, path: JsonPath, closing: str, start: int) -> None:
+        """All entries of the object or list that begins at ``start``."""
+        keys: dict[str, int] = {}
+        token, at = self._next(path, start)
+        if token == closing:
+            return
+        for number in count():
+            step: str | int = number
+            key = -1
+            if closing == "}":
+                if token[0] != '"':
+                    self._fail(path, 'expected a key in double quotes, such as "name"', at)
+                name = self._string(path, token, at)
+                step, key = name, at
+                if keys.setdefault(name, key) != key:
+                    line, column = self.position(keys[name])
+                    self._note((*path, name), f"the key {json.dumps(name[:60])} is repeated, first "
+                               f"at line {line}, column {column}", at)
+                token, at = self._next(path, start)
+                if token != ":":
+                    self._fail(path, f"expected ':' after the key {json.dumps(name[:60])}", at)
+                token, at = self._next(path, start)
+            self._value((*path, step), token, at, key)
+            token, comma = self._next(path, start)
+            if token == closing:
+                return
+            if token != ",":
+                self._fail(path, f"expected a comma or '{closing}' here; is a comma missing?",
+                           comma)
+            token, at = self._next(path, start)
+            if token == closing:
+                self._fail(path, f"a comma before '{token}' is one too many", comma)
+
+    def _string(self, path: JsonPath, token: str, at: int) -> str:
         try:
-            value: str = json.loads(token)
+            value = str(json.loads(token))
         except ValueError:
             if len(token) > 1:
-                self._fail("this text has an unknown escape after a backslash", at)
+                self._fail(path, "this text has an unknown escape after a backslash", at)
             ended = not {"\n", '"'} & {*self.text[at + 1:]}
-            self._fail("the file ends inside the text that begins here" if ended else
+            self._fail(path, "the file ends inside the text that begins here" if ended else
                        'the text that begins here has no closing " on its line', at)
-        if half := half_character(value):
-            self._note(half, at)
+        if any("\ud800" <= each <= "\udfff" for each in value):
+            self._note(path, "the text has half a character (a surrogate) in it", at)
         return value
-
-
-def _not_a_value(char: str) -> str:
-    """The fault of a character that begins no value."""
-    if char == "'":
-        return 'put text in double quotes ("…"), not in single quotes'
-    if char == "=":
-        return 'put an expression in double quotes: "=pull / 2"'
-    if char and char in "+.0123456789-":
-        return "this is not a JSON number (write 0.5, -2, 1e-3)"
-    if char in (",", "}", "]", ":"):
-        return f"a value is missing before '{char}'"
-    return "expected a value: a number, \"text\", {…}, […], true, false or null"
