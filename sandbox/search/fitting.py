@@ -27,7 +27,8 @@ from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
 from sandbox.scene.settings import Looked
 from sandbox.search.session import FOUND, RefusedError, Result, Session, results
-from sandbox.sweeps.spec import Distribution, FitSearch
+from sandbox.sweeps.options import FitSearch
+from sandbox.sweeps.spec import Distribution
 from sandbox.values.units import factor_of
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 

@@ -21,7 +21,8 @@ from sandbox.figure.style import shown_as
 from sandbox.figure.sweeps import InfluenceBars, draw_influences
 from sandbox.numeric import Array
 from sandbox.search.session import FOUND, RefusedError, Result, Session, main_failure, results
-from sandbox.sweeps.spec import MAX_SEED, TAILS, Distribution, SensitivitySearch
+from sandbox.sweeps.options import MAX_SEED, SensitivitySearch
+from sandbox.sweeps.spec import TAILS, Distribution
 
 MEASURES: dict[str, dict[str, tuple[str, str]]] = {
     "sobol": {"first": ("S1", "S1_conf"), "total": ("ST", "ST_conf")},

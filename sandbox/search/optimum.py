@@ -21,7 +21,8 @@ from sandbox.figure.sweeps import SweepColumn, draw_front
 from sandbox.numeric import Array
 from sandbox.search.session import FOUND, RefusedError, Result, Session, main_failure, results
 from sandbox.sweeps.job import DONE, SweepRow
-from sandbox.sweeps.spec import BestSearch, Distribution, Values, number_of
+from sandbox.sweeps.options import BestSearch
+from sandbox.sweeps.spec import Distribution, Values, number_of
 from sandbox.wording import quoted
 
 PACKAGES = {"cmaes": "cmaes", "gp": "torch"}  # what a sampler needs besides optuna
@@ -176,9 +177,8 @@ class _Trials:
         """Costs [n, goals], and relative distances beyond the conditions [n]."""
         costs, excess = results(rows, self.goals), np.zeros(len(rows))
         if self.wanted:
-            excess = np.max([
-                each.excess(results(rows, [each.name])[:, 0]) / (abs(each.limit) or 1.0)
-                for each in self.wanted], axis=0)
+            excess = np.max([each.excess(rows) / (abs(each.limit) or 1.0)
+                             for each in self.wanted], axis=0)
         bad = np.array([row.status != DONE for row in rows]) | np.isnan(costs).any(axis=1) | \
             np.isnan(excess)
         costs[bad], excess[bad] = np.nan, np.inf

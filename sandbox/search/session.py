@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
@@ -11,7 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from textwrap import shorten
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -35,7 +34,6 @@ from sandbox.wording import WrongValueError, listed, or_near, quoted
 RESULT, FIGURE, FOUND = "search.json", "search.png", "found.png"
 SEEDED = ("best", "sensitivity")  # searches whose seed may be that of the study
 Quantiles = Array | Sequence[Sequence[float]]
-Number = TypeVar("Number", float, Array)
 _RELATION = re.compile(r"\s*(.+?)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
 
@@ -79,9 +77,10 @@ class Condition:
     limit: float
     text: str
 
-    def excess(self, value: Number) -> Number:
-        """Distance beyond the limit [SI]; negative where the condition holds."""
-        return value - self.limit if self.below else self.limit - value
+    def excess(self, rows: Sequence[SweepRow]) -> Array:
+        """Distances beyond the limit [SI], [n]; negative where the condition holds."""
+        values = results(rows, [self.name])[:, 0]
+        return values - self.limit if self.below else self.limit - values
 
 
 class Session:
@@ -151,9 +150,8 @@ class Session:
 
     def numbers(self, quantiles: Quantiles) -> Array:
         """The same in SI, [n, paths]; nan for texts."""
-        found = [map(number_of, point.values()) for point in self.points(quantiles)]
-        return np.array([[value if isinstance(value, float) else np.nan for value in row]
-                         for row in found])
+        return np.array([[value if isinstance(value := number_of(written), float) else np.nan
+                          for written in point.values()] for point in self.points(quantiles)])
 
     def check_unit(self, value: float, unit: str, what: str, *path: str | int) -> None:
         """Refuse a number with a unit of another dimension than ``unit`` [SI]."""
@@ -198,9 +196,7 @@ class Session:
     @cached_property
     def _log(self) -> Log:
         self.workers = check_workers(self.workers)
-        folder = self.out or Path(self.stack.enter_context(
-            tempfile.TemporaryDirectory(prefix="sandbox-search-")))
-        return self.stack.enter_context(Log(folder))
+        return self.stack.enter_context(Log(self.out))
 
     @cached_property
     def _known(self) -> dict[str, SweepRow]:
@@ -238,13 +234,12 @@ class Session:
         points = list(self._visited.values())
         plan = replace(self.plan, job=self.job, points=Points([
             {path: [point[path] for point in points] for path in self.paths}]))
-        table = make_table(plan, self._log.rows())
+        table = make_table(plan, self._known.values())
         if wanted:
             table.met = held([self._known[id] for id in self._visited], wanted)
         table.write(self.out)
         if self.kind != "fit":  # it keeps whole curves, and has a figure of its own
-            draw_table(table, self.out / FIGURE, held=table.met, found=line,
-                       condition=" and ".join(each.text for each in wanted))
+            draw_table(table, self.out / FIGURE, " and ".join(each.text for each in wanted), line)
         given = {name: option for name, option in self.spec.model_dump().items()
                  if option not in (None, (), {}, "")}
         write_atomic(self.out / RESULT, json_text({
@@ -281,7 +276,7 @@ def held(rows: Sequence[SweepRow], wanted: Sequence[Condition]) -> Array:
     """1 where all conditions, or without any the scene's expectations, hold, 0 or nan, [n]."""
     if not wanted:
         return np.array([row.holds for row in rows], dtype=float)
-    worst = np.max([each.excess(results(rows, [each.name])[:, 0]) for each in wanted], axis=0)
+    worst = np.max([each.excess(rows) for each in wanted], axis=0)
     known = np.array([row.status == DONE for row in rows]) & np.isfinite(worst)
     return np.where(known, worst <= 0, np.nan)
 

@@ -11,7 +11,8 @@ import numpy as np
 from sandbox.errors import SandboxError
 from sandbox.figure.sweeps import FoundLine
 from sandbox.search.session import RefusedError, Result, Session, held
-from sandbox.sweeps.spec import Range, ThresholdSearch
+from sandbox.sweeps.options import ThresholdSearch
+from sandbox.sweeps.spec import Range
 
 WITHIN = 1e-3  # default width of the bracket, as a fraction of the range
 NARROWEST = 1e-9  # of the range: narrower brackets are rounding

@@ -16,7 +16,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, Literal
+
+from pydantic import TypeAdapter, ValidationError
 
 from sandbox import __version__, errors
 from sandbox.atomic_files import locked, output_errors
@@ -26,11 +28,12 @@ from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.settings import Looked
 
-DONE, DIED = "done", "died"  # status of a finished run, and of one whose worker processes died
-ENDED: dict[type[errors.SandboxError], str] = {  # status of a run by the error that ended it
+Status = Literal["", "done", "refused", "diverged", "limited", "failed", "died"]
+"""How a run ended; empty for one that was not done yet, ``died`` if its worker processes died."""
+DONE: Status = "done"
+ENDED: dict[type[errors.SandboxError], Status] = {  # status of a run by the error that ended it
     errors.SceneError: "refused", errors.SimulationDiverged: "diverged",
     errors.RecordingFull: "limited", errors.ControllerFailed: "failed"}
-STATUSES = (DONE, *ENDED.values(), DIED)
 STEP = "run.step"  # path of the time step, which searches halve to check their result
 ROWS = Path("rows", "00000.jsonl")  # the rows in the directory of a sweep
 Override = str | float | int | bool | list[Any] | dict[str, Any] | None
@@ -142,7 +145,7 @@ class SweepRow:
     """The outcome of one run."""
 
     id: str  # see :func:`run_id`
-    status: str  # one of :data:`STATUSES`
+    status: Status
     reason: str = ""  # why the run ended early, or which results have no value; empty otherwise
     kept: Mapping[str, float | None] = field(default_factory=dict)  # None: no value
     holds: bool | None = None  # whether all expectations hold; None where it has none
@@ -160,11 +163,14 @@ class SweepRow:
 
 
 class Log:
-    """The rows of a directory, as a context in which no other process adds to them."""
+    """The rows of a directory, or a temporary one, as a context in which only it adds to them."""
 
-    def __init__(self, directory: Path) -> None:
-        self.path = directory / ROWS
+    _line = TypeAdapter(SweepRow)
+
+    def __init__(self, directory: Path | None) -> None:
         self._stack = contextlib.ExitStack()
+        self.path = (directory or Path(self._stack.enter_context(
+            tempfile.TemporaryDirectory(prefix="sandbox-rows-")))) / ROWS
         self._file: IO[bytes] | None = None
 
     def __enter__(self) -> Log:
@@ -203,15 +209,8 @@ class Log:
                 if not line.endswith(b"\n"):
                     break  # being written, or cut off
                 try:
-                    data = json.loads(line)
-                    looks = data["looks"]
-                    row = SweepRow(**data | {
-                        "failed": tuple(data["failed"]),
-                        "looks": None if looks is None else tuple(looks)})
-                    if row.status not in STATUSES:
-                        raise ValueError(row.status)
-                except (KeyError, TypeError, ValueError, AttributeError):
+                    yield self._line.validate_json(line)
+                except ValidationError:
                     raise errors.OutputError(
-                        f"{self.path}:{number}: this line is no row of a sweep; take it away, and "
-                        "its run is done again", code="run-damaged") from None
-                yield row
+                        f"{self.path}:{number}: this line is no row of a sweep; remove it, and its "
+                        "run is repeated", code="run-damaged") from None

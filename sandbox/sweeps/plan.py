@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from sandbox.errors import Problem, SceneError
@@ -17,14 +18,15 @@ from sandbox.samples.samples import TIME
 from sandbox.scene.library import find_scene
 from sandbox.scene.read.limits import Limits, over
 from sandbox.scene.read.load import Loaded, read_scene
+from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.source import SceneSource, read_source
-from sandbox.scene.settings import Expect, Looked
+from sandbox.scene.settings import Looked
 from sandbox.sweeps.job import Point, SweepJob, make_bundle, run_id
-from sandbox.sweeps.spec import UNCOUNTED, Points, SweepSpec, number_of, si_unit
+from sandbox.sweeps.spec import UNCOUNTED, Points, SweepSpec, number_of
 from sandbox.values.expressions import parse_expression
 from sandbox.values.messages import explain
-from sandbox.values.paths import parse_path
-from sandbox.values.units import unit_in
+from sandbox.values.paths import holds, parse_path
+from sandbox.values.units import dimension_of, si_unit, unit_in
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
 Study = str | os.PathLike[str] | Mapping[str, Any]
@@ -61,23 +63,19 @@ class Plan:
     def units(self) -> dict[str, str]:
         """SI units of paths and results; empty for none."""
         found = {}
+        data = self.loaded.origins.source.data
         for path, values in self.points.axes.items():
-            unit, written = unit_in(values[0]), self.loaded.origins.source.data
-            for step in () if unit else parse_path(path):  # by default that in the scene file
-                if isinstance(written, dict):
-                    written = written.get(str(step))
-                elif isinstance(written, list):
-                    written = written[step] if isinstance(step, int) and step < len(written) else \
-                        next((each for each in written
-                              if isinstance(each, dict) and each.get("name") == step), None)
-            found[path] = si_unit(unit or unit_in(written))
+            unit = unit_in(values[0])
+            for place in () if unit else apply_overrides(data, {path: values[0]})[1]:
+                unit = unit_in(reduce(lambda at, step: at[step] if holds(at, step) else None,
+                                      place, data))  # by default that in the scene file
+            found[path] = si_unit(dimension_of(unit)) if unit else ""
         catalogue = Catalogue(self.loaded.mechanism)
         for name, keep in self.job.keep.items():
             quantity = keep.quantity if isinstance(keep, Looked) else ""
-            unit = catalogue.find(quantity).unit if quantity in catalogue else \
+            found[name] = catalogue.find(quantity).unit if quantity in catalogue else \
                 "s" if quantity == TIME else ""
-            found[name] = "" if unit == "1" else unit
-        return found
+        return {name: "" if unit == "1" else unit for name, unit in found.items()}
 
 
 def read_study(study: Study, limits: Limits | None) -> SceneSource:
@@ -108,11 +106,12 @@ class Checks:
             spec = SweepSpec.model_validate(self.data, context={
                 "parameters": base.scene.parameters, "search": self.search})
         except ValidationError as error:
-            if "search" in self.data and all(each["type"] == UNCOUNTED for each in error.errors()):
-                self._refuse(Problem("bad-study",
-                                     "the study is a search, whose ranges have no points of "
-                                     "their own: 'sandbox search' runs it", "$.search", key=True))
-            self._refuse(*explain(error, self.data, SweepSpec))
+            found = explain(error, self.data, SweepSpec)
+            if "search" in self.data and all(each.code == UNCOUNTED and each.path.startswith(
+                    "$.vary") for each in found):
+                found = [Problem("bad-study", "the study is a search, whose ranges have no points "
+                                 "of their own: 'sandbox search' runs it", "$.search", key=True)]
+            self._refuse(*found)
             raise
         points = spec.ends() if self.search else spec.points()
         self._refuse(*over(self.limits, "runs", len(points), "$.vary",
@@ -159,12 +158,9 @@ class Checks:
         runs, durations, problems = {0}, set[float](), dict[str, Problem]()
         for path, written in points.axes.items():
             numbers = [number_of(value) for value in written]
-            if all(isinstance(number, float) for number in numbers):
-                order = sorted(range(len(numbers)), key=numbers.__getitem__)
-                wanted = [order[0], order[-1]]
-            else:  # of texts, the first of each
-                first = {str(value): place for place, value in reversed([*enumerate(written)])}
-                wanted = [*first.values()][:MAX_TRIED_TEXTS]
+            numeric = all(isinstance(number, float) for number in numbers)
+            places = np.unique(numbers if numeric else [*map(str, written)], return_index=True)[1]
+            wanted = places[[0, -1]] if numeric else places[:MAX_TRIED_TEXTS]
             runs.update(int((points.places[path] == place).argmax()) for place in wanted)
         for run in sorted(runs):
             values = points[run]
@@ -195,7 +191,7 @@ class Checks:
         expected: dict[str, Looked | str] = {
             f"{each.statistic} {each.quantity}": Looked.model_validate(each.model_dump(
                 include={*Looked.model_fields}, exclude_defaults=True))
-            for each in base.mechanism.expect if isinstance(each, Expect)}
+            for each in base.mechanism.expect}
         found: dict[str, Looked | str] = {}
         for name, each in (spec.keep or expected).items():
             path = f'$.keep["{name}"]'

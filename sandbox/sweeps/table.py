@@ -22,13 +22,13 @@ from sandbox.figure import style
 from sandbox.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 from sandbox.numeric import Array, Flags
 from sandbox.sweeps import CSV, PARQUET, SPEC
-from sandbox.sweeps.job import DONE, SweepRow
+from sandbox.sweeps.job import DONE, Status, SweepRow
 from sandbox.sweeps.plan import Plan
 from sandbox.sweeps.spec import Distribution, Range, Values, number_of
 from sandbox.wording import counted, listed, or_near
 
 MET = "met"  # column of a search: whether its condition holds
-MISSING = ""  # status of a run that was not done yet
+MISSING: Status = ""  # status of a run that was not done yet
 
 
 @dataclass
@@ -186,13 +186,12 @@ def write_spec(plan: Plan, directory: Path, **progress: Any) -> None:
 
 
 def draw_table(
-    table: SweepTable, path: Path, *, held: Array | None = None, condition: str = "",
-    found: FoundLine | None = None,
+    table: SweepTable, path: Path, condition: str = "", found: FoundLine | None = None,
 ) -> None:
     """Draw results over varied paths, without runs that were not done yet.
 
-    On a grid of two paths, a map shows where the expectations of the scene hold; ``held`` [n] and
-    ``condition`` replace them. ``found`` is the result of a search.
+    On a grid of two paths, a map shows where the expectations of the scene hold. A search has a
+    ``condition`` instead, and may have ``found`` a value.
     """
     plan, over = table.plan, table.plan.spec.over
     grid = plan.points.is_grid and not any(
@@ -215,7 +214,7 @@ def draw_table(
         [_varied_column(table, name, over[name], here) for name in table.varied], kept,
         failed=~table.done[here], doubtful=table.doubtful[here], grid=grid,
         title=plan.spec.title or f"{plan.name}: {len(table)} runs",
-        held=(table.holds if held is None else held)[here],
+        held=(table.holds if table.met is None else table.met)[here],
         condition=condition or "the scene's expectations", meanings=meanings, found=found))
 
 

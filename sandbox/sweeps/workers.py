@@ -19,7 +19,7 @@ from typing import Any
 from sandbox import __version__
 from sandbox.engine.compiling import on_compiling, report_began, report_compiled
 from sandbox.errors import SandboxError
-from sandbox.sweeps.job import DIED, Point, SweepJob, SweepRow, Task
+from sandbox.sweeps.job import Point, SweepJob, SweepRow, Task
 from sandbox.sweeps.processes import preload
 from sandbox.wording import quoted
 
@@ -75,7 +75,7 @@ class Processes:
                     again = self._submit(task)
                     wait([again])
                     if _broken(again):
-                        yield SweepRow(task[0], DIED, reason=f"{ATTEMPTS} worker processes ended "
+                        yield SweepRow(task[0], "died", reason=f"{ATTEMPTS} worker processes ended "
                                                              "in this run")
                         self._start(1)
                     else:
@@ -198,7 +198,7 @@ class Cluster(Processes):
             raise self._unusable("lost runs; finished runs are saved, and the same command "
                                  "resumes") from None
         except Exception as error:  # whatever ended its workers
-            return SweepRow(task[0], DIED, reason="workers of the cluster ended in this run: "
+            return SweepRow(task[0], "died", reason="workers of the cluster ended in this run: "
                                                   f"{error or type(error).__name__}")
 
 
