@@ -14,11 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.elements.quantities import row_of
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
-from sandbox.model.catalogue import Catalogue
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.scene.mechanism import Mechanism
@@ -41,10 +39,6 @@ Scene = str | os.PathLike[str] | Mapping[str, Any]
 ROUNDING = 1e-6  # tolerance of a whole number of steps, relative to a step
 DRAWN = 64  # samples that are checked when the environment is made
 INSTANTS = 1001  # instants at which the range of a signal is determined
-NOT_NEGATIVE = {("tendon", "tension"), ("tendon", "length"), ("body", "contact.normal"),
-                ("group", "contact.normal"), ("group", "contact.count"), ("pair", "normal"),
-                ("joint", "reaction"), ("joint", "length"), ("line", "volume")}
-FRACTIONS = ("hold", "opening")  # quantities of drives from 0 to 1
 
 
 @dataclass(frozen=True)
@@ -104,9 +98,9 @@ def read_task(
     base = read_scene(scene, overrides=set, limits=limits)
     random = _random(scene, randomise, set or {}, limits) if randomise else None
     reader = _Reader(base)
-    acted = reader.acted(act)
-    task = Task(scene, dict(set or {}), limits, base.mechanism, reader.observed(observe, acted),
-                acted, reader.reward(reward), reader.every(every), reader.lost(lost), random)
+    task = Task(scene, dict(set or {}), limits, base.mechanism, reader.observed(observe),
+                reader.acted(act), reader.reward(reward), reader.every(every), reader.lost(lost),
+                random)
     if reader.problems:
         raise SceneError(reader.problems, base.name)
     return task
@@ -153,7 +147,7 @@ class _Reader:
                     actions[drive] = span or (0.0, 1.0)
         return actions
 
-    def observed(self, wanted: Wanted, acted: Mapping[str, Span]) -> dict[str, Span]:
+    def observed(self, wanted: Wanted) -> dict[str, Span]:
         found: dict[str, Span] = {}
         for path, text, given in self._each(wanted, "observe"):
             with self._at(path):
@@ -167,10 +161,19 @@ class _Reader:
                         "bad-argument", "no quantity that can be read during a run fits "
                         f"{quoted(text)}", hint=hint and quoted(hint))
                 for name in names:
-                    found[name] = quantity_range(self.model, self.known, name, acted) \
-                        if given is None else _span(
-                            given, self.known.find(name).unit if name in self.known else "")
+                    unit = self.known.find(name).unit if name in self.known else ""
+                    most = range_of(UNITS[unit][1] if unit in UNITS else None).most
+                    found[name] = _span(given, unit) if given is not None else \
+                        self._stops(name) or (-most, most)
         return found
+
+    def _stops(self, name: str) -> Span | None:
+        """The range of the angle of a joint or a spring."""
+        source = self.known.find(name) if name in self.known else None
+        if source is None or source.quantity != "angle" or source.kind not in ("joint", "spring"):
+            return None
+        joint = source.index if source.kind == "joint" else self.model.springs.joint[source.index]
+        return _finite(*self.model.joints.stops[joint].tolist())
 
     def reward(self, wanted: object) -> str | Reward:
         if callable(wanted):
@@ -249,7 +252,7 @@ def drive_range(model: Model, drive: str) -> Span | None:
     """The range of a drive by its stops, stroke, no-load speed or signal; None if there is none."""
     index = model.names.drive[drive]
     spec, kind = model.mechanism.drives[index], model.drives.kind[index]
-    if kind.gives in FRACTIONS:
+    if kind.gives in ("hold", "opening"):  # fractions
         return 0.0, 1.0
     if kind.places:
         joint = int(model.drives.target[index])
@@ -265,27 +268,6 @@ def drive_range(model: Model, drive: str) -> Span | None:
         return None
     low, high = min(0.0, float(found.min())), max(0.0, float(found.max()))
     return _finite(max(low, kind.floor), high)
-
-
-def quantity_range(model: Model, known: Catalogue, name: str, acted: Mapping[str, Span]) -> Span:
-    """The range of a quantity in the scene, or else that of all numbers with its unit."""
-    span, unit, low, joints = None, "", -math.inf, model.joints
-    if name in known:
-        source = known.find(name)
-        kind, quantity, index, unit = source.kind, source.quantity, source.index, source.unit
-        low = 0.0 if (kind, quantity) in NOT_NEGATIVE else low
-        if row_of(kind, quantity).yes_no:
-            span = 0.0, 1.0
-        elif (kind, quantity) == ("drive", "value"):
-            drive = model.drives.name[index]
-            span = acted.get(drive) or drive_range(model, drive)
-        elif quantity == "angle" and kind in ("joint", "spring"):
-            joint = index if kind == "joint" else int(model.springs.joint[index])
-            span = _finite(*joints.stops[joint].tolist())
-        elif (kind, quantity) == ("joint", "length"):
-            span = _finite(*joints.reach[index].tolist())
-    most = range_of(UNITS[unit][1] if unit in UNITS else None).most
-    return span or (max(low, -most), most)
 
 
 def _finite(low: float, high: float) -> Span | None:

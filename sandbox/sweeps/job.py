@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import os
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -21,7 +20,7 @@ from typing import IO, Any, Literal
 from pydantic import TypeAdapter, ValidationError
 
 from sandbox import __version__, errors
-from sandbox.atomic_files import locked, output_errors
+from sandbox.atomic_files import flush, locked, output_errors
 from sandbox.scene.document import element_files, load_elements
 from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
@@ -49,19 +48,8 @@ class Bundle:
     name: str  # name of the scene
     main: str = ""  # name of its file; empty for a scene given as data
     data: dict[str, Any] | None = None
-    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)  # by name
-    elements: Mapping[str, bytes] = field(default_factory=element_files, repr=False)
-    """Files that register elements, by path."""
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the contents, hexadecimal."""
-        total = hashlib.sha256(json.dumps(self.data, sort_keys=True).encode())
-        total.update(f"{self.name}\0{self.main}".encode())
-        for files in (self.files, self.elements):
-            for name in sorted(files):
-                total.update(f"{name}\0{len(files[name])}\0".encode() + files[name])
-        return total.hexdigest()
+    files: Mapping[str, bytes] = field(default_factory=dict)  # by name
+    elements: Mapping[str, bytes] = field(default_factory=element_files)  # own ones, by path
 
     def register(self) -> None:
         """Register the elements of files in this process."""
@@ -91,10 +79,8 @@ def make_bundle(
     if isinstance(scene, Mapping):
         data = json.loads(json.dumps(dict(scene)))
         return Bundle(loaded.mechanism.name, data=data), loaded
-    folder, later = scene.parent, set(_texts(list(also)))
-    paths = [scene, *loaded.files]
-    for text in sorted(filter(str.isidentifier, later)):
-        path = folder / f"{text}.json"
+    folder, later, paths = scene.parent, set(_texts(list(also))), [scene, *loaded.files]
+    for path in [folder / f"{text}.json" for text in sorted(filter(str.isidentifier, later))]:
         if path.is_file():
             paths += [path, *read_scene(path, limits=limits).files]
     found = {str(path.relative_to(folder) if path.is_relative_to(folder) else path.name):
@@ -127,9 +113,15 @@ class SweepJob:
     @property
     def digest(self) -> str:
         """SHA-256 of all that a row depends on besides the values of its paths, hexadecimal."""
-        keep = {name: each if isinstance(each, str) else each.model_dump(mode="json")
-                for name, each in self.keep.items()}
-        text = json.dumps([self.bundle.digest, dict(self.set), keep, self.audited, __version__],
+        bundle, keep = self.bundle, {
+            name: each if isinstance(each, str) else each.model_dump(mode="json")
+            for name, each in self.keep.items()}
+        total = hashlib.sha256(json.dumps(bundle.data, sort_keys=True).encode())
+        total.update(f"{bundle.name}\0{bundle.main}".encode())
+        for files in (bundle.files, bundle.elements):
+            for name in sorted(files):
+                total.update(f"{name}\0{len(files[name])}\0".encode() + files[name])
+        text = json.dumps([total.hexdigest(), dict(self.set), keep, self.audited, __version__],
                           sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
@@ -157,10 +149,6 @@ class SweepRow:
         """Why it has no answer."""
         return self.reason if self.status == DONE else f"{self.status}: {self.reason}"
 
-    def to_json(self) -> bytes:
-        """A line of JSON."""
-        return json.dumps(asdict(self), allow_nan=False).encode() + b"\n"
-
 
 class Log:
     """The rows of a directory, or a temporary one, as a context in which only it adds to them."""
@@ -177,28 +165,24 @@ class Log:
         folder = self.path.parent
         with output_errors(folder):
             folder.mkdir(parents=True, exist_ok=True)
-            mark = folder / ".lock"
-            mark.touch()
-            if self._stack.enter_context(locked(mark)) is False:
+            (folder / ".lock").touch()
+            if self._stack.enter_context(locked(folder / ".lock")) is False:
                 raise errors.OutputError(f"{folder.parent}: another process writes to this "
                                          "directory", code="runs-in-use")
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._file is not None:
-            with contextlib.suppress(OSError):
-                os.fsync(self._file.fileno())
-            self._file.close()
         self._stack.close()
 
     def add(self, row: SweepRow) -> None:
         """Append a finished run."""
         with output_errors(self.path):
             if self._file is None:
-                self._file = self.path.open("ab", buffering=0)
+                self._file = self._stack.enter_context(self.path.open("ab", buffering=0))
                 # remove a line that was cut off
                 self._file.truncate(self.path.read_bytes().rfind(b"\n") + 1)
-            self._file.write(row.to_json())
+                self._stack.callback(flush, self.path)
+            self._file.write(json.dumps(asdict(row), allow_nan=False).encode() + b"\n")
 
     def rows(self) -> Iterator[SweepRow]:
         """The rows so far, in the order in which they were finished."""

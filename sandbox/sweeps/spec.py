@@ -6,20 +6,21 @@ them (inverse transform sampling; Devroye, Non-Uniform Random Variate Generation
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property, partial
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
 
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 from sandbox.scene.settings import STATISTICS, Looked
-from sandbox.sweeps.job import Override
+from sandbox.sweeps.job import Override, Point
 from sandbox.sweeps.options import SearchSpec
 from sandbox.values.expressions import parse_expression
 from sandbox.values.numbers import Number, Quantity, number_from, parameters_of
@@ -260,29 +261,12 @@ def _parse_value(text: str) -> Any:
         return text.strip()
 
 
-class Points:
+def points_of(dimensions: Iterable[Mapping[str, Sequence[Override]]]) -> list[Point]:
     """The product of dimensions, each of paths that vary together; the last changes fastest."""
-
-    def __init__(self, dimensions: Sequence[Mapping[str, Sequence[Override]]]) -> None:
-        self._dimensions = dimensions
-        self._shape = [len(next(iter(each.values()))) for each in dimensions]
-        self.axes = {path: values for each in dimensions for path, values in each.items()}
-        self.is_grid = len(self.axes) == len(dimensions)
-        """Whether every value of each path is combined with every value of the others."""
-
-    def __len__(self) -> int:
-        return math.prod(self._shape)
-
-    @cached_property
-    def places(self) -> dict[str, Integers]:
-        """The index of a path's value in each run, [n], by path."""
-        found = np.unravel_index(np.arange(len(self)), self._shape)
-        return {path: place for each, place in zip(self._dimensions, found, strict=True)
-                for path in each}
-
-    def __getitem__(self, run: int) -> dict[str, Override]:
-        """The values of all paths in a run, from 0."""
-        return {path: values[self.places[path][run]] for path, values in self.axes.items()}
+    rows = [[dict(zip(each, values, strict=True)) for values in zip(*each.values(), strict=True)]
+            for each in dimensions]
+    return [{path: value for part in parts for path, value in part.items()}
+            for parts in itertools.product(*rows)]
 
 
 def values_at(values: Values, quantiles: Array, *, digits: int = 17) -> list[Override]:
@@ -317,9 +301,9 @@ NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
 
 def parse_statistic(text: str) -> dict[str, Any]:
     """The object of ``"mean disc.x over last 0.2 s"`` or ``"disc.x at 0.5 s"``."""
-    quantity, at, instant = text.strip().partition(" at ")
+    quantity, at, instant = map(str.strip, text.partition(" at "))
     if at:
-        return {"quantity": quantity.strip(), "at": instant.strip()}
+        return {"quantity": quantity, "at": instant}
     what, *windows = text.strip().split(" over ")
     _refuse_if(len(windows) > 1, f"{quoted(text)} has more than one 'over'")
     statistic, _, quantity = what.partition(" ")
@@ -329,8 +313,7 @@ def parse_statistic(text: str) -> dict[str, Any]:
         raise WrongValueError("bad-study", f"there is no statistic {quoted(statistic)}",
                               allowed=", ".join(STATISTICS), hint=near(statistic, STATISTICS))
     found: dict[str, Any] = {statistic: quantity.strip()}
-    if windows:
-        window = windows[0].strip()
+    for window in map(str.strip, windows):
         ends = window.split(":")
         _refuse_if(len(ends) != 2 and not window.startswith("last "),
                    f"{quoted(window)} is no window of time", allowed='"last 0.2 s", "0.5 s : 1 s"')
@@ -410,7 +393,7 @@ class Varying(Spec):
         return self
 
     def dimensions(self, seed: int) -> list[dict[str, list[Override]]]:
-        """The dimensions of :class:`Points`."""
+        """The dimensions of its points."""
         design = self.chosen_design
         if design in EXPLICIT:
             axes = {path: [*values] if isinstance(values, tuple) else
@@ -479,16 +462,16 @@ class SweepSpec(Spec):
         """The values of all varied paths."""
         return {path: values for group in self.vary for path, values in group.over.items()}
 
-    def ends(self) -> Points:
-        """Two points, at both ends of all ranges and lists, and in the tails of distributions."""
-        return Points([{path: values_at(values, TAILS if isinstance(values, Distribution)
-                                        else np.array([0.0, 1.0]))
-                        for path, values in self.over.items()}])
+    def ends(self) -> list[dict[str, list[Override]]]:
+        """One dimension: both ends of all ranges and lists, and the tails of distributions."""
+        return [{path: values_at(values, TAILS if isinstance(values, Distribution)
+                                 else np.array([0.0, 1.0]))
+                 for path, values in self.over.items()}]
 
-    def points(self) -> Points:
-        """The points of all groups, which are nested."""
-        return Points([axes for place, group in enumerate(self.vary)
-                       for axes in group.dimensions(self.seed + place)])
+    def dimensions(self) -> list[dict[str, list[Override]]]:
+        """The dimensions of all groups, which are nested."""
+        return [axes for place, group in enumerate(self.vary)
+                for axes in group.dimensions(self.seed + place)]
 
 
 def study_schema() -> dict[str, Any]:

@@ -59,16 +59,16 @@ def run_plan(
             log.path.unlink(missing_ok=True)
         done = {row.id for row in log.rows() if recordings is None or row.status != DONE
                 or (recordings / row.id).is_dir()}
-        runs = dict(zip(plan.ids, range(len(plan)), strict=True))
-        missing = [run for id, run in runs.items() if id not in done]
+        runs = dict(zip(plan.ids, plan.points, strict=True))
+        missing = {id: point for id, point in runs.items() if id not in done}
         if isinstance(workers, int):  # no more processes than runs
             workers = min(workers, len(missing))
         began, at = time.perf_counter(), Advance(len(runs), len(runs) - len(missing))
         ended = "interrupted"
         try:
             with ExitStack() as stack:
-                tasks = ((plan.ids[run], plan.points[run]) for run in missing)
-                for row in make_workers(job, workers, stack).results(tasks) if missing else ():
+                for row in make_workers(job, workers, stack).results(missing.items()) \
+                        if missing else ():
                     log.add(row)
                     at = replace(at, done=at.done + 1, seconds=time.perf_counter() - began,
                                  doubtful=at.doubtful + (row.status != DONE or bool(row.looks)))
@@ -123,9 +123,8 @@ def sweep(
         SandboxError: workers cannot start, or the cluster cannot be used.
     """
     directory = None if out is None else output_path(out, "a sweep")
-    study = scene if vary is None and not isinstance(scene, Mapping) else study_data(
-        scene, vary=vary, keep=keep, set=set, design=design, count=count, seed=seed, audit=audit,
-        recordings=recordings)
+    study = study_data(scene, vary=vary, keep=keep, set=set, design=design, count=count, seed=seed,
+                       audit=audit, recordings=recordings)
     return run_plan(plan_of(study, limits), directory, workers=workers, again=again,
                     progress=progress)
 
@@ -133,8 +132,10 @@ def sweep(
 def study_data(
     scene: Study, *, vary: Any, keep: Any = None,
     set: Any = None, design: str | None = None, count: int | None = None, **settings: Any,
-) -> dict[str, Any]:
-    """The data of a study file from the arguments of :func:`sweep`."""
+) -> Study:
+    """The study of the arguments of :func:`sweep`: its data, or a file where nothing is varied."""
+    if vary is None and not isinstance(scene, Mapping):
+        return scene
     groups = [{"over": dict(vary), "design": design, "count": count}] \
         if isinstance(vary, Mapping) else list(vary or ())
     named, problems = dict(keep) if isinstance(keep, Mapping) else {}, []
