@@ -35,8 +35,7 @@ ENDED: dict[type[errors.SandboxError], Status] = {  # status of a run by the err
     errors.RecordingFull: "limited", errors.ControllerFailed: "failed"}
 STEP = "run.step"  # path of the time step, which searches halve to check their result
 ROWS = Path("rows", "00000.jsonl")  # the rows in the directory of a sweep
-Override = str | float | int | bool | list[Any] | dict[str, Any] | None
-"""A value as ``--set`` takes it."""
+Override = str | float | int | bool | list[Any] | dict[str, Any] | None  # as ``--set`` takes it
 Point = Mapping[str, Override]  # the values of the varied paths in a run
 Task = tuple[str, Point]  # id of a run, and the values of its paths
 

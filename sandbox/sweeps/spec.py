@@ -65,20 +65,23 @@ DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], Callable[..., An
 ``scipy.stats`` from all of these."""
 
 
-def common_unit(values: list[float]) -> str:
-    """The unit in which numbers were written: the first one's, empty where none has one."""
-    units = [value.unit for value in values if isinstance(value, Measured)]
-    if not units:
-        return ""
-    bare = any(not isinstance(value, Measured) and value != 0.0 for value in values)
-    refuse_if(bare, f"one number has the unit {units[0]}, another has none", "wrong-unit")
-    for other in map(dimension_of, units):
-        refuse_if(other != (one := dimension_of(units[0])), f"these are a {one} and a {other}",
+class Continuous(Spec):
+    """Numbers at quantiles from 0 to 1."""
+
+    @property
+    def unit(self) -> str:
+        """The unit in which they were written: the first number's, empty where none has one."""
+        numbers = [value for key, value in self if isinstance(value, float) and key != "sigma"]
+        units = [value.unit for value in numbers if isinstance(value, Measured)]
+        bare = any(not isinstance(value, Measured) and value != 0.0 for value in numbers)
+        refuse_if(units and bare, f"one number has the unit {''.join(units[:1])}, another has none",
                   "wrong-unit")
-    return units[0]
+        kinds = [*dict.fromkeys(map(dimension_of, units))]
+        refuse_if(len(kinds) > 1, f"these are a {' and a '.join(kinds[:2])}", "wrong-unit")
+        return units[0] if units else ""
 
 
-class Range(Spec):
+class Range(Continuous):
     """Numbers from one to another, both included."""
 
     from_: Quantity = Field(alias="from")
@@ -101,11 +104,6 @@ class Range(Spec):
                    f"the range goes from {low} to {low}: there is nothing to vary",
                    allowed="two ends that differ, or a list with this one value")
 
-    @property
-    def unit(self) -> str:
-        """The unit in which it was written; empty for none."""
-        return common_unit([self.from_, self.to])
-
     def at(self, quantiles: Array) -> Array:
         """Numbers [unit] at quantiles from 0 to 1, [n]."""
         low, high = in_unit(self.from_, self.unit), in_unit(self.to, self.unit)
@@ -115,7 +113,7 @@ class Range(Spec):
         return np.where(quantiles == 0, low, np.where(quantiles == 1, high, numbers))
 
 
-class Distribution(Spec):
+class Distribution(Continuous):
     """Random numbers; a design chooses their quantiles."""
 
     distribution: Literal["uniform", "log_uniform", "normal", "log_normal", "triangular",
@@ -163,12 +161,6 @@ class Distribution(Spec):
         """The given arguments, by the names in a file; quantities in SI."""
         return {key.rstrip("_"): value for key, value in self
                 if key != "distribution" and value not in (None, ())}
-
-    @property
-    def unit(self) -> str:
-        """As of a range."""
-        return common_unit([value for key, value in self._arguments.items()
-                            if isinstance(value, float) and key != "sigma"])
 
     def at(self, quantiles: Array) -> Array:
         """Numbers [unit] at quantiles from 0 to 1, [n]; the ends are moved inside by rounding."""
