@@ -42,8 +42,8 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         self._low, self._high = np.array(list(task.observe.values())).T
         self.observation_space = Box(self._low, self._high, dtype=np.float64)
         self.action_space = Box(-1.0, 1.0, (len(task.act),), dtype=np.float64)
-        self._min, most = np.array(list(task.act.values())).T
-        self._half = (most - self._min) / 2
+        self._min, maximum = np.array(list(task.act.values())).T
+        self._half = (maximum - self._min) / 2
         self._values: dict[str, Any] = {}
         self._view: View | None = None
         self.simulation = Simulation(Checked(task.mechanism))

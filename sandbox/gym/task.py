@@ -162,9 +162,9 @@ class _Reader:
                         f"{quoted(text)}", hint=hint and quoted(hint))
                 for name in names:
                     unit = self.known.find(name).unit if name in self.known else ""
-                    most = range_of(UNITS[unit][1] if unit in UNITS else None).most
+                    largest = range_of(UNITS[unit][1] if unit in UNITS else None).most
                     found[name] = _span(given, unit) if given is not None else \
-                        self._stops(name) or (-most, most)
+                        self._stops(name) or (-largest, largest)
         return found
 
     def _stops(self, name: str) -> Span | None:

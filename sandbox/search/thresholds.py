@@ -1,4 +1,4 @@
-"""Thresholds: the least pull that holds, the largest push, the smallest friction."""
+"""Thresholds: the smallest pull that holds, the largest push, the smallest friction."""
 
 from __future__ import annotations
 

@@ -40,16 +40,12 @@ MAX_TRIED_TEXTS = 20  # texts of one path with which the scene is read before an
 class Plan:
     """A sweep that can be run."""
 
+    name: str
     spec: SweepSpec
     job: SweepJob
     points: Sequence[Point]
     loaded: Loaded  # the scene with the changes of ``set``, without varied values
     written: Mapping[str, Any]  # the study as it was written
-
-    @property
-    def name(self) -> str:
-        """Name of the sweep."""
-        return self.spec.name or self.loaded.mechanism.name
 
     def __len__(self) -> int:
         return len(self.points)
@@ -126,8 +122,8 @@ class Checks:
         self._refuse()
         bundle, base = make_bundle(scene, spec.set, self.limits, also=points)
         job = SweepJob(bundle, spec.set, keep, audited=spec.audit, limits=self.limits)
-        name = spec.name or (self.found.path.stem if self.found.path else "")
-        return Plan(spec.model_copy(update={"name": name}), job, points, base, self.data)
+        name = spec.name or (self.found.path.stem if self.found.path else base.mechanism.name)
+        return Plan(name, spec, job, points, base, self.data)
 
     def _refuse(self, *problems: Problem) -> None:
         if found := [*self.problems, *problems]:
