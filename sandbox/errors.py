@@ -6,6 +6,7 @@ import linecache
 import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from importlib import import_module
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -34,6 +35,15 @@ class SandboxError(Exception):
         lines = [*_own_lines(self.__traceback__),
                  *(_own_lines(self.__cause__.__traceback__) if self.__cause__ else ())]
         return [*dict.fromkeys(lines), f"{type(self).__name__}: {self}"]
+
+
+def optional(module: str, install: str = "'sandbox-mechanics[studies]'") -> Any:
+    """Import an optional module; without it, an error with the argument of ``pip install``."""
+    try:
+        return import_module(module)
+    except ImportError:
+        raise SandboxError(f"this needs {module}: pip install {install}",
+                           code="missing-package") from None
 
 
 def checked(code: str) -> str:

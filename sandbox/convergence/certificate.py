@@ -113,16 +113,25 @@ def judge(
                   values, reason=verdict.reason)
     if not np.isfinite(values).all():
         return trust
-    noise = max(ROUNDING * sizes.peak, np.finfo(float).tiny)
-    order, limit = _richardson(values, noise)
-    error = (max(abs(values[0] - limit), abs(values[0] - values[1]))
-             if math.isfinite(limit) else 2 * float(np.ptp(values)))
+    noise, order, limit = max(ROUNDING * sizes.peak, np.finfo(float).tiny), math.nan, math.nan
+    coarse, fine = values[0] - values[1], values[1] - values[2]
+    if abs(fine) <= noise:
+        limit = values[2]
+    elif abs(coarse) > noise and coarse * fine >= 0 and math.log2(coarse / fine) >= MIN_ORDER:
+        order = math.log2(coarse / fine)
+        limit = values[2] - fine / (2 ** min(order, SCHEME_ORDER) - 1)
+    error = (max(abs(values[0] - limit), abs(coarse)) if math.isfinite(limit) else
+             2 * float(np.ptp(values)))
     trust = replace(trust, order=order, limit=limit, error=error,
                     allowed=SHARE * tolerance(verdict, values[2], sizes, given=given))
-    kind = _kind(trust, verdict.ok, sizes, noise)
-    trust = replace(trust, kind=kind,
-                    finer=_finer(trust, noise) if kind in (Kind.OPEN, Kind.FAILS) else 0)
-    text = "" if verdict.reason and kind is Kind.FAILS else _reason(trust)
+    trust = replace(trust, kind=_kind(trust, verdict.ok, sizes, noise))
+    if trust.kind in (Kind.OPEN, Kind.FAILS) and trust.allowed > 0 and \
+            trust.low <= limit <= trust.high:
+        left = max(abs(values[2] - limit), noise)  # of the error at h/4
+        falls = min(order, SCHEME_ORDER) if math.isfinite(order) else SCHEME_ORDER
+        halvings = max(1, 2 + math.ceil(math.log2(left / trust.allowed) / falls))
+        trust = replace(trust, finer=2**halvings if halvings <= MAX_HALVINGS else 0)
+    text = "" if verdict.reason and trust.kind is Kind.FAILS else _reason(trust, verdict.allowed)
     return replace(trust, reason="; ".join(filter(None, (verdict.reason, text))))
 
 
@@ -139,19 +148,6 @@ def tolerance(verdict: Verdict, value: float, sizes: Sizes, *, given: bool) -> f
     if math.isinf(half):
         half = min(abs(value - verdict.low), abs(verdict.high - value))
     return min(half, WIDE * max(sizes.own, SLIGHT * sizes.scene))
-
-
-def _richardson(values: tuple[float, float, float], noise: float) -> tuple[float, float]:
-    """Order and limit; nan if the differences show none."""
-    coarse, fine = values[0] - values[1], values[1] - values[2]
-    if abs(fine) <= noise:
-        return math.nan, values[2]
-    if abs(coarse) <= noise or coarse * fine < 0:
-        return math.nan, math.nan
-    order = math.log2(coarse / fine)
-    if order < MIN_ORDER:
-        return math.nan, math.nan
-    return order, values[2] - fine / (2 ** min(order, SCHEME_ORDER) - 1)
 
 
 def _kind(trust: Trust, met: bool, sizes: Sizes, noise: float) -> Kind:
@@ -172,47 +168,31 @@ def _kind(trust: Trust, met: bool, sizes: Sizes, noise: float) -> Kind:
     return Kind.OPEN if met else Kind.FAILS
 
 
-def _finer(trust: Trust, noise: float) -> int:
-    """Power of two by which h has to be divided to converge; 0 if the limit is out of range."""
-    if not trust.low <= trust.limit <= trust.high or trust.allowed <= 0:
-        return 0
-    order = min(trust.order, SCHEME_ORDER) if math.isfinite(trust.order) else SCHEME_ORDER
-    left = max(abs(trust.values[2] - trust.limit), noise)  # of the error at h/4
-    halvings = max(1, 2 + math.ceil(math.log2(left / trust.allowed) / order))
-    return 2**halvings if halvings <= MAX_HALVINGS else 0
-
-
-def _reason(trust: Trust) -> str:
+def _reason(trust: Trust, range_: str) -> str:
     """Numbers that explain a verdict; empty if the table has them all."""
     def text(value: float) -> str:
         return f"{value:.2g}{'' if trust.unit in ('', '1') else f' {trust.unit}'}"
 
     halved = "halving the step changes it by {}, then by {}".format(*map(text, trust.differences))
     allowed = f"{text(trust.allowed)} is allowed"
-    low, high = f"{trust.low:.6g}", f"{trust.high:.6g}"
-    range_ = (f"at most {high}" if math.isinf(trust.low) else
-              f"at least {low}" if math.isinf(trust.high) else f"{low} to {high}")
     match trust.kind:
         case Kind.WITHIN:
             return f"{halved}, inside its range, but not by less than {text(trust.allowed)}"
-        case Kind.STEP if trust.margin(*trust.values) < 0:
-            return f"at h/4 it is {trust.values[2]:.6g}, outside its range"
         case Kind.STEP:
-            return f"it tends to {trust.limit:.6g}, outside its range"
-        case Kind.OPEN if math.isfinite(trust.order):
-            return (f"{text(trust.error)} is left of its error and falls with order "
-                    f"{trust.order:.1f}; {allowed}")
+            inside = trust.margin(*trust.values) >= 0
+            return (f"it tends to {trust.limit:.6g}" if inside else
+                    f"at h/4 it is {trust.values[2]:.6g}") + ", outside its range"
         case Kind.OPEN:
-            return f"{halved}; {allowed}"
+            return (halved if math.isnan(trust.order) else f"{text(trust.error)} is left of its "
+                    f"error and falls with order {trust.order:.1f}") + f"; {allowed}"
         case Kind.DIVERGES:
             return f"{halved}: the finer the step, the more; {allowed}"
-        case Kind.FAILS if trust.margin(trust.values[2]) >= 0:
-            return "it is outside its range at h, but not at h/4"
         case Kind.FAILS:
+            if trust.margin(trust.values[2]) >= 0:
+                return "it is outside its range at h, but not at h/4"
             tends = f"it tends to {trust.limit:.6g}, " if math.isfinite(trust.limit) else "it is "
             return f"{tends}outside {range_}"
     return ""
-
 
 
 Progress = Callable[[float], None]
@@ -326,16 +306,13 @@ class Certificate:
             return (f"Certified at h = {1e3 * self.steps[0]:g} ms: {which} expected quantities "
                     f"have converged{rest}."
                     + (f" The consistency checks warn of {names}." if names else ""))
-        why = []
-        if self.diverged:
-            why.append(f"the simulation diverged at {', '.join(e.run for e in self.diverged)}")
-        if self.doubtful:
-            named = ", ".join(dict.fromkeys(t.quantity for t in self.doubtful))
-            why.append(f"{len(self.doubtful)} of {total} expectations cannot be relied on at this "
-                       f"step: {named}")
-        if self.objections:
-            why.append(f"the consistency checks at h warn of {', '.join(self.objections)}")
-        return f"Not certified: {'; '.join(why)}."
+        named = ", ".join(dict.fromkeys(t.quantity for t in self.doubtful))
+        why = {
+            f"the simulation diverged at {', '.join(e.run for e in self.diverged)}": self.diverged,
+            f"{len(self.doubtful)} of {total} expectations cannot be relied on at this step: "
+            f"{named}": self.doubtful,
+            f"the consistency checks at h warn of {', '.join(self.objections)}": self.objections}
+        return f"Not certified: {'; '.join(text for text, found in why.items() if found)}."
 
     @property
     def advice(self) -> tuple[str, ...]:
@@ -343,17 +320,14 @@ class Certificate:
         return tuple(self._advice())
 
     def _advice(self) -> Iterator[str]:
-        times, finest = {each.run: each.time for each in self.diverged}, _at(self.steps[2])
-        if times and "h/4" not in times:
-            yield f"The run at h/4 is complete: check convergence from there, {finest}."
-        elif times:
-            sooner = times["h/4"] < times.get("h/2", -math.inf) < times.get("h", math.inf)
-            yield ("Finer steps diverge sooner, so no step converges. " if sooner else "") + \
-                f"Look for {CAUSES}."
+        finest = _at(self.steps[2])
+        if self.diverged:
+            yield f"Look for {CAUSES}." if any(each.run == "h/4" for each in self.diverged) else \
+                f"The run at h/4 is complete: check convergence from there, {finest}."
         valued = [t for t in self.doubtful if not math.isnan(t.error)]
         grown = [t for t in valued if t.kind is Kind.DIVERGES]
         unsettled = [t for t in valued if t.kind is Kind.OPEN or (
-            t.kind is Kind.FAILS and t.low <= t.values[2] <= t.high)]
+            t.kind is Kind.FAILS and t.margin(t.values[2]) >= 0)]
         if grown and not self.objections and all(
                 t.unit == "N" and t.statistic in (*PEAKS, "std") for t in grown):
             yield ("The peak force of an impact has no limit, because one step takes its momentum. "
@@ -370,8 +344,7 @@ class Certificate:
             yield ("Where a quantity tends to a value outside its range, no step helps: the range "
                    "or the mechanism has to change.")
         if self.objections and not self.diverged:
-            yield ("docs/audit.md explains the warnings. A scene is certified only if its run has "
-                   "none.")
+            yield "docs/audit.md explains the warnings."
 
 
 def _at(step: float) -> str:
@@ -458,11 +431,9 @@ def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
         own = min((max(abs(value), mean_size(one)) for value, one in zip(
             (a, b, c), found, strict=True) if math.isfinite(value)), default=0.0)
         peak = max((float(np.abs(one).max()) for one in found if len(one)), default=0.0)
-        if verdict.statistic in PEAKS and math.isfinite(a):  # of all steps, not of the samples
-            inside, reason = verdict.low <= a <= verdict.high, verdict.reason
-            if verdict.ok and not inside:
-                reason = f"between two samples of the scene it is {a:.6g}, outside its range"
-            verdict = replace(verdict, value=a, ok=verdict.ok and inside, reason=reason)
+        if verdict.statistic in PEAKS and verdict.ok and (a < verdict.low or a > verdict.high):
+            verdict = replace(verdict, ok=False, reason=(
+                f"between two samples of the scene it is {a:.6g}, outside its range"))
         trust = judge(verdict, (a, b, c), Sizes(peak, own, max(own, largest(verdict.unit))),
                       given=expect.value is not None)
         missing = {label: each.info.status for label, each, value in zip(
@@ -492,9 +463,8 @@ def scene_size(runs: Sequence[Recording], unit: str) -> float:
     if unit not in DIMENSIONS or not runs:
         return measured(unit)
     masses, (mass, length, time) = runs[0].arrays["body_mass"], DIMENSIONS[unit]
-    natural = (float(masses[np.isfinite(masses)].max(initial=0.0)) ** mass
+    return max(measured(unit), float(masses[np.isfinite(masses)].max(initial=0.0)) ** mass
                * measured("m") ** length * runs[0].mechanism.run.duration ** time)
-    return max(measured(unit), natural)
 
 
 def mean_size(values: Array) -> float:

@@ -23,9 +23,8 @@ from sandbox.picture.scales import force_scale
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import View
+from sandbox.sweeps.spec import points_of
 from sandbox.wording import listed, quoted
-
-Info = dict[str, Any]
 
 
 class SceneEnv(gymnasium.Env[Array, Array]):
@@ -43,8 +42,8 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         self._low, self._high = np.array(list(task.observe.values())).T
         self.observation_space = Box(self._low, self._high, dtype=np.float64)
         self.action_space = Box(-1.0, 1.0, (len(task.act),), dtype=np.float64)
-        self._min, most = np.array(list(task.act.values())).T
-        self._half = (most - self._min) / 2
+        self._min, maximum = np.array(list(task.act.values())).T
+        self._half = (maximum - self._min) / 2
         self._values: dict[str, Any] = {}
         self._view: View | None = None
         self.simulation = Simulation(Checked(task.mechanism))
@@ -56,7 +55,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None,
-    ) -> tuple[Array, Info]:
+    ) -> tuple[Array, dict[str, Any]]:
         """Begin an episode; return the observation at t = 0 and the values that were drawn.
 
         Args:
@@ -67,15 +66,15 @@ class SceneEnv(gymnasium.Env[Array, Array]):
             SceneError: invalid values, or an unknown option.
         """
         super().reset(seed=seed)
-        options = options or {}
-        if unknown := [name for name in options if name != "set"]:
-            raise SceneError([Problem("bad-argument", f"there is no option {quoted(unknown[0])}",
-                                      "options", allowed='{"set": values by path}')])
+        for name in options or {}:
+            if name != "set":
+                raise SceneError([Problem("bad-argument", f"there is no option {quoted(name)}",
+                                          "options", allowed='{"set": values by path}')])
         values: dict[str, Any] = {}
         if self.task.random is not None:
             seeded = {"seed": int(self.np_random.integers(2**63 - 1))}
-            values |= self.task.random.model_copy(update=seeded).points()[0]
-        values |= options.get("set", {})
+            values |= points_of(self.task.random.model_copy(update=seeded).dimensions())[0]
+        values |= (options or {}).get("set", {})
         if values == self._values:
             self.simulation.restart()
         else:
@@ -84,7 +83,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         self._last = self._seen()
         return self._last.copy(), {"time": 0.0, "set": dict(values)}
 
-    def step(self, action: Array) -> tuple[Array, float, bool, bool, Info]:
+    def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Apply an action for an interval.
 
         Args:
@@ -116,28 +115,26 @@ class SceneEnv(gymnasium.Env[Array, Array]):
             self._over = f"the episode is over, {error}"
             return self._last.copy(), self.task.lost, True, False, {
                 "time": simulation.time, "diverged": str(error)}
-        info: Info = {"time": simulation.time}
+        info: dict[str, Any] = {"time": simulation.time}
         self._last = self._seen()
         wanted = self.task.reward
         reward = float(wanted(simulation) if callable(wanted) else simulation[wanted])
         if not np.isfinite(reward):
             raise SandboxError(f"the reward has no value at t = {simulation.time:.6g} s",
                                code="diverged")
-        stop, over = simulation.stopped, simulation.finished
-        if over:
+        if over := simulation.finished:
             self._over = f"the episode is over, at t = {simulation.time:.6g} s"
-        if stop is not None:
+        if stop := simulation.stopped:
             info |= {"stopped": stop.event, "because": stop.because, "verdict": stop.verdict}
-        return self._last.copy(), reward, stop is not None, over and stop is None, info
+        return self._last.copy(), reward, bool(stop), over and not stop, info
 
     def _seen(self) -> Array:
-        simulation = self.simulation
-        found: Array = np.array([simulation[name] for name in self.task.observe])
-        for name, value in zip(self.task.observe, found, strict=True):
-            if not np.isfinite(value):
-                raise SandboxError(f"{name!r} has no value at t = {simulation.time:.6g} s",
+        found = {name: self.simulation[name] for name in self.task.observe}
+        for name in found:
+            if not np.isfinite(found[name]):
+                raise SandboxError(f"{name!r} has no value at t = {self.simulation.time:.6g} s",
                                    code="diverged")
-        return np.clip(found, self._low, self._high)
+        return np.clip([*found.values()], self._low, self._high)
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the current state, [height, width, 3], RGB, as in films but without text.
@@ -146,12 +143,10 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         """
         if self.render_mode is None:
             return None
-        if self._view is None:
-            self._view = _fixed_view(self.task.mechanism)
-        run = self.simulation.recording()
-        run = run if len(run) else _first_sample(self.simulation.mechanism)
-        frame = Frames(Picture(run, view=self._view, bare=True)).draw(float(run.time[-1]))
-        return np.ascontiguousarray(frame)
+        self._view = self._view or _fixed_view(self.task.mechanism)
+        run = self.simulation.recording() or _first_sample(self.simulation.mechanism)
+        picture = Picture(run, view=self._view, bare=True)
+        return np.ascontiguousarray(Frames(picture).draw(float(run.time[-1])))
 
     def recording(self) -> Recording:
         """The recording of this episode so far."""

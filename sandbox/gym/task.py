@@ -6,17 +6,17 @@ import math
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from sandbox.elements.quantities import row_of
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
-from sandbox.model.catalogue import Catalogue
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.scene.mechanism import Mechanism
@@ -29,8 +29,9 @@ from sandbox.sweeps.sweep import study_data
 from sandbox.values.numbers import number_from
 from sandbox.values.signals import values
 from sandbox.values.units import RANGES, UNITS, unfit
-from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
+from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted, refuse_if
 
+_refuse_if = partial(refuse_if, code="bad-argument")
 Span = tuple[float, float]  # minimum and maximum, SI
 Reward = Callable[[Simulation], float]
 Wanted = str | Sequence[str] | Mapping[str, Sequence[float] | None]
@@ -38,10 +39,6 @@ Scene = str | os.PathLike[str] | Mapping[str, Any]
 ROUNDING = 1e-6  # tolerance of a whole number of steps, relative to a step
 DRAWN = 64  # samples that are checked when the environment is made
 INSTANTS = 1001  # instants at which the range of a signal is determined
-NOT_NEGATIVE = {("tendon", "tension"), ("tendon", "length"), ("body", "contact.normal"),
-                ("group", "contact.normal"), ("group", "contact.count"), ("pair", "normal"),
-                ("joint", "reaction"), ("joint", "length"), ("line", "volume")}
-FRACTIONS = ("hold", "opening")  # quantities of drives from 0 to 1
 
 
 @dataclass(frozen=True)
@@ -100,17 +97,16 @@ def read_task(
     limits = limits or Limits()
     base = read_scene(scene, overrides=set, limits=limits)
     random = _random(scene, randomise, set or {}, limits) if randomise else None
-    reading = _TaskReader(base)
-    acted = reading.acted(act)
-    task = Task(scene, dict(set or {}), limits, base.mechanism, reading.observed(observe, acted),
-                acted, reading.reward(reward), reading.every(every), reading.number(lost, "lost"),
+    reader = _Reader(base)
+    task = Task(scene, dict(set or {}), limits, base.mechanism, reader.observed(observe),
+                reader.acted(act), reader.reward(reward), reader.every(every), reader.lost(lost),
                 random)
-    if reading.problems:
-        raise SceneError(reading.problems, base.name)
+    if reader.problems:
+        raise SceneError(reader.problems, base.name)
     return task
 
 
-class _TaskReader:
+class _Reader:
     """Reads the arguments and collects all problems."""
 
     def __init__(self, base: Loaded) -> None:
@@ -119,6 +115,14 @@ class _TaskReader:
         self.model = compile_mechanism(self.mechanism)
         self.problems = base.placed(control_problems(self.mechanism))
 
+    @contextmanager
+    def _at(self, path: str) -> Iterator[None]:
+        """Collect what is refused in this context."""
+        try:
+            yield
+        except WrongValueError as error:
+            self.problems.append(Problem.of(error, path))
+
     def acted(self, wanted: Wanted) -> dict[str, Span]:
         drives = [drive.name for drive in self.mechanism.drives]
         actions: dict[str, Span] = {}
@@ -126,97 +130,78 @@ class _TaskReader:
         writers |= {drive: each.name for each in self.mechanism.controllers
                     for drive in each.written}
         for path, name, given in self._each(wanted, "act"):
-            found = [drive for drive in drives if fnmatchcase(drive, name)]
-            if not found:
-                self._wrong(f"there is no drive named {quoted(name)}", path,
-                            listed(drives) or "none: the scene has no drives", near(name, drives))
-            for drive in found:
-                if drive in writers:
-                    self._wrong(f"the drive {quoted(drive)} is set by {quoted(writers[drive])}",
-                                path, "a drive that no controller and no event sets")
-                span = drive_range(self.model, drive) if given is None else self._span(
-                    given, path, self.known.find(f"{drive}.value").unit)
-                if span is None:
-                    self._wrong(f"the scene gives no range for {quoted(drive)}", path,
-                                f"act={{{drive!r}: (lowest, highest)}}")
-                actions[drive] = span or (0.0, 1.0)
-        if not actions and not self.problems:
-            self._wrong("nothing acts", "act", "at least one drive")
+            with self._at(path):
+                if not (found := [each for each in drives if fnmatchcase(each, name)]):
+                    raise WrongValueError(
+                        "bad-argument", f"there is no drive named {quoted(name)}",
+                        allowed=listed(drives) or "none: the scene has no drives",
+                        hint=near(name, drives))
+                for drive in found:
+                    _refuse_if(drive in writers, f"the drive {quoted(drive)} is set by "
+                               f"{quoted(writers.get(drive))}",
+                               allowed="a drive that no controller and no event sets")
+                    span = drive_range(self.model, drive) if given is None else _span(
+                        given, self.known.find(f"{drive}.value").unit)
+                    _refuse_if(span is None, f"the scene gives no range for {quoted(drive)}",
+                               allowed=f"act={{{drive!r}: (lowest, highest)}}")
+                    actions[drive] = span or (0.0, 1.0)
         return actions
 
-    def observed(self, wanted: Wanted, acted: Mapping[str, Span]) -> dict[str, Span]:
+    def observed(self, wanted: Wanted) -> dict[str, Span]:
         found: dict[str, Span] = {}
         for path, text, given in self._each(wanted, "observe"):
-            for name in self._quantities(text, path):
-                found[name] = quantity_range(self.model, self.known, name, acted) \
-                    if given is None else self._span(
-                        given, path, self.known.find(name).unit if name in self.known else "")
-        if not found and not self.problems:
-            self._wrong("nothing is observed", "observe", "at least one quantity")
+            with self._at(path):
+                names = [text]
+                if text.startswith("=") or not is_pattern(text):
+                    self.problems += unreadable(text, self.known, path)
+                elif not (names := [name for name in self.known.match(text)
+                                    if not self.known.late([name])]):
+                    hint = self.known.near(text)
+                    raise WrongValueError(
+                        "bad-argument", "no quantity that can be read during a run fits "
+                        f"{quoted(text)}", hint=hint and quoted(hint))
+                for name in names:
+                    unit = self.known.find(name).unit if name in self.known else ""
+                    largest = RANGES[UNITS[unit][1] if unit in UNITS else None].maximum
+                    found[name] = _span(given, unit) if given is not None else \
+                        self._stops(name) or (-largest, largest)
         return found
 
-    def _quantities(self, text: str, path: str) -> list[str]:
-        if text.startswith("=") or not is_pattern(text):
-            return [text] if self._readable(text, path) else []
-        names = [name for name in self.known.match(text) if not self.known.late([name])]
-        if not names:
-            close = self.known.near(text)
-            self._wrong(f"no quantity that can be read while it runs fits {quoted(text)}", path,
-                        hint=quoted(close) if close else "")
-        return names
-
-    def _readable(self, text: str, path: str) -> bool:
-        before = len(self.problems)
-        try:
-            self.problems += unreadable(text, self.known, path)
-        except WrongValueError as error:
-            self.problems.append(Problem.of(error, path))
-        return len(self.problems) == before
+    def _stops(self, name: str) -> Span | None:
+        """The range of the angle of a joint or a spring."""
+        source = self.known.find(name) if name in self.known else None
+        if source is None or source.quantity != "angle" or source.kind not in ("joint", "spring"):
+            return None
+        joint = source.index if source.kind == "joint" else self.model.springs.joint[source.index]
+        return _finite(*self.model.joints.stops[joint].tolist())
 
     def reward(self, wanted: object) -> str | Reward:
         if callable(wanted):
             return wanted
         text = wanted.strip() if isinstance(wanted, str) else ""
-        if not text:
-            self._wrong(f"{quoted(wanted)} is no reward", "reward",
-                        "a quantity, an expression of quantities, or a function")
-            return text
-        text = text if text.startswith("=") or text in self.known else f"={text}"
-        self._readable(text, "reward")
+        with self._at("reward"):
+            _refuse_if(not text, f"{quoted(wanted)} is no reward",
+                       allowed="a quantity, an expression of quantities, or a function")
+            text = text if text.startswith("=") or text in self.known else f"={text}"
+            self.problems += unreadable(text, self.known, "reward")
         return text
 
     def every(self, wanted: object) -> int:
-        step, duration = self.mechanism.run.step, self.mechanism.run.duration
-        seconds = self.number(wanted, "every", "time", default=step)
-        steps = round(seconds / step)
-        if steps < 1 or abs(steps * step - seconds) > ROUNDING * step:
-            self._wrong(f"{seconds:g} s is no whole number of steps of {step:g} s", "every",
-                        f"such as {max(1, steps) * step:g} s")
-        elif seconds > duration:
-            self._wrong(f"{seconds:g} s is longer than the run", "every", f"at most {duration:g} s")
-        return max(1, steps)
+        step, duration, steps = self.mechanism.run.step, self.mechanism.run.duration, 1
+        with self._at("every"):
+            seconds = number_from(wanted, "time", {})
+            steps = max(1, round(seconds / step))
+            _refuse_if(abs(steps * step - seconds) > ROUNDING * step,
+                       f"{seconds:g} s is no whole number of steps of {step:g} s",
+                       allowed=f"such as {steps * step:g} s")
+            _refuse_if(seconds > duration, f"{seconds:g} s is longer than the run",
+                       allowed=f"at most {duration:g} s")
+        return steps
 
-    def number(
-        self, wanted: object, path: str, dimension: str | None = None, default: float = 0.0,
-    ) -> float:
-        try:
-            return float(number_from(wanted, dimension, {}))
-        except WrongValueError as error:
-            self._wrong(error.message, path, error.allowed, error.hint)
-            return default
-
-    def _span(self, given: object, path: str, unit: str) -> Span:
-        try:
-            low, high = (number_from(one, None, {}) for one in given)  # type: ignore[attr-defined]
-        except (TypeError, ValueError):
-            low, high = 0.0, 0.0
-        if not low < high:
-            self._wrong(f"{quoted(given)} is no range", path, "(lowest, highest), in SI")
-            return 0.0, 1.0
-        for each in (low, high):
-            if wrong := unfit(each, unit):
-                self._wrong(f"{wrong}, and this is in {unit}", path)
-        return float(low), float(high)
+    def lost(self, wanted: object) -> float:
+        with self._at("lost"):
+            return float(number_from(wanted, None, {}))
+        return 0.0
 
     def _each(self, wanted: Wanted, what: str) -> Iterator[tuple[str, str, object]]:
         """Path, name and range of each entry."""
@@ -225,15 +210,24 @@ class _TaskReader:
             entries = [(f"{what}[{name!r}]", name, span) for name, span in wanted.items()]
         elif isinstance(wanted, Sequence) and not isinstance(wanted, str):
             entries = [(f"{what}[{i}]", name, None) for i, name in enumerate(wanted)]
-        for path, name, span in entries:
+        for path, name, span in entries or [(what, None, None)]:
             if isinstance(name, str):
                 yield path, name, span
             else:
-                self._wrong(f"{quoted(name)} is no name", path, "a list of names, or a mapping "
-                            "of names to (lowest, highest)")
+                self.problems.append(Problem(
+                    "bad-argument", f"{quoted(name)} is no name" if entries else "it names nothing",
+                    path, allowed="a list of names, or a mapping of names to (lowest, highest)"))
 
-    def _wrong(self, message: str, path: str, allowed: str = "", hint: str = "") -> None:
-        self.problems.append(Problem("bad-argument", message, path, allowed=allowed, hint=hint))
+
+def _span(given: object, unit: str) -> Span:
+    try:
+        low, high = (number_from(one, None, {}) for one in given)  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        low, high = 0.0, 0.0
+    _refuse_if(not low < high, f"{quoted(given)} is no range", allowed="(lowest, highest), in SI")
+    for wrong in (unfit(low, unit), unfit(high, unit)):
+        _refuse_if(wrong, f"{wrong}, and this is in {unit}")
+    return float(low), float(high)
 
 
 def _random(
@@ -258,7 +252,7 @@ def drive_range(model: Model, drive: str) -> Span | None:
     """The range of a drive by its stops, stroke, no-load speed or signal; None if there is none."""
     index = model.names.drive[drive]
     spec, kind = model.mechanism.drives[index], model.drives.kind[index]
-    if kind.gives in FRACTIONS:
+    if kind.gives in ("hold", "opening"):  # fractions
         return 0.0, 1.0
     if kind.places:
         joint = int(model.drives.target[index])
@@ -274,27 +268,6 @@ def drive_range(model: Model, drive: str) -> Span | None:
         return None
     low, high = min(0.0, float(found.min())), max(0.0, float(found.max()))
     return _finite(max(low, kind.floor), high)
-
-
-def quantity_range(model: Model, known: Catalogue, name: str, acted: Mapping[str, Span]) -> Span:
-    """The range of a quantity in the scene, or else that of all numbers with its unit."""
-    span, unit, low, joints = None, "", -math.inf, model.joints
-    if name in known:
-        source = known.find(name)
-        kind, quantity, index, unit = source.kind, source.quantity, source.index, source.unit
-        low = 0.0 if (kind, quantity) in NOT_NEGATIVE else low
-        if row_of(kind, quantity).yes_no:
-            span = 0.0, 1.0
-        elif (kind, quantity) == ("drive", "value"):
-            drive = model.drives.name[index]
-            span = acted.get(drive) or drive_range(model, drive)
-        elif quantity == "angle" and kind in ("joint", "spring"):
-            joint = index if kind == "joint" else int(model.springs.joint[index])
-            span = _finite(*joints.stops[joint].tolist())
-        elif (kind, quantity) == ("joint", "length"):
-            span = _finite(*joints.reach[index].tolist())
-    most = RANGES[UNITS[unit][1] if unit in UNITS else None].maximum
-    return span or (max(low, -most), most)
 
 
 def _finite(low: float, high: float) -> Span | None:

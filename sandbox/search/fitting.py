@@ -8,7 +8,6 @@ and Wild, Nonlinear Regression, 1989, ch. 5).
 from __future__ import annotations
 
 import csv
-import io
 import math
 import re
 from collections.abc import Callable, Mapping
@@ -27,7 +26,8 @@ from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
 from sandbox.scene.settings import Looked
 from sandbox.search.session import FOUND, RefusedError, Result, Session, results
-from sandbox.sweeps.spec import Distribution, FitSearch
+from sandbox.sweeps.options import FitSearch
+from sandbox.sweeps.spec import Distribution
 from sandbox.values.units import factor_of
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
@@ -69,8 +69,7 @@ class Fitted(Result):
     parameters: tuple[Parameter, ...]
     noise: Mapping[str, float]  #: standard deviation of each column's noise, SI, estimated or given
     blind: tuple[tuple[float, Mapping[str, float]], ...]
-    """Directions that the data do not determine: half of the 95 % interval in ranges, and the
-    share of each path, in its range."""
+    """Undetermined directions: half of the 95 % interval, and the share of each path, in ranges."""
     count: int  #: measured numbers
     remarks: tuple[str, ...] = ()
 
@@ -114,13 +113,11 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
         return BadDataError(f"{path}{f', row {row}:' if row else ''} {why}", "data")
 
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise BadDataError(f"there is no file {path}", "data") from None
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         why = getattr(error, "strerror", "") or "it is not UTF-8 text"
         raise bad(f"cannot be read: {why}") from None
-    head, *rows = [row for row in csv.reader(io.StringIO(text)) if any(map(str.strip, row))] or [[]]
+    head, *rows = [row for row in csv.reader(lines) if any(map(str.strip, row))] or [[]]
     if not rows:
         raise bad("has no measurements: expected a line of names, then numbers")
     names, factors = [], []
@@ -144,9 +141,7 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
             try:
                 cells[number, k] = factors[k] * float(cell.strip() or "nan")
             except ValueError:
-                cells[number, k] = math.inf
-            if math.isinf(cells[number, k]):
-                raise bad(f"{quoted(cell)} is no number", number + 2)
+                raise bad(f"{quoted(cell)} is no number", number + 2) from None
     if np.isnan(cells[:, time]).any():
         raise bad("has a row without a time")
     return cells[:, time], {name: cells[:, k] for k, name in enumerate(names) if k != time}
@@ -170,11 +165,9 @@ def _measurement(session: Session, path: Path, match: Mapping[str, str] | None) 
                                f"{f'; did you mean {quoted(hint)}?' if hint else ''}")
     values = np.stack([columns[name] for name in pairs])
     places, rows = np.nonzero(np.isfinite(values))
-    if not len(rows):
-        raise BadDataError(f"{path} has no number in {listed(pairs)}")
-    if len(rows) > MAX_NUMBERS:
-        raise BadDataError(f"{path} has {len(rows)} numbers to be compared (allowed: at most "
-                           f"{MAX_NUMBERS}); leave every other line out, or more")
+    if not 0 < len(rows) <= MAX_NUMBERS:
+        raise BadDataError(f"{path} has {len(rows)} numbers in {listed(pairs)} (allowed: 1 to "
+                           f"{MAX_NUMBERS})")
     if not (time.min() >= 0 and time.max() <= mechanism.run.duration + 1e-9):
         raise BadDataError(f"{path} has times from {time.min():g} to {time.max():g} s, the run "
                            f"from 0 to {mechanism.run.duration:g} s")
@@ -193,8 +186,7 @@ class Estimate(NamedTuple):
     noise: Array  # standard deviation of each column, SI
     residuals: Array  # model less data, [m]
     halves: Array  # half of each 95 % interval, in ranges, [p]; inf where nothing is determined
-    blind: list[tuple[float, Array]]
-    """Directions that are not determined: half of the 95 % interval, and a unit vector [p]."""
+    blind: list[tuple[float, Array]]  # see Fitted; unit vectors [p]
 
 
 def estimate(
@@ -264,17 +256,17 @@ def _spreads(data: Array, columns: Integers) -> Array:
 
 def find_fit(session: Session, options: FitSearch) -> Fitted:
     """The values of paths with which the scene reproduces a measurement, and their uncertainty."""
-    noise = options.noise
     if others := session.of_kind(tuple, Distribution):
         raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "
                            f"{quoted(others[0])} has none")
-    measured = _measurement(session, Path(options.data), options.match)
-    if noise is not None and set(noise) != set(measured.units):
-        raise RefusedError("give the noise of each column, or of none: "
-                           f"{listed(measured.units)}", "noise")
-    for name, size in (noise or {}).items():
-        session.check_unit(size, measured.units[name], f"the noise of {name}", "noise")
-    sizes = None if noise is None else np.array([noise[name] for name in measured.units])
+    measured, sizes = _measurement(session, Path(options.data), options.match), None
+    if options.noise is not None:
+        if options.noise.keys() != measured.units.keys():
+            raise RefusedError("give the noise of each column, or of none: "
+                               f"{listed(measured.units)}", "noise")
+        for name, unit in measured.units.items():
+            session.check_unit(options.noise[name], unit, f"the noise of {name}", "noise")
+        sizes = np.array([options.noise[name] for name in measured.units])
     session.job = replace(session.job, keep={**session.job.keep, **measured.keep})
 
     def model(quantiles: Array, *, halved: bool = False) -> Array:
@@ -293,8 +285,8 @@ def find_fit(session: Session, options: FitSearch) -> Fitted:
             ("column", "time_s", "measured", "fitted"),
             *((name, *row) for name, rows in columns.items() for row in rows.tolist())])
         panels = []
-        for name, rows in list(columns.items())[:MAX_PANELS]:
-            time, data, model_data = rows.T
+        for name, (time, data, model_data) in [
+                (name, rows.T) for name, rows in columns.items()][:MAX_PANELS]:
             how = style.shown_as(measured.units[name], data, model_data)
             panels.append(Panel(
                 name, Axis("time [s]"), Axis(how.label(name)),
@@ -327,15 +319,16 @@ def _fitted(session: Session, measured: Measurement, found: Estimate, again: Est
         min(found.quantiles[k], 1 - found.quantiles[k]) < 1e-6, halved[k])
         for k, path in enumerate(session.paths))
     known = np.isfinite(found.halves)
-    worst = float((np.abs(again.quantiles - found.quantiles)[known] / np.maximum(
-        found.halves[known], 1e-300)).max(initial=0.0))
-    remarks, residuals = [], found.residuals
+    moved = np.abs(again.quantiles - found.quantiles)[known]
+    worst = float((moved / np.maximum(found.halves[known], 1e-300)).max(initial=0.0))
+    remarks = []
     for k, name in enumerate(measured.units):
-        about = residuals[measured.columns == k] - residuals[measured.columns == k].mean()
-        if len(about) > 10 and (total := float(about @ about)) > 0:
-            correlation = float(about[1:] @ about[:-1]) / total
+        residuals = found.residuals[measured.columns == k]
+        residuals -= residuals.mean()
+        if len(residuals) > 10 and (total := float(residuals @ residuals)) > 0:
+            correlation = float(residuals[1:] @ residuals[:-1]) / total
             # that of n independent numbers has a standard error of 1 / sqrt(n)
-            if correlation * math.sqrt(len(about)) > CORRELATED:
+            if correlation * math.sqrt(len(residuals)) > CORRELATED:
                 remarks.append(f"the residuals of {name} are not random (neighbours correlate by "
                                f"{correlation:.2f}): the model is incomplete, and intervals are "
                                "too narrow")
@@ -343,6 +336,6 @@ def _fitted(session: Session, measured: Measurement, found: Estimate, again: Est
         parameters, dict(zip(measured.units, found.noise.tolist(), strict=True)),
         tuple((half, dict(zip(session.paths, row.tolist(), strict=True)))
               for half, row in found.blind),
-        len(measured.data), tuple(remarks), runs=session.count,
+        len(measured.data), tuple(remarks), runs=len(session.visited) + len(session.halved),
         certified=bool(known.any()) and worst <= SAME,
         certificate=f"no parameter moves by more than {worst:.2g} of half its interval")

@@ -10,25 +10,25 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sandbox.errors import SandboxError
+from sandbox.errors import SandboxError, optional
 from sandbox.figure.style import shown_as
 from sandbox.figure.sweeps import InfluenceBars, draw_influences
 from sandbox.numeric import Array
 from sandbox.search.session import FOUND, RefusedError, Result, Session, main_failure, results
-from sandbox.sweeps.spec import MAX_SEED, TAILS, Distribution, SensitivitySearch
+from sandbox.sweeps.options import MAX_SEED, SensitivitySearch
+from sandbox.sweeps.spec import TAILS, Distribution
 
 MEASURES: dict[str, dict[str, tuple[str, str]]] = {
     "sobol": {"first": ("S1", "S1_conf"), "total": ("ST", "ST_conf")},
     "morris": {"mu_star": ("mu_star", "mu_star_conf"), "sigma": ("sigma", "")}}
-"""Measures of each method, with SALib's names of value and interval. ``first`` is the share of the
-variance by the path alone, ``total`` with all interactions. ``mu_star`` is the mean size of the
-change over the path's range, ``sigma`` its standard deviation from place to place."""
+"""SALib's names of value and interval of each measure: ``first`` is the share of the variance by a
+path alone, ``total`` with interactions, ``mu_star`` the mean size of the change over the path's
+range, ``sigma`` its standard deviation."""
 RANKED = {"sobol": "total", "morris": "mu_star"}  # the measure by which paths are ordered
 WORDS = {
     "first": "by itself", "total": "with all that it does together with others",
@@ -86,12 +86,7 @@ def find_sensitivity(session: Session, options: SensitivitySearch) -> Sensitivit
     given |= {"calc_second_order": False} if method == "sobol" else {"num_levels": LEVELS}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        try:
-            sampler, analyzer = (import_module(f"SALib.{part}.{method}")
-                                 for part in ("sample", "analyze"))
-        except ImportError:
-            raise SandboxError("influences need SALib: pip install 'sandbox-mechanics[studies]'",
-                               code="missing-package") from None
+        sampler, analyzer = optional(f"SALib.sample.{method}"), optional(f"SALib.analyze.{method}")
         sample = sampler.sample(problem, count, **given)
     quantiles = sample.copy()
     if method == "morris":  # its grid has the ends, where a distribution may be infinite
@@ -106,34 +101,32 @@ def find_sensitivity(session: Session, options: SensitivitySearch) -> Sensitivit
                            f"can be used{main_failure(rows)}", code="no-answer")
     influences = dict.fromkeys(names, tuple[Influence, ...]())
     for name, result in zip(names, values[sound].T, strict=True):
-        if np.ptp(result) > 1e-12 * np.abs(result).max(initial=0.0):
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                measured = analyzer.analyze(
-                    problem, *[sample[sound]] * (method == "morris"), result.copy(), **given)
-            influences[name] = tuple(sorted((Influence(
-                path, {word: float(measured[value][k])
-                       for word, (value, _) in MEASURES[method].items()},
-                {word: float(measured[half][k])
-                 for word, (_, half) in MEASURES[method].items() if half})
-                for k, path in enumerate(paths)),
-                key=lambda each: -each.values[RANKED[method]]))
+        if np.ptp(result) <= 1e-12 * np.abs(result).max(initial=0.0):
+            continue
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            measured = analyzer.analyze(
+                problem, *[sample[sound]] * (method == "morris"), result.copy(), **given)
+        found = [Influence(path, *({word: float(measured[keys[part]][k]) for word, keys
+                                    in MEASURES[method].items() if keys[part]} for part in (0, 1)))
+                 for k, path in enumerate(paths)]
+        influences[name] = tuple(sorted(found, key=lambda each: -each.values[RANKED[method]]))
     same, detail = _check(session, quantiles, values)
-    found = Sensitivity(method, influences, int((~sound).sum()), runs=len(values), certified=same,
-                        certificate=detail)
-    session.write(found)
+    answer = Sensitivity(method, influences, int((~sound).sum()), runs=len(values), certified=same,
+                         certificate=detail)
+    session.write(answer)
     if session.out:
-        _draw(session.out, session, found)
-    return found
+        _draw(session.out, session, answer)
+    return answer
 
 
 def _check(session: Session, quantiles: Array, values: Array) -> tuple[bool, str]:
     places = np.unique(np.linspace(0, len(quantiles) - 1, CHECKED).astype(int))
     again = results(session.rows(quantiles[places], halved=True), session.job.keep)
     before, spread = values[places], np.nanstd(values, axis=0)
-    both = np.isfinite(before) & np.isfinite(again)
+    both = np.isfinite(before) & np.isfinite(again) & (spread > 0)
     change = np.sqrt(np.mean(np.where(
-        both & (spread > 0), (again - before) / np.maximum(spread, 1e-300), 0.0) ** 2, axis=0))
+        both, (again - before) / np.maximum(spread, 1e-300), 0.0) ** 2, axis=0))
     worst = float(change.max())
     alike = bool((np.isfinite(before) == np.isfinite(again)).all())
     return alike and worst <= SAME, (
@@ -148,10 +141,9 @@ def _draw(folder: Path, session: Session, found: Sensitivity) -> None:
         if found.method == "morris":
             how = shown_as(session.units[name], np.array([each.values["mu_star"] for each in many]))
             factor, label = how.factor, f"change over a path's range [{how.unit or '1'}]"
-        panels.append(InfluenceBars(
-            name, [each.path for each in many],
-            {word: factor * np.array([each.values[word] for each in many]) for word in measures},
-            {word: factor * np.array([each.halves[word] for each in many])
-             for word, (_, half) in measures.items() if many and half}, label))
+        values, halves = ({word: factor * np.array([getattr(each, part)[word] for each in many])
+                           for word in measures if many and word in getattr(many[0], part)}
+                          for part in ("values", "halves"))
+        panels.append(InfluenceBars(name, [each.path for each in many], values, halves, label))
     draw_influences(folder / FOUND, panels, {word: WORDS[word] for word in measures},
                     f"{session.plan.name}: influence of the paths")

@@ -9,30 +9,31 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
-from sandbox.errors import SandboxError
+from sandbox.errors import SandboxError, optional
 from sandbox.figure.sweeps import SweepColumn, draw_front
 from sandbox.numeric import Array
 from sandbox.search.session import FOUND, RefusedError, Result, Session, main_failure, results
 from sandbox.sweeps.job import DONE, SweepRow
-from sandbox.sweeps.spec import BestSearch, Distribution, Values, number_of
+from sandbox.sweeps.options import BestSearch
+from sandbox.sweeps.spec import Distribution, number_of
 from sandbox.wording import quoted
 
-PACKAGES = {"cmaes": "cmaes", "gp": "torch"}  # what a sampler needs besides optuna
+PACKAGES = {"cmaes": ("cmaes",), "gp": ("torch", "torch")}  # what samplers need besides optuna
 BATCH = 10  # runs per batch, independent of the number of workers
-SIGMA = 0.3
-"""Standard deviation of the first points of CMA-ES, in ranges (Hansen, The CMA Evolution
-Strategy: A Tutorial, 2016)."""
+SAMPLERS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+    # sigma0: as in Hansen, The CMA Evolution Strategy: A Tutorial, 2016, in ranges
+    "cmaes": ("CmaEs", {"popsize": BATCH, "sigma0": 0.3}), "tpe": ("TPE", {"multivariate": True}),
+    "gp": ("GP", {}), "nsga2": ("NSGAII", {"population_size": 2 * BATCH}), "random": ("Random", {}),
+}  # Optuna's class and its arguments
 CHECKED = 5  # the best so many runs are repeated at half the step
-SAME, ALIKE = 0.05, 1e-3
-"""Of the standard deviation of all runs that meet the conditions: change of a value at half the
-step that is accepted, and distance to another run that counts as equal."""
+SAME = 0.05  # of the standard deviation of all that hold: accepted change at half the step
+ALIKE = 1e-3  # of the same: distance to another run that counts as equal
 ROUNDING = 1e-9  # of the largest value: smaller spreads are rounding
 
 
@@ -42,8 +43,7 @@ class Choice:
 
     values: Mapping[str, float | str]  # of its paths, SI or text
     objectives: Mapping[str, float]  # SI
-    excess: float
-    """Distance beyond the limits of conditions, relative to these; 0 or less if all hold."""
+    excess: float  # distance beyond the limits of conditions, relative to these
     halved: Mapping[str, float]  # the objectives at half the step
 
 
@@ -56,8 +56,7 @@ class Chosen(Result):
     units: Mapping[str, str]  #: SI, of paths and objectives
     failed: int  #: runs without an answer
     history: Array
-    """Objectives of all runs in their order, [n, objectives]; nan where a condition or a run
-    failed."""
+    """Objectives of all runs, [n, objectives]; nan where a condition or a run failed."""
 
     def _lines(self) -> list[str]:
         lines = []
@@ -82,9 +81,9 @@ def find_best(session: Session, options: BestSearch) -> Chosen:
     violate conditions behind all others: where the best lies at a limit, its distribution collapses
     too early, as that of TPE does not.
     """
-    if random := session.of_kind(Distribution):
-        raise RefusedError(f"{quoted(random[0])} has a distribution: an optimisation varies "
-                           "ranges and lists")
+    for path in session.of_kind(Distribution):
+        raise RefusedError(f"{quoted(path)} has a distribution: an optimisation varies ranges and "
+                           "lists")
     trials = _Trials(session, options)
     goals, wanted, lists = trials.goals, trials.wanted, bool(session.of_kind(tuple))
     sampler = options.sampler or (
@@ -96,7 +95,7 @@ def find_best(session: Session, options: BestSearch) -> Chosen:
     session.check_runs(options.runs)
     trials.run(_study(sampler, len(goals), options.seed), options.runs, ranked=sampler == "cmaes")
     found = trials.chosen()
-    session.write(found, wanted=wanted)
+    session.write(found, wanted)
     if session.out and len(goals) > 1:
         front = np.array([[*each.objectives.values()] for each in found.best])
         draw_front(
@@ -110,24 +109,15 @@ def find_best(session: Session, options: BestSearch) -> Chosen:
 
 
 def _study(sampler: str, goals: int, seed: int) -> Any:
-    try:
-        optuna: Any = import_module("optuna")
-        if sampler in PACKAGES:
-            import_module(PACKAGES[sampler])
-    except ImportError as error:
-        raise SandboxError(f"the sampler {sampler} needs {error.name}: pip install "
-                           + ("torch" if sampler == "gp" else "'sandbox-mechanics[studies]'"),
-                           code="missing-package") from None
+    optuna = optional("optuna")
+    if sampler in PACKAGES:
+        optional(*PACKAGES[sampler])
     optuna.logging.set_verbosity(optuna.logging.ERROR)
-    make: dict[str, Callable[[], Any]] = {
-        "cmaes": lambda: optuna.samplers.CmaEsSampler(seed=seed, popsize=BATCH, sigma0=SIGMA),
-        "tpe": lambda: optuna.samplers.TPESampler(seed=seed, multivariate=True),
-        "gp": lambda: optuna.samplers.GPSampler(seed=seed),
-        "nsga2": lambda: optuna.samplers.NSGAIISampler(seed=seed, population_size=2 * BATCH),
-        "random": lambda: optuna.samplers.RandomSampler(seed=seed)}
+    name, more = SAMPLERS[sampler]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # some samplers are experimental
-        return optuna.create_study(directions=["minimize"] * goals, sampler=make[sampler]())
+        return optuna.create_study(directions=["minimize"] * goals, sampler=getattr(
+            optuna.samplers, f"{name}Sampler")(seed=seed, **more))
 
 
 class _Trials:
@@ -141,44 +131,45 @@ class _Trials:
                 self.goals[name] = kind
         self.wanted = session.conditions(options.where)
         self.signs = np.array([1.0 if goal == "least" else -1.0 for goal in self.goals.values()])
-        self.quantiles = np.empty((0, len(self.session.paths)))
+        self.quantiles = np.empty((0, len(session.paths)))
         self.costs = np.empty((0, len(self.goals)))  # nan for a run without an answer
         self.excess = np.empty(0)
-        self.failed: list[SweepRow] = []
+        self.rows: list[SweepRow] = []
 
     def run(self, study: Any, runs: int, *, ranked: bool) -> None:
-        failed = import_module("optuna").trial.TrialState.FAIL
+        failed = optional("optuna").trial.TrialState.FAIL
         while len(self.costs) < runs:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 trials = [study.ask() for _ in range(min(BATCH, runs - len(self.costs)))]
-                quantiles = np.array([[_suggest(trial, path, values) for path, values
-                                       in self.session.over.items()] for trial in trials])
+                # of a list the middle of the part of a value
+                quantiles = np.array([[
+                    (trial.suggest_categorical(path, range(len(values))) + 0.5) / len(values)
+                    if isinstance(values, tuple) else trial.suggest_float(path, 0.0, 1.0)
+                    for path, values in self.session.over.items()] for trial in trials])
             rows = self.session.rows(quantiles)
             costs, excess = self.judge(rows)
+            self.rows += rows
             self.quantiles = np.vstack([self.quantiles, quantiles])
             self.costs = np.vstack([self.costs, costs])
             self.excess = np.append(self.excess, excess)
-            worst = np.max(self.costs[self.excess <= 0], initial=0.0)
-            for trial, row, cost, beyond in zip(trials, rows, costs, excess, strict=True):
-                if np.isnan(cost).any():
-                    self.failed.append(row)
+            worst = float(np.max(self.costs[self.excess <= 0], initial=0.0))
+            for trial, cost, beyond in zip(trials, costs.tolist(), excess.tolist(), strict=True):
+                if math.isnan(cost[0]):
                     study.tell(trial, state=failed)
                 elif ranked:  # behind all that hold, ordered by the distance (Deb, 2000)
-                    study.tell(trial, float(cost[0]) if beyond <= 0 else
-                               float(worst) + 1.0 + float(beyond))
+                    study.tell(trial, cost[0] if beyond <= 0 else worst + 1.0 + beyond)
                 else:
                     if self.wanted:
-                        trial.set_constraint("conditions", float(beyond))
-                    study.tell(trial, cost.tolist())
+                        trial.set_constraint("conditions", beyond)
+                    study.tell(trial, cost)
 
     def judge(self, rows: Sequence[SweepRow]) -> tuple[Array, Array]:
         """Costs [n, goals], and relative distances beyond the conditions [n]."""
         costs, excess = results(rows, self.goals), np.zeros(len(rows))
         if self.wanted:
-            excess = np.max([
-                each.excess(results(rows, [each.name])[:, 0]) / (abs(each.limit) or 1.0)
-                for each in self.wanted], axis=0)
+            excess = np.max([each.excess(rows) / (abs(each.limit) or 1.0)
+                             for each in self.wanted], axis=0)
         bad = np.array([row.status != DONE for row in rows]) | np.isnan(costs).any(axis=1) | \
             np.isnan(excess)
         costs[bad], excess[bad] = np.nan, np.inf
@@ -192,7 +183,7 @@ class _Trials:
             raise SandboxError(
                 f"no run of {len(self.excess)} meets all conditions; the nearest is beyond one by "
                 f"{100 * beyond:.3g} % of its limit" if math.isfinite(beyond) else
-                f"no run of {len(self.excess)} has an answer{main_failure(self.failed)}",
+                f"no run of {len(self.excess)} has an answer{main_failure(self.rows)}",
                 code="no-answer")
         single, session = len(self.goals) == 1, self.session
         order = sound[np.argsort(self.costs[sound, 0], kind="stable")]
@@ -210,21 +201,13 @@ class _Trials:
             return dict(zip(self.goals, (values * self.signs).tolist(), strict=True))
 
         choices = tuple(Choice(
-            {path: value if isinstance(value := number_of(written), float) else str(value)
-             for path, written in point.items()},
+            {path: number_of(written) for path, written in point.items()},
             named(self.costs[run]), float(self.excess[run]), named(cost))
             for run, point, cost in zip(best, session.points(self.quantiles[best]), costs,
                                         strict=False))
         history = np.where(self.excess[:, None] <= 0, self.costs * self.signs, np.nan)
-        return Chosen(choices, self.goals, session.units, len(self.failed), history,
-                      runs=len(self.costs), certified=same, certificate=detail)
-
-
-def _suggest(trial: Any, path: str, values: Values) -> float:
-    """The quantile of a path in a trial; the middle of its part for one of a list."""
-    if not isinstance(values, tuple):
-        return float(trial.suggest_float(path, 0.0, 1.0))
-    return float(trial.suggest_categorical(path, range(len(values))) + 0.5) / len(values)
+        return Chosen(choices, self.goals, session.units, int(np.isnan(self.costs[:, 0]).sum()),
+                      history, runs=len(self.costs), certified=same, certificate=detail)
 
 
 def _front(costs: Array) -> Array:
@@ -235,9 +218,9 @@ def _front(costs: Array) -> Array:
 
 def _compare(before: Array, after: Array, excess: Array, *, single: bool) -> tuple[bool, str]:
     """Whether the best are the best at half the step, too; costs relative to their spread."""
-    if not (excess <= 0).all():
-        return False, (f"{int((~(excess <= 0)).sum())} of the best {len(excess)} fail a condition "
-                       "or have no answer there")
+    if beyond := int((~(excess <= 0)).sum()):
+        return False, (f"{beyond} of the best {len(excess)} fail a condition or have no answer "
+                       "there")
     change = float(np.abs(after - before).max())
     if single:
         best = float(after[0, 0] - after.min()) <= ALIKE

@@ -68,15 +68,12 @@ def study(
 
     Args:
         file: the file, or its data.
-        out: a directory; runs that are finished in it are not repeated. Nowhere by default.
-        workers: number of processes, by default one for each processor; or the address of a Dask
-            scheduler.
+        out: as ``workers`` and ``limits`` of all searches: see :class:`Shared`.
+        workers: number of processes, or an address.
         limits: of the scene.
 
     Raises:
-        SceneError: every problem of the study or its scene.
         SandboxError: the study has no search; as the search itself.
-        OutputError: the directory cannot be written.
     """
     return run_search(Session(file, limits), out, workers)
 
@@ -91,8 +88,7 @@ def threshold(
         scene: a scene.
         where: conditions, as ``"moved < 1 mm"``; by default the scene's expectations.
         within: width of the bracket; by default a thousandth of the range.
-        shared: ``vary`` (one path with a range), ``keep``, ``set``, ``out``, ``workers``,
-            ``limits``: see :class:`Shared`.
+        shared: ``vary`` (one path with a range) and others: see :class:`Shared`.
 
     Raises:
         SandboxError: both ends of the range have the same answer; a run has none.
@@ -112,7 +108,7 @@ def fit(
         match: the quantity of each column, ``{"x": "puck.x"}``; by default columns that have a
             quantity's name.
         noise: standard deviation of each column; estimated by default.
-        shared: ``vary`` (ranges), ``set``, ``out``, ``workers``, ``limits``: see :class:`Shared`.
+        shared: ``vary`` (ranges) and others except ``keep``: see :class:`Shared`.
 
     Raises:
         SandboxError: data that cannot be used, a run without an answer.
@@ -136,8 +132,7 @@ def best(
         sampler: of Optuna: ``cmaes``, ``tpe``, ``gp``, ``nsga2``, ``random``.
         runs: number of runs.
         seed: of the sampler.
-        shared: ``vary`` (ranges and lists), ``keep``, ``set``, ``out``, ``workers``, ``limits``:
-            see :class:`Shared`.
+        shared: ``vary`` (ranges and lists) and others: see :class:`Shared`.
 
     Raises:
         SandboxError: no run meets the conditions; a package is not installed.
@@ -157,8 +152,7 @@ def sensitivity(
         method: ``sobol`` (shares of the variance) or ``morris`` (screening).
         count: base points, a power of 2, or trajectories.
         seed: of the points.
-        shared: ``vary`` (two or more paths), ``keep``, ``set``, ``out``, ``workers``, ``limits``:
-            see :class:`Shared`.
+        shared: ``vary`` (two or more paths) and others: see :class:`Shared`.
 
     Raises:
         SandboxError: too few runs have an answer; SALib is not installed.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
@@ -11,7 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from textwrap import shorten
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from sandbox.scene.read.limits import Limits, over
 from sandbox.sweeps.job import DONE, STEP, Log, Point, SweepRow, run_id
 from sandbox.sweeps.plan import Checks, Study, read_study
 from sandbox.sweeps.processes import check_workers
-from sandbox.sweeps.spec import Points, Range, number_of, values_at
+from sandbox.sweeps.spec import Range, number_of, points_of, values_at
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.table import draw_table, make_table
 from sandbox.sweeps.workers import make_workers
@@ -35,7 +34,6 @@ from sandbox.wording import WrongValueError, listed, or_near, quoted
 RESULT, FIGURE, FOUND = "search.json", "search.png", "found.png"
 SEEDED = ("best", "sensitivity")  # searches whose seed may be that of the study
 Quantiles = Array | Sequence[Sequence[float]]
-Number = TypeVar("Number", float, Array)
 _RELATION = re.compile(r"\s*(.+?)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
 
@@ -79,9 +77,10 @@ class Condition:
     limit: float
     text: str
 
-    def excess(self, value: Number) -> Number:
-        """Distance beyond the limit [SI]; negative where the condition holds."""
-        return value - self.limit if self.below else self.limit - value
+    def excess(self, rows: Sequence[SweepRow]) -> Array:
+        """Distances beyond the limit [SI], [n]; negative where the condition holds."""
+        values = results(rows, [self.name])[:, 0]
+        return values - self.limit if self.below else self.limit - values
 
 
 class Session:
@@ -98,10 +97,9 @@ class Session:
         source = read_study(study, limits)
         data = source.data
         self.source, self.kind, self.options = source, kind, dict(given or {})
-        own = data.get("search")
-        if own is None and not kind:
+        own = data.get("search", {kind: {}} if kind else None)
+        if own is None:
             raise RefusedError('the study has no key "search": add the kind of search')
-        own = {kind: {}} if own is None else own
         if isinstance(own, dict) and len(own) == 1 and isinstance(own[(*own,)[0]], dict):
             (self.kind, written), = own.items()
             if kind not in ("", self.kind):
@@ -115,10 +113,9 @@ class Session:
             own = {self.kind: self.options}
         source = replace(source, data={"audit": False, **data, "search": own})
         self.plan = Checks(source, limits, search=True).plan()
-        if STEP in self.plan.points.axes:
-            raise SceneError([Problem("bad-search",
-                                      f"a search does not vary {STEP}: it is halved to see whether "
-                                      "the result depends on it")], source.name)
+        if STEP in self.plan.spec.over:
+            raise SceneError([Problem("bad-search", f"a search does not vary {STEP}: it is halved "
+                                      "to see whether the result depends on it")], source.name)
         self.spec = getattr(self.plan.spec.search, self.kind)
         self.job = self.plan.job
         self.over = self.plan.spec.over
@@ -128,8 +125,8 @@ class Session:
         self.workers: int | str = 0
         self.on_row: Callable[[SweepRow], None] = lambda row: None
         self.stack = ExitStack()
-        self._visited: dict[str, Point] = {}
-        self._halved: set[str] = set()
+        self.visited: dict[str, Point] = {}
+        self.halved: set[str] = set()  # ids of runs at half the step
 
     def wrong(self, error: RefusedError, *, key: bool = False) -> SceneError:
         """The error with its place in the study."""
@@ -145,15 +142,14 @@ class Session:
 
     def points(self, quantiles: Quantiles) -> list[Point]:
         """Values of all paths at quantiles, [n, paths]."""
-        table = np.asarray(quantiles, dtype=float)
-        columns = [values_at(each, table[:, k]) for k, each in enumerate(self.over.values())]
-        return [dict(zip(self.over, values, strict=True)) for values in zip(*columns, strict=True)]
+        columns = np.asarray(quantiles, dtype=float).T
+        return points_of([{path: values_at(values, column) for (path, values), column
+                           in zip(self.over.items(), columns, strict=True)}])
 
     def numbers(self, quantiles: Quantiles) -> Array:
         """The same in SI, [n, paths]; nan for texts."""
-        found = [map(number_of, point.values()) for point in self.points(quantiles)]
-        return np.array([[value if isinstance(value, float) else np.nan for value in row]
-                         for row in found])
+        return np.array([[value if isinstance(value := number_of(written), float) else np.nan
+                          for written in point.values()] for point in self.points(quantiles)])
 
     def check_unit(self, value: float, unit: str, what: str, *path: str | int) -> None:
         """Refuse a number with a unit of another dimension than ``unit`` [SI]."""
@@ -184,11 +180,6 @@ class Session:
             found.append(Condition(name, relation in ("<", "<="), float(limit), text))
         return tuple(found)
 
-    @property
-    def count(self) -> int:
-        """Different runs so far, at both steps."""
-        return len(self._visited) + len(self._halved)
-
     def check_runs(self, runs: int) -> None:
         """Refuse more runs than the limit."""
         if problems := list(over(self.job.limits, "runs", runs, "search",
@@ -198,9 +189,7 @@ class Session:
     @cached_property
     def _log(self) -> Log:
         self.workers = check_workers(self.workers)
-        folder = self.out or Path(self.stack.enter_context(
-            tempfile.TemporaryDirectory(prefix="sandbox-search-")))
-        return self.stack.enter_context(Log(folder))
+        return self.stack.enter_context(Log(self.out))
 
     @cached_property
     def _known(self) -> dict[str, SweepRow]:
@@ -218,9 +207,9 @@ class Session:
             points = [{**point, STEP: step} for point in points]
         wanted = [(run_id(digest, point), point) for point in points]
         if halved:
-            self._halved.update(id for id, _ in wanted)
+            self.halved.update(id for id, _ in wanted)
         else:
-            self._visited.update(wanted)
+            self.visited.update(wanted)
         if missing := {id: point for id, point in wanted if id not in known}:
             for row in self._workers.results(missing.items()):
                 self._log.add(row)
@@ -229,29 +218,25 @@ class Session:
         return [known[id] for id, _ in wanted]
 
     def write(
-        self, found: Result, *, wanted: tuple[Condition, ...] = (), line: FoundLine | None = None,
-        **more: Any,
+        self, found: Result, wanted: Sequence[Condition] = (), line: FoundLine | None = None,
     ) -> None:
-        """Write the table, its figure, and ``search.json`` with ``more`` entries."""
+        """Write the table, its figure, and ``search.json``."""
         if self.out is None:
             return
-        points = list(self._visited.values())
-        plan = replace(self.plan, job=self.job, points=Points([
-            {path: [point[path] for point in points] for path in self.paths}]))
-        table = make_table(plan, self._log.rows())
+        plan = replace(self.plan, job=self.job, points=[*self.visited.values()])
+        table = make_table(plan, self._known.values())
         if wanted:
-            table.met = held([self._known[id] for id in self._visited], wanted)
+            table.met = held([self._known[id] for id in self.visited], wanted)
         table.write(self.out)
         if self.kind != "fit":  # it keeps whole curves, and has a figure of its own
-            draw_table(table, self.out / FIGURE, held=table.met, found=line,
-                       condition=" and ".join(each.text for each in wanted))
+            draw_table(table, self.out / FIGURE, " and ".join(each.text for each in wanted), line)
         given = {name: option for name, option in self.spec.model_dump().items()
                  if option not in (None, (), {}, "")}
         write_atomic(self.out / RESULT, json_text({
             "search": self.kind,
             "study": {**self.plan.written, "search": {self.kind: given}},
             "versions": {"sandbox": __version__}, "units": plan.units,
-            "found": asdict(found) | more}, indent=2) + "\n")
+            "found": asdict(found)}, indent=2) + "\n")
 
 
 def make_session(
@@ -260,15 +245,12 @@ def make_session(
     limits: Limits | None = None,
 ) -> Session:
     """The session of a scene and the arguments of a sweep; without ``vary``, of a study file."""
-    if vary is None and not isinstance(scene, Mapping):
-        return Session(scene, limits, kind, options)
-    found = Session(study_data(scene, vary=vary or {}, keep=keep, set=set), limits, kind, options)
-    if problems := [Problem(
-            "bad-study",
-            f"{quoted(path)} has a count, {each.count}, and a search chooses its points itself",
-            allowed="the range without its count") for path, each in found.over.items()
-            if isinstance(each, Range) and each.count]:
-        raise SceneError(problems)
+    found = Session(study_data(scene, vary=vary, keep=keep, set=set), limits, kind, options)
+    for path, each in found.over.items() if vary else ():
+        if isinstance(each, Range) and each.count:
+            raise SceneError([Problem(
+                "bad-study", f"{quoted(path)} has a count, {each.count}, and a search chooses its "
+                "points itself", allowed="the range without its count")])
     return found
 
 
@@ -281,7 +263,7 @@ def held(rows: Sequence[SweepRow], wanted: Sequence[Condition]) -> Array:
     """1 where all conditions, or without any the scene's expectations, hold, 0 or nan, [n]."""
     if not wanted:
         return np.array([row.holds for row in rows], dtype=float)
-    worst = np.max([each.excess(results(rows, [each.name])[:, 0]) for each in wanted], axis=0)
+    worst = np.max([each.excess(rows) for each in wanted], axis=0)
     known = np.array([row.status == DONE for row in rows]) & np.isfinite(worst)
     return np.where(known, worst <= 0, np.nan)
 

@@ -1,4 +1,4 @@
-"""Thresholds: the least pull that holds, the largest push, the smallest friction."""
+"""Thresholds: the smallest pull that holds, the largest push, the smallest friction."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import numpy as np
 from sandbox.errors import SandboxError
 from sandbox.figure.sweeps import FoundLine
 from sandbox.search.session import RefusedError, Result, Session, held
-from sandbox.sweeps.spec import Range, ThresholdSearch
+from sandbox.sweeps.options import ThresholdSearch
+from sandbox.sweeps.spec import Range
 
 WITHIN = 1e-3  # default width of the bracket, as a fraction of the range
 NARROWEST = 1e-9  # of the range: narrower brackets are rounding
@@ -24,15 +25,11 @@ class ThresholdFound(Result):
     path: str
     unit: str  #: SI; empty for none
     low: float  #: of the bracket, SI; the condition holds at one of its ends only
+    middle: float
     high: float
     holds_below: bool  #: whether the condition holds below the threshold
     condition: str
     remarks: tuple[str, ...] = ()
-
-    @property
-    def middle(self) -> float:
-        """Of the bracket, SI."""
-        return (self.low + self.high) / 2
 
     def _lines(self) -> list[str]:
         side = "below" if self.holds_below else "above"
@@ -105,18 +102,18 @@ def find_threshold(session: Session, options: ThresholdSearch) -> ThresholdFound
     same, detail = True, "both ends of the bracket answer as before"
     if holds_at([first, last], halved=True) != [below, not below]:
         again, other, answers = bisect(partial(holds_at, halved=True), narrow)
-        least, most = session.numbers([[again], [other]])[:, 0]
-        same, detail = False, f"there it is between {least:.8g} and {most:.8g} {unit}".rstrip()
-        if answers[again] == answers[other]:
-            detail = (f"there it {'holds' if answers[again] else 'does not hold'} at both ends of "
-                      "the range")
+        one, two = session.numbers([[again], [other]])[:, 0]
+        same, detail = False, (
+            f"there it is between {one:.8g} and {two:.8g} {unit}".rstrip()
+            if answers[again] != answers[other] else "there it "
+            f"{'holds' if answers[again] else 'does not hold'} at both ends of the range")
     turns = int(np.diff([known[at] for at in sorted(known)]).sum())
     remarks = (f"the answer changes {turns} times along the range: this is one of several "
                "thresholds",) if turns > 1 else ()
-    found = ThresholdFound(path, unit, low, high, below, condition, remarks, runs=len(known),
-                           certified=same, certificate=detail)
-    at = f"{found.middle:.6g} {unit}".rstrip()
-    session.write(found, wanted=wanted, middle=found.middle, line=FoundLine(
-        path, low, found.middle, high,
-        f"Dashed: {condition} holds {'below' if below else 'above'} {at}."))
+    middle, side = (low + high) / 2, "below" if below else "above"
+    found = ThresholdFound(path, unit, low, middle, high, below, condition, remarks,
+                           runs=len(known), certified=same, certificate=detail)
+    session.write(found, wanted, FoundLine(
+        path, low, middle, high,
+        f"Dashed: {condition} holds {side} {f'{middle:.6g} {unit}'.rstrip()}."))
     return found

@@ -10,31 +10,32 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import os
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, Literal
+
+from pydantic import TypeAdapter, ValidationError
 
 from sandbox import __version__, errors
-from sandbox.atomic_files import locked, output_errors
+from sandbox.atomic_files import flush, locked, output_errors
 from sandbox.scene.document import element_files, load_elements
 from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.settings import Looked
 
-DONE, DIED = "done", "died"  # status of a finished run, and of one whose worker processes died
-ENDED: dict[type[errors.SandboxError], str] = {  # status of a run by the error that ended it
+Status = Literal["", "done", "refused", "diverged", "limited", "failed", "died"]
+"""How a run ended; empty for one that was not done yet, ``died`` if its worker processes died."""
+DONE: Status = "done"
+ENDED: dict[type[errors.SandboxError], Status] = {  # status of a run by the error that ended it
     errors.SceneError: "refused", errors.SimulationDiverged: "diverged",
     errors.RecordingFull: "limited", errors.ControllerFailed: "failed"}
-STATUSES = (DONE, *ENDED.values(), DIED)
 STEP = "run.step"  # path of the time step, which searches halve to check their result
 ROWS = Path("rows", "00000.jsonl")  # the rows in the directory of a sweep
-Override = str | float | int | bool | list[Any] | dict[str, Any] | None
-"""A value as ``--set`` takes it."""
+Override = str | float | int | bool | list[Any] | dict[str, Any] | None  # as ``--set`` takes it
 Point = Mapping[str, Override]  # the values of the varied paths in a run
 Task = tuple[str, Point]  # id of a run, and the values of its paths
 
@@ -46,19 +47,8 @@ class Bundle:
     name: str  # name of the scene
     main: str = ""  # name of its file; empty for a scene given as data
     data: dict[str, Any] | None = None
-    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)  # by name
-    elements: Mapping[str, bytes] = field(default_factory=element_files, repr=False)
-    """Files that register elements, by path."""
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the contents, hexadecimal."""
-        total = hashlib.sha256(json.dumps(self.data, sort_keys=True).encode())
-        total.update(f"{self.name}\0{self.main}".encode())
-        for files in (self.files, self.elements):
-            for name in sorted(files):
-                total.update(f"{name}\0{len(files[name])}\0".encode() + files[name])
-        return total.hexdigest()
+    files: Mapping[str, bytes] = field(default_factory=dict)  # by name
+    elements: Mapping[str, bytes] = field(default_factory=element_files)  # own ones, by path
 
     def register(self) -> None:
         """Register the elements of files in this process."""
@@ -88,10 +78,8 @@ def make_bundle(
     if isinstance(scene, Mapping):
         data = json.loads(json.dumps(dict(scene)))
         return Bundle(loaded.mechanism.name, data=data), loaded
-    folder, later = scene.parent, set(_texts(list(also)))
-    paths = [scene, *loaded.files]
-    for text in sorted(filter(str.isidentifier, later)):
-        path = folder / f"{text}.json"
+    folder, later, paths = scene.parent, set(_texts(list(also))), [scene, *loaded.files]
+    for path in [folder / f"{text}.json" for text in sorted(filter(str.isidentifier, later))]:
         if path.is_file():
             paths += [path, *read_scene(path, limits=limits).files]
     found = {str(path.relative_to(folder) if path.is_relative_to(folder) else path.name):
@@ -124,9 +112,15 @@ class SweepJob:
     @property
     def digest(self) -> str:
         """SHA-256 of all that a row depends on besides the values of its paths, hexadecimal."""
-        keep = {name: each if isinstance(each, str) else each.model_dump(mode="json")
-                for name, each in self.keep.items()}
-        text = json.dumps([self.bundle.digest, dict(self.set), keep, self.audited, __version__],
+        bundle, keep = self.bundle, {
+            name: each if isinstance(each, str) else each.model_dump(mode="json")
+            for name, each in self.keep.items()}
+        total = hashlib.sha256(json.dumps(bundle.data, sort_keys=True).encode())
+        total.update(f"{bundle.name}\0{bundle.main}".encode())
+        for files in (bundle.files, bundle.elements):
+            for name in sorted(files):
+                total.update(f"{name}\0{len(files[name])}\0".encode() + files[name])
+        text = json.dumps([total.hexdigest(), dict(self.set), keep, self.audited, __version__],
                           sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
@@ -142,7 +136,7 @@ class SweepRow:
     """The outcome of one run."""
 
     id: str  # see :func:`run_id`
-    status: str  # one of :data:`STATUSES`
+    status: Status
     reason: str = ""  # why the run ended early, or which results have no value; empty otherwise
     kept: Mapping[str, float | None] = field(default_factory=dict)  # None: no value
     holds: bool | None = None  # whether all expectations hold; None where it has none
@@ -154,45 +148,40 @@ class SweepRow:
         """Why it has no answer."""
         return self.reason if self.status == DONE else f"{self.status}: {self.reason}"
 
-    def to_json(self) -> bytes:
-        """A line of JSON."""
-        return json.dumps(asdict(self), allow_nan=False).encode() + b"\n"
-
 
 class Log:
-    """The rows of a directory, as a context in which no other process adds to them."""
+    """The rows of a directory, or a temporary one, as a context in which only it adds to them."""
 
-    def __init__(self, directory: Path) -> None:
-        self.path = directory / ROWS
+    _line = TypeAdapter(SweepRow)
+
+    def __init__(self, directory: Path | None) -> None:
         self._stack = contextlib.ExitStack()
+        self.path = (directory or Path(self._stack.enter_context(
+            tempfile.TemporaryDirectory(prefix="sandbox-rows-")))) / ROWS
         self._file: IO[bytes] | None = None
 
     def __enter__(self) -> Log:
         folder = self.path.parent
         with output_errors(folder):
             folder.mkdir(parents=True, exist_ok=True)
-            mark = folder / ".lock"
-            mark.touch()
-            if self._stack.enter_context(locked(mark)) is False:
+            (folder / ".lock").touch()
+            if self._stack.enter_context(locked(folder / ".lock")) is False:
                 raise errors.OutputError(f"{folder.parent}: another process writes to this "
                                          "directory", code="runs-in-use")
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._file is not None:
-            with contextlib.suppress(OSError):
-                os.fsync(self._file.fileno())
-            self._file.close()
         self._stack.close()
 
     def add(self, row: SweepRow) -> None:
         """Append a finished run."""
         with output_errors(self.path):
             if self._file is None:
-                self._file = self.path.open("ab", buffering=0)
+                self._file = self._stack.enter_context(self.path.open("ab", buffering=0))
                 # remove a line that was cut off
                 self._file.truncate(self.path.read_bytes().rfind(b"\n") + 1)
-            self._file.write(row.to_json())
+                self._stack.callback(flush, self.path)
+            self._file.write(json.dumps(asdict(row), allow_nan=False).encode() + b"\n")
 
     def rows(self) -> Iterator[SweepRow]:
         """The rows so far, in the order in which they were finished."""
@@ -203,15 +192,8 @@ class Log:
                 if not line.endswith(b"\n"):
                     break  # being written, or cut off
                 try:
-                    data = json.loads(line)
-                    looks = data["looks"]
-                    row = SweepRow(**data | {
-                        "failed": tuple(data["failed"]),
-                        "looks": None if looks is None else tuple(looks)})
-                    if row.status not in STATUSES:
-                        raise ValueError(row.status)
-                except (KeyError, TypeError, ValueError, AttributeError):
+                    yield self._line.validate_json(line)
+                except ValidationError:
                     raise errors.OutputError(
-                        f"{self.path}:{number}: this line is no row of a sweep; take it away, and "
-                        "its run is done again", code="run-damaged") from None
-                yield row
+                        f"{self.path}:{number}: this line is no row of a sweep; remove it, and its "
+                        "run is repeated", code="run-damaged") from None

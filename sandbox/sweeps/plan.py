@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from sandbox.errors import Problem, SceneError
@@ -17,15 +19,16 @@ from sandbox.samples.samples import TIME
 from sandbox.scene.library import find_scene
 from sandbox.scene.read.limits import Limits, over
 from sandbox.scene.read.load import Loaded, read_scene
+from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.source import SceneSource, read_source
-from sandbox.scene.settings import Expect, Looked
+from sandbox.scene.settings import Looked
 from sandbox.sweeps.job import Point, SweepJob, make_bundle, run_id
-from sandbox.sweeps.spec import UNCOUNTED, Points, SweepSpec, number_of, si_unit
+from sandbox.sweeps.spec import UNCOUNTED, SweepSpec, number_of, points_of
 from sandbox.values.expressions import parse_expression
 from sandbox.values.messages import explain
-from sandbox.values.paths import parse_path
-from sandbox.values.units import unit_in
-from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
+from sandbox.values.paths import holds, parse_path
+from sandbox.values.units import dimension_of, si_unit, unit_in
+from sandbox.wording import is_pattern, listed, near, quoted
 
 Study = str | os.PathLike[str] | Mapping[str, Any]
 COLUMNS = ("run", "id", "status", "reason", "met", "holds", "failed", "looks", "seed")
@@ -37,16 +40,12 @@ MAX_TRIED_TEXTS = 20  # texts of one path with which the scene is read before an
 class Plan:
     """A sweep that can be run."""
 
+    name: str
     spec: SweepSpec
     job: SweepJob
-    points: Points
+    points: Sequence[Point]
     loaded: Loaded  # the scene with the changes of ``set``, without varied values
     written: Mapping[str, Any]  # the study as it was written
-
-    @property
-    def name(self) -> str:
-        """Name of the sweep."""
-        return self.spec.name or self.loaded.mechanism.name
 
     def __len__(self) -> int:
         return len(self.points)
@@ -55,29 +54,25 @@ class Plan:
     def ids(self) -> list[str]:
         """The ids of all runs; equal points have equal ids."""
         digest = self.job.digest
-        return [run_id(digest, self.points[run]) for run in range(len(self))]
+        return [run_id(digest, point) for point in self.points]
 
     @cached_property
     def units(self) -> dict[str, str]:
         """SI units of paths and results; empty for none."""
         found = {}
-        for path, values in self.points.axes.items():
-            unit, written = unit_in(values[0]), self.loaded.origins.source.data
-            for step in () if unit else parse_path(path):  # by default that in the scene file
-                if isinstance(written, dict):
-                    written = written.get(str(step))
-                elif isinstance(written, list):
-                    written = written[step] if isinstance(step, int) and step < len(written) else \
-                        next((each for each in written
-                              if isinstance(each, dict) and each.get("name") == step), None)
-            found[path] = si_unit(unit or unit_in(written))
+        data = self.loaded.origins.source.data
+        for path, value in self.points[0].items():
+            unit = unit_in(value)
+            for place in () if unit else apply_overrides(data, {path: value})[1]:
+                unit = unit_in(reduce(lambda at, step: at[step] if holds(at, step) else None,
+                                      place, data))  # by default that in the scene file
+            found[path] = si_unit(dimension_of(unit)) if unit else ""
         catalogue = Catalogue(self.loaded.mechanism)
         for name, keep in self.job.keep.items():
             quantity = keep.quantity if isinstance(keep, Looked) else ""
-            unit = catalogue.find(quantity).unit if quantity in catalogue else \
+            found[name] = catalogue.find(quantity).unit if quantity in catalogue else \
                 "s" if quantity == TIME else ""
-            found[name] = "" if unit == "1" else unit
-        return found
+        return {name: "" if unit == "1" else unit for name, unit in found.items()}
 
 
 def read_study(study: Study, limits: Limits | None) -> SceneSource:
@@ -96,8 +91,7 @@ class Checks:
 
     def __init__(self, found: SceneSource, limits: Limits | None, search: bool = False) -> None:
         self.found, self.data, self.limits = found, found.data, limits or Limits()
-        self.search = search
-        self.problems: list[Problem] = []
+        self.search, self.problems = search, list[Problem]()
 
     def plan(self) -> Plan:
         """The plan; all problems are raised together."""
@@ -108,26 +102,28 @@ class Checks:
             spec = SweepSpec.model_validate(self.data, context={
                 "parameters": base.scene.parameters, "search": self.search})
         except ValidationError as error:
-            if "search" in self.data and all(each["type"] == UNCOUNTED for each in error.errors()):
-                self._refuse(Problem("bad-study",
-                                     "the study is a search, whose ranges have no points of "
-                                     "their own: 'sandbox search' runs it", "$.search", key=True))
-            self._refuse(*explain(error, self.data, SweepSpec))
+            found = explain(error, self.data, SweepSpec)
+            if "search" in self.data and all(each.code == UNCOUNTED and each.path.startswith(
+                    "$.vary") for each in found):
+                found = [Problem("bad-study", "the study is a search, whose ranges have no points "
+                                 "of their own: 'sandbox search' runs it", "$.search", key=True)]
+            self._refuse(*found)
             raise
-        points = spec.ends() if self.search else spec.points()
-        self._refuse(*over(self.limits, "runs", len(points), "$.vary",
-                           "the sweep has {count} runs"))
+        dimensions = spec.ends() if self.search else spec.dimensions()
+        count = math.prod(len(next(iter(each.values()))) for each in dimensions)
+        self._refuse(*over(self.limits, "runs", count, "$.vary", "the sweep has {count} runs"))
+        points = points_of(dimensions)
         durations = self._read_extremes(scene, spec, points)
-        if len(durations) == 1 or "run.duration" in points.axes:  # otherwise others may be longer
+        if len(durations) == 1 or "run.duration" in spec.over:  # otherwise others may be longer
             self.problems += [
                 Problem("bad-time", beyond, f'$.keep["{name}"]') for name, each in spec.keep.items()
                 if isinstance(each, Looked) and (beyond := each.past_end(max(durations)))]
-        keep = self._results(spec, base, points)
+        keep = self._results(spec, base)
         self._refuse()
-        bundle, base = make_bundle(scene, spec.set, self.limits, also=points.axes.values())
+        bundle, base = make_bundle(scene, spec.set, self.limits, also=points)
         job = SweepJob(bundle, spec.set, keep, audited=spec.audit, limits=self.limits)
-        name = spec.name or (self.found.path.stem if self.found.path else "")
-        return Plan(spec.model_copy(update={"name": name}), job, points, base, self.data)
+        name = spec.name or (self.found.path.stem if self.found.path else base.mechanism.name)
+        return Plan(name, spec, job, points, base, self.data)
 
     def _refuse(self, *problems: Problem) -> None:
         if found := [*self.problems, *problems]:
@@ -153,19 +149,17 @@ class Checks:
             raise
 
     def _read_extremes(
-        self, scene: Path | dict[str, Any], spec: SweepSpec, points: Points,
+        self, scene: Path | dict[str, Any], spec: SweepSpec, points: Sequence[Point],
     ) -> set[float]:
         """Durations [s] of runs at the first point, and with the extreme values of each path."""
         runs, durations, problems = {0}, set[float](), dict[str, Problem]()
-        for path, written in points.axes.items():
-            numbers = [number_of(value) for value in written]
+        for path in spec.over:
+            numbers = [number_of(point[path]) for point in points]
             if all(isinstance(number, float) for number in numbers):
-                order = sorted(range(len(numbers)), key=numbers.__getitem__)
-                wanted = [order[0], order[-1]]
-            else:  # of texts, the first of each
-                first = {str(value): place for place, value in reversed([*enumerate(written)])}
-                wanted = [*first.values()][:MAX_TRIED_TEXTS]
-            runs.update(int((points.places[path] == place).argmax()) for place in wanted)
+                runs |= {int(np.argmin(numbers)), int(np.argmax(numbers))}
+            else:
+                texts = [str(point[path]) for point in points]
+                runs.update(np.unique(texts, return_index=True)[1][:MAX_TRIED_TEXTS].tolist())
         for run in sorted(runs):
             values = points[run]
             try:
@@ -189,27 +183,23 @@ class Checks:
             problem = Problem("bad-study", f"with {here} the scene is wrong: {problem}")
         return replace(problem, path=place, line=0, column=0, file="")
 
-    def _results(self, spec: SweepSpec, base: Loaded, points: Points) -> dict[str, Looked | str]:
+    def _results(self, spec: SweepSpec, base: Loaded) -> dict[str, Looked | str]:
         """Results by name, patterns expanded; by default those of the scene's expectations."""
         catalogue, parameters = Catalogue(base.mechanism), base.scene.parameters
         expected: dict[str, Looked | str] = {
             f"{each.statistic} {each.quantity}": Looked.model_validate(each.model_dump(
                 include={*Looked.model_fields}, exclude_defaults=True))
-            for each in base.mechanism.expect if isinstance(each, Expect)}
+            for each in base.mechanism.expect}
         found: dict[str, Looked | str] = {}
         for name, each in (spec.keep or expected).items():
             path = f'$.keep["{name}"]'
             if isinstance(each, str):
-                known, unknown = sorted({*parameters, *found}), frozenset[str]()
-                try:
-                    unknown = parse_expression(each).names - {*known}
-                except WrongValueError as error:
-                    self.problems.append(Problem.of(error, path))
+                known = sorted({*parameters, *found})
                 self.problems += [Problem(
                     "name-not-found", f"unknown name {quoted(one)} in an expression", path,
                     hint=near(one, known),
                     allowed=f"parameters and the quantities kept before it: {listed(known)}")
-                    for one in sorted(unknown)]
+                    for one in sorted(parse_expression(each).names.difference(known))]
                 found[name] = each
                 continue
             pattern = each.quantity
@@ -228,7 +218,7 @@ class Checks:
         self.problems += [Problem("duplicate-name",
                                   f"{quoted(name)} is another column of the table", "$.keep",
                                   allowed="another name")
-                          for name in found if name in (*COLUMNS, *points.axes)]
+                          for name in found if name in (*COLUMNS, *spec.over)]
         return found
 
 

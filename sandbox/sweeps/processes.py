@@ -11,16 +11,15 @@ from sandbox.engine.compiling import processors
 from sandbox.errors import SandboxError
 
 MAX_PER_PROCESSOR = 4  # worker processes for each processor; each needs some 200 MB
-LOADED = "sandbox.sweeps.runner"  # the module that worker processes need; it loads the engine
 
 
 def check_workers(workers: int | str) -> int | str:
     """Number of worker processes, 0 replaced by one for each processor; or an address."""
     if isinstance(workers, str):
         return workers
-    most = MAX_PER_PROCESSOR * processors()
-    if not 0 <= workers <= most:
-        raise SandboxError(f"cannot start {workers} worker processes (allowed: 1 to {most}, "
+    maximum = MAX_PER_PROCESSOR * processors()
+    if not 0 <= workers <= maximum:
+        raise SandboxError(f"cannot start {workers} worker processes (allowed: 1 to {maximum}, "
                            f"{MAX_PER_PROCESSOR} for each processor)", code="bad-option")
     return workers or processors()
 
@@ -37,6 +36,6 @@ def preload() -> BaseContext:
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     server = import_module("multiprocessing.forkserver")
-    server.set_forkserver_preload([LOADED])
+    server.set_forkserver_preload(["sandbox.sweeps.runner"])  # it loads the engine
     server.ensure_running()
     return multiprocessing.get_context("forkserver")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
@@ -17,13 +16,13 @@ from sandbox.scene.read.limits import Limits
 from sandbox.sweeps.job import DONE, Log
 from sandbox.sweeps.plan import Plan, Study, plan_of
 from sandbox.sweeps.processes import check_workers
-from sandbox.sweeps.spec import parse_result
 from sandbox.sweeps.table import SweepTable, make_table, write_spec
 from sandbox.sweeps.workers import make_workers
 from sandbox.values.paths import path_text
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import quoted
 
 RECORDINGS = "runs"  # folder of whole recordings
+EXAMPLES = '"max finger.tip.x over last 0.2 s", "tip=max finger.tip.x", "ratio==tip / pull"'
 
 
 @dataclass(frozen=True)
@@ -49,29 +48,27 @@ def run_plan(
     After Ctrl-C all finished runs are in the directory and its table.
     """
     workers = check_workers(workers)  # before anything is written
-    recorded = plan.spec.recordings
-    if directory is None:
-        if recorded:
+    job, recordings = plan.job, None
+    if plan.spec.recordings:
+        if directory is None:
             raise SandboxError("whole recordings need a directory to go to: out=", code="bad-study")
-        with tempfile.TemporaryDirectory(prefix="sandbox-sweep-") as folder:
-            return run_plan(plan, Path(folder), workers=workers, progress=progress)
-    recordings = (directory / RECORDINGS).resolve()
-    job = replace(plan.job, recordings=str(recordings)) if recorded else plan.job
+        recordings = (directory / RECORDINGS).resolve()
+        job = replace(job, recordings=str(recordings))
     with Log(directory) as log:
         if again:
             log.path.unlink(missing_ok=True)
-        done = {row.id for row in log.rows() if not recorded or row.status != DONE
+        done = {row.id for row in log.rows() if recordings is None or row.status != DONE
                 or (recordings / row.id).is_dir()}
-        runs = dict(zip(plan.ids, range(len(plan)), strict=True))
-        missing = [run for id, run in runs.items() if id not in done]
+        runs = dict(zip(plan.ids, plan.points, strict=True))
+        missing = {id: point for id, point in runs.items() if id not in done}
         if isinstance(workers, int):  # no more processes than runs
             workers = min(workers, len(missing))
         began, at = time.perf_counter(), Advance(len(runs), len(runs) - len(missing))
         ended = "interrupted"
         try:
             with ExitStack() as stack:
-                tasks = ((plan.ids[run], plan.points[run]) for run in missing)
-                for row in make_workers(job, workers, stack).results(tasks) if missing else ():
+                for row in make_workers(job, workers, stack).results(missing.items()) \
+                        if missing else ():
                     log.add(row)
                     at = replace(at, done=at.done + 1, seconds=time.perf_counter() - began,
                                  doubtful=at.doubtful + (row.status != DONE or bool(row.looks)))
@@ -79,8 +76,9 @@ def run_plan(
             ended = "done"
         finally:
             table = make_table(plan, log.rows())
-            table.write(directory)
-            write_spec(plan, directory, ended=ended, done=table.count, runs=len(plan))
+            if directory:
+                table.write(directory)
+                write_spec(plan, directory, ended=ended, done=table.count, runs=len(plan))
     return table
 
 
@@ -125,9 +123,8 @@ def sweep(
         SandboxError: workers cannot start, or the cluster cannot be used.
     """
     directory = None if out is None else output_path(out, "a sweep")
-    study = scene if vary is None and not isinstance(scene, Mapping) else study_data(
-        scene, vary=vary, keep=keep, set=set, design=design, count=count, seed=seed, audit=audit,
-        recordings=recordings)
+    study = study_data(scene, vary=vary, keep=keep, set=set, design=design, count=count, seed=seed,
+                       audit=audit, recordings=recordings)
     return run_plan(plan_of(study, limits), directory, workers=workers, again=again,
                     progress=progress)
 
@@ -135,18 +132,22 @@ def sweep(
 def study_data(
     scene: Study, *, vary: Any, keep: Any = None,
     set: Any = None, design: str | None = None, count: int | None = None, **settings: Any,
-) -> dict[str, Any]:
-    """The data of a study file from the arguments of :func:`sweep`."""
+) -> Study:
+    """The study of the arguments of :func:`sweep`: its data, or a file where nothing is varied."""
+    if vary is None and not isinstance(scene, Mapping):
+        return scene
     groups = [{"over": dict(vary), "design": design, "count": count}] \
         if isinstance(vary, Mapping) else list(vary or ())
     named, problems = dict(keep) if isinstance(keep, Mapping) else {}, []
     for text in () if isinstance(keep, Mapping) else keep or ():
-        try:
-            name, definition = parse_result(text)
-        except WrongValueError as error:
-            problems.append(Problem.of(error, path_text(("keep", text))))
-            continue
-        if name in named:
+        name, equals, definition = (part.strip() for part in text.partition("="))
+        if not equals:
+            name = definition = text.strip()
+        if not name or not definition:
+            problems.append(Problem(
+                "bad-study", f"{quoted(text)} names no {'quantity to keep' if name else 'result'}",
+                path_text(("keep", text)), allowed=EXAMPLES))
+        elif name in named:
             problems.append(Problem("duplicate-name",
                                     f"two results have the name {quoted(name)}", "$.keep",
                                     allowed="another name for each"))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -17,18 +16,18 @@ import numpy as np
 
 from sandbox import __version__
 from sandbox.atomic_files import atomic_file, json_text, write_atomic, write_csv
-from sandbox.errors import SandboxError
+from sandbox.errors import SandboxError, optional
 from sandbox.figure import style
 from sandbox.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 from sandbox.numeric import Array, Flags
 from sandbox.sweeps import CSV, PARQUET, SPEC
-from sandbox.sweeps.job import DONE, SweepRow
+from sandbox.sweeps.job import DONE, Status, SweepRow
 from sandbox.sweeps.plan import Plan
 from sandbox.sweeps.spec import Distribution, Range, Values, number_of
 from sandbox.wording import counted, listed, or_near
 
 MET = "met"  # column of a search: whether its condition holds
-MISSING = ""  # status of a run that was not done yet
+MISSING: Status = ""  # status of a run that was not done yet
 
 
 @dataclass
@@ -85,12 +84,8 @@ class SweepTable:
     @cached_property
     def varied(self) -> dict[str, list[float | str]]:
         """Values of each path, SI or text, [n]."""
-        points = self.plan.points
-        found: dict[str, list[float | str]] = {}
-        for path, values in points.axes.items():
-            numbers = [number_of(value) for value in values]
-            found[path] = [numbers[place] for place in points.places[path].tolist()]
-        return found
+        return {path: [number_of(point[path]) for point in self.plan.points]
+                for path in self.plan.spec.over}
 
     def __getitem__(self, name: str) -> Any:
         """A column: a result or a path as an array, others as a list.
@@ -129,21 +124,14 @@ class SweepTable:
         Raises:
             SandboxError: pandas is not installed.
         """
-        try:
-            pandas = import_module("pandas")
-        except ImportError:
-            raise SandboxError("to_pandas() needs the package 'pandas', which is not installed: "
-                               "pip install pandas; table['name'] gives plain arrays without "
-                               "it", code="missing-package") from None
-        frame = pandas.DataFrame(self.columns()).set_index("run")
+        frame = optional("pandas", "pandas").DataFrame(self.columns()).set_index("run")
         frame.attrs["units"] = self.plan.units
         return frame
 
     def write(self, directory: Path) -> None:
         """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed."""
         columns = self.columns()
-        cells = ([str(value).lower() if isinstance(value, bool) else "" if value is None else
-                  repr(value) if isinstance(value, float) else value for value in row]
+        cells = ([str(value).lower() if isinstance(value, bool) else value for value in row]
                  for row in zip(*columns.values(), strict=True))
         write_csv(directory / CSV, itertools.chain([columns], cells))
         try:
@@ -174,28 +162,21 @@ def make_table(plan: Plan, rows: Iterable[SweepRow]) -> SweepTable:
 
 def write_spec(plan: Plan, directory: Path, **progress: Any) -> None:
     """Write ``sweep.json``: the study, units of columns, and how the sweep ended."""
-    file = plan.loaded.name
-    if file:
-        try:
-            file = os.path.relpath(file, directory)
-        except ValueError:  # on another drive
-            file = str(Path(file).resolve())
-    data = {"study": dict(plan.written), "versions": {"sandbox": __version__},
-            "scene_file": file, "units": plan.units, **progress}
-    write_atomic(directory / SPEC, json_text(data, indent=2) + "\n")
+    write_atomic(directory / SPEC, json_text({
+        "study": dict(plan.written), "versions": {"sandbox": __version__}, "units": plan.units,
+        **progress}, indent=2) + "\n")
 
 
 def draw_table(
-    table: SweepTable, path: Path, *, held: Array | None = None, condition: str = "",
-    found: FoundLine | None = None,
+    table: SweepTable, path: Path, condition: str = "", found: FoundLine | None = None,
 ) -> None:
     """Draw results over varied paths, without runs that were not done yet.
 
-    On a grid of two paths, a map shows where the expectations of the scene hold; ``held`` [n] and
-    ``condition`` replace them. ``found`` is the result of a search.
+    On a grid of two paths, a map shows where the expectations of the scene hold. A search has a
+    ``condition`` instead, and may have ``found`` a value.
     """
     plan, over = table.plan, table.plan.spec.over
-    grid = plan.points.is_grid and not any(
+    grid = len(table) == math.prod(len({*values}) for values in table.varied.values()) and not any(
         isinstance(values, Distribution) for values in over.values())
     here = np.array([row.status != MISSING for row in table.rows], dtype=bool)
     kept = [SweepColumn(name, plan.units.get(name, ""), values[here])
@@ -208,24 +189,24 @@ def draw_table(
         if isinstance(keep, str):
             meanings[name] = keep.lstrip().removeprefix("=").strip()
         elif keep.quantity not in name:
-            (begin, end), what = keep.over, f"{keep.statistic} {keep.quantity}"
-            meanings[name] = what if keep.over == (0.0, None) else (
-                f"{what} over {begin:g}:{'end' if end is None else f'{end:g}'} s")
+            (begin, end), meanings[name] = keep.over, f"{keep.statistic} {keep.quantity}"
+            if keep.over != (0.0, None):
+                meanings[name] += f" over {begin:g}:{'end' if end is None else f'{end:g}'} s"
     draw_sweep(path, SweepDrawing(
         [_varied_column(table, name, over[name], here) for name in table.varied], kept,
         failed=~table.done[here], doubtful=table.doubtful[here], grid=grid,
         title=plan.spec.title or f"{plan.name}: {len(table)} runs",
-        held=(table.holds if held is None else held)[here],
+        held=(table.holds if table.met is None else table.met)[here],
         condition=condition or "the scene's expectations", meanings=meanings, found=found))
 
 
 def _varied_column(table: SweepTable, name: str, over: Values, here: Flags) -> SweepColumn:
     values = table.varied[name]
-    if all(isinstance(value, float) for value in values):
-        log = (over.scale == "log" if isinstance(over, Range) else
-               isinstance(over, Distribution) and over.distribution.startswith("log_"))
-        return SweepColumn(name, table.plan.units.get(name, ""),
-                           np.array(values, dtype=float)[here], log=log)
-    texts = tuple(dict.fromkeys(map(str, values)))
-    places = {text: float(place) for place, text in enumerate(texts)}
-    return SweepColumn(name, "", np.array([places[str(v)] for v in values])[here], texts)
+    if not all(isinstance(value, float) for value in values):
+        places = {text: float(place) for place, text in enumerate(dict.fromkeys(map(str, values)))}
+        return SweepColumn(name, "", np.array([places[str(v)] for v in values])[here],
+                           tuple(places))
+    log = over.scale == "log" if isinstance(over, Range) else (
+        isinstance(over, Distribution) and over.distribution.startswith("log_"))
+    return SweepColumn(name, table.plan.units.get(name, ""),
+                       np.array(values, dtype=float)[here], log=log)

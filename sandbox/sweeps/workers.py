@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, suppress
-from importlib import import_module
 from itertools import islice
 from multiprocessing.connection import wait as wait_for_sentinel
 from pathlib import Path
@@ -18,8 +17,8 @@ from typing import Any
 
 from sandbox import __version__
 from sandbox.engine.compiling import on_compiling, report_began, report_compiled
-from sandbox.errors import SandboxError
-from sandbox.sweeps.job import DIED, Point, SweepJob, SweepRow, Task
+from sandbox.errors import SandboxError, optional
+from sandbox.sweeps.job import Point, SweepJob, SweepRow, Task
 from sandbox.sweeps.processes import preload
 from sandbox.wording import quoted
 
@@ -75,7 +74,7 @@ class Processes:
                     again = self._submit(task)
                     wait([again])
                     if _broken(again):
-                        yield SweepRow(task[0], DIED, reason=f"{ATTEMPTS} worker processes ended "
+                        yield SweepRow(task[0], "died", reason=f"{ATTEMPTS} worker processes ended "
                                                              "in this run")
                         self._start(1)
                     else:
@@ -84,12 +83,12 @@ class Processes:
 
     def _submit(self, task: Task) -> Future[SweepRow]:
         assert self._pool is not None
+        future: Future[SweepRow] = Future()
         try:
-            return self._pool.submit(_run, *task)
+            future = self._pool.submit(_run, *task)
         except BrokenProcessPool as error:
-            failed: Future[SweepRow] = Future()
-            failed.set_exception(error)
-            return failed
+            future.set_exception(error)
+        return future
 
     def _row_of(self, _task: Task, future: Future[SweepRow]) -> SweepRow:
         return future.result()
@@ -103,8 +102,7 @@ class Processes:
             ready = self._pool.submit(_prepare)
             while not wait([ready], timeout=0.1).done or not self._notices.empty():
                 while not self._notices.empty():
-                    seconds = self._notices.get()
-                    if seconds is None:
+                    if (seconds := self._notices.get()) is None:
                         report_began(in_workers=True)
                     else:
                         report_compiled(seconds, in_workers=True)
@@ -163,11 +161,7 @@ class Cluster(Processes):
 
     def __init__(self, job: SweepJob, address: str, stack: ExitStack) -> None:
         self._address = address
-        try:
-            distributed: Any = import_module("distributed")
-        except ImportError:
-            raise SandboxError("a cluster needs Dask: pip install "
-                               "'sandbox-mechanics[cluster]'", code="missing-package") from None
+        distributed = optional("distributed", "'sandbox-mechanics[cluster]'")
         try:
             client = stack.enter_context(distributed.Client(
                 address, timeout=CONNECT_TIMEOUT, set_as_default=False))
@@ -188,8 +182,8 @@ class Cluster(Processes):
                             code="cluster-unreachable")
 
     def _submit(self, task: Task) -> Future[SweepRow]:
-        submitted: Future[SweepRow] = self._executor.submit(_run_remote, *task, job=self._placed)
-        return submitted
+        future: Future[SweepRow] = self._executor.submit(_run_remote, *task, job=self._placed)
+        return future
 
     def _row_of(self, task: Task, future: Future[SweepRow]) -> SweepRow:
         try:
@@ -198,7 +192,7 @@ class Cluster(Processes):
             raise self._unusable("lost runs; finished runs are saved, and the same command "
                                  "resumes") from None
         except Exception as error:  # whatever ended its workers
-            return SweepRow(task[0], DIED, reason="workers of the cluster ended in this run: "
+            return SweepRow(task[0], "died", reason="workers of the cluster ended in this run: "
                                                   f"{error or type(error).__name__}")
 
 

@@ -230,11 +230,9 @@ def test_a_drive_without_a_range_asks_for_one() -> None:
 
 def test_ranges_are_those_of_the_scene() -> None:
     found = spans("single_finger", reward="closure", act="actuator", observe=[
-        "finger.mcp.angle", "finger.tendon.tension", "finger.pip.rate", "actuator.value",
-        "finger.distal/disc.normal"])
+        "finger.mcp.angle", "finger.pip.rate"])
     assert found["finger.mcp.angle"] == (0.0, np.radians(85))
-    assert found["actuator"] == found["actuator.value"] == (0.0, 3.75)
-    assert found["finger.tendon.tension"][0] == found["finger.distal/disc.normal"][0] == 0.0
+    assert found["actuator"] == (0.0, 3.75)
     assert found["finger.pip.rate"][0] == -found["finger.pip.rate"][1] < -1e6
     assert all(np.isfinite(span).all() for span in found.values())
 

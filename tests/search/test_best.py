@@ -48,19 +48,19 @@ def test_several_goals_have_a_front():
 
 
 def test_a_search_resumes_from_its_results(tmp_path, monkeypatch):
-    heard = []
+    seen = []
     from sandbox.sweeps.job import Log
 
     add = Log.add
-    monkeypatch.setattr(Log, "add", lambda self, row: (heard.append(row), add(self, row)))
+    monkeypatch.setattr(Log, "add", lambda self, row: (seen.append(row), add(self, row)))
     first = best(least="bowl", runs=12, out=tmp_path)
-    done = len(heard)
+    done = len(seen)
     further = best(least="bowl", runs=20, out=tmp_path)
     assert np.array_equal(further.history[:12], first.history)
-    assert len(heard) - done <= 8 + 5
-    heard.clear()
+    assert len(seen) - done <= 8 + 5
+    seen.clear()
     assert best(least="bowl", runs=20, out=tmp_path).best == further.best
-    assert heard == []
+    assert seen == []
 
 
 @pytest.mark.parametrize(("more", "words"), [

@@ -126,7 +126,7 @@ def test_wrong_command_lines_are_refused(puck, written, capsys, words, fragment,
     ({"best": {"most": "vv"}}, {}, "$.search.best.most: no run keeps 'vv'; did you mean 'v'?"),
     ({"best": {"least": ["v"], "where": ["x > 1 m", "x > 1 N"]}}, {},
      "$.search.best.where[1]: 'x > 1 N': x is in m, and 'N' is a unit of force"),
-    ({"fit": {"data": "none.csv"}}, {}, "$.search.fit.data: there is no file none.csv"),
+    ({"fit": {"data": "none.csv"}}, {}, "$.search.fit.data: none.csv cannot be read"),
     ({"best": {"least": "v"}}, {"vary": {"parameters.push": {"from": "1 N", "to": "6 mm"}}},
      '$.vary["parameters.push"]: these are a force and a length'),
 ])

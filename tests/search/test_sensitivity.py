@@ -59,12 +59,12 @@ def test_wrong_sensitivity_requests_are_refused(more, fragment):
 @pytest.mark.parametrize("method", ["sobol", "morris"])
 def test_the_same_seed_gives_the_same_points_and_intervals(method, tmp_path):
     """The seed 0, too, which SALib takes for none; in its directory nothing is run again."""
-    vary, heard = dict.fromkeys(PATHS, "-1:1"), []
+    vary, seen = dict.fromkeys(PATHS, "-1:1"), []
     for _ in range(2):
         found = sandbox.search.sensitivity(SCENE, vary=vary, keep=["y==a + 2 * b * c"], count=8,
                                            method=method, out=tmp_path)
-        heard.append([vars(each) for each in found.influences["y"]])
+        seen.append([vars(each) for each in found.influences["y"]])
         lines = (tmp_path / "rows" / "00000.jsonl").read_bytes().count(b"\n")
-        heard.append(lines)
-    assert heard[:2] == heard[2:]
+        seen.append(lines)
+    assert seen[:2] == seen[2:]
     assert (tmp_path / "found.png").read_bytes().startswith(b"\x89PNG")

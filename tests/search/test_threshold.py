@@ -54,20 +54,20 @@ def test_an_interrupted_search_resumes(tmp_path, monkeypatch):
 
     words = {"vary": {"parameters.push": "1 N:6 N"}, "out": tmp_path}
     whole = sandbox.search.threshold(PUCK, **{**words, "out": tmp_path / "whole"})
-    add, heard = Log.add, []
+    add, seen = Log.add, []
 
     def stopped(self, row):
-        if len(heard) == 7:
+        if len(seen) == 7:
             raise KeyboardInterrupt
-        heard.append(row.id)
+        seen.append(row.id)
         add(self, row)
 
     monkeypatch.setattr(Log, "add", stopped)
     with pytest.raises(KeyboardInterrupt):
         sandbox.search.threshold(PUCK, **words)
-    monkeypatch.setattr(Log, "add", lambda self, row: (heard.append(row.id), add(self, row)))
+    monkeypatch.setattr(Log, "add", lambda self, row: (seen.append(row.id), add(self, row)))
     assert sandbox.search.threshold(PUCK, **words) == whole
-    assert len(heard) == len(set(heard))
+    assert len(seen) == len(set(seen))
 
 
 @pytest.mark.parametrize(("more", "fragment"), [

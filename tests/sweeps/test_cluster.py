@@ -26,7 +26,7 @@ def cluster(tmp_path_factory):
     dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
     scheduler = subprocess.Popen([*dask, "--port", "0", "--no-dashboard", "--host", "127.0.0.1"],
                                  stdout=log, stderr=subprocess.STDOUT, cwd=folder)
-    address = _told(folder / "scheduler.log", r"Scheduler at:\s+(tcp://\S+)")
+    address = _matched(folder / "scheduler.log", r"Scheduler at:\s+(tcp://\S+)")
     workers = [subprocess.Popen(
         [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1",
          "--no-nanny", "--no-dashboard", "--local-directory", str(folder)],
@@ -41,7 +41,7 @@ def cluster(tmp_path_factory):
     log.close()
 
 
-def _told(path, pattern):
+def _matched(path, pattern):
     deadline = time.monotonic() + 100
     while time.monotonic() < deadline:
         if found := re.search(pattern, path.read_text()):

@@ -1,6 +1,7 @@
 """Wrong sweeps are refused with one message before anything runs."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,20 @@ from sandbox.errors import SandboxError, SceneError
 from sandbox.sweeps.plan import plan_of, study_file
 from sandbox.sweeps.sweep import study_data
 from tests.sweeps.scenes import PUCK
+
+
+@pytest.mark.parametrize(("more", "words"), [
+    ({"vary": {"bodies[puk].mass": "1:2:2"}}, "Did you mean 'puck'"),
+    ({"vary": {"parameters.m": "-1:2:4"}}, "must be greater than 0"),
+    ({"vary": {"parameters.push": "1 kg:2 kg:2"}}, "'kg' is a unit of mass, and 'push' is in 'N'"),
+    ({"keep": ["a==b"]}, "unknown name 'b'"),
+    ({"keep": ["id=puck.x"]}, "another column"),
+    ({"set": {"parameters.push": 3}}, "values twice"),
+    ({"keep": ["=a"]}, "'=a' names no result"),
+])
+def test_wrong_studies_are_refused_before_anything_runs(more, words):
+    with pytest.raises(SceneError, match=re.escape(words)):
+        plan_of(study_data(PUCK, **{"vary": {"parameters.push": "1:2:2"}, **more}))
 
 
 def problems(**words):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.errors import OutputError, SceneError
+from sandbox.errors import OutputError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import read_scene
 from sandbox.sweeps.job import Log, SweepRow, make_bundle
@@ -123,7 +123,7 @@ def test_a_run_that_ends_two_processes_is_given_up_and_the_others_finish():
     _Deadly.bad = plan.ids[2]
     with ExitStack() as stack:
         rows = {row.id: row for row in _Deadly(plan.job, 2, stack).results(
-            (plan.ids[k], plan.points[k]) for k in range(6))}
+            zip(plan.ids, plan.points, strict=True))}
     assert [rows[id].status for id in plan.ids] == ["done", "done", "died", *["done"] * 3]
     assert "2 worker processes" in rows[plan.ids[2]].reason
 
@@ -159,8 +159,7 @@ def test_two_processes_do_not_write_one_sweep(tmp_path):
         pass
 
 
-@pytest.mark.parametrize("line", [b"nothing\n", b"{}\n", json.dumps(
-    {**json.loads(SweepRow("0", "done").to_json()), "status": "well"}).encode() + b"\n"])
+@pytest.mark.parametrize("line", [b"nothing\n", b"{}\n", b'{"id": "0", "status": "well"}\n'])
 def test_a_corrupt_row_is_an_error(tmp_path, line):
     folder = tmp_path / "rows"
     folder.mkdir()
@@ -214,20 +213,3 @@ def test_a_bundle_has_the_scenes_that_a_varied_include_names(tmp_path):
     with bundle.unpacked() as main:
         found = read_scene(main, overrides={"parts[object].include": "square"})
     assert [each.name for each in found.mechanism.bodies] == ["object.one.body"]
-
-
-# -- what is refused before anything runs -------------------------------------------
-
-
-@pytest.mark.parametrize(("more", "words"), [
-    ({"vary": {"bodies[puk].mass": "1:2:2"}}, "Did you mean 'puck'"),
-    ({"vary": {"parameters.m": "-1:2:4"}}, "must be greater than 0"),
-    ({"vary": {"parameters.push": "1 kg:2 kg:2"}}, "'kg' is a unit of mass, and 'push' is in 'N'"),
-    ({"vary": {"parameters.push": "1:2:2"}, "keep": ["a==b"]}, "unknown name 'b'"),
-    ({"vary": {"parameters.push": "1:2:2"}, "keep": ["id=puck.x"]}, "another column"),
-    ({"vary": {"parameters.push": "1:2:2"}, "set": {"parameters.push": 3}}, "values twice"),
-])
-def test_wrong_studies_are_refused_before_anything_runs(more, words):
-    with pytest.raises(SceneError) as error:
-        plan_of(study_data(PUCK, **{"keep": None, **more}))
-    assert words in str(error.value)
