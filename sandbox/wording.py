@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import re
 from collections.abc import Collection, Iterable
@@ -69,6 +68,7 @@ def nearest(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     longer = [choice for choice in folded if choice.startswith(word)]
     if len(word) >= 3 and longer:
         return folded[min(longer, key=len)]
+    import difflib  # slow to load
     found = difflib.get_close_matches(word, folded, n=1, cutoff=cutoff)
     return folded[found[0]] if found else ""
 
