@@ -19,7 +19,7 @@ import click
 import numpy as np
 
 from sandbox.atomic_files import json_text, write_atomic
-from sandbox.cli.console import Console, Progress, many_runs, table
+from sandbox.cli.console import Console, monitored, table
 from sandbox.cli.options import NAMES, Source, prepare, safe_name, written
 from sandbox.errors import SceneError
 from sandbox.scene.read.source import SceneSource
@@ -108,7 +108,7 @@ def sweep(
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
     preload_figures()
-    with many_runs(folder, console), Progress("sweep", console) as bar:
+    with monitored(console, "sweep", folder) as bar:
         def advance(at: Advance) -> None:
             bar(at.done / max(at.total - at.before, 1))
             if not sys.stderr.isatty() and at.done:
@@ -173,7 +173,7 @@ def search(
     out: Path | None, workers: int | str, console: Console, **options: Any,
 ) -> int:
     """Run a search and report the result; the exit code."""
-    began, new, progress = time.perf_counter(), 0, Progress("", console)
+    began, new = time.perf_counter(), 0
     study = _study(scene, vary, "parameters.pull=2 N:8 N")
     own = study.data.get("search") if study else None
     if study:
@@ -197,7 +197,7 @@ def search(
             limits=scene.limits)
         folder = out or _own_directory(session)
         prepare(folder)
-        with many_runs(folder, console):
+        with monitored(console, kept=folder) as progress:
             found = run_search(session, folder, workers, count)
     seconds = time.perf_counter() - began
     files = written(folder, (RESULT, CSV, PARQUET, COMPARED, SEARCH_FIGURE, FOUND))
