@@ -255,9 +255,7 @@ class Progress:
 
 @contextlib.contextmanager
 def monitored(console: Console, label: str = "", kept: Path | None = None) -> Iterator[Progress]:
-    """Print the progress of some work, notices before and after the solver is compiled, and after
-    Ctrl-C the directory in which finished runs are kept.
-    """
+    """Print progress, notices about compilation, and after Ctrl-C where finished runs are kept."""
     from sandbox.engine.compiling import on_compiling
 
     def began() -> None:
