@@ -7,7 +7,7 @@ import shlex
 import sys
 import time
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from datetime import timedelta
@@ -51,17 +51,17 @@ def _study(scene: Source, vary: Mapping[str, str], example: str) -> SceneSource 
 
 def _refuse(defined: Collection[str], word: str) -> None:
     """Refuse options of the command line that a study file defines, too."""
-    for param, name in _on_command_line():
+    for name, flag in _flags().items():
         if name in defined:
             raise click.BadParameter(f"{word} already defines this; change it there.",
-                                     param_hint=param.opts[0])
+                                     param_hint=flag)
 
 
-def _on_command_line() -> list[tuple[click.Parameter, str]]:
-    """The parameters that the command line gives, with their names."""
+def _flags() -> dict[str, str]:
+    """The options that the command line gives, by parameter."""
     context = click.get_current_context()
-    return [(param, name) for param in context.command.params if (name := param.name or "")
-            and context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE]
+    return {name: param.opts[0] for param in context.command.params if (name := param.name or "")
+            and context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE}
 
 
 @contextmanager
@@ -70,22 +70,21 @@ def _problems_at_options(vary: Mapping[str, str], keep: Sequence[str] = ()) -> I
     try:
         yield
     except SceneError as error:
-        flags = {name: param.opts[0] for param, name in _on_command_line()}
         problems = []
         for each in error.problems:
             head, *steps = parse_path(each.path) if each.path.startswith("$") else ("",)
             if head == "search":
-                flag = flags.get(str(steps[1]), "") if len(steps) > 1 else ""
+                flag = _flags().get(str(steps[1]), "") if len(steps) > 1 else ""
                 each = replace(each, path=flag, line=0, fields="")
             elif error.source:
                 raise
             elif head in ("vary", "keep", "set", "design", "count", "seed"):
-                names = {f"{path}={values}": (path,) for path, values in vary.items()} \
-                    if head == "vary" else {text: (text, text.partition("=")[0].strip())
-                                            for text in keep if head == "keep"}
-                word = next((text for text, known in names.items() if {*known} & {*steps}), "")
-                each = replace(each, path=f"--{head} {shlex.quote(word) if word else ''}".rstrip(),
-                               fields="")
+                texts = {path: f"{path}={values}" for path, values in vary.items()} \
+                    if head == "vary" else {}
+                for text in keep if head == "keep" else ():
+                    texts |= {text: text, text.partition("=")[0].strip(): text}
+                words = [shlex.quote(texts[str(step)]) for step in steps if str(step) in texts]
+                each = replace(each, path=" ".join([f"--{head}", *words[:1]]), fields="")
             problems.append(each)
         raise SceneError(problems) from None
 
@@ -125,27 +124,25 @@ def sweep(
 def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: float) -> int:
     draw_table(found, folder / FIGURE)
     files = written(folder, (CSV, PARQUET, FIGURE, SPEC))
-    counts = Counter(found.status)
     missed = [row for row in found.rows if row.holds is False]
     looks = [row for row in found.rows if row.looks]
-    rows, lines = [], list[str]()
+    counts, rows = Counter(found.status), []
     for name, values in found.kept.items():
         finite = values[np.isfinite(values)]
         numbers = [f"{value:.6g}" for value in np.quantile(finite, [0, 0.5, 1])] \
             if len(finite) else ["-", "-", "-"]
         rows.append([name, found.plan.units.get(name, ""), *numbers])
-    if rows:
-        lines += [*table(["kept", "unit", "least", "middle", "largest"], rows, right="<<>>>"), ""]
-    reasons = {status: Counter(row.reason for row in found.rows
-                               if row.reason and row.status == status) for status in counts}
-    lines += [f"{runs} of {len(found)} runs {status}: {_most_frequent(reasons[status])}"
-              for status, runs in counts.items() if status != DONE]
-    if words := reasons.get(DONE):
-        lines.append(f"{words.total()} runs have missing results: {_most_frequent(words)}")
+    lines = table(["kept", "unit", "least", "middle", "largest"], rows, right="<<>>>")
+    lines += [""] if lines else []
+    for status, runs in counts.items():
+        reasons = [row.reason for row in found.rows if row.reason and row.status == status]
+        if status != DONE:
+            lines.append(f"{runs} of {len(found)} runs {status}: {_most_frequent(reasons)}")
+        elif reasons:
+            lines.append(f"{len(reasons)} runs have missing results: {_most_frequent(reasons)}")
     if missed:
-        failed = Counter(name for row in missed for name in row.failed)
         lines.append(f"{len(missed)} of {len(found)} runs miss expectations: "
-                     f"{_most_frequent(failed)}")
+                     f"{_most_frequent(name for row in missed for name in row.failed)}")
     if looks:
         names = sorted({name for row in looks for name in row.looks or ()})
         lines.append(f"{len(looks)} runs have warnings: {', '.join(names)}")
@@ -155,8 +152,8 @@ def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: fl
     }, [*lines, f"{folder}: {', '.join(files)}  ({seconds:.1f} s)"])
 
 
-def _most_frequent(words: Counter[str]) -> str:
-    return "; ".join(f"{word} ({count})" for word, count in words.most_common(MAX_REASONS))
+def _most_frequent(words: Iterable[str]) -> str:
+    return "; ".join(f"{word} ({count})" for word, count in Counter(words).most_common(MAX_REASONS))
 
 
 def kind_of(word: str) -> str:
@@ -177,9 +174,8 @@ def search(
     study = _study(scene, vary, "parameters.pull=2 N:8 N")
     own = study.data.get("search") if study else None
     if study:
-        options_there = own.get(kind) if isinstance(own, dict) else None
-        _refuse({"vary", "keep", "overrides",
-                 *(options_there if isinstance(options_there, dict) else ()),
+        there = own.get(kind) if isinstance(own, dict) else None
+        _refuse({"vary", "keep", "overrides", *(there if isinstance(there, dict) else ()),
                  *({"seed"} & study.data.keys() if own else ())}, scene.word)
     if own is None and options.get("data", "") is None:
         raise click.BadParameter("name the file with the measured data.", param_hint="--data")
@@ -209,6 +205,7 @@ def search(
 
 
 def _own_directory(session: Session) -> Path:
+    """A new directory, or that of the same question, which its file has."""
     kind, name = session.kind, safe_name(session.plan.name)
     options = {name: option for name, option in session.options.items() if name not in EXTENT}
     question = json_text([{**session.plan.written, "search": kind}, options], sort_keys=True,
@@ -216,10 +213,10 @@ def _own_directory(session: Session) -> Path:
     for number in count_from(1):
         folder = Path("searches", NAMES.get(kind, kind), f"{name}-{number}" if number > 1 else name)
         file = folder / QUESTION
-        unused = not (file.is_file() and (folder / ROWS).is_file())
-        if unused:
+        if not (file.is_file() and (folder / ROWS).is_file()):
             prepare(folder)
             write_atomic(file, question + "\n")
-        if unused or file.read_text(encoding="utf-8", errors="replace").strip() == question:
-            return folder
-    raise AssertionError("numbers do not end")
+            break
+        if file.read_text(encoding="utf-8", errors="replace").strip() == question:
+            break
+    return folder
