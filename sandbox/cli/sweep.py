@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import shlex
 import sys
 import time
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from datetime import timedelta
@@ -65,7 +64,7 @@ def _flags() -> dict[str, str]:
 
 
 @contextmanager
-def _problems_at_options(vary: Mapping[str, str], keep: Sequence[str] = ()) -> Iterator[None]:
+def _problems_at_options() -> Iterator[None]:
     """Report problems of a study made of options at these options."""
     try:
         yield
@@ -73,18 +72,14 @@ def _problems_at_options(vary: Mapping[str, str], keep: Sequence[str] = ()) -> I
         problems = []
         for each in error.problems:
             head, *steps = parse_path(each.path) if each.path.startswith("$") else ("",)
+            names = [step for step in steps if isinstance(step, str) and step != "over"]
+            words = [f"--{head}", *names[:1]]
             if head == "search":
-                flag = _flags().get(str(steps[1]), "") if len(steps) > 1 else ""
-                each = replace(each, path=flag, line=0, fields="")
+                words = [_flags().get(str(step), "") for step in steps[1:2]]
             elif error.source:
                 raise
-            elif head in ("vary", "keep", "set", "design", "count", "seed"):
-                texts = {path: f"{path}={values}" for path, values in vary.items()} \
-                    if head == "vary" else {}
-                for text in keep if head == "keep" else ():
-                    texts |= {text: text, text.partition("=")[0].strip(): text}
-                words = [shlex.quote(texts[str(step)]) for step in steps if str(step) in texts]
-                each = replace(each, path=" ".join([f"--{head}", *words[:1]]), fields="")
+            if head in ("search", "vary", "keep", "set", "design", "count", "seed"):
+                each = replace(each, path=" ".join(words), line=0, fields="")
             problems.append(each)
         raise SceneError(problems) from None
 
@@ -100,7 +95,7 @@ def sweep(
         plan = plan_of(scene.word, scene.limits)
     else:
         audit = not options.pop("no_audit")
-        with _problems_at_options(options["vary"], options["keep"]):
+        with _problems_at_options():
             plan = plan_of(study_data(scene.word, set=scene.overrides, audit=audit, **options),
                            scene.limits)
     folder = out or Path("sweeps", safe_name(plan.name))
@@ -187,7 +182,7 @@ def search(
         new += 1
         progress.note(f"{new} runs, {new / progress.seconds:.3g} a second")
 
-    with nullcontext() if own else _problems_at_options(vary, keep):
+    with nullcontext() if own else _problems_at_options():
         session = Session(scene.word, scene.limits, kind, given) if study else make_session(
             scene.word, kind, given, vary=vary, keep=list(keep) or None, set=scene.overrides,
             limits=scene.limits)
