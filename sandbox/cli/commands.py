@@ -35,7 +35,7 @@ ADVICE = {
 class Commands(click.Group):
     """A group that suggests similar names for unknown commands, and lists commands by section."""
 
-    noun, nouns = "command", "Commands"
+    noun = "command"
 
     def __init__(self, *words: Any, **settings: Any) -> None:
         super().__init__(*words, **settings)
@@ -60,11 +60,6 @@ class Commands(click.Group):
         self.add_command(click.Command(name, callback=run, params=[*params], help=help_text))
         self.sections.setdefault(section, []).append(name)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Look up a command."""
-        import_module("sandbox.cli.declarations")
-        return super().get_command(ctx, cmd_name)
-
     def resolve_command(
         self, ctx: click.Context, args: list[str],
     ) -> tuple[str | None, click.Command | None, list[str]]:
@@ -72,9 +67,8 @@ class Commands(click.Group):
         word, known = args[0], self.list_commands(ctx)
         if word not in known and not word.startswith("-") and not ctx.resilient_parsing:
             full = " ".join([*ctx.command_path.split()[1:], word])
-            advice = f" {ADVICE[full]}" if full in ADVICE else \
-                f"{meant(word, known)} {self.nouns}: {', '.join(known)}."
-            raise click.UsageError(f"There is no {self.noun} {word!r}.{advice}", ctx)
+            advice = ADVICE.get(full, f"{meant(word, known)} Choose from {', '.join(known)}.".strip())
+            raise click.UsageError(f"There is no {self.noun} {word!r}. {advice}", ctx)
         return super().resolve_command(ctx, args)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -111,12 +105,10 @@ def invoke(words: Sequence[str]) -> int:
         try:
             code = commands.main(list(words), prog_name="sandbox", standalone_mode=False)
         except click.NoSuchOption as error:
-            name, known = error.option_name, [opt for param in (
-                error.ctx.command.params if error.ctx else ()) for opt in param.opts]
-            advice = f" {ADVICE[name]}" if name in ADVICE else meant(name, known, cutoff=0.75)
-            if name.startswith("--max-"):
-                advice = f" Use --limit {name[6:].replace('-', '_')}=VALUE."
-            raise click.UsageError(f"There is no option {name!r}.{advice}", error.ctx) from None
+            if error.option_name not in ADVICE:
+                raise
+            raise click.UsageError(f"There is no option {error.option_name!r}. "
+                                   f"{ADVICE[error.option_name]}", error.ctx) from None
         return code if isinstance(code, int) else Exit.DONE
 
     if os.environ.get("SANDBOX_DEBUG"):

@@ -109,7 +109,7 @@ QUIET = option("--quiet", "-q", is_flag=True, help="Print errors only.")
 class _Searches(Commands):
     """Runs the search of a study file, too."""
 
-    noun, nouns = "search", "Searches"
+    noun = "search"
 
     def resolve_command(
         self, ctx: click.Context, args: list[str],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import math
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.wording import WrongValueError, meant
+from sandbox.wording import meant
 
 if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
@@ -41,10 +42,9 @@ def read_overrides(words: Sequence[str]) -> dict[str, Any]:
         path, equals, text = word.partition("=")
         if not equals or not path.strip():
             raise ValueError(f"{word!r} is not of the form path=value")
-        try:
+        overrides[path.strip()] = text
+        with contextlib.suppress(ValueError, RecursionError):
             overrides[path.strip()] = json.loads(text)
-        except (ValueError, RecursionError):
-            overrides[path.strip()] = text
     return overrides
 
 
@@ -59,10 +59,7 @@ def read_limits(words: Sequence[str]) -> Limits:
         if name not in known:
             raise ValueError(f"there is no limit {name!r}.{meant(name, known)} Limits: "
                              f"{', '.join(known)}.")
-        try:
-            value = float(text)
-        except ValueError:
-            value = 0.0
+        value = float(text) if re.fullmatch(r"[\d.]+(?:[eE]\+?\d+)?", text) else 0.0
         if not (value >= 1 and value.is_integer()):
             raise ValueError(f"{name}={text} is not a valid positive integer")
         changes[name] = int(value)
@@ -88,13 +85,10 @@ def read_length(text: str) -> float:
 def read_starts(words: Sequence[str]) -> list[dict[str, float]]:
     """All combinations of the values of ``--from``."""
     from sandbox.values.numbers import number_from
-    given: dict[str, list[float]] = {}
-    for path, text in read_pairs(words, "path=values").items():
-        dimension = "angle" if path.endswith(".angle") else "length"
-        try:
-            given[path] = [number_from(each.strip(), dimension, {}) for each in text.split(",")]
-        except WrongValueError as error:
-            raise WrongValueError(error.code, f"'{path}={text}': {error}") from None
+    given = {
+        path: [number_from(each.strip(), "angle" if path.endswith(".angle") else "length", {})
+               for each in text.split(",")]
+        for path, text in read_pairs(words, "path=values").items()}
     if math.prod(map(len, given.values())) > MAX_STARTS:
         raise ValueError(f"more than {MAX_STARTS} combinations")
     return [dict(zip(given, each, strict=True))
