@@ -67,8 +67,9 @@ class Commands(click.Group):
         word, known = args[0], self.list_commands(ctx)
         if word not in known and not word.startswith("-") and not ctx.resilient_parsing:
             full = " ".join([*ctx.command_path.split()[1:], word])
-            advice = ADVICE.get(full, f"{meant(word, known)} Choose from {', '.join(known)}.".strip())
-            raise click.UsageError(f"There is no {self.noun} {word!r}. {advice}", ctx)
+            advice = f" {ADVICE[full]}" if full in ADVICE else \
+                f"{meant(word, known)} Choose from {', '.join(known)}."
+            raise click.UsageError(f"There is no {self.noun} {word!r}.{advice}", ctx)
         return super().resolve_command(ctx, args)
 
     def list_commands(self, ctx: click.Context) -> list[str]:

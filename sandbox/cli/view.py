@@ -22,7 +22,7 @@ from sandbox.web.server import Server, needed
 from sandbox.web.session import Found, Session
 
 
-def view(scene: Source, port: int, no_browser: bool) -> int:
+def view(scene: Source, port: int | None, no_browser: bool) -> int:
     """Serve a scene until Ctrl-C."""
     needed()
     console = Console()
@@ -57,5 +57,5 @@ def view(scene: Source, port: int, no_browser: bool) -> int:
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
     with contextlib.ExitStack() as opened:
         title = first.scene.title or first.scene.name
-        Server(session, first, title=title, port=port).serve(started)
+        Server(session, first, title=title, port=port or 0).serve(started)
     return Exit.INTERRUPTED
