@@ -14,7 +14,7 @@ from typing import Any
 import click
 
 import sandbox
-from sandbox.cli.console import Console, Exit, guard
+from sandbox.cli.console import Console, Exit, StdoutError, report
 from sandbox.wording import meant
 
 ADVICE = {
@@ -101,18 +101,19 @@ def commands() -> None:
 
 
 def invoke(words: Sequence[str]) -> int:
-    """Run a command, print its output, and return its exit code; never raises."""
-    def work() -> int:
-        try:
-            code = commands.main(list(words), prog_name="sandbox", standalone_mode=False)
-        except click.NoSuchOption as error:
-            if error.option_name not in ADVICE:
-                raise
-            raise click.UsageError(f"There is no option {error.option_name!r}. "
-                                   f"{ADVICE[error.option_name]}", error.ctx) from None
+    """Run a command, print its output or error, and return its exit code."""
+    console = Console(as_json="--json" in words, quiet=not {"--quiet", "-q"}.isdisjoint(words))
+    try:
+        code = commands.main(list(words), prog_name="sandbox", standalone_mode=False)
         return code if isinstance(code, int) else Exit.DONE
-
-    if os.environ.get("SANDBOX_DEBUG"):
-        return work()
-    return guard(work, Console(as_json="--json" in words,
-                               quiet=not {"--quiet", "-q"}.isdisjoint(words)))
+    except (Exception, KeyboardInterrupt) as raised:
+        if os.environ.get("SANDBOX_DEBUG"):
+            raise
+        error: BaseException = raised
+        if isinstance(raised, click.NoSuchOption) and raised.option_name in ADVICE:
+            error = click.UsageError(f"There is no option {raised.option_name!r}. "
+                                     f"{ADVICE[raised.option_name]}", raised.ctx)
+        try:
+            return report(error, console)
+        except StdoutError as failure:
+            return report(failure, console)

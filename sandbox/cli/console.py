@@ -13,7 +13,7 @@ import os
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
@@ -144,17 +144,6 @@ def _write(text: str, *, to_stderr: bool = False) -> None:
             raise StdoutError(f"cannot write to stdout: {error.strerror or error}") from None
 
 
-def guard(work: Callable[[], int], console: Console) -> int:
-    """Run a command; its exit code, or that of the error it raised."""
-    try:
-        return work()
-    except (Exception, KeyboardInterrupt) as error:
-        try:
-            return report(error, console)
-        except StdoutError as failure:
-            return report(failure, console)
-
-
 def report(error: BaseException, console: Console, **more: Any) -> Exit:
     """Print the problems of an error, one a line, or all in one JSON object; its exit code."""
     code, problems = _problems(error)
@@ -222,16 +211,12 @@ class Progress:
         self._terminal = sys.stderr.isatty() and not console.quiet
         self._start = time.monotonic()
         self._bar: ProgressBar[int] | None = None
-        self._interval = self._next = BAR_AFTER if self._terminal else LINE_EVERY
-
-    @property
-    def seconds(self) -> float:
-        """Time since the start [s]."""
-        return time.monotonic() - self._start
+        self._interval = BAR_AFTER if self._terminal else LINE_EVERY
+        self._next = self._start + self._interval
 
     def __call__(self, fraction: float) -> None:
         """Draw the bar at a fraction, with the remaining time."""
-        if self._terminal and self.seconds >= BAR_AFTER:
+        if self._terminal and time.monotonic() >= self._start + BAR_AFTER:
             if self._bar is None:
                 self._bar = click.progressbar(length=1000, label=self._label, file=sys.stderr)
                 self._bar.render_progress()
@@ -239,9 +224,9 @@ class Progress:
 
     def note(self, line: str) -> None:
         """Print a line if one is due: on a terminal after 1, 3, 7, … s, elsewhere every 30 s."""
-        if self.seconds >= self._next:
+        if time.monotonic() >= self._next:
             self._interval = min(2 * self._interval, LINE_EVERY)
-            self._next = self.seconds + self._interval
+            self._next = time.monotonic() + self._interval
             self._console.warn(line)
 
     def __enter__(self) -> Self:

@@ -44,8 +44,21 @@ def plot(
     if not (quantities or others or targets):
         if restricted or width is not None or untitled or files:
             raise click.UsageError("name the quantities to plot; 'sandbox plot RUN' lists them")
-        return console.finish({"quantities": _described(first)}, _listing(first, run))
-    given = _target_values(targets, recordings)
+        described = []
+        for name, unit in first.catalogue.units.items():
+            source = first.catalogue.find(name)
+            about = first.mechanism.meters[source.index].value if source.kind == "meter" else \
+                _about(source.kind, source.quantity)
+            described.append({"name": name, "unit": unit, "about": about})
+        return console.finish({"quantities": described}, _listing(first, run))
+    given = {}
+    for name, text in targets.items():
+        unit = run_with(name, recordings, option="--target").unit(name)
+        _, dimension = UNITS.get(normal_unit(unit), (1.0, None))
+        try:
+            given[name] = parse_quantity(text, dimension)
+        except ValueError as error:
+            raise click.BadParameter(f"{name}: {error}", param_hint="--target") from None
     names = matching(quantities, recordings, option="QUANTITY") or _targeted(recordings, given)
     if across:
         run_with(across, recordings, option="--x")
@@ -76,19 +89,6 @@ def plot(
          "drives": [row for label, row in efforts if label == one.label]}
         for (path, _), one in zip(opened, plotted, strict=True)]},
         [*_tables(responses, efforts), *files])
-
-
-def _target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str, float]:
-    """Targets in SI, read in the unit of their quantity."""
-    found = {}
-    for name, text in texts.items():
-        run = run_with(name, runs, option="--target")
-        _, dimension = UNITS.get(normal_unit(run.unit(name)), (1.0, None))
-        try:
-            found[name] = parse_quantity(text, dimension)
-        except ValueError as error:
-            raise click.BadParameter(f"{name}: {error}", param_hint="--target") from None
-    return found
 
 
 def _targeted(recordings: Sequence[Recording], given: dict[str, float]) -> list[str]:
@@ -155,16 +155,6 @@ def _csv_rows(records: Records) -> Iterator[tuple[str, ...]]:
             if isinstance(value, float):
                 yield (run, name, measure,
                        f"{value:.12g}" if math.isfinite(value) else "", units.get(measure, unit))
-
-
-def _described(run: Recording) -> list[dict[str, str]]:
-    found = []
-    for name, unit in run.catalogue.units.items():
-        source = run.catalogue.find(name)
-        about = run.mechanism.meters[source.index].value if source.kind == "meter" else \
-            _about(source.kind, source.quantity)
-        found.append({"name": name, "unit": unit, "about": about})
-    return found
 
 
 def _listing(run: Recording, word: str) -> list[str]:

@@ -180,7 +180,7 @@ def search(
     def count(_row: object) -> None:
         nonlocal new
         new += 1
-        progress.note(f"{new} runs, {new / progress.seconds:.3g} a second")
+        progress.note(f"{new} runs, {new / (time.perf_counter() - began):.3g} a second")
 
     with nullcontext() if own else _problems_at_options():
         session = Session(scene.word, scene.limits, kind, given) if study else make_session(
