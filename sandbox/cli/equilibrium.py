@@ -161,7 +161,9 @@ def _follow(
             make, begin, end, count, **how, on_point=lambda points, value: progress.note(
                 f"{points} points of rest, now at {label} = {value:.6g}"))
     rests = [stop.rest for branch in branches for stop in branch.stops]
-    quantity = quantity or _moving_most(rests)
+    quantity = quantity or max(places(rests[0].recording), key=lambda name: float(
+        np.ptp([rest[name] for rest in rests])  # angles times the size of the mechanism
+        * (rests[0].size if rests[0].recording.unit(name) == "rad" else 1.0)))
     of = rests[0].recording.unit(quantity)
     units = {quantity: of, **_units(rests)}
     data, curves, lines = [], [], list[str]()
@@ -185,13 +187,3 @@ def _follow(
                   title=f"Rest along {path}: {mechanism.title or mechanism.name}")
     return ({"along": label, "quantity": quantity, "unit": of, "branches": data}, rows,
             [folder / "rest.png"], lines)
-
-
-def _moving_most(rests: list[AtRest]) -> str:
-    """The angle or position that changes most; angles times the size of the mechanism."""
-    def change(name: str) -> float:
-        values = [rest[name] for rest in rests]
-        scale = rests[0].size if rests[0].recording.unit(name) == "rad" else 1.0
-        return scale * (max(values) - min(values))
-
-    return max(places(rests[0].recording), key=change)
