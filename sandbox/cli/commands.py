@@ -104,7 +104,7 @@ def invoke(words: Sequence[str]) -> int:
     """Run a command, print its output or error, and return its exit code."""
     console = Console(as_json="--json" in words, quiet=not {"--quiet", "-q"}.isdisjoint(words))
     try:
-        code = commands.main(list(words), prog_name="sandbox", standalone_mode=False)
+        code = commands.main(list(words) or ["--help"], prog_name="sandbox", standalone_mode=False)
         return code if isinstance(code, int) else Exit.DONE
     except (Exception, KeyboardInterrupt) as raised:
         if os.environ.get("SANDBOX_DEBUG"):

@@ -16,6 +16,7 @@ from sandbox.scene.library import shipped_scenes
 def test_help_fits_on_a_screen_and_every_command_helps(sandbox):
     output = sandbox("--help")
     assert output.code == 0
+    assert sandbox() == output
     lines = output.out.splitlines()
     assert len(lines) <= 45
     for command in commands.list_commands(None):
