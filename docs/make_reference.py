@@ -56,12 +56,12 @@ TOLD = {folder: f"{folder}.md" for folder in ("hands", "mechanisms")}
 """Folders of scenes that have a page, and which."""
 
 
-def rows(model: type[Spec]) -> Iterator[str]:
-    """The table of a model's fields."""
-    yield "| key | what | default | meaning |"
-    yield "|---|---|---|---|"
-    for row in field_rows(model):
-        yield f"| `{row.key}` | {row.type} | {row.default} | {_plain(row.meaning)} |"
+def table(*heads: str, rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    """A table in Markdown."""
+    yield f"| {' | '.join(heads)} |"
+    yield "|---" * len(heads) + "|"
+    for cells in rows:
+        yield f"| {' | '.join(cells)} |"
 
 
 def _plain(text: str) -> str:
@@ -69,76 +69,67 @@ def _plain(text: str) -> str:
     return markdown(text).replace("|", "\\|")
 
 
+def fields(model: type[Spec]) -> Iterator[str]:
+    """The table of a model's fields."""
+    return table("key", "what", "default", "meaning", rows=(
+        (f"`{row.key}`", row.type, row.default, _plain(row.meaning))
+        for row in field_rows(model)))
+
+
 def quantities() -> Iterator[str]:
     """The table of the quantities that a run records."""
-    yield "| of a | quantity | unit | what |"
-    yield "|---|---|---|---|"
-    for row in quantity_rows():
-        yield f"| {row.owner} | `{row.name}` | {row.unit} | {_plain(row.about)} |"
+    return table("of a", "quantity", "unit", "what", rows=(
+        (row.owner, f"`{row.name}`", row.unit, _plain(row.about)) for row in quantity_rows()))
 
 
 def readable() -> Iterator[str]:
     """The table of what controllers and events can read."""
-    yield "| of a | what can be read |"
-    yield "|---|---|"
+    rows = []
     for element, names in LIVE.items():
-        if element == "meter":
-            yield "| meter | itself, if what it is made of can be read |"
-            continue
         having = {name: owners(element, name).partition(": ")[2] for name in names}
         words = [f"`{name}`" + (f" ({tags})" if tags else "") for name, tags in having.items()]
-        yield f"| {'pair of bodies' if element == 'pair' else element} | {', '.join(words)} |"
-    for name, holder in GUIDED.values():
-        yield f"| {holder} | `{name}` |"
-    names = ", ".join(f"`{name}`" for name in BOND_QUANTITIES)
-    yield f"| joint, spring, tendon that can be released | {names} |"
+        rows.append(("pair of bodies" if element == "pair" else element, ", ".join(words)
+                     if element != "meter" else "itself, if all that it reads can be read"))
+    rows += [(holder, f"`{name}`") for name, holder in GUIDED.values()]
+    rows.append(("joint, spring, tendon that can be released",
+                 ", ".join(f"`{name}`" for name in BOND_QUANTITIES)))
+    return table("of a", "what can be read", rows=rows)
 
 
 def arrays() -> Iterator[str]:
     """The table of a recording's arrays."""
-    yield "| array | shape | unit | what |"
-    yield "|---|---|---|---|"
-    for row in ARRAYS:
-        unit = row.unit or "whole number"
-        shape = ", ".join(str(axis) for axis in row.axes)
-        yield f"| `{row.name}` | {shape} | {unit} | {_plain(row.about)} |"
+    return table("array", "shape", "unit", "what", rows=(
+        (f"`{row.name}`", ", ".join(map(str, row.axes)), row.unit or "whole number",
+         _plain(row.about)) for row in ARRAYS))
 
 
 def layers() -> Iterator[str]:
     """The table of the layers of pictures."""
-    yield "| layer | shown | for selected bodies | content |"
-    yield "|---|---|---|---|"
-    for name, layer in LAYERS.items():
-        yield (f"| `{name}` | {'always' if layer.default else 'on request'} "
-               f"| {'yes' if layer.per_body else ''} | {_plain(layer.about)} |")
+    return table("layer", "shown", "for selected bodies", "content", rows=(
+        (f"`{name}`", "always" if layer.default else "on request",
+         "yes" if layer.per_body else "", _plain(layer.about)) for name, layer in LAYERS.items()))
 
 
 def asks() -> Iterator[str]:
     """The table of the checks and their questions."""
-    yield "| check | question |"
-    yield "|---|---|"
-    for name, check in CHECKS.items():
-        yield f"| `{name}` | {_plain(check.asks)} |"
+    return table("check", "question", rows=(
+        (f"`{name}`", _plain(check.asks)) for name, check in CHECKS.items()))
 
 
 def advice() -> Iterator[str]:
     """The table of warnings, their meaning and their remedy."""
-    yield "| warning | meaning | what to do |"
-    yield "|---|---|---|"
-    for each in ADVICE:
-        figures = ", ".join(f"`{name}`" for name in each.figures) or "any other check"
-        yield f"| {figures} | {each.means} | {each.do} |"
+    return table("warning", "meaning", "what to do", rows=(
+        (", ".join(f"`{name}`" for name in each.figures) or "any other check", each.means, each.do)
+        for each in ADVICE))
 
 
 def ranges() -> Iterator[str]:
     """The table of the ranges of numbers."""
-    yield "| numbers of | unit | least of a size | most of a magnitude |"
-    yield "|---|---|---|---|"
-    for dimension, span in RANGES.items():
-        if dimension is not None:
-            unit = "1" if dimension == "ratio" else units_of(dimension)[0]
-            yield f"| {dimension} | {unit} | {span.minimum:g} | {span.maximum:g} |"
-    yield f"| any other, such as a parameter or a gain | | | {RANGES[None].maximum:g} |"
+    rows = [(dimension, "1" if dimension == "ratio" else units_of(dimension)[0],
+             f"{span.minimum:g}", f"{span.maximum:g}") for dimension, span in RANGES.items()
+            if dimension is not None]
+    rows.append(("any other, such as a parameter or a gain", "", "", f"{RANGES[None].maximum:g}"))
+    return table("numbers of", "unit", "least of a size", "most of a magnitude", rows=rows)
 
 
 def mechanisms() -> Iterator[str]:
@@ -237,11 +228,9 @@ def index() -> Iterator[str]:
 
 def codes() -> Iterator[str]:
     """All codes of diagnostics, each with an anchor."""
-    yield "| code | meaning and remedy |"
-    yield "|---|---|"
-    for code, (meaning, page) in CODES.items():
-        more = f" [More]({page})." if page else ""
-        yield f'| <a id="{code}"></a>`{code}` | {meaning}{more} |'
+    return table("code", "meaning and remedy", rows=(
+        (f'<a id="{code}"></a>`{code}`', meaning + (f" [More]({page})." if page else ""))
+        for code, (meaning, page) in CODES.items()))
 
 
 def ungrouped() -> list[str]:
@@ -301,7 +290,7 @@ def reference(groups: Mapping[str, Iterable[type[Spec]]], level: str) -> Iterato
     for heading, models in groups.items():
         yield from ("", f"{level} {heading}")
         for model in models:
-            yield from ("", f"{level}# {model.__name__}", "", about(model), "", *rows(model))
+            yield from ("", f"{level}# {model.__name__}", "", about(model), "", *fields(model))
 
 
 TABLES: dict[str, Callable[[], Iterable[str]]] = {

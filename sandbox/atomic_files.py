@@ -99,9 +99,7 @@ def write_csv(path: Path, rows: Iterable[Iterable[Any]]) -> None:
         csv.writer(file, lineterminator="\n").writerows(rows)
 
 
-def temporary_path(
-    path: Path, stack: contextlib.ExitStack, *, directory: bool = False,
-) -> Path:
+def temporary_path(path: Path, stack: contextlib.ExitStack, *, directory: bool = False) -> Path:
     """Make a temporary file or directory beside a path, locked until ``stack`` removes it."""
     while True:
         temporary = path.with_name(
@@ -130,13 +128,11 @@ def locked(path: Path) -> Iterator[bool | None]:
         return
     handle = os.open(path, os.O_RDONLY)
     try:
+        result: bool | None = True
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            result: bool | None = True
-        except BlockingIOError:
-            result = False
-        except OSError:  # the file system has no locks
-            result = None
+        except OSError as error:
+            result = False if isinstance(error, BlockingIOError) else None
         yield result
     finally:
         os.close(handle)

@@ -1,7 +1,4 @@
-"""Codes of all diagnostics: what each means, what to do, and where the docs explain it.
-
-``python docs/make_reference.py`` writes docs/messages.md from this table.
-"""
+"""Codes of all diagnostics: what each means, what to do, and where the docs explain it."""
 
 from __future__ import annotations
 
@@ -16,8 +13,7 @@ CODES: dict[str, tuple[str, str]] = {
                     "scenes.md#outlines"),
     "bad-elements": ("The file of `--elements` cannot be used. Correct the named line.",
                      "howto/own_joint.md"),
-    "bad-expression": ("The expression cannot be computed. Use SI numbers, parameters and the "
-                       "listed functions.",
+    "bad-expression": ("The expression cannot be computed. Use numbers, parameters, functions.",
                        "scenes.md#parameters-templates-and-changes-from-outside"),
     "bad-fluid": ("The hydraulic line cannot work as described. Give it an outlet or a relief.",
                   "elements.md#fluid"),
@@ -98,8 +94,7 @@ CODES: dict[str, tuple[str, str]] = {
     "missing-key": ("A required key is absent. Add it.", "elements.md"),
     "missing-package": ("An optional package is not installed. Run the given `pip install`.",
                         "limits.md#commands"),
-    "name-not-found": ("Nothing has this name. Correct it; `sandbox check --expand` prints all "
-                       "names.",
+    "name-not-found": ("Nothing has this name. Correct it; `check --expand` prints all names.",
                        "scenes.md#names"),
     "no-answer": ("No usable run answers the search. Loosen conditions or change ranges.",
                   "searches.md"),
@@ -124,9 +119,7 @@ CODES: dict[str, tuple[str, str]] = {
                       "limits.md#limits"),
     "out-of-range": ("The number is too small or too large. Check its unit; plain numbers are SI.",
                      "scenes.md#numbers"),
-    "outside-limits": ("The value is outside the stops or the stroke. Change the value or the "
-                       "limits.",
-                       ""),
+    "outside-limits": ("The value is outside the stops or the stroke. Change one of them.", ""),
     "overconstrained": ("Redundant joints make single reactions arbitrary. Remove one if you need "
                         "them.", "engine.md#determinate-and-indeterminate-forces"),
     "overlap": ("Bodies overlap at t = 0. Move one, or switch off this contact.",

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import linecache
-import traceback
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from sandbox.codes import CODES
@@ -28,12 +24,17 @@ class SandboxError(Exception):
     def __init__(self, message: str = "", *, code: str = "") -> None:
         super().__init__(message)
         if code:
-            self.code = checked(code)
+            self.code = Problem(code, message).code  # which is checked
 
     def _render_traceback_(self) -> list[str]:
         """Return the traceback that IPython shows: lines outside the package, and the message."""
-        lines = [*_own_lines(self.__traceback__),
-                 *(_own_lines(self.__cause__.__traceback__) if self.__cause__ else ())]
+        import linecache
+        from traceback import walk_tb
+        cause = self.__cause__.__traceback__ if self.__cause__ else None
+        lines = [f"line {line}: {linecache.getline(frame.f_code.co_filename, line).strip()}"
+                 for frame, line in (*walk_tb(self.__traceback__), *walk_tb(cause))
+                 if frame.f_globals.get("__name__", "").partition(".")[0] not in
+                 ("sandbox", "IPython")]
         return [*dict.fromkeys(lines), f"{type(self).__name__}: {self}"]
 
 
@@ -44,20 +45,6 @@ def optional(module: str, install: str = "'sandbox-mechanics[studies]'") -> Any:
     except ImportError:
         raise SandboxError(f"this needs {module}: pip install {install}",
                            code="missing-package") from None
-
-
-def checked(code: str) -> str:
-    """Return a code of a diagnostic; a KeyError if the table of codes does not have it."""
-    if code not in CODES:
-        raise KeyError(f"no diagnostic has the code {code!r}")
-    return code
-
-
-def _own_lines(trace: TracebackType | None) -> Iterator[str]:
-    """Yield the lines of a traceback outside this package and IPython."""
-    for frame, line in traceback.walk_tb(trace):
-        if frame.f_globals.get("__name__", "").partition(".")[0] not in ("sandbox", "IPython"):
-            yield f"line {line}: {linecache.getline(frame.f_code.co_filename, line).strip()}"
 
 
 @dataclass(frozen=True)
@@ -80,7 +67,8 @@ class Problem:
     """Errors are invalid input and end each command with exit code 2."""
 
     def __post_init__(self) -> None:
-        checked(self.code)
+        if self.code not in CODES:
+            raise KeyError(f"no diagnostic has the code {self.code!r}")
 
     @classmethod
     def of(cls, error: WrongValueError, path: str, **more: Any) -> Problem:
@@ -98,16 +86,6 @@ class Problem:
         """The message and the advice."""
         return f"{self.message}; {self.advice}" if self.advice else self.message
 
-    @property
-    def where(self) -> str:
-        """Line, column, path and element; only path or element without a file."""
-        severity = "" if self.severity == "error" else f"{self.severity}: "
-        if not self.line:
-            return f"{severity}{self.element or self.path}"
-        named = self.element and self.path != f"$.{self.element}"  # a setting: in the path
-        return (f"{self.line}:{self.column}: {severity}{self.path}"
-                f"{f': {self.element}' if named else ''}")
-
     def at(self, source: str) -> str:
         """``file:line:col: path: message``, or ``error: message`` without a place."""
         if source := self.file or source:
@@ -115,24 +93,26 @@ class Problem:
         return str(self) if self.path else f"error{self}"
 
     def __str__(self) -> str:
+        severity = "" if self.severity == "error" else f"{self.severity}: "
+        where = f"{severity}{self.element or self.path}"
+        if self.line:
+            where = f"{self.line}:{self.column}: {severity}{self.path}"
+            if self.element and self.path != f"$.{self.element}":  # a setting: in the path
+                where += f": {self.element}"
         allowed = f" Allowed: {self.allowed}." if self.allowed else ""
         hint = f" Did you mean {self.hint}?" if self.hint else ""
         stop = "." if (allowed or hint) and not self.text.endswith(".") else ""
-        return f"{self.where}: {self.text}{stop}{hint}{allowed}"
+        return f"{where}: {self.text}{stop}{hint}{allowed}"
 
 
-@dataclass(eq=False)
 class SceneError(SandboxError):
     """A scene that cannot be used, with all problems found.
 
     ``code`` is that of the first problem.
     """
 
-    problems: list[Problem]
-    source: str = ""
-
-    def __post_init__(self) -> None:
-        self.code = self.problems[0].code
+    def __init__(self, problems: list[Problem], source: str = "") -> None:
+        self.problems, self.source, self.code = problems, source, problems[0].code
 
     def __str__(self) -> str:
         return "\n".join(problem.at(self.source) for problem in self.problems)
@@ -144,7 +124,6 @@ class OutputError(SandboxError):
     code = "cannot-write"
 
 
-@dataclass(eq=False)
 class RunEnded(SandboxError):
     """Base class of errors that end a run.
 
@@ -152,25 +131,23 @@ class RunEnded(SandboxError):
     incomplete.
     """
 
-    text: ClassVar[str]  # the message, with fields in braces
-    time: float
-    recording: Recording | None = field(default=None, repr=False, kw_only=True)
+    text: ClassVar[str]  # the message, with attributes in braces
+
+    def __init__(self, time: float, culprit: str = "", reason: str = "") -> None:
+        self.time, self.culprit, self.reason = time, culprit, reason
+        self.recording: Recording | None = None
 
     def __str__(self) -> str:
         return self.text.format(**vars(self))
 
 
-@dataclass(eq=False)
 class SimulationDiverged(RunEnded):
     """Values of a simulation became infinite, undefined or very large."""
 
     code = "diverged"
     text = "the simulation diverged at t = {time:.6g} s: {culprit}: {reason}"
-    culprit: str
-    reason: str
 
 
-@dataclass(eq=False)
 class Jammed(SimulationDiverged):
     """A scheduled body pushes against something that cannot move."""
 
@@ -178,31 +155,25 @@ class Jammed(SimulationDiverged):
     text = "the mechanism jammed at t = {time:.6g} s: {reason}"
 
 
-@dataclass(eq=False)
 class RecordingFull(RunEnded):
     """A run exceeds the limit of recorded bytes, contacts included."""
 
     code = "limit-exceeded"
-    most: float
+    text = ("stopped at t = {time:.6g} s: samples and contacts recorded until then take more than "
+            "{reason} (the limit 'recorded_bytes', raised by --limit recorded_bytes=N, or "
+            "simulate(recorded_bytes=...))")
 
-    def __str__(self) -> str:
-        most = f"{self.most:,.0f}".replace(",", " ")
-        return (f"stopped at t = {self.time:.6g} s: samples and contacts recorded until then take "
-                f"more than {most} bytes (the limit 'recorded_bytes', raised by "
-                "--limit recorded_bytes=N, or simulate(recorded_bytes=...))")
+    def __init__(self, time: float, most: float) -> None:
+        super().__init__(time, reason=f"{most:,.0f} bytes".replace(",", " "))
 
 
-@dataclass(eq=False)
 class ControllerFailed(RunEnded):
     """A Python controller raised an exception, its ``__cause__``, or returned invalid values."""
 
     code = "controller-failed"
-    text = "controller {controller!r}: act() at t = {time:.6g} s {reason}"
-    controller: str
-    reason: str
+    text = "controller {culprit!r}: act() at t = {time:.6g} s {reason}"
 
 
-@dataclass(eq=False)
 class Interrupted(RunEnded):
     """Ctrl-C during a simulation."""
 

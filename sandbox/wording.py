@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
-import re
 from collections.abc import Collection, Iterable
 from typing import Any
 
-_WILD = re.compile(r"[*?\[]")
 MAX_NAMED = 8  # names listed in a message; the rest is counted
 LONGEST = 100  # characters of a name that are compared: the maximum length of a name
 MAX_COMPARED = 1_000  # choices that are compared with a word; the rest is ignored
@@ -69,6 +66,7 @@ def nearest(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     longer = [choice for choice in folded if choice.startswith(word)]
     if len(word) >= 3 and longer:
         return folded[min(longer, key=len)]
+    import difflib  # slow to load
     found = difflib.get_close_matches(word, folded, n=1, cutoff=cutoff)
     return folded[found[0]] if found else ""
 
@@ -87,7 +85,7 @@ class NearMisses:
 
 def is_pattern(text: str) -> bool:
     """Whether a name has a wildcard (``*``, ``?``, ``[``)."""
-    return _WILD.search(text) is not None
+    return not {"*", "?", "["}.isdisjoint(text)
 
 
 def listed(choices: Iterable[str], *, most: int = MAX_NAMED) -> str:
@@ -126,10 +124,8 @@ def printable(text: str) -> str:
 
 def kind_of(value: Any) -> str:
     """The kind of a value in terms of JSON, for messages."""
-    if value is None:
-        return "null"
-    if isinstance(value, bool):
-        return "true" if value else "false"
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
     if isinstance(value, dict):
         return "an object {…}"
     if isinstance(value, (list, tuple)):

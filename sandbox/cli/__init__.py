@@ -1,8 +1,7 @@
 """The command line: the only package that prints.
 
 Each command reads its options, calls the public functions that a script would call, and prints
-the results. Modules import nothing heavy at the top, so that ``sandbox --version`` and shell
-completion answer at once.
+the results. ``sandbox --version`` and shell completion import nothing heavy.
 """
 
 from __future__ import annotations
@@ -16,27 +15,23 @@ import sys
 import warnings
 from collections.abc import Sequence
 from types import FrameType
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from sys import UnraisableHookArgs
 
 __all__ = ["main"]
 
-GC_THRESHOLDS = (100_000, 50, 100)
-"""Importing and compiling make hundreds of thousands of objects that all stay; the default
-thresholds scan each batch of 700."""
 RETRY = 0.02  # seconds until a Ctrl-C that came during an import is handled again
 
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Run a command of ``argv`` (by default the process's own) and exit with its code.
 
-    Garbage collection is rare in a process that ends with its command. Warnings of libraries are
-    off unless ``SANDBOX_DEBUG`` is set. A program that calls this and continues has to undo both,
-    and the handler of Ctrl-C.
+    Garbage collection is rare: importing and compiling make hundreds of thousands of objects that
+    stay. Warnings of libraries are off unless ``SANDBOX_DEBUG`` is set.
     """
-    gc.set_threshold(*GC_THRESHOLDS)
+    gc.set_threshold(100_000, 50, 100)
     if not os.environ.get("SANDBOX_DEBUG"):
         warnings.simplefilter("ignore")
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
@@ -46,19 +41,14 @@ def main(argv: Sequence[str] | None = None) -> None:
         code = int(invoke(sys.argv[1:] if argv is None else argv))
     except KeyboardInterrupt:  # before the command began
         code = 130
-    if code == 130:
-        _exit(code)
+    if code == 130:  # after an interrupt within ``exec``, sys.exit would end by the signal
+        atexit._run_exitfuncs()
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError, ValueError, AttributeError):  # full, closed, missing
+                stream.flush()
+        os._exit(code)
     gc.freeze()
     sys.exit(code)
-
-
-def _exit(code: int) -> NoReturn:
-    """End with ``code``: after an interrupt within ``exec``, Python would end by the signal."""
-    atexit._run_exitfuncs()
-    for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(OSError, ValueError, AttributeError):  # full, closed, missing
-            stream.flush()
-    os._exit(code)
 
 
 def _interrupt(_number: int, frame: FrameType | None) -> None:

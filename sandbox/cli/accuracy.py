@@ -12,16 +12,16 @@ import click
 from sandbox.atomic_files import write_atomic
 from sandbox.audit.bounds import Interval, contact_bounds, push_limits
 from sandbox.audit.evidence import Evidence
-from sandbox.cli.console import Console, Exit, first_of, see, shown, simulating, table
-from sandbox.cli.options import Source, refuse_blocking
+from sandbox.cli.check import ready
+from sandbox.cli.console import Console, Exit, first_of, monitored, see, shown, table
+from sandbox.cli.options import Source
 from sandbox.cli.runs import open_run
 from sandbox.convergence.certificate import certify, refined, unfit
-from sandbox.engine.inspect import inspect, look_over
+from sandbox.engine.inspect import look_over
 from sandbox.errors import SceneError
 from sandbox.recording.new_run import BOUNDS, made
 from sandbox.recording.store import bound_rows
-from sandbox.scene.read.limits import Limits, check_limits
-from sandbox.scene.read.load import Loaded
+from sandbox.scene.read.limits import check_limits
 from sandbox.wording import or_near
 
 MAX_NAMED = 4  # forces outside their bounds that are named
@@ -30,10 +30,14 @@ DIRECTIONS = 12  # directions of a push, evenly spaced
 
 def converge(scene: Source, console: Console) -> int:
     """Print the verdicts on the expected quantities of a scene at three steps."""
-    loaded = scene.load()
-    refuse_blocking(inspect(loaded.mechanism), loaded)
-    _refuse(loaded, scene.limits)
-    with simulating(console) as progress:
+    loaded, _, _ = ready(scene)
+    finest = refined(loaded.mechanism, 4)
+    if problems := unfit(loaded.mechanism) or [
+            replace(each, message=f"{each.message} (of the run at a quarter of the step)")
+            for each in check_limits(finest, scene.limits)
+            or look_over(finest).estimate.beyond(scene.limits)]:
+        raise SceneError(problems, loaded.name)
+    with monitored(console, "Simulating") as progress:
         found = certify(loaded.mechanism, progress=progress)
     rows = [[t.quantity, t.statistic, *(shown(v, ".6g") for v in t.values),
              "" if t.unit == "1" else t.unit, shown(t.order, ".1f"), shown(t.error, ".1e"),
@@ -62,17 +66,6 @@ def converge(scene: Source, console: Console) -> int:
     }, lines, Exit.DIVERGED if found.diverged else Exit.DONE if found.certified else Exit.FAILED)
 
 
-def _refuse(loaded: Loaded, limits: Limits) -> None:
-    if problems := unfit(loaded.mechanism):
-        raise SceneError(problems, loaded.name)
-    finest = refined(loaded.mechanism, 4)
-    if problems := (check_limits(finest, limits)
-                    or list(look_over(finest).estimate.beyond(limits))):
-        raise SceneError([replace(
-            problem, message=f"{problem.message} (of the run at a quarter of the step)")
-            for problem in problems], loaded.name)
-
-
 def bounds(
     run: str, instants: tuple[float, ...], near: float | None, pushed: str | None,
     files: tuple[Path, ...], console: Console,
@@ -94,23 +87,21 @@ def bounds(
         made(file)
     names = [body.name for body in recording.mechanism.bodies]
     lines, outside, data = list[str](), list[str](), list[dict[str, Any]]()
-    for sample, each in found.items():
-        lines.append(f"t = {time[sample]:.6g} s" + ("" if each else ": nothing touches"))
+    for sample, contacts in found.items():
         rows = []
-        for one in each:
-            data.append({"time": float(time[sample]), "body": names[one.body],
-                         "other": names[one.other]})
+        for one in contacts:
+            body, other = names[one.body], names[one.other]
+            data.append({"time": float(time[sample]), "body": body, "other": other})
             for kind, part in (("normal", one.normal), ("tangential", one.tangential)):
                 decided = part.high - part.low <= sum(part.allowed)
                 data[-1][kind] = {"force": part.force, "low": part.low, "high": part.high,
                                   "tolerance": max(part.allowed), "decided": decided,
                                   "outside": part.outside}
-                label = f"{names[one.body]}/{names[one.other]}.{kind}"
-                outside += [label] if part.outside else []
-                rows.append([label, *_shown(part),
+                rows.append([f"{body}/{other}.{kind}", *_shown(part),
                              "OUTSIDE" if part.outside else "decided" if decided else ""])
-        if each:
-            lines += [*table(["force of", "N", "interval", ""], rows, right="<>"), ""]
+        outside += [label for label, _, _, verdict in rows if verdict == "OUTSIDE"]
+        lines.append(f"t = {time[sample]:.6g} s" + ("" if rows else ": nothing touches"))
+        lines += [*table(["force of", "N", "interval", ""], rows, right="<>"), ""] if rows else []
     for push in pushes:
         rows = [[f"{angle:g}", f"{force:.6g}"]
                 for angle, force in zip(push["direction_deg"], push["force"], strict=True)]

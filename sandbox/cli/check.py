@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 from typing import Any
 
 import click
 
-from sandbox.cli.console import Console, Exit, pages_line, problem_data
+from sandbox.cli.console import Console, Exit, problem_data, see
 from sandbox.cli.options import Source, refuse_blocking
 from sandbox.engine.inspect_hands import reaches
 from sandbox.errors import Problem, SceneError
@@ -24,21 +25,21 @@ def check(
     schema: str | None, console: Console,
 ) -> int:
     """Check scenes, or print one expanded, or a schema."""
-    if schema:
-        from sandbox.sweeps.spec import study_schema
-        found = study_schema() if schema == "study" else scene_schema()
-        console.document(json.dumps(found, indent=2, ensure_ascii=False))
+    sources = [Source(word, overrides, limits) for word in scenes]
+    if schema or expand:
+        if schema:
+            from sandbox.sweeps.spec import study_schema
+            found = study_schema() if schema == "study" else scene_schema()
+            text = json.dumps(found, indent=2, ensure_ascii=False)
+        elif len(scenes) == 1:
+            text = to_json(sources[0].load().mechanism)
+        else:
+            raise click.UsageError("--expand prints one SCENE.")
+        console.document(text)
         return Exit.DONE
     if not scenes:
         raise click.UsageError("Missing argument 'SCENE...'.")
-    sources = [Source(word, overrides, limits) for word in scenes]
-    if expand:
-        if len(scenes) > 1:
-            raise click.UsageError("Got unexpected extra scenes: --expand prints one.")
-        console.document(to_json(sources[0].load().mechanism))
-        return Exit.DONE
-    text = Console(quiet=console.as_json)
-    reports = [report_of(source, text) for source in sources]
+    reports = [report_of(source, Console(quiet=console.as_json)) for source in sources]
     good = all(report["ok"] and not (strict and report["findings"]) for report in reports)
     code = Exit.DONE if good else Exit.INPUT
     return console.finish({"scenes": reports}, code=code) if console.as_json else code
@@ -48,7 +49,7 @@ def report_of(source: Source, console: Console) -> dict[str, Any]:
     """Check one scene and print the findings; returns them as JSON data."""
     report: dict[str, Any] = {"scene": source.word, "ok": True, "errors": [], "findings": [],
                               "estimate": None, "notes": []}
-    lines, others = list[str](), list[Problem]()
+    lines, others, costs = list[str](), list[Problem](), list[str]()
     try:
         loaded = source.load()
         found, takes = source.inspect(loaded)
@@ -57,20 +58,26 @@ def report_of(source: Source, console: Console) -> dict[str, Any]:
         report |= {"findings": inspection_data(others, loaded), "estimate": takes.data}
         refuse_blocking(found, loaded)
         report["notes"] = list(reaches(compile_mechanism(loaded.mechanism)))
+        costs = [str(takes), *(f"note: {note}" for note in report["notes"])]
     except SceneError as error:
         report |= {"ok": False, "errors": [problem_data(problem, error.source)
                                            for problem in error.problems]}
         lines = [*(problem.at(error.source) for problem in error.problems), *lines]
         others = [*error.problems, *others]
-    if lines:
-        console.warn(*lines)
-    else:
-        console.say(f"{source.word}: ok")
-    if report["ok"]:
-        console.say(*(f"{source.word}: {line}" for line in (
-            takes, *(f"note: {note}" for note in report["notes"]))))
-    console.warn(*pages_line(others))
+    console.warn(*lines)
+    console.say(*(f"{source.word}: {line}" for line in ([] if lines else ["ok"]) + costs))
+    console.warn(*see(*others))
     return report
+
+
+def ready(
+    source: Source, changes: Mapping[str, Any] | None = None,
+) -> tuple[Loaded, list[Problem], list[str]]:
+    """A scene that can be simulated, its warnings, and the lines that print them."""
+    loaded = source.load(changes)
+    problems = source.inspect(loaded).problems
+    refuse_blocking(problems, loaded)
+    return loaded, problems, [*inspection_lines(problems, loaded), *see(*problems)]
 
 
 def inspection_lines(problems: list[Problem], loaded: Loaded) -> list[str]:
@@ -79,10 +86,8 @@ def inspection_lines(problems: list[Problem], loaded: Loaded) -> list[str]:
     for problem in problems:
         groups.setdefault(re.sub(r"(?<=[A-Za-z_])\d+", "#", str(problem)), []).append(problem)
     placed = loaded.placed(first for first, *_ in groups.values())
-    return [
-        f"{first.at(loaded.name)}{f' (and so for {others} more)' if others else ''}"
-        for first, others in zip(placed, (len(group) - 1 for group in groups.values()), strict=True)
-    ]
+    return [first.at(loaded.name) + (f" (and so for {len(group) - 1} more)" if group[1:] else "")
+            for first, group in zip(placed, groups.values(), strict=True)]
 
 
 def inspection_data(problems: list[Problem], loaded: Loaded) -> list[dict[str, Any]]:

@@ -13,7 +13,7 @@ import os
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, Any, Self
 
 import click
 
-from sandbox.atomic_files import json_text
 from sandbox.errors import OutputError, Problem, RunEnded, SandboxError, SceneError
 from sandbox.wording import WrongValueError, printable
 
@@ -30,18 +29,25 @@ if TYPE_CHECKING:
 
 MAX_PAGES = 3  # codes, elements, and pages that one line names
 REFERENCE = re.compile(r"docs/(?:elements|parts)\.md#(\w+)")  # what ``sandbox explain`` prints
+BAR_AFTER = 1.0  # seconds before a progress bar appears
+LINE_EVERY = 30.0  # longest time between two lines of progress [s]
+COMPILE_TIME = "10 to 30 s"  # time that compiling takes; the docs quote it
+COMPILING = f"Compiling the solver (first run of such a scene, {COMPILE_TIME}) …"
+NOT_CACHED = (f"Compiling the solver ({COMPILE_TIME}) in every run, since neither the installation "
+              "nor the user's cache is writable. Set NUMBA_CACHE_DIR to a writable folder.")
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], *, right: str = "") -> list[str]:
-    """Format rows as columns two spaces apart; ``right`` marks right-aligned columns by ``>``."""
+    """Format rows as columns two spaces apart; ``right`` marks right-aligned columns by ``>``.
+
+    Without rows there is no table. An empty head is left out.
+    """
     lines = [[printable(cell) for cell in line] for line in ([head] if head else []) + [*rows]]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     sides = right.ljust(len(widths), "<")
-    return [
-        "  ".join(f"{cell:{side}{width}}" for cell, side, width
-                  in zip(line, sides, widths, strict=True)).rstrip()
-        for line in lines
-    ]
+    return ["  ".join(f"{cell:{side}{width}}" for cell, side, width
+                      in zip(line, sides, widths, strict=True)).rstrip()
+            for line in lines if rows]
 
 
 def shown(value: float, how: str) -> str:
@@ -55,27 +61,15 @@ def first_of(names: Sequence[str], most: int) -> str:
     return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
 
-def pages_line(problems: Sequence[Problem]) -> list[str]:
-    """The line that names the explanations of some problems, or none."""
-    return see(*(each.code for each in problems), fields=[each.fields for each in problems])
-
-
-def see(*codes: str, fields: Iterable[str] = ()) -> list[str]:
-    """The line that names the explanations of some codes and fields, or none."""
-    words, pages = [*dict.fromkeys(codes)][:MAX_PAGES], list[str]()
-    for page in [*filter(None, dict.fromkeys(fields))][:MAX_PAGES]:
+def see(*about: Problem | str) -> list[str]:
+    """The line that names the explanations of some problems or codes, or none."""
+    problems = [Problem(each, "") if isinstance(each, str) else each for each in about]
+    words, pages = list(dict.fromkeys(each.code for each in problems))[:MAX_PAGES], list[str]()
+    fields = dict.fromkeys(each.fields for each in problems)
+    for page in [*filter(None, fields)][:MAX_PAGES]:
         match = REFERENCE.fullmatch(page)
         (words if match else pages).append(match[1] if match else page)
     return [", ".join([f"see 'sandbox explain {' '.join(words)}'", *pages])] if words else []
-
-
-
-BAR_AFTER = 1.0  # seconds before a progress bar appears
-LINE_EVERY = 30.0  # longest time between two lines of progress [s]
-COMPILE_TIME = "10 to 30 s"  # time that compiling takes; the docs quote it
-COMPILING = f"Compiling the solver (first run of such a scene, {COMPILE_TIME}) …"
-NOT_CACHED = (f"Compiling the solver ({COMPILE_TIME}) in every run, since neither the installation "
-              "nor the user's cache is writable. Set NUMBA_CACHE_DIR to a writable folder.")
 
 
 class Exit(IntEnum):
@@ -104,7 +98,7 @@ class Console:
         """Print lines to stdout; to stderr with ``--json``, nothing with ``--quiet``."""
         if self.as_json:
             self.warn(*map(str, lines))
-        elif not self.quiet:
+        elif lines and not self.quiet:
             _write("\n".join(printable(str(line)) for line in lines))
 
     def warn(self, *lines: str) -> None:
@@ -118,19 +112,17 @@ class Console:
 
     def document(self, text: str) -> None:
         """Print a whole file to stdout; characters that cannot be printed are escaped."""
-        try:
-            text.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
-            plain = str.isprintable
-        except UnicodeEncodeError:
-            plain = str.isascii
-        _write("".join(char if plain(char) or char in "\n\t" else json.dumps(char)[1:-1]
-                       for char in text))
+        unicode = (getattr(sys.stdout, "encoding", None) or "utf-8").lower().startswith("utf")
+        _write("".join(
+            char if char in "\n\t" or (char.isprintable() and (unicode or char.isascii()))
+            else json.dumps(char)[1:-1] for char in text))
 
     def finish(
         self, data: Mapping[str, Any], lines: Iterable[object] = (), code: Exit = Exit.DONE,
     ) -> Exit:
         """Print the result of a command, ``lines`` or with ``--json`` one object; its exit code."""
         if self.as_json:
+            from sandbox.atomic_files import json_text
             whole = {"status": code.name.lower(), "exit_code": int(code), **data}
             self.document(json_text(whole, indent=2))
         else:
@@ -152,24 +144,11 @@ def _write(text: str, *, to_stderr: bool = False) -> None:
             raise StdoutError(f"cannot write to stdout: {error.strerror or error}") from None
 
 
-def guard(work: Callable[[], int], console: Console) -> int:
-    """Run a command; its exit code, or that of the error it raised."""
-    try:
-        try:
-            return work()
-        except StdoutError:
-            raise
-        except (Exception, KeyboardInterrupt) as error:
-            return report(error, console)
-    except StdoutError as error:
-        return report(error, Console())
-
-
 def report(error: BaseException, console: Console, **more: Any) -> Exit:
     """Print the problems of an error, one a line, or all in one JSON object; its exit code."""
     code, problems = _problems(error)
     source = error.source if isinstance(error, SceneError) else ""
-    if console.as_json:
+    if console.as_json and not isinstance(error, StdoutError):
         errors = [problem_data(problem, source) for problem in problems]
         return console.finish({"errors": errors, **more}, code=code)
     if isinstance(error, click.UsageError) and error.ctx is not None:
@@ -177,7 +156,7 @@ def report(error: BaseException, console: Console, **more: Any) -> Exit:
                       f"Try '{error.ctx.command_path} --help' for help.", "")
     console.error(*(problem.at(source) for problem in problems))
     if code != Exit.INTERRUPTED:
-        console.warn(*pages_line(problems))
+        console.warn(*see(*problems))
     return code
 
 
@@ -228,48 +207,40 @@ class Progress:
     """
 
     def __init__(self, label: str, console: Console) -> None:
-        self._label, self._console, self._terminal = label, console, sys.stderr.isatty()
+        self._label, self._console = label, console
+        self._terminal = sys.stderr.isatty() and not console.quiet
         self._start = time.monotonic()
         self._bar: ProgressBar[int] | None = None
-        self._interval = self._next = BAR_AFTER if self._terminal else LINE_EVERY
-
-    @property
-    def seconds(self) -> float:
-        """Time since the start [s]."""
-        return time.monotonic() - self._start
+        self._interval = BAR_AFTER if self._terminal else LINE_EVERY
+        self._next = self._start + self._interval
 
     def __call__(self, fraction: float) -> None:
         """Draw the bar at a fraction, with the remaining time."""
-        if not self._terminal or self._console.quiet or self.seconds < BAR_AFTER:
-            return
-        if self._bar is None:
-            self._bar = click.progressbar(length=1000, label=self._label, file=sys.stderr)
-            self._bar.render_progress()
-        self._bar.update(round(1000 * min(max(fraction, 0.0), 1.0)) - self._bar.pos)
+        if self._terminal and time.monotonic() >= self._start + BAR_AFTER:
+            if self._bar is None:
+                self._bar = click.progressbar(length=1000, label=self._label, file=sys.stderr)
+                self._bar.render_progress()
+            self._bar.update(round(1000 * min(max(fraction, 0.0), 1.0)) - self._bar.pos)
 
     def note(self, line: str) -> None:
         """Print a line if one is due: on a terminal after 1, 3, 7, … s, elsewhere every 30 s."""
-        if self.seconds >= self._next:
+        if time.monotonic() >= self._next:
             self._interval = min(2 * self._interval, LINE_EVERY)
-            self._next = self.seconds + self._interval
+            self._next = time.monotonic() + self._interval
             self._console.warn(line)
-
-    def clear(self) -> None:
-        """End the line of the bar."""
-        if self._bar is not None:
-            self._bar.render_finish()
-            self._bar = None
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_error: object) -> None:
-        self.clear()
+        if self._bar is not None:
+            self._bar.render_finish()
+            self._bar = None
 
 
 @contextlib.contextmanager
-def compilation_notices(console: Console) -> Iterator[None]:
-    """Print a line before and after the solver is compiled, with a progress bar on a terminal."""
+def monitored(console: Console, label: str = "", kept: Path | None = None) -> Iterator[Progress]:
+    """Print progress, notices about compilation, and after Ctrl-C where finished runs are kept."""
     from sandbox.engine.compiling import on_compiling
 
     def began() -> None:
@@ -277,27 +248,15 @@ def compilation_notices(console: Console) -> Iterator[None]:
         console.warn(COMPILING if advance.cached else NOT_CACHED)
 
     def ended(seconds: float) -> None:
-        bar.clear()
+        bar.__exit__()
         console.warn(f"Compiled in {seconds:{'.0f' if seconds >= 1 else '.1g'}} s")
 
-    with Progress("Compiling", console) as bar, on_compiling(began, ended, bar), \
-            on_compiling(lambda: console.warn(COMPILING), ended, in_workers=True):
-        yield
-
-
-@contextlib.contextmanager
-def simulating(console: Console) -> Iterator[Progress]:
-    """Print notices about compilation, and the progress of a simulation."""
-    with compilation_notices(console), Progress("Simulating", console) as progress:
-        yield progress
-
-
-@contextlib.contextmanager
-def many_runs(folder: Path, console: Console) -> Iterator[None]:
-    """Print notices about compilation, and after Ctrl-C how to resume."""
     try:
-        with compilation_notices(console):
-            yield
+        with Progress("Compiling", console) as bar, on_compiling(began, ended, bar), \
+                on_compiling(lambda: console.warn(COMPILING), ended, in_workers=True), \
+                Progress(label, console) as progress:
+            yield progress
     except KeyboardInterrupt:
-        console.warn(f"stopped; finished runs are kept in {folder}, and the same command resumes")
+        if kept:
+            console.warn(f"stopped; finished runs are kept in {kept}, and the same command resumes")
         raise

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,12 @@ import click
 import numpy as np
 
 from sandbox.atomic_files import json_text, write_atomic, write_csv
-from sandbox.cli.console import Console, Exit, Progress, compilation_notices, first_of, table
+from sandbox.cli.console import Console, Exit, first_of, monitored, table
 from sandbox.cli.options import RENDERS, Source, prepare, refuse_blocking, safe_name
 from sandbox.engine.inspect import inspect
 from sandbox.engine.inspect_control import Checked
 from sandbox.equilibria.branches import rest_along
-from sandbox.equilibria.rest import AtRest, RestFound, known_body, places, quantities, rest, verdict
+from sandbox.equilibria.rest import AtRest, known_body, places, quantities, rest, verdict
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
@@ -68,16 +69,19 @@ def _find(
         body = objects[0] if len(objects) == 1 else ""
     else:
         known_body(mechanism, body)
-    with compilation_notices(console):
+    with monitored(console):
         found = rest(Checked(mechanism), starts=starts, **how)
     rests, several = found.rests, len(found.rests) > 1
-    rows = [["quantity", "unit", *(f"rest_{i}" for i in range(1, len(rests) + 1))],
-            *([name, unit, *(f"{each[name]:.12g}" for each in rests)]
-              for name, unit in _units(rests).items())]
-    pictures, data, lines = [], [], _lines(found)
+    pictures, data, lines, stiffnesses = [], [], list[str](), list[str]()
     for i, each in enumerate(rests, 1):
         pictures.append(folder / (f"rest_{i}.png" if several else "rest.png"))
         save_picture(_titled(each, i if several else 0), pictures[-1])
+        lines.append(f"{f'rest {i}' if several else 'at rest'}"
+                     f"{f' (from {each.start})' if each.start else ''}: {verdict(each)}")
+        if each.sticking:
+            why = "it stuck from there" if each.start else "a slow load leads"
+            lines.append(f"  friction holds {first_of(each.sticking, MAX_STICKING)}, so nearby "
+                         f"poses are at rest, too; this is where {why}")
         data.append({**_data(each), "stiffness": None})
         with contextlib.suppress(ArithmeticError):  # it is unknown
             if body and not each.untold:
@@ -87,14 +91,26 @@ def _find(
                     "rigid" if math.isinf(value) else f"{value:.5g} {unit}"
                     for value, unit in zip(values, STIFFNESS.values(), strict=True))
                 of = f" in rest {i}" if several else ""
-                lines.append(f"stiffness of {body}{of}: {x} along x, {y} along y, {turn} in "
-                             f"rotation; {least} in the softest direction")
-    lines += [*found.remarks, *(f"no rest{start}: {why}" for start, why in found.failed)]
+                stiffnesses.append(f"stiffness of {body}{of}: {x} along x, {y} along y, {turn} in "
+                                   f"rotation; {least} in the softest direction")
+    units, listed = _units(rests), rests[:MAX_COLUMNS]
+    rows = [["quantity", "unit", *(f"rest_{i}" for i in range(1, len(rests) + 1))],
+            *([name, unit, *(f"{each[name]:.12g}" for each in rests)]
+              for name, unit in units.items())]
+    heads = [f"rest {i}" for i in range(1, len(listed) + 1)] if several else ["value"]
+    lines += ["", *table(["quantity", "unit", *heads], [
+        *([name, unit, *(_shown(each[name]) for each in listed)] for name, unit in units.items()),
+        ["residual", "N", *(f"{each.left:.2g}" for each in listed)],
+    ], right="<<" + ">" * len(listed)), ""]
+    if rests[MAX_COLUMNS:]:
+        lines.append(f"{len(rests) - MAX_COLUMNS} more are in the files")
     failed = [{"from": start.removeprefix(" from "), "reason": why} for start, why in found.failed]
+    lines += [*stiffnesses, *found.remarks,
+              *(f"no rest{start}: {why}" for start, why in found.failed)]
     return {"rests": data, "failed": failed, "remarks": found.remarks}, rows, pictures, lines
 
 
-def _units(rests: tuple[AtRest, ...] | list[AtRest]) -> dict[str, str]:
+def _units(rests: Sequence[AtRest]) -> dict[str, str]:
     """The quantities that equilibria are described by, with their units."""
     return {name: unit for each in rests for name, unit in quantities(each.recording).items()}
 
@@ -118,27 +134,6 @@ def _titled(rest: AtRest, number: int) -> Recording:
     return type(run)(mechanism.model_copy(update={"title": title}), run.arrays, run.info)
 
 
-def _lines(found: RestFound) -> list[str]:
-    """The stability of each equilibrium, then the numbers of all side by side."""
-    rests, lines = found.rests, []
-    for i, each in enumerate(rests, 1):
-        name = f"rest {i}" if len(rests) > 1 else "at rest"
-        lines.append(f"{name}{f' (from {each.start})' if each.start else ''}: {verdict(each)}")
-        if each.sticking:
-            why = "it stuck from there" if each.start else "a slow load leads"
-            lines.append(f"  friction holds {first_of(each.sticking, MAX_STICKING)}, so nearby "
-                         f"poses are at rest, too; this is where {why}")
-    shown = rests[:MAX_COLUMNS]
-    rows = [[name, unit, *(_shown(each[name]) for each in shown)]
-            for name, unit in _units(shown).items()]
-    rows.append(["residual", "N", *(f"{each.left:.2g}" for each in shown)])
-    heads = [f"rest {i}" if len(rests) > 1 else "value" for i in range(1, len(shown) + 1)]
-    lines += ["", *table(["quantity", "unit", *heads], rows, right="<<" + ">" * len(shown)), ""]
-    if len(rests) > len(shown):
-        lines.append(f"{len(rests) - len(shown)} more are in the files")
-    return lines
-
-
 def _shown(value: float) -> str:
     """A number in SI, without rounding errors about 0."""
     return f"{round(value, DIGITS) + 0.0:.6g}"
@@ -156,17 +151,19 @@ def _follow(
     def make(value: float) -> Mechanism:
         return scene.load({path: f"{value!r} {unit}" if unit else value}).mechanism
 
-    mechanism, progress = make(begin), Progress("", console)
+    mechanism = make(begin)
     known = Catalogue(mechanism)
     if quantity is not None and quantity not in known:
         error = UnknownQuantityError(quantity, known.near(quantity), known.lacking(quantity))
         raise click.BadParameter(str(error), param_hint="--plot")
-    with compilation_notices(console):
+    with monitored(console) as progress:
         branches = rest_along(
             make, begin, end, count, **how, on_point=lambda points, value: progress.note(
                 f"{points} points of rest, now at {label} = {value:.6g}"))
     rests = [stop.rest for branch in branches for stop in branch.stops]
-    quantity = quantity or _moving_most(rests)
+    quantity = quantity or max(places(rests[0].recording), key=lambda name: float(
+        np.ptp([rest[name] for rest in rests])  # angles times the size of the mechanism
+        * (rests[0].size if rests[0].recording.unit(name) == "rad" else 1.0)))
     of = rests[0].recording.unit(quantity)
     units = {quantity: of, **_units(rests)}
     data, curves, lines = [], [], list[str]()
@@ -190,13 +187,3 @@ def _follow(
                   title=f"Rest along {path}: {mechanism.title or mechanism.name}")
     return ({"along": label, "quantity": quantity, "unit": of, "branches": data}, rows,
             [folder / "rest.png"], lines)
-
-
-def _moving_most(rests: list[AtRest]) -> str:
-    """The angle or position that changes most; angles times the size of the mechanism."""
-    def change(name: str) -> float:
-        values = [rest[name] for rest in rests]
-        scale = rests[0].size if rests[0].recording.unit(name) == "rad" else 1.0
-        return scale * (max(values) - min(values))
-
-    return max(places(rests[0].recording), key=change)

@@ -67,14 +67,14 @@ def _explained(name: str) -> list[str]:
     """The text about a name: all things that have it."""
     word = name.strip().lower()
     word = EVERYDAY.get(word, word)
-    all_elements, all_rows, scenes = [*elements()], [*reference.quantity_rows()], shipped_scenes()
-    found = [each for each in all_elements if word in each.names()]
+    models, quantities, scenes = [*elements()], [*reference.quantity_rows()], shipped_scenes()
+    found = [each for each in models if word in each.names()]
     found = [each for each in found if each.name == word] or found
     blocks = [_element_lines(found[0]) if len(found) == 1 else
-              _definitions([(each.name, reference.summary(each.model)) for each in found])]
-    blocks.append(_quantities([(row.name, row.unit, f"{row.about} ({row.owner})")
-                               for row in all_rows
-                               if word in (row.name, f"{row.element}.{row.name}")]))
+              _definitions((each.name, reference.summary(each.model)) for each in found)]
+    blocks.append(_quantities((row.name, row.unit, f"{row.about} ({row.owner})")
+                              for row in quantities
+                              if word in (row.name, f"{row.element}.{row.name}")))
     if word in TABLES or word in FUNCTIONS:
         blocks.append(_table("functions" if word in FUNCTIONS else word))
     if word in CODES:
@@ -84,7 +84,7 @@ def _explained(name: str) -> list[str]:
         advice = advice_on(word)
         blocks.append(_definitions([(word, f"A consistency check: {CHECKS[word].asks} If it warns: "
                                      f"{advice.means}. What to do: {advice.do}.")]))
-    owners = [each.name for each in all_elements if word in each.field_names()]
+    owners = [each.name for each in models if word in each.field_names()]
     if owners and not found:
         blocks.append([f"{word} is a field of {', '.join(owners)}. 'sandbox explain {owners[0]}' "
                        "prints it."])
@@ -92,24 +92,21 @@ def _explained(name: str) -> list[str]:
         blocks.append([f"{word} is a shipped scene: {title_of(scenes[word])}. 'sandbox run {word}' "
                        "runs it."])
     if not any(blocks):
-        known = [*TABLES, *(each for element in all_elements for each in sorted(element.names())),
-                 *(row.name for row in all_rows), *FUNCTIONS, *EVERYDAY, *CODES, *CHECKS]
+        known = [*TABLES, *(each for element in models for each in sorted(element.names())),
+                 *(row.name for row in quantities), *FUNCTIONS, *EVERYDAY, *CODES, *CHECKS]
         raise click.BadParameter(f"there is no element or quantity {name!r}.{meant(word, known)} "
                                  "'sandbox explain' lists them.", param_hint="NAME")
     return [line for block in blocks if block for line in ("", *block)][1:]
 
 
 def _overview() -> list[str]:
-    def grouped(pairs: Iterable[tuple[str, str]]) -> list[str]:
-        found: dict[str, list[str]] = {}
-        for group, name in pairs:
-            found.setdefault(group, []).append(name)
-        return _definitions([(group, ", ".join(names)) for group, names in found.items()])
-
-    owners = ((row.owner if row.owner == "object" else row.element or "released connection",
-               row.name) for row in reference.quantity_rows())
-    return [*grouped((each.topic, each.name) for each in elements()), "", "Quantities",
-            *grouped((f"  {owner}", name) for owner, name in owners),
+    groups: dict[str, list[str]] = {}
+    for each in elements():
+        groups.setdefault(each.topic, []).append(each.name)
+    for row in reference.quantity_rows():
+        owner = row.owner if row.owner == "object" else row.element or "released connection"
+        groups.setdefault(f"{owner.capitalize()} quantities", []).append(row.name)
+    return [*_definitions((group, ", ".join(names)) for group, names in groups.items()),
             "", f"Also: {', '.join(TABLES)}, fields, scenes and codes of messages. "
             "'sandbox explain NAME' prints one."]
 
@@ -144,83 +141,77 @@ def _models(annotation: Any) -> Iterator[type[Spec]]:
 
 def _element_lines(each: _Element) -> list[str]:
     """Description, fields, example and quantities of an element."""
-    lines = []
-    for paragraph in f"{each.name}: {reference.about(each.model)}".split("\n\n"):
-        lines += [*click.formatting.wrap_text(
-            _plain(paragraph), click.HelpFormatter(max_width=WIDTH).width).splitlines(), ""]
-    rows = []
-    for row in reference.field_rows(each.model):
-        default = row.default if row.default in ("", "required", "as below") else \
-            f"default {row.default}"
-        rows.append((f"  {row.key}", f"{'; '.join(filter(None, (row.type, default)))}. "
-                                     f"{row.meaning}"))
-    lines += ["Fields", *_definitions(rows)]
+    width = click.HelpFormatter(max_width=WIDTH).width
+    lines = click.formatting.wrap_text(_plain(f"{each.name}: {reference.about(each.model)}"), width,
+                                       preserve_paragraphs=True).splitlines()
+    lines += ["", "Fields", *_definitions((f"  {row.key}", "; ".join(filter(None, (
+        row.type, row.default if row.default in ("", "required", "as below") else
+        f"default {row.default}"))) + f". {row.meaning}")
+        for row in reference.field_rows(each.model))]
     if text := example(each):
         lines += ["", "Example", *(f"  {line}" for line in text.splitlines())]
     one = NAMED[each.key].one if each.key in NAMED and each.name.startswith(each.key) else ""
     recorded = []
-    for quantity in reference.quantity_rows():
-        if one and quantity.element == one and (not reference.kinds_of(one) or any(
-                kind.split()[0] == each.tag for kind in reference.recorded_by(one, quantity.name))):
+    for row in reference.quantity_rows():
+        if one and row.element == one and (not reference.kinds_of(one) or any(
+                kind.split()[0] == each.tag for kind in reference.recorded_by(one, row.name))):
             # of units such as ``N m (pin); N (slot)`` that of this kind
-            unit = next((unit for unit, kinds in re.findall(r"([^;(]+) \(([^)]*)\)", quantity.unit)
-                         if each.tag in kinds.split(", ")), quantity.unit).strip()
-            recorded.append((quantity.name, unit, quantity.about + (
-                " (of an object)" if quantity.owner == "object" else "")))
+            unit = next((unit for unit, kinds in re.findall(r"([^;(]+) \(([^)]*)\)", row.unit)
+                         if each.tag in kinds.split(", ")), row.unit).strip()
+            recorded.append((row.name, unit, row.about + (
+                " (of an object)" if row.owner == "object" else "")))
     return [*lines, *(["", "Quantities", *_quantities(recorded)] if recorded else [])]
 
 
 def example(each: _Element) -> str:
-    """The longest entry of the shipped scenes on one line, or the shortest; empty for none."""
-    keys = each.field_names()
-    found: list[dict[str, Any]] = []
-    waiting = [json.loads(path.read_text(encoding="utf-8"))
+    """The shipped entry with the most keys on one line, or the shortest; empty for none."""
+    keys, found = each.field_names(), dict[str, dict[str, Any]]()
+    waiting = [("", json.loads(path.read_text(encoding="utf-8")))
                for path in shipped_scenes().values()] if each.key else []
-    for entry in waiting:
-        inner = entry
-        if isinstance(entry, dict):
-            value, inner = entry.get(each.key), list(entry.values())
-            found += [one for one in (value if isinstance(value, list) else
-                                      [value, *value.values()] if isinstance(value, dict) else ())
-                      if isinstance(one, dict) and one.keys() <= keys
-                      and one.get("type", "") == each.tag]
-        waiting += [value for value in inner if isinstance(value, (dict, list))]
-    texts = {json.dumps(one, ensure_ascii=False): one for one in found}
-    short = [text for text in texts if len(text) <= ONE_LINE]
-    if short or not texts:
-        return max(short, key=lambda text: (len(texts[text]), -len(text)), default="")
-    return json.dumps(texts[min(texts, key=len)], indent=2, ensure_ascii=False)
+    for key, value in waiting:
+        if isinstance(value, list):
+            waiting += [(key, entry) for entry in value]
+        elif isinstance(value, dict):
+            waiting += value.items()
+            if key == each.key:
+                waiting += [(key, entry) for entry in value.values() if isinstance(entry, dict)]
+                if value.keys() <= keys and value.get("type", "") == each.tag:
+                    found[json.dumps(value, ensure_ascii=False)] = value
+    short = [text for text in found if len(text) <= ONE_LINE]
+    if short or not found:
+        return max(short, key=lambda text: (len(found[text]), -len(text)), default="")
+    return json.dumps(found[min(found, key=len)], indent=2, ensure_ascii=False)
 
 
 def _table(word: str) -> list[str]:
     if word == "limits":
         described = reference.docstrings(Limits)
-        title, rows = "Limits of a scene; --limit NAME=VALUE changes one.", [
-            (each.name, f"{each.default}. {' '.join(described[each.name].split())}")
-            for each in fields(Limits)]
+        title, rows = "Limits of a scene; --limit NAME=VALUE changes one.", {
+            each.name: f"{each.default}. {' '.join(described[each.name].split())}"
+            for each in fields(Limits)}
     elif word == "layers":
         title = "Layers of pictures; --show of 'sandbox render' and view.show select them."
-        rows = [(name, ("" if layer.default else "(not by default) ") + layer.about)
-                for name, layer in LAYERS.items()]
+        rows = {name: ("" if layer.default else "(not by default) ") + layer.about
+                for name, layer in LAYERS.items()}
     else:
         arguments = {1: "x", 2: "y, x", 3: "x, low, high", None: "a, b, …"}
         title = "Functions of expressions, as in '=2 * sin(pi * t)'; scenes add tables."
-        rows = [("functions", ", ".join(f"{name}({arguments[each.arguments]})"
-                                        for name, each in FUNCTIONS.items())),
-                ("constants", ", ".join(CONSTANTS)),
-                ("choice", "a if condition else b; and, or, not, <, <=, >, >=, ==, !=")]
-    return [title, "", *_definitions([(f"  {name}", text) for name, text in rows])]
+        rows = {"functions": ", ".join(f"{name}({arguments[each.arguments]})"
+                                       for name, each in FUNCTIONS.items()),
+                "constants": ", ".join(CONSTANTS),
+                "choice": "a if condition else b; and, or, not, <, <=, >, >=, ==, !="}
+    return [title, "", *_definitions((f"  {name}", text) for name, text in rows.items())]
 
 
-def _quantities(rows: list[tuple[str, str, str]]) -> list[str]:
-    return _definitions([(f"  {name}", f"[{unit}] {about}" if unit != "1" else about)
-                         for name, unit, about in rows])
+def _quantities(rows: Iterable[tuple[str, str, str]]) -> list[str]:
+    return _definitions((f"  {name}", f"[{unit}] {about}" if unit != "1" else about)
+                        for name, unit, about in rows)
 
 
-def _definitions(rows: list[tuple[str, str]]) -> list[str]:
+def _definitions(rows: Iterable[tuple[str, str]]) -> list[str]:
     formatter = click.HelpFormatter(max_width=WIDTH)
-    if rows:
-        formatter.write_dl([(term, _plain(text)) for term, text in rows], col_max=26)
+    if plain := [(term, _plain(text)) for term, text in rows]:
+        formatter.write_dl(plain, col_max=26)
     return formatter.getvalue().rstrip("\n").splitlines()
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sandbox.errors import OutputError, SceneError
+from sandbox.errors import SceneError
 
 if TYPE_CHECKING:
     from sandbox.engine.inspect import Inspection
@@ -72,12 +72,12 @@ def safe_name(name: str) -> str:
 def prepare(directory: Path) -> None:
     """Check that files can be written into a directory, and make it."""
     import tempfile
-    try:
+
+    from sandbox.atomic_files import output_errors
+    with output_errors(directory):
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory) as trial:
             trial.write(b"\0")
-    except OSError as error:
-        raise OutputError(f"cannot write into {directory}: {error.strerror or error}") from None
 
 
 def written(directory: Path, names: Sequence[str]) -> list[str]:

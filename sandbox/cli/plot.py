@@ -6,6 +6,7 @@ import math
 import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ from sandbox.values.units import UNITS, normal_unit, parse_quantity
 KINDS = ("meter", "drive", "tendon", "joint", "spring", "load", "line", "valve", "group", "body")
 """Kinds of element, in the order in which they are listed."""
 MAX_NAMES, MAX_PAIRS, MAX_TRIED = 8, 6, 200  # listed elements, listed pairs, examined pairs
-Records = list[dict[str, Any]]
+Records = list[tuple[str, dict[str, Any]]]  # of runs, by their labels
 
 
 def plot(
@@ -43,8 +44,21 @@ def plot(
     if not (quantities or others or targets):
         if restricted or width is not None or untitled or files:
             raise click.UsageError("name the quantities to plot; 'sandbox plot RUN' lists them")
-        return console.finish({"quantities": _described(first)}, _listing(first, run))
-    given = _target_values(targets, recordings)
+        described = []
+        for name, unit in first.catalogue.units.items():
+            source = first.catalogue.find(name)
+            about = first.mechanism.meters[source.index].value if source.kind == "meter" else \
+                _about(source.kind, source.quantity)
+            described.append({"name": name, "unit": unit, "about": about})
+        return console.finish({"quantities": described}, _listing(first, run))
+    given = {}
+    for name, text in targets.items():
+        unit = run_with(name, recordings, option="--target").unit(name)
+        _, dimension = UNITS.get(normal_unit(unit), (1.0, None))
+        try:
+            given[name] = parse_quantity(text, dimension)
+        except ValueError as error:
+            raise click.BadParameter(f"{name}: {error}", param_hint="--target") from None
     names = matching(quantities, recordings, option="QUANTITY") or _targeted(recordings, given)
     if across:
         run_with(across, recordings, option="--x")
@@ -56,42 +70,25 @@ def plot(
                                      if name in names})
                for label, each in zip(labels, recordings, strict=True)]
     # settling and effort refer to a whole run over time
-    responses: Records = [] if restricted else _responses(plotted, names)
-    efforts: Records = _efforts(plotted) if others and not restricted else []
+    responses = [] if restricted else _responses(plotted, names)
+    efforts = _efforts(plotted) if others and not restricted else []
     files = files or (directory / "plot.png",)
     drawing = draw(plotted, names, x=across, width=width, titled=not untitled, window=Window(
         begin or 0.0, math.inf if end is None else end)) if any(
             file.suffix.lower() in PICTURES for file in files) else None
     for file in files:
         if file.suffix.lower() == ".csv":
-            write_csv(file, _csv_rows(responses, efforts))
+            write_csv(file, _csv_rows([*responses, *efforts]))
         else:
             save_figure(drawing, file)
         made(file)
-
-    def of(label: str, records: Records) -> Records:
-        return [{key: value for key, value in row.items() if key != "run"}
-                for row in records if row["run"] == label]
-
     return console.finish({"run": directory, "files": files, "runs": [
         {"run": one.label, "directory": path, "title": one.run.mechanism.title,
-         "complete": one.run.complete, "quantities": of(one.label, responses),
-         "drives": of(one.label, efforts)}
+         "complete": one.run.complete,
+         "quantities": [row for label, row in responses if label == one.label],
+         "drives": [row for label, row in efforts if label == one.label]}
         for (path, _), one in zip(opened, plotted, strict=True)]},
         [*_tables(responses, efforts), *files])
-
-
-def _target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str, float]:
-    """Targets in SI, read in the unit of their quantity."""
-    found = {}
-    for name, text in texts.items():
-        run = run_with(name, runs, option="--target")
-        _, dimension = UNITS.get(normal_unit(run.unit(name)), (1.0, None))
-        try:
-            found[name] = parse_quantity(text, dimension)
-        except ValueError as error:
-            raise click.BadParameter(f"{name}: {error}", param_hint="--target") from None
-    return found
 
 
 def _targeted(recordings: Sequence[Recording], given: dict[str, float]) -> list[str]:
@@ -106,79 +103,66 @@ def _targeted(recordings: Sequence[Recording], given: dict[str, float]) -> list[
 def _responses(plotted: Sequence[Plotted], names: Sequence[str]) -> Records:
     """How quantities follow their targets in each run, and their mean at its end; SI."""
     drives = {f"{name}.value" for one in plotted for name in controlled(one.run)}
-    found = []
+    targeted = {name for one in plotted for name in one.targets}
+    found: Records = []
     for name in names:
-        if name in drives and not any(name in one.targets for one in plotted):
-            continue
-        for one in plotted:
+        for one in plotted if name in targeted or name not in drives else ():
             if name in one.run:
                 goals = {name: one.targets[name]} if name in one.targets else {}
                 response = responses(one.run, goals).get(name)
-                found.append({
-                    "run": one.label, "quantity": name, "unit": one.run.unit(name),
+                found.append((one.label, {
+                    "quantity": name, "unit": one.run.unit(name),
                     "final": float(one.run.within(name, ending(one.run.time)).mean()),
-                    "response": response and asdict(response)})
+                    "response": response and asdict(response)}))
     return found
 
 
 def _efforts(plotted: Sequence[Plotted]) -> Records:
     drives = dict.fromkeys(name for one in plotted for name in controlled(one.run))
-    return [{"run": one.label, "drive": drive, "unit": one.run.unit(f"{drive}.value"),
-             **asdict(effort(one.run.time, one.run[f"{drive}.value"], initial(one.run, drive)))}
+    return [(one.label, {"drive": drive, "unit": one.run.unit(f"{drive}.value"), **asdict(
+                effort(one.run.time, one.run[f"{drive}.value"], initial(one.run, drive)))})
             for drive in drives for one in plotted if drive in controlled(one.run)]
 
 
 def _tables(responses: Records, efforts: Records) -> list[str]:
     """A row for each run and quantity, angles in degrees; and for each run and controlled drive."""
     lines, rows = list[str](), []
-    for row in responses:
+    for run, row in responses:
         shown, r = shown_as(row["unit"]), row["response"]
-        rows.append([row["quantity"], row["run"], shown.unit, number(shown.factor * row["final"]),
+        rows.append([row["quantity"], run, shown.unit, number(shown.factor * row["final"]),
                      *(["-"] * 5 if r is None else [
                          number(shown.factor * r["target"]), number(r["overshoot"], 3),
                          number(r["settling"]), f"{shown.factor * r['steady_error']:+.3g}",
                          f"{shown.factor * r['iae']:.4g}"])])
-    if any(row["response"] for row in responses):
+    if any(row["response"] for _, row in responses):
         lines += table(["quantity", "run", "unit", "end", "target", "overshoot %", "settling s",
                         "steady error", "IAE"], rows, right="<<<>>>>>>")
     if efforts:
         lines += ["", *table(
             ["drive", "run", "unit", "total variation", "peak", "largest rate /s"],
-            [[row["drive"], row["run"], row["unit"], number(row["variation"]), number(row["peak"]),
-              f"{row['rate']:.4g}"] for row in efforts], right="<<<>>>")]
+            [[row["drive"], run, row["unit"], number(row["variation"]), number(row["peak"]),
+              f"{row['rate']:.4g}"] for run, row in efforts], right="<<<>>>")]
     return lines
 
 
-def _csv_rows(responses: Records, efforts: Records) -> Iterator[tuple[str, ...]]:
+def _csv_rows(records: Records) -> Iterator[tuple[str, ...]]:
     """One number a line, SI; empty for what never happens."""
     yield "run", "name", "measure", "value", "unit"
-    for row in [*responses, *efforts]:
-        name, unit = row.get("quantity") or row["drive"], row["unit"]
+    for run, row in records:
+        unit, name = str(row["unit"]), str(row.get("quantity") or row["drive"])
         units = {"overshoot": "%", "settling": "s", "iae": f"{unit} s", "rate": f"{unit}/s"}
-        measures = row.get("response") or {
-            key: value for key, value in row.items() if isinstance(value, float)}
-        for measure, value in measures.items():
-            yield (row["run"], name, measure, f"{value:.12g}" if math.isfinite(value) else "",
-                   units.get(measure, unit))
-
-
-def _described(run: Recording) -> Records:
-    found = []
-    for name, unit in run.catalogue.units.items():
-        source = run.catalogue.find(name)
-        about = run.mechanism.meters[source.index].value if source.kind == "meter" else \
-            _about(source.kind, source.quantity)
-        found.append({"name": name, "unit": unit, "about": about})
-    return found
+        for measure, value in (row.get("response") or row).items():
+            if isinstance(value, float):
+                yield (run, name, measure,
+                       f"{value:.12g}" if math.isfinite(value) else "", units.get(measure, unit))
 
 
 def _listing(run: Recording, word: str) -> list[str]:
     """The quantities of a run by kind, and commands that plot some of them."""
+    all_units = run.catalogue.units
     lines = [run.mechanism.title or run.mechanism.name,
-             f"{len(run)} samples from 0 to {run.time[-1]:.3g} s of "
-             f"{len(run.catalogue.units)} quantities"]
+             f"{len(run)} samples from 0 to {run.time[-1]:.3g} s of {len(all_units)} quantities"]
     for kind in KINDS:
-        many = "bodies" if kind == "body" else f"{kind}s"
         having = {name: entry for name, entry in run.catalogue.elements.items()
                   if entry.kind == kind}
         units: dict[str, list[str]] = {}
@@ -186,35 +170,27 @@ def _listing(run: Recording, word: str) -> list[str]:
             for quantity, unit in entry.quantities.items():
                 units.setdefault(quantity, []).append(unit)
         if kind == "meter":
-            head, rows = f"{many}:", [
-                (name, entry.quantities[""], run.mechanism.meters[entry.index].value)
-                for name, entry in having.items()]
+            names, rows = "", [(name, entry.quantities[""], run.mechanism.meters[entry.index].value)
+                               for name, entry in having.items()]
         else:
-            head = f"{many}: {first_of(list(having), MAX_NAMES)}"
+            names = first_of(list(having), MAX_NAMES)
             rows = [(f".{quantity}", " or ".join(dict.fromkeys(each)), _about(kind, quantity)
                      + ("" if len(each) == len(having) else f" ({len(each)} of {len(having)})"))
                     for quantity, each in units.items()]
-        lines += ["", head, *_rows(rows)] if having else []
+        if having:
+            many = "bodies" if kind == "body" else f"{kind}s"
+            lines += ["", f"{many}: {names}".rstrip(), *_rows(rows)]
     pairs = [name.removesuffix(".normal") for name in run.match("*/*.normal")[:MAX_TRIED]
              if (run[name] > 0).any()]
     if pairs:
         lines += ["", f"pairs of bodies that touched: {first_of(pairs, MAX_PAIRS)}", *_rows([
             (f".{name}", "N", _about("pair", name)) for name in ("normal", "tangential")])]
-    return [*lines, "", "to plot some:",
-            *(f"  sandbox plot {shlex.join([word, *words])}" for words in _examples(run, pairs))]
-
-
-def _examples(run: Recording, pairs: list[str]) -> Iterator[list[str]]:
-    """Words that plot one quantity, one quantity against another, a contact force."""
-    units, usual = run.catalogue.units, run.catalogue.usual
-    wanted = list(dict.fromkeys([
-        *tracked(run), *(name for names in usual.values() for name in names), *units]))
-    one = wanted[0]
-    yield [one]
-    if other := next((name for name in wanted if units[name] != units[one]), ""):
-        yield [other, "--x", one]
-    if pairs:
-        yield [f"{pairs[0]}.normal"]
+    wanted = [*tracked(run), *chain(*run.catalogue.usual.values()), *all_units]
+    other = next((name for name in wanted if all_units[name] != all_units[wanted[0]]), "")
+    examples = [[wanted[0]], [other, "--x", wanted[0]] if other else [],
+                [f"{pairs[0]}.normal"] if pairs else []]
+    return [*lines, "", "to plot some:", *(f"  sandbox plot {shlex.join([word, *words])}"
+                                           for words in examples if words)]
 
 
 def _rows(rows: list[tuple[str, str, str]]) -> list[str]:

@@ -12,19 +12,9 @@ from typing import Any
 
 from sandbox.audit.audit import CHECKS, advice_on, audit
 from sandbox.audit.evidence import Figure
-from sandbox.cli.check import inspection_data, inspection_lines
-from sandbox.cli.console import (
-    Console,
-    Exit,
-    Progress,
-    pages_line,
-    report,
-    see,
-    shown,
-    simulating,
-    table,
-)
-from sandbox.cli.options import RENDERS, Source, refuse_blocking, safe_name
+from sandbox.cli.check import inspection_data, ready
+from sandbox.cli.console import Console, Exit, Progress, monitored, report, see, shown, table
+from sandbox.cli.options import RENDERS, Source, safe_name
 from sandbox.cli.runs import files_of, write_page
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
@@ -45,18 +35,16 @@ def run(
     writes_page: bool, lists_checks: bool, console: Console,
 ) -> int:
     """Simulate a scene, write the results, and print the verdicts on its expectations."""
-    loaded = scene.load({} if solver is None else {"run.solver": solver})
-    problems = scene.inspect(loaded).problems
-    refuse_blocking(problems, loaded)
-    console.warn(*inspection_lines(problems, loaded), *pages_line(problems))
+    loaded, problems, warnings = ready(scene, {} if solver is None else {"run.solver": solver})
+    console.warn(*warnings)
     with writing(out or RENDERS / safe_name(loaded.mechanism.name)) as new:
         job = _Job(scene, loaded, new, console)
         try:
-            with simulating(console) as progress:
+            with monitored(console, "Simulating") as progress:
                 recording = simulate(Checked(loaded.mechanism), progress=progress,
                                      recorded_bytes=scene.limits.recorded_bytes)
         except RunEnded as error:
-            return job.keep(error)
+            return job.ended(error)
         job.wall_s |= recording.info.wall
         job.write(recording, "" if no_render else animation, writes_page)
     return _finish(job, recording, problems, lists_checks)
@@ -74,19 +62,16 @@ class _Job:
     checks: Sequence[Figure] = ()
     wall_s: dict[str, float] = dataclasses.field(default_factory=dict)  # duration of each phase
 
-    def keep(self, error: RunEnded) -> int:
-        """Save what was recorded before a run ended early, marked incomplete; its exit code."""
-        recording = error.recording
-        more: dict[str, Any] = {"directory": str(self.new.directory), "complete": False,
-                                "files": []}
-        if recording is not None:
+    def ended(self, error: RunEnded) -> int:
+        """Save what was recorded before a run ended early; its exit code."""
+        more: dict[str, Any] = {"directory": self.new.directory, "complete": False, "files": []}
+        if (recording := error.recording) is not None:
             save_data(recording, self.new.aside)
             try:
                 with contextlib.suppress(KeyboardInterrupt):  # a second Ctrl-C: leave it out
                     self._judge(recording)
             finally:
-                self._save_summary(recording)
-                more |= self._publish(recording, not isinstance(error, SimulationDiverged))
+                more |= self._keep(recording, not isinstance(error, SimulationDiverged))
         return report(error, self.console, **more)
 
     def write(self, recording: Recording, animation: str, writes_page: bool) -> None:
@@ -117,10 +102,8 @@ class _Job:
                 info = dataclasses.replace(
                     recording.info, complete=False, reason=INTERRUPTED) \
                     if isinstance(error, KeyboardInterrupt) else unfinished(recording.info)
-                kept = type(recording)(recording.mechanism, recording.arrays, info)
                 self.judged = self.checks = ()
-                self._save_summary(kept)
-                self._publish(kept, stopped=True)
+                self._keep(type(recording)(recording.mechanism, recording.arrays, info), True)
                 raise
         self.new.publish()
 
@@ -139,13 +122,14 @@ class _Job:
                      derived=self.loaded.derived, verdicts=self.judged, wall_s=self.wall_s,
                      figures=self.checks)
 
-    def _publish(self, recording: Recording, stopped: bool) -> dict[str, Any]:
+    def _keep(self, recording: Recording, stopped: bool) -> dict[str, Any]:
         """Put an incomplete run in place and print where; its part of the JSON object."""
+        self._save_summary(recording)
         place = self.new.publish(stopped=stopped)
         stays = f"; the run that was in {self.new.directory} stays" \
             if place != self.new.directory else ""
         self.console.warn(f"kept {len(recording)} samples in {place}, marked incomplete{stays}")
-        return {"directory": str(place), "samples": len(recording), "files": files_of(place)}
+        return {"directory": place, "samples": len(recording), "files": files_of(place)}
 
 
 def _finish(job: _Job, recording: Recording, problems: list[Problem], lists_checks: bool) -> int:
@@ -179,8 +163,7 @@ def _expectation_lines(judged: Sequence[Verdict]) -> list[str]:
     rows = [[v.quantity, v.statistic, shown(v.value, ".6g"), v.allowed,
              "" if v.unit == "1" else v.unit, "pass" if v.ok else "FAIL"] for v in listed]
     return [
-        *(table(["expectation of", "", "value", "range", "unit", ""], rows, right="<<>")
-          if rows else ()),
+        *table(["expectation of", "", "value", "range", "unit", ""], rows, right="<<>"),
         *(f"FAIL {v.quantity}: {v.reason}" for v in failed if v.reason),
         f"{len(judged) - len(failed)} of {len(judged)} expectations passed"
         f"{'' if listed is judged else '; run.json lists all'}",
@@ -191,15 +174,14 @@ def _check_lines(checks: Sequence[Figure], solver: str, *, whole: bool) -> list[
     """The count of consistency checks that passed, and the warnings; all as a table if wanted."""
     computed = [f for f in checks if f.verdict != "not computed"]
     warnings = [f for f in computed if f.verdict != "pass"]
-    lines = []
-    if whole:
-        lines += table(["check", "value", "at most", "unit", "", ""], [
-            [f.name, shown(f.value, ".2g"), shown(f.threshold, ".2g"), f.unit,
-             "pass" if f.verdict == "pass" else "WARNING",
-             CHECKS[f.name].asks if f.name in CHECKS else ""]
-            for f in computed], right="<>><<<")
-        if without := [f.name for f in checks if f.verdict == "not computed"]:
-            lines.append(f"not computed (run.json has the reasons): {', '.join(without)}")
+    lines = table(["check", "value", "at most", "unit", "", ""], [
+        [f.name, shown(f.value, ".2g"), shown(f.threshold, ".2g"), f.unit,
+         "pass" if f.verdict == "pass" else "WARNING",
+         CHECKS[f.name].asks if f.name in CHECKS else ""]
+        for f in computed if whole], right="<>><<<")
+    without = [f.name for f in checks if f.verdict == "not computed"]
+    if whole and without:
+        lines.append(f"not computed (run.json has the reasons): {', '.join(without)}")
     many = "s" if len(warnings) > 1 else ""
     lines.append(f"{len(computed) - len(warnings)} checks passed"
                  + (f", {len(warnings)} warning{many}:" if warnings else "")

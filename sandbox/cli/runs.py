@@ -69,9 +69,9 @@ def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
     if is_pattern(name) and (fits := [found for run in runs for found in run.match(name)]):
         raise click.BadParameter(f"{name!r} is a pattern, and one quantity is wanted: "
                                  f"{listed(dict.fromkeys(fits))}", param_hint=option)
-    close = next((found for run in runs if (found := run.catalogue.near(name))), "")
+    close, there = (next(filter(None, found), "") for found in (
+        (run.catalogue.near(name) for run in runs), (run.catalogue.allowed(name) for run in runs)))
     hint = f" Did you mean {close!r}?" if close else ""
-    there = next((found for run in runs if (found := run.catalogue.allowed(name))), "")
     allowed = f" Allowed: {there}." if there else ""
     raise click.BadParameter(f"no quantity is named {name!r}.{hint}{allowed}", param_hint=option)
 
@@ -106,14 +106,11 @@ def render(
                                "sets the format")
     directory = run_directory(run)
     recording = Recording.load(directory)
-    if strip is not None:
-        name = f"strip.{ending or 'png'}"
-    elif len(at) == 1:
-        name = f"still_{''.join(at[0].split())}.{ending or 'png'}"
-    elif at or ending in ("png", "svg", "pdf"):
-        name = f"still{'' if at else '_end'}.{ending or 'png'}"
-    else:
+    if strip is None and not at and ending not in ("png", "svg", "pdf"):
         name = f"animation.{ending or 'gif'}"
+    else:
+        of = f"_{''.join(at[0].split())}" if len(at) == 1 else "" if at else "_end"
+        name = f"{f'still{of}' if strip is None else 'strip'}.{ending or 'png'}"
     paths, wrong = outs or (directory / name,), []
     for path in paths:  # all are checked before the first is drawn
         try:
@@ -139,13 +136,8 @@ def report(
     runs: tuple[str, ...], out: Path | None, plots: tuple[str, ...], console: Console,
 ) -> int:
     """Write one page that plays up to four runs."""
-    from sandbox.web.page import MAX_RUNS, FoundOut
-    if len(runs) > MAX_RUNS:
-        raise click.UsageError(f"a page shows up to {MAX_RUNS} runs, {len(runs)} were given")
+    from sandbox.web.page import FoundOut
     directories, recordings = zip(*(open_run(word, console) for word in runs), strict=True)
-    for k, directory in enumerate(directories):
-        if directory.resolve() in [each.resolve() for each in directories[:k]]:
-            raise click.UsageError(f"the run in {str(directory)!r} is given twice")
     path = out or directories[0]
     path = path / PAGE if path.is_dir() else path
     if path.suffix.lower() not in (".html", ".htm"):
@@ -165,8 +157,6 @@ def write_page(
     """Write the page of some runs; its size in bytes."""
     from sandbox.web.page import report as page_of_runs
     text = page_of_runs(recordings, found, plots)
-    if not path.parent.is_dir():
-        raise OutputError(f"there is no directory {path.parent}")
     write_atomic(path, text)
     made(path)
     return len(text.encode())

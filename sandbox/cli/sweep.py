@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import shlex
 import sys
 import time
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from datetime import timedelta
@@ -19,7 +18,7 @@ import click
 import numpy as np
 
 from sandbox.atomic_files import json_text, write_atomic
-from sandbox.cli.console import Console, Progress, many_runs, table
+from sandbox.cli.console import Console, monitored, table
 from sandbox.cli.options import NAMES, Source, prepare, safe_name, written
 from sandbox.errors import SceneError
 from sandbox.scene.read.source import SceneSource
@@ -51,41 +50,36 @@ def _study(scene: Source, vary: Mapping[str, str], example: str) -> SceneSource 
 
 def _refuse(defined: Collection[str], word: str) -> None:
     """Refuse options of the command line that a study file defines, too."""
-    for param, name in _on_command_line():
+    for name, flag in _flags().items():
         if name in defined:
             raise click.BadParameter(f"{word} already defines this; change it there.",
-                                     param_hint=param.opts[0])
+                                     param_hint=flag)
 
 
-def _on_command_line() -> list[tuple[click.Parameter, str]]:
-    """The parameters that the command line gives, with their names."""
+def _flags() -> dict[str, str]:
+    """The options that the command line gives, by parameter."""
     context = click.get_current_context()
-    return [(param, name) for param in context.command.params if (name := param.name or "")
-            and context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE]
+    return {name: param.opts[0] for param in context.command.params if (name := param.name or "")
+            and context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE}
 
 
 @contextmanager
-def _problems_at_options(vary: Mapping[str, str], keep: Sequence[str] = ()) -> Iterator[None]:
+def _problems_at_options() -> Iterator[None]:
     """Report problems of a study made of options at these options."""
     try:
         yield
     except SceneError as error:
-        flags = {name: param.opts[0] for param, name in _on_command_line()}
         problems = []
         for each in error.problems:
             head, *steps = parse_path(each.path) if each.path.startswith("$") else ("",)
+            names = [step for step in steps if isinstance(step, str) and step != "over"]
+            words = [f"--{head}", *names[:1]]
             if head == "search":
-                flag = flags.get(str(steps[1]), "") if len(steps) > 1 else ""
-                each = replace(each, path=flag, line=0, fields="")
+                words = [_flags().get(str(step), "") for step in steps[1:2]]
             elif error.source:
                 raise
-            elif head in ("vary", "keep", "set", "design", "count", "seed"):
-                names = {f"{path}={values}": (path,) for path, values in vary.items()} \
-                    if head == "vary" else {text: (text, text.partition("=")[0].strip())
-                                            for text in keep if head == "keep"}
-                word = next((text for text, known in names.items() if {*known} & {*steps}), "")
-                each = replace(each, path=f"--{head} {shlex.quote(word) if word else ''}".rstrip(),
-                               fields="")
+            if head in ("search", "vary", "keep", "set", "design", "count", "seed"):
+                each = replace(each, path=" ".join(words), line=0, fields="")
             problems.append(each)
         raise SceneError(problems) from None
 
@@ -101,14 +95,14 @@ def sweep(
         plan = plan_of(scene.word, scene.limits)
     else:
         audit = not options.pop("no_audit")
-        with _problems_at_options(options["vary"], options["keep"]):
+        with _problems_at_options():
             plan = plan_of(study_data(scene.word, set=scene.overrides, audit=audit, **options),
                            scene.limits)
     folder = out or Path("sweeps", safe_name(plan.name))
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
     preload_figures()
-    with many_runs(folder, console), Progress("sweep", console) as bar:
+    with monitored(console, "sweep", folder) as bar:
         def advance(at: Advance) -> None:
             bar(at.done / max(at.total - at.before, 1))
             if not sys.stderr.isatty() and at.done:
@@ -125,27 +119,25 @@ def sweep(
 def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: float) -> int:
     draw_table(found, folder / FIGURE)
     files = written(folder, (CSV, PARQUET, FIGURE, SPEC))
-    counts = Counter(found.status)
     missed = [row for row in found.rows if row.holds is False]
     looks = [row for row in found.rows if row.looks]
-    rows, lines = [], list[str]()
+    counts, rows = Counter(found.status), []
     for name, values in found.kept.items():
         finite = values[np.isfinite(values)]
         numbers = [f"{value:.6g}" for value in np.quantile(finite, [0, 0.5, 1])] \
             if len(finite) else ["-", "-", "-"]
         rows.append([name, found.plan.units.get(name, ""), *numbers])
-    if rows:
-        lines += [*table(["kept", "unit", "least", "middle", "largest"], rows, right="<<>>>"), ""]
-    reasons = {status: Counter(row.reason for row in found.rows
-                               if row.reason and row.status == status) for status in counts}
-    lines += [f"{runs} of {len(found)} runs {status}: {_most_frequent(reasons[status])}"
-              for status, runs in counts.items() if status != DONE]
-    if words := reasons.get(DONE):
-        lines.append(f"{words.total()} runs have missing results: {_most_frequent(words)}")
+    lines = table(["kept", "unit", "least", "middle", "largest"], rows, right="<<>>>")
+    lines += [""] if lines else []
+    for status, runs in counts.items():
+        reasons = [row.reason for row in found.rows if row.reason and row.status == status]
+        if status != DONE:
+            lines.append(f"{runs} of {len(found)} runs {status}: {_most_frequent(reasons)}")
+        elif reasons:
+            lines.append(f"{len(reasons)} runs have missing results: {_most_frequent(reasons)}")
     if missed:
-        failed = Counter(name for row in missed for name in row.failed)
         lines.append(f"{len(missed)} of {len(found)} runs miss expectations: "
-                     f"{_most_frequent(failed)}")
+                     f"{_most_frequent(name for row in missed for name in row.failed)}")
     if looks:
         names = sorted({name for row in looks for name in row.looks or ()})
         lines.append(f"{len(looks)} runs have warnings: {', '.join(names)}")
@@ -155,8 +147,8 @@ def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: fl
     }, [*lines, f"{folder}: {', '.join(files)}  ({seconds:.1f} s)"])
 
 
-def _most_frequent(words: Counter[str]) -> str:
-    return "; ".join(f"{word} ({count})" for word, count in words.most_common(MAX_REASONS))
+def _most_frequent(words: Iterable[str]) -> str:
+    return "; ".join(f"{word} ({count})" for word, count in Counter(words).most_common(MAX_REASONS))
 
 
 def kind_of(word: str) -> str:
@@ -173,13 +165,12 @@ def search(
     out: Path | None, workers: int | str, console: Console, **options: Any,
 ) -> int:
     """Run a search and report the result; the exit code."""
-    began, new, progress = time.perf_counter(), 0, Progress("", console)
+    began, new = time.perf_counter(), 0
     study = _study(scene, vary, "parameters.pull=2 N:8 N")
     own = study.data.get("search") if study else None
     if study:
-        options_there = own.get(kind) if isinstance(own, dict) else None
-        _refuse({"vary", "keep", "overrides",
-                 *(options_there if isinstance(options_there, dict) else ()),
+        there = own.get(kind) if isinstance(own, dict) else None
+        _refuse({"vary", "keep", "overrides", *(there if isinstance(there, dict) else ()),
                  *({"seed"} & study.data.keys() if own else ())}, scene.word)
     if own is None and options.get("data", "") is None:
         raise click.BadParameter("name the file with the measured data.", param_hint="--data")
@@ -189,15 +180,15 @@ def search(
     def count(_row: object) -> None:
         nonlocal new
         new += 1
-        progress.note(f"{new} runs, {new / progress.seconds:.3g} a second")
+        progress.note(f"{new} runs, {new / (time.perf_counter() - began):.3g} a second")
 
-    with nullcontext() if own else _problems_at_options(vary, keep):
+    with nullcontext() if own else _problems_at_options():
         session = Session(scene.word, scene.limits, kind, given) if study else make_session(
             scene.word, kind, given, vary=vary, keep=list(keep) or None, set=scene.overrides,
             limits=scene.limits)
         folder = out or _own_directory(session)
         prepare(folder)
-        with many_runs(folder, console):
+        with monitored(console, kept=folder) as progress:
             found = run_search(session, folder, workers, count)
     seconds = time.perf_counter() - began
     files = written(folder, (RESULT, CSV, PARQUET, COMPARED, SEARCH_FIGURE, FOUND))
@@ -209,6 +200,7 @@ def search(
 
 
 def _own_directory(session: Session) -> Path:
+    """A new directory, or that of the same question, which its file has."""
     kind, name = session.kind, safe_name(session.plan.name)
     options = {name: option for name, option in session.options.items() if name not in EXTENT}
     question = json_text([{**session.plan.written, "search": kind}, options], sort_keys=True,
@@ -216,10 +208,10 @@ def _own_directory(session: Session) -> Path:
     for number in count_from(1):
         folder = Path("searches", NAMES.get(kind, kind), f"{name}-{number}" if number > 1 else name)
         file = folder / QUESTION
-        unused = not (file.is_file() and (folder / ROWS).is_file())
-        if unused:
+        if not (file.is_file() and (folder / ROWS).is_file()):
             prepare(folder)
             write_atomic(file, question + "\n")
-        if unused or file.read_text(encoding="utf-8", errors="replace").strip() == question:
-            return folder
-    raise AssertionError("numbers do not end")
+            break
+        if file.read_text(encoding="utf-8", errors="replace").strip() == question:
+            break
+    return folder

@@ -15,32 +15,30 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from sandbox.cli.check import inspection_lines
-from sandbox.cli.console import Console, Exit, compilation_notices, pages_line
-from sandbox.cli.options import RENDERS, Source, refuse_blocking, safe_name
+from sandbox.cli.check import ready
+from sandbox.cli.console import Console, Exit, monitored
+from sandbox.cli.options import RENDERS, Source, safe_name
 from sandbox.web.server import Server, needed
 from sandbox.web.session import Found, Session
 
 
-def view(scene: Source, port: int, no_browser: bool) -> int:
+def view(scene: Source, port: int | None, no_browser: bool) -> int:
     """Serve a scene until Ctrl-C."""
     needed()
     console = Console()
 
     def read(changed: Mapping[str, Any]) -> Found:
-        loaded = dataclasses.replace(scene, overrides=changed).load()
-        problems = scene.inspect(loaded).problems
-        refuse_blocking(problems, loaded)
-        return Found(loaded, [*inspection_lines(problems, loaded), *pages_line(problems)])
+        loaded, _, warnings = ready(dataclasses.replace(scene, overrides=changed))
+        return Found(loaded, warnings)
 
     def session() -> Session:
         return Session(read, dict(scene.overrides), lambda name: RENDERS / safe_name(name))
 
-    with compilation_notices(console):
+    with monitored(console):
         first = session()
     console.warn(*first.warnings)
 
-    def ready(server: Server) -> None:
+    def started(server: Server) -> None:
         console.say(server.address, "from another machine: ssh -N -L "
                     f"{server.port}:127.0.0.1:{server.port} {getpass.getuser()}@{platform.node()}",
                     "Ctrl-C ends it")
@@ -59,5 +57,5 @@ def view(scene: Source, port: int, no_browser: bool) -> int:
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
     with contextlib.ExitStack() as opened:
         title = first.scene.title or first.scene.name
-        Server(session, first, title=title, port=port).serve(ready)
+        Server(session, first, title=title, port=port or 0).serve(started)
     return Exit.INTERRUPTED

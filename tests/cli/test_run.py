@@ -8,7 +8,7 @@ import re
 import pytest
 
 from sandbox.cli.commands import invoke
-from sandbox.cli.console import COMPILING, NOT_CACHED, Console, compilation_notices
+from sandbox.cli.console import COMPILING, NOT_CACHED, Console, monitored
 from sandbox.cli.options import safe_name
 from sandbox.engine.compiling import report_began, report_compiled
 from sandbox.engine.entry_points import CalledFromPython
@@ -217,7 +217,7 @@ def test_compilation_is_announced_once(monkeypatch, scene, capfd, tmp_path):
         err = capfd.readouterr().err
         assert err.count(COMPILING) == err.count("Compiled in") == announced
     monkeypatch.setattr(CalledFromPython, "cached", False)
-    with compilation_notices(Console()):
+    with monitored(Console()):
         report_began()
         report_compiled(12.4)
     assert capfd.readouterr().err.splitlines() == [NOT_CACHED, "Compiled in 12 s"]

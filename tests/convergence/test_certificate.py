@@ -114,8 +114,9 @@ def away(*steps: float) -> Callable[[Recording], None]:
         simulation = Simulation(run.mechanism)
         simulation.run(round(0.02 / run.info.step))
         message = "it ran away; a smaller run.step may help"
-        raise SimulationDiverged(0.02, "load", message,
-                                 recording=simulation.finish(message))
+        error = SimulationDiverged(0.02, "load", message)
+        error.recording = simulation.finish(message)
+        raise error
 
     return change
 

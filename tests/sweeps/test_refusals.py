@@ -95,11 +95,11 @@ def test_a_count_that_a_design_would_not_use_is_refused(design):
 
 
 @pytest.mark.parametrize(("words", "reported"), [
-    (["sweep", "--vary", "parameters.push=1:4:x"], "--vary parameters.push=1:4:x: 'x' is not"),
+    (["sweep", "--vary", "parameters.push=1:4:x"], "--vary parameters.push: 'x' is not"),
     (["sweep", "--vary", "parameters.push=1:4:3", "--keep", "v=puck.vz"],
-     "--keep v=puck.vz: no run has the quantity 'puck.vz'"),
+     "--keep v: no run has the quantity 'puck.vz'"),
     (["search", "threshold", "--vary", "parameters.push=1:x"],
-     "--vary parameters.push=1:x: 'x' is not a number with a unit"),
+     "--vary parameters.push: 'x' is not a number with a unit"),
     (["sweep", "--vary", "parameters.push=1:4:3", "--set", "run.stp=1"],
      "puck.json:$.run.stp: unknown key"),
 ])
