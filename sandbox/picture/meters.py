@@ -180,12 +180,6 @@ class MeterPanel:
             self._rows.pop()
         self.meters = [meter for row in self._rows for meter in row]
 
-    def grow(self, blank: float) -> None:
-        """Take a share of a blank height above it [finished pixels] from the minimum height."""
-        rows = sum(any(meter.dial.plotted for meter in row) for row in self._rows)
-        free = 0.6 * max(0.0, blank) / self.unit / max(rows, 1)
-        self._plot_points = min(TALLEST, PLOT + free)
-
     def settle(self, rect: pygame.Rect, *, aside: bool) -> None:
         """Set its place on the finished picture."""
         self.rect, gap, y = rect, self.gap, rect.top

@@ -45,6 +45,11 @@ class Typesetter:
         """The height of a line in pixels."""
         return round(self.font(size).get_height() / FINER)
 
+    def half(self, text: str, size: int) -> tuple[float, float]:
+        """Half the width and height of the text with a rim [pixels]."""
+        rim = max(1, round(size / 9))
+        return self.width(text, size) / 2 + rim, self.height(size) / 2 + rim
+
     def baseline(self, size: int) -> float:
         """The baseline below the top of a line [pixels]."""
         return self.font(size).get_ascent() / FINER

@@ -15,7 +15,6 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.picture.bounds import Stage, body_box, place_camera, whole_box, width_shown
 from sandbox.picture.build import ELEMENTS, RAMPS, add_legend, subject_of
-from sandbox.picture.instant import Instant
 from sandbox.picture.labels import place_labels
 from sandbox.picture.listing import Item, Listing, RunData, short
 from sandbox.picture.scales import Tensions, bars_of, tensions_of
@@ -75,12 +74,9 @@ def listed(
     box = whole_box(s.out, run, bodies, view)
     camera = place_camera(box, stage, centre=view.centre, width=view.width)
     if not live:  # a live view chooses sides in the browser: it must begin quickly
-        instant = Instant(s.out, camera, POINT, size)
         from sandbox.picture.typesetter import Typesetter  # loads pygame
 
-        type_ = Typesetter(TYPE, 0)
-        place_labels(instant, lambda words: (type_.width(words) / 2 + 1, 0.6 * TYPE),
-                     (0, 0, stage.width, stage.height), speed=view.speed)
+        place_labels(s.out, camera, POINT, size, stage, Typesetter(TYPE), TYPE, speed=view.speed)
         for item in s.out.items:
             item["placed"] = 1
     s.out.items = items

@@ -13,7 +13,7 @@ import numpy as np
 from sandbox.model.joints import placed, slot_points
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
-from sandbox.picture.geometry import XY, bare_outlines, shape_outline, united
+from sandbox.picture.geometry import XY, shape_outline, united
 from sandbox.picture.listing import Look, flat, short
 from sandbox.picture.palette import BACKGROUND, INK, NIGHT, ROLES, WHEEL, Style, mixed
 from sandbox.picture.subject import BEHIND, Subject
@@ -96,24 +96,23 @@ def add_bodies(s: Subject) -> None:
 def _add_shapes(s: Subject, i: int, add: Callable[..., None], look: Look,
                 driven: dict[int, int]) -> None:
     """The shapes of a body; ``driven`` are the drives that set radii, by shape."""
-    body, error, fixed = s.run.mechanism.bodies[i], 0.2 * s.point, bool(look[-1])
+    body, fixed = s.run.mechanism.bodies[i], bool(look[-1])
+    if not body.fill:
+        look = ("", *look[1:])
     path, line = partial(add, "path", f=i), partial(add, "line", s=("", look[1], EDGE))
     for shape in body.displaces:
-        path(d=[flat(*shape_outline(solid, 0.0, error)) for solid, _ in solids(shape)],
+        path(d=[flat(*shape_outline(solid, 0.0, 0.2 * s.point)) for solid, _ in solids(shape)],
              s=("paper",), m=1)
-    if not body.fill:
-        shapes = [shape for k, shape in enumerate(body.shapes) if k not in driven]
-        for points in bare_outlines(shapes, error, turns=not fixed):
-            line(p=[s.on(i, at) for at in points])
     joined = united(body.shapes, driven) if body.fill else []
     if joined:
         path(d=[d for k in joined for d in outline(body.shapes[k])], s=look, m=1)
     for k in back_to_front(body.shapes):
         shape = body.shapes[k]
-        if k in joined or not (body.fill or k in driven):
+        if k in joined:
             continue
         if not isinstance(shape, Circle):
-            path(d=outline(shape), s=look, m=1 if isinstance(shape, Polyline) else None)
+            path(d=outline(shape), s=look,
+                 m=1 if body.fill and isinstance(shape, Polyline) else None)
             continue
         (x, y), pose = shape.at, s.run.arrays["body_pose"][:, i]
         end = s.on(i, (x + shape.radius, y))
