@@ -6,16 +6,19 @@ import math
 from collections.abc import Sequence
 from functools import lru_cache
 from itertools import chain
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.picture.frame import Picture
 from sandbox.picture.geometry import XY, ribbon
 from sandbox.picture.instant import Instant
 from sandbox.picture.palette import BACKGROUND, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter
+
+if TYPE_CHECKING:
+    from sandbox.picture.frame import Picture
 
 CELL = 24  # side of a cell [pixels of the finished picture]
 
