@@ -61,7 +61,7 @@ def _find(
     mechanism: Mechanism, starts: list[dict[str, float]], body: str | None, folder: Path,
     console: Console, how: dict[str, Any],
 ) -> Answer:
-    from sandbox.picture.film import save_picture
+    from sandbox.picture.film import render
     if body is None:
         objects = [each.name for each in mechanism.bodies
                    if each.role == "object" and each.motion == "dynamic" and each.shapes]
@@ -77,7 +77,7 @@ def _find(
     pictures, data, lines = [], [], _lines(found)
     for i, each in enumerate(rests, 1):
         pictures.append(folder / (f"rest_{i}.png" if several else "rest.png"))
-        save_picture(_titled(each, i if several else 0), pictures[-1])
+        render(_titled(each, i if several else 0), pictures[-1])
         data.append({**_data(each), "stiffness": None})
         with contextlib.suppress(ArithmeticError):  # it is unknown
             if body and not each.untold:
