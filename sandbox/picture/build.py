@@ -12,7 +12,7 @@ from sandbox.picture.bounds import drift
 from sandbox.picture.elements import bodies, drives, forces, joints, notes, tendons
 from sandbox.picture.listing import Listing, RunData
 from sandbox.picture.palette import PUSH, TENSION, TOKENS, css, glyph, mixed
-from sandbox.picture.subject import Subject, VisibleLayers
+from sandbox.picture.subject import Subject, visible_layers
 from sandbox.scene.settings import View
 
 
@@ -123,8 +123,8 @@ def subject_of(run: RunData, view: View, *, width: float, point: float,
     ``moments`` [s] may be painted. For ``fixed_columns`` see :class:`Listing`.
     """
     runs = (run, *beside)
-    layers = [VisibleLayers(each, view) for each in runs]
-    own, *others = (scales.tensions_of(each, scales.bars_of(each, shown.of("bars")))
+    layers = [visible_layers(each, view) for each in runs]
+    own, *others = (scales.tensions_of(each, scales.bars_of(each, shown.get("bars", ())))
                     for each, shown in zip(runs, layers, strict=True))
     carried = own.beside(others)
     out = Listing.of(run.time, run.arrays["body_pose"], fixed_columns=fixed_columns)

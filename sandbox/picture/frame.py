@@ -21,7 +21,7 @@ from sandbox.picture.listing import SIDES, Item, nearest
 from sandbox.picture.meters import MeterPanel
 from sandbox.picture.options import PRINT_TYPE, PrintSize
 from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK, Painter
-from sandbox.picture.scales import round_length
+from sandbox.picture.scales import prefixed, round_length
 from sandbox.picture.typesetter import HEAD, Headline, Typesetter, ellipsis
 from sandbox.samples.samples import Samples
 from sandbox.scene.settings import View
@@ -73,10 +73,11 @@ def arrange(legend: Sequence[Item], scale: float, type_: Typesetter, unit: float
         if following.get("instead") == row["l"] or (scales and row["k"] == "glyph"):
             continue
         if row["k"] == "scale":
-            bar = "size" not in row
-            size = round_length((BAR if bar else ARROW) * unit / (row["metres"] * scale))
-            words = length_text(size) if bar else f"{size:g} {row['unit']} {row['words']}"
-            item = Entry(row, "", size * row["metres"] * scale, words)
+            wide = ARROW if "size" in row else BAR
+            size = round_length(wide * unit / (row["metres"] * scale))
+            factor, written, _ = prefixed(size, "m") if wide == BAR else (1.0, row["unit"], 0)
+            item = Entry(row, "", size * row["metres"] * scale,
+                         f"{factor * size:.6g} {written} {row['words']}".rstrip())
         elif row["k"] == "ramp":
             item = Entry(row, row["before"], RAMP * unit, row["after"])
         else:
@@ -91,14 +92,6 @@ def arrange(legend: Sequence[Item], scale: float, type_: Typesetter, unit: float
         lines[-1].append(item)
         used += needs + GAP * unit
     return lines
-
-
-def length_text(metres: float) -> str:
-    """``0.02`` as ``20 mm``."""
-    for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm")):
-        if metres * factor >= 0.9995:
-            return f"{metres * factor:.6g} {unit}"
-    return f"{metres:.3g} m"
 
 
 def draw_legend(painter: Painter, instant: Instant, rows: Sequence[Sequence[Entry]],

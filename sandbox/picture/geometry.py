@@ -174,23 +174,16 @@ def cut_line(start: XY, end: XY, edges: Edges) -> tuple[XY, XY] | None:
 
 
 def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
-    """The visible part of a far larger circle as a polygon: nothing, all or a piece.
+    """The visible part of a far larger circle as a polygon; none if a number is NaN.
 
-    The arc is measured from its point nearest to the picture, which keeps digits.
+    It is cut from the sector that spans the picture.
     """
-    if math.isnan(centre[0] + centre[1] + radius):
-        return []
     left, top, right, bottom = edges
-    reach, middle = math.hypot(right - left, bottom - top) / 2, np.array(
-        [(left + right) / 2, (top + bottom) / 2])
-    way, radius = middle - np.clip(centre, -FAR, FAR), min(radius, FAR)
-    distance = math.hypot(*way)
-    if distance - radius > reach:
-        return []
-    if radius - distance > reach:
-        return [(left, top), (right, top), (right, bottom), (left, bottom)]
-    out = way / distance
-    angle = math.asin(min(1.0, reach / distance)) * np.linspace(-1.0, 1.0, 129)
-    arc = middle + np.outer(radius - distance - 2 * radius * np.sin(angle / 2) ** 2, out) \
-        + np.outer(radius * np.sin(angle), (-out[1], out[0]))
-    return [(x, y) for x, y in np.concatenate([arc, arc[[-1, 0]] - 4 * reach * out]).tolist()]
+    x, y = np.clip(centre, -FAR, FAR).tolist()
+    way = (left + right) / 2 - x, (top + bottom) / 2 - y
+    reach, distance = math.hypot(right - left, bottom - top) / 2, math.hypot(*way)
+    spread = math.asin(reach / distance) if distance > reach else math.pi
+    angle = math.atan2(way[1], way[0]) + spread * np.linspace(-1.0, 1.0, 129)
+    size = min(radius, FAR)
+    return cut_polygon([(x, y), *zip((x + size * np.cos(angle)).tolist(),
+                                     (y + size * np.sin(angle)).tolist(), strict=True)], edges)

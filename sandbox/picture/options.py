@@ -50,7 +50,8 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
     Raises:
         OutputError: values that no view can have, one a line.
     """
-    changes = {key: _plain(value) for key, value in given.items() if value is not None}
+    changes = {key: value.tolist() if hasattr(value, "tolist") else list(value) if isinstance(
+        value, tuple) else value for key, value in given.items() if value is not None}
     if not changes:
         return view
     if isinstance(size := changes.get("size"), str) and (
@@ -82,33 +83,25 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
         raise OutputError("\n".join(problems.values()), code="bad-picture") from None
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, (list, tuple)):
-        return [_plain(each) for each in value]
-    return value.tolist() if hasattr(value, "tolist") else value
-
-
 def check_view(run: Samples, view: View) -> None:
     """Check that the bodies and quantities of a view exist.
 
     Raises:
         OutputError: names and patterns that fit no body, one a line.
     """
-    bodies, names = run.mechanism.bodies, [body.name for body in run.mechanism.bodies]
+    bodies, problems = run.mechanism.bodies, []
     named = [("bodies", pattern) for pattern in view.bodies]
     named += [("show", pattern) for patterns in view.show.values() for pattern in patterns
               if patterns != EVERY]
-    named += [("follow", view.follow)] if view.follow is not None else []
-    problems = []
-    for option, name in named:
-        grouped = run.mechanism.groups if option == "bodies" else ()
-        if not (name in names or (option != "follow" and meant([name], bodies, grouped))):
-            by_role = option != "follow" and name.startswith(BY_ROLE)
-            words = [word for word in words_for(bodies, grouped)
-                     if word.startswith(BY_ROLE) == by_role]
+    for option, name in [*named, *([("follow", view.follow)] if view.follow is not None else [])]:
+        groups = run.mechanism.groups if option == "bodies" else ()
+        words = [body.name for body in bodies] if option == "follow" else words_for(bodies, groups)
+        if name not in words and (option == "follow" or not meant([name], bodies, groups)):
+            kind = BY_ROLE if name.startswith(BY_ROLE) and option != "follow" else ""
+            words = [word for word in words if word.startswith(BY_ROLE) == bool(kind)]
             problems.append(
-                f"{option}: no body's {'role' if by_role else 'name'} matches "
-                f"{quoted(name.removeprefix(BY_ROLE))}{or_near(name, words)} "
+                f"{option}: no body's {'role' if kind else 'name'} matches "
+                f"{quoted(name.removeprefix(kind))}{or_near(name, words)} "
                 f"(allowed: {listed(words)})")
     if view.meters:
         problems += [str(replace(problem, path=problem.path.removeprefix("$.view.")))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -66,7 +66,7 @@ def add_bodies(s: Subject) -> None:
     model, looks = s.run.model, styles(s.run.model)
     wheels, joined, drives = wheel_pictures(model), joined_points(model), model.drives
     rails = model.joints.bodies[model.joints.keeping("groove"), 0].tolist()
-    for i in s.layers.of("bodies"):
+    for i in s.layers.get("bodies", ()):
         body, fixed = model.mechanism.bodies[i], bool(model.bodies.fixed[i])
         driven = {int(drives.shape[k]): k for k in drives.giving("radius").tolist()
                   if drives.target[k] == i}
@@ -106,8 +106,9 @@ def _add_shapes(s: Subject, i: int, add: Callable[..., None], look: Look,
     joined = united(body.shapes, driven) if body.fill else []
     if joined:
         path(d=[d for k in joined for d in outline(body.shapes[k])], s=look, m=1)
-    for k in back_to_front(body.shapes):
-        shape = body.shapes[k]
+    circles_last = sorted(enumerate(body.shapes), key=lambda each: -each[1].radius if isinstance(
+        each[1], Circle) else -math.inf)  # the largest first
+    for k, shape in circles_last:
         if k in joined:
             continue
         if not isinstance(shape, Circle):
@@ -136,18 +137,6 @@ def outline(shape: Shape) -> list[Any]:
         return [{"c": [*flat(*ends), short(shape.radius)]}]
     rings = (shape.points, *shape.holes) if isinstance(shape, Polygon) else (shape_outline(shape),)
     return [flat(*each) for each in rings]
-
-
-def back_to_front(shapes: Sequence[Shape]) -> list[int]:
-    """Numbers of shapes as given; of circles about one centre the largest first."""
-    order, places = list(range(len(shapes))), dict[XY, list[tuple[float, int]]]()
-    for k, shape in enumerate(shapes):
-        if isinstance(shape, Circle):
-            places.setdefault(shape.at, []).append((-shape.radius, k))
-    for circles in places.values():
-        for (_, k), (_, other) in zip(circles, sorted(circles), strict=True):
-            order[k] = other
-    return order
 
 
 def _anchors(model: Model, *, grooves: bool, wheels: bool = True) -> Iterator[tuple[int, Array]]:
@@ -215,7 +204,7 @@ def stalks(model: Model) -> dict[int, list[tuple[XY, XY]]]:
 
 def add_stalks(s: Subject) -> None:
     """Lines from moving bodies to anchors beside them, below the bodies."""
-    model, shown = s.run.model, s.layers.of("bodies")
+    model, shown = s.run.model, s.layers.get("bodies", ())
     for body, pairs in stalks(model).items():
         if not model.bodies.fixed[body] and body in shown:
             _, edge = tokens(s, ROLES[model.mechanism.bodies[body].role])

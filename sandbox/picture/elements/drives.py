@@ -12,7 +12,7 @@ import numpy as np
 
 from sandbox.model.joints import placed
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 from sandbox.picture.geometry import shape_points
 from sandbox.picture.listing import Point
 from sandbox.picture.scales import LONGEST, prefixed, typical
@@ -98,7 +98,7 @@ def add_drives(s: Subject) -> None:
     _add_efforts(s)
 
 
-def _straight(s: Subject, k: int, size: float, there: Array, *, named: bool) -> None:
+def _straight(s: Subject, k: int, size: float, there: Flags, *, named: bool) -> None:
     """A straight arrow: slim on the scale of contact forces, or a block with its own length."""
     value, name = s.run.arrays["drive_value"][:, k], s.run.model.drives.name[k]
     kind, rows = s.run.model.drives.kind[k], np.flatnonzero(there)
@@ -123,7 +123,7 @@ def _straight(s: Subject, k: int, size: float, there: Array, *, named: bool) -> 
         s.signs.add("driven")
 
 
-def _bent(s: Subject, k: int, size: float, there: Array, others: int) -> None:
+def _bent(s: Subject, k: int, size: float, there: Flags, others: int) -> None:
     model, value, at = s.run.model, s.run.arrays["drive_value"][:, k], _hinge(s.run.model, k)
     radius, name = TURN + WIDER * others, model.drives.name[k]
     share = np.minimum(np.abs(value) / (size or 1.0), LONGEST)
