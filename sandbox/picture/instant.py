@@ -431,10 +431,9 @@ class Instant:
     def _trail(self, item: Item) -> Plan:
         at, time, way = self._place(item["at"]), self.out.time, self.out.place(item["at"])
         kept, every = _apart(way, FINEST * self.point / self.scale), item["every"]
-        first, last = (math.floor(float(time[k]) / every * (1 + sign * 1e-9))
-                       for k, sign in ((0, -1), (-1, 1)))
-        times = np.arange(first + 1, last + 1) * every
-        spots = np.stack([np.interp(times, time, way[:, k]) for k in (0, 1)], axis=1)
+        times = every * np.arange(math.floor(time[0] / every * (1 - 1e-9)) + 1,
+                                  math.floor(time[-1] / every * (1 + 1e-9)) + 1)
+        spots = np.stack([np.interp(times, time, column) for column in way.T], axis=1)
         some = _apart(spots, MARKS_APART * self.point / self.scale)
         times, spots = times[some], spots[some]
 

@@ -20,19 +20,8 @@ from sandbox.scene.settings import View
 from sandbox.values.messages import explain
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
-OPTIONS = {
-    "size": '(width, height) in pixels, each 64 to 8192, "2x" for twice the view\'s, or '
-            '"85mm" or "85mm x 70mm" for a still on paper',
-    "fps": "20, 25 or 50 frames per second",
-    "speed": "seconds of motion per second of film, greater than 0",
-    "centre": "(x, y) of the world in metres",
-    "width": "metres of the world shown, greater than 0",
-    "show": 'layers, such as "traces,velocity,-contacts"',
-    "meters": "quantities, patterns or expressions, or objects of what view.meters may hold",
-    "follow": "the name of a body",
-    "bodies": 'names and patterns of bodies, names of groups, and roles such as "role:object"',
-}
-"""Descriptions for messages."""
+SIZES = ('; allowed: (width, height) in pixels, each 64 to 8192, "2x" for twice the view\'s, or '
+         '"85mm" or "85mm x 70mm" for a still on paper')
 PRINT_PER_INCH = 300  # pixels
 LETTERS = 7.0  # the smallest letters on paper [pt]
 PRINT_TYPE = math.ceil(LETTERS / 72 * PRINT_PER_INCH / EM)  # the same, as a typesetter counts it
@@ -43,7 +32,7 @@ _FORM = re.compile(f"{_NUMBER}(?:{_UNIT}?\\s*[x×]{_NUMBER})?{_UNIT}\\s*", re.IG
 
 
 def view_of(view: View, given: Mapping[str, Any]) -> View:
-    """A view with some of :data:`OPTIONS` changed; those that are None are left as they are.
+    """A view with some options of :func:`render` changed; those that are None stay as they are.
 
     Layers are added to those that the view shows, or taken from them.
 
@@ -78,8 +67,9 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
         problems = {}
         for problem in explain(error, data, View):
             key = problem.path.removeprefix("$.").partition("[")[0]
-            problems[key] = (f"{key}={quoted(given.get(key))}: {problem.message}; "
-                             f"pass {OPTIONS.get(key, 'what a view may have')}")
+            allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
+            problems[key] = (f"{key}={quoted(given.get(key))}: {problem.message}"
+                             f"{SIZES if key == 'size' else allowed}")
         raise OutputError("\n".join(problems.values()), code="bad-picture") from None
 
 

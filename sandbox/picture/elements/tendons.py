@@ -173,7 +173,7 @@ def add_fluids(s: Subject) -> None:
     for line, ports in enumerate(fluids.ports):
         if len(ports) > 1:
             fluids.line(ports, "@load", HOSE, by=fluids.level(line))
-    if "tendons" in s.layers and fluids.lines.name and fluids.largest > 0:
+    if fluids.lines.name and fluids.largest > 0:
         s.signs.add("pressure")
     fluids.valves()
     fluids.pumps()
@@ -255,8 +255,7 @@ class _Fluids:
             self.put("mark", valves.name[valve], rank=2, at=way.at(way.length / 2),
                      turn=s.out.varying(way.angle), g=["shut", "open"],
                      state=s.steady(flow[:, valve] != 0.0))
-            if "tendons" in s.layers:
-                s.signs |= {"open", "shut"}
+            s.signs |= {"open", "shut"}
 
     def pumps(self) -> None:
         """Sources of flow or pressure beside their lines, with their values."""
