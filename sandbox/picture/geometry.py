@@ -80,12 +80,12 @@ def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
              if k not in changing and not isinstance(shape, Polyline)
              and (not isinstance(shape, Polygon) or shape.whole)}
     outer = [k for k in rings if not any(
-        _holds(rings[other], rings[k]) for other in rings
-        if other != k and not (other > k and _holds(rings[k], rings[other])))]
+        holds(rings[other], rings[k]) for other in rings
+        if other != k and not (other > k and holds(rings[k], rings[other])))]
     return outer if len(outer) > 1 else []
 
 
-def _holds(ring: Array, other: Array) -> bool:
+def holds(ring: Array, other: Array) -> bool:
     """Whether all points [n, 2] lie behind each side of a convex outline."""
     side = np.roll(ring, -1, axis=0) - ring
     side, start = side[side.any(axis=1)], ring[side.any(axis=1)]

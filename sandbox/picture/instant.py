@@ -16,7 +16,7 @@ from sandbox.picture.geometry import XY, Edges
 from sandbox.picture.listing import Item, Listing
 from sandbox.picture.palette import Colour, Ink, Painter, from_css
 
-Plan = Callable[[Painter], None]
+Plan = Callable[[Painter], object]
 STEPS = 1e3  # steps of a number, from 0 to its maximum, that look different
 FINEST, MARKS_APART, MAX_PIECES = 3.0, 9.0, 5000  # trails: pieces, marks [points]; number
 
@@ -93,13 +93,8 @@ class Instant:
         if not self._plans and self._stays(item):
             self._still.append(plan)
             return
-        self._plans.append(self._where(item["if"], plan) if "if" in item else plan)
-
-    def _where(self, shown: Any, plan: Plan) -> Plan:
-        def paint(painter: Painter) -> None:
-            if self.value(shown) > 0.5:
-                plan(painter)
-        return paint
+        shown = item.get("if", 1.0)
+        self._plans.append(lambda painter: self.value(shown) > 0.5 and plan(painter))
 
     def _stays(self, item: Item) -> bool:
         if self.out.drift is not None or item["k"] not in ("path", "line", "mark", "span"):

@@ -251,18 +251,13 @@ class MeterPanel:
 
 
 def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
-    """The parts of a curve with values; of many points in a column the minimum and maximum."""
+    """The parts of a curve with values; of many in a column the minimum and maximum."""
     there = np.isfinite(y)
     edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).tolist()
     for start, end in zip(edges[::2], edges[1::2], strict=True):
-        column = np.floor(x[start:end] / 1.5)
-        first = np.flatnonzero(np.r_[True, column[1:] != column[:-1]]).tolist()
-        if end - start <= 4 * len(first):
-            yield x[start:end], y[start:end]
-            continue
-        kept = [start, end - 1]
-        for a, b in zip(first, [*first[1:], end - start], strict=True):
-            kept += [start + a + int(np.argmin(y[start + a:start + b])),
-                     start + a + int(np.argmax(y[start + a:start + b]))]
-        of = np.unique(kept)
+        count = 1 + int((x[end - 1] - x[start]) / 1.5)
+        of = np.arange(start, end)
+        if end - start > 4 * count:
+            of = np.unique([k for part in np.array_split(of, count) for k in (
+                part[0], part[-1], part[y[part].argmin()], part[y[part].argmax()])])
         yield x[of], y[of]

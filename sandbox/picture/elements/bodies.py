@@ -13,7 +13,7 @@ import numpy as np
 from sandbox.model.joints import placed, slot_points
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
-from sandbox.picture.geometry import XY, shape_outline, united
+from sandbox.picture.geometry import XY, holds, shape_outline, united
 from sandbox.picture.listing import Look, flat, short
 from sandbox.picture.palette import BACKGROUND, INK, NIGHT, ROLES, WHEEL, Style, mixed
 from sandbox.picture.subject import BEHIND, Subject
@@ -173,22 +173,17 @@ def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
 
 def beside(model: Model, body: int, at: XY) -> XY | None:
     """The point of a body's shapes nearest to a point outside, in its frame [m]; None if inside."""
-    found: list[tuple[float, XY]] = []
-    for shape in model.mechanism.bodies[body].shapes:
-        for solid, _ in solids(shape):
-            start = np.asarray(shape_outline(solid))
-            side = np.roll(start, -1, axis=0) - start
-            way = np.array(at) - start
-            turn = side[:, 0] * way[:, 1] - side[:, 1] * way[:, 0]
-            if (turn >= 0).all() or (turn <= 0).all():
-                return None
-            square = np.maximum((side**2).sum(axis=1), 1e-300)
-            share = np.clip((way * side).sum(axis=1) / square, 0.0, 1.0)
-            nearest = start + share[:, None] * side
-            gap = np.hypot(*(nearest - at).T)
-            k = int(gap.argmin())
-            found.append((float(gap[k]), (float(nearest[k, 0]), float(nearest[k, 1]))))
-    return min(found)[1] if found else None
+    rings = [shape_outline(solid) for shape in model.mechanism.bodies[body].shapes
+             for solid, _ in solids(shape)]
+    if not rings or any(holds(ring, np.array([at])) for ring in rings):
+        return None
+    start = np.concatenate(rings)
+    side = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]) - start
+    square = np.maximum((side**2).sum(axis=1), 1e-300)
+    share = np.clip(((np.array(at) - start) * side).sum(axis=1) / square, 0.0, 1.0)
+    near = start + share[:, None] * side
+    x, y = near[np.hypot(*(near - at).T).argmin()].tolist()
+    return x, y
 
 
 def stalks(model: Model) -> dict[int, list[tuple[XY, XY]]]:
