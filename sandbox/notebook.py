@@ -25,7 +25,7 @@ from sandbox.errors import OutputError, SandboxError
 from sandbox.figure import signals
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.joints import apart, place_in_slot
-from sandbox.picture.film import instants, render, save_picture
+from sandbox.picture.film import instants, render
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.cables import lengths_at_start
@@ -89,7 +89,7 @@ def picture(
     when = found[0].time
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "picture.png")
-        save_picture(run, path, t=when, size=size)
+        render(run, path, at=when, size=size)
         return Media(path.read_bytes(), f"{run.mechanism.name or 'a run'} at t = {when:.6g} s",
                      ".png")
 

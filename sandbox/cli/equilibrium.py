@@ -62,7 +62,7 @@ def _find(
     mechanism: Mechanism, starts: list[dict[str, float]], body: str | None, folder: Path,
     console: Console, how: dict[str, Any],
 ) -> Answer:
-    from sandbox.picture.film import save_picture
+    from sandbox.picture.film import render
     if body is None:
         objects = [each.name for each in mechanism.bodies
                    if each.role == "object" and each.motion == "dynamic" and each.shapes]
@@ -75,7 +75,7 @@ def _find(
     pictures, data, lines, stiffnesses = [], [], list[str](), list[str]()
     for i, each in enumerate(rests, 1):
         pictures.append(folder / (f"rest_{i}.png" if several else "rest.png"))
-        save_picture(_titled(each, i if several else 0), pictures[-1])
+        render(_titled(each, i if several else 0), pictures[-1])
         lines.append(f"{f'rest {i}' if several else 'at rest'}"
                      f"{f' (from {each.start})' if each.start else ''}: {verdict(each)}")
         if each.sticking:

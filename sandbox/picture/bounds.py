@@ -73,6 +73,11 @@ class Camera(NamedTuple):
     centre: tuple[float, float]  # world point [m] that is shown at ``pixel``
     pixel: tuple[float, float]
 
+    def enlarged(self, factor: float) -> Camera:
+        """The camera of a picture so many times larger."""
+        x, y = self.pixel
+        return Camera(self.scale * factor, self.centre, (x * factor, y * factor))
+
     def to_pixels(self, points: Array) -> Array:
         """Pixels of world points; ``points`` [..., 2] in m."""
         return np.asarray(self.pixel + self.scale * (points - self.centre) * (1.0, -1.0))
@@ -108,14 +113,14 @@ class _Motion:
     """Positions of bodies and traced points in some samples, relative to a followed body."""
 
     def __init__(self, run: RunData, view: View, samples: Integers | slice) -> None:
-        self.run, self.view, self.samples = run, view, samples
+        self.run, self.samples = run, samples
         self.pose, self.shift = run.arrays["body_pose"][samples], drift(run, view)[samples]
+        self.traced = [(run.model.names.body[trace.body], trace.at) for trace in view.traces]
 
     def ways(self, few: Sequence[int] | None = None) -> Array:
         """Traced points of the view, of all bodies or of a few, [n, k, 2] m."""
-        places = [(self.run.model.names.body[trace.body], trace.at) for trace in self.view.traces]
         return np.array([placed(self.pose[:, body], np.array(at)) - self.shift
-                         for body, at in places if few is None or body in few]).reshape(
+                         for body, at in self.traced if few is None or body in few]).reshape(
                              -1, len(self.pose), 2).swapaxes(0, 1)
 
     def boxes(self, *, scenery: bool = True, outlines: bool = False) -> Array:
@@ -125,30 +130,28 @@ class _Motion:
         ``outlines``, bodies with shapes have no anchors and guides: tendons may end far away.
         """
         run, drives, tendons = self.run, self.run.model.drives, self.run.model.tendons
-        found: dict[int, list[Array]] = {}
-        radii = {(int(drives.target[k]), int(drives.shape[k])):
-                 float(run.arrays["drive_value"][:, k].max())
-                 for k in drives.giving("radius").tolist()}
-        for i, body in enumerate(run.mechanism.bodies):
-            if scenery or body.motion != "fixed" or body.role not in ("link", "ground"):
-                for k, shape in enumerate(body.shapes):
-                    grow = max(0.0, radii.get((i, k), 0.0) - shape.radius) if isinstance(
-                        shape, Circle) else 0.0
-                    found.setdefault(i, []).append(shape_points(shape, grow=grow))
+        largest = {(int(drives.target[k]), int(drives.shape[k])):
+                   float(run.arrays["drive_value"][:, k].max())
+                   for k in drives.giving("radius").tolist()}
+        shapes: list[list[Array]] = [[
+            shape_points(shape, grow=max(0.0, largest[i, k] - shape.radius) if (
+                i, k) in largest and isinstance(shape, Circle) else 0.0)
+            for k, shape in enumerate(body.shapes)
+            if scenery or body.motion != "fixed" or body.role not in ("link", "ground")]
+            for i, body in enumerate(run.mechanism.bodies)]
         for i, wheels in wheel_pictures(run.model).items():
-            found.setdefault(i, []).extend(wheel.rings[0] for wheel in wheels)
-        points = [(i, np.array(each)) for i, each in joined_points(run.model).items()]
-        points += [(i, at + r * np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])) for i, at, r in zip(
-            tendons.guide_body.tolist(), tendons.guide_at, np.abs(tendons.guide_radius),
-            strict=True)]
-        outlined = set(found) if outlines else set[int]()
-        for i, each in points:
-            if i not in outlined:
-                found.setdefault(i, []).append(each)
-        boxes = np.full((len(self.pose), len(run.mechanism.bodies), 4), np.nan)
-        for i, sets in found.items():
-            world = placed(self.pose[:, i, None], np.concatenate(sets)) - self.shift[:, None]
-            boxes[:, i, :2], boxes[:, i, 2:] = world.min(axis=1), world.max(axis=1)
+            shapes[i] += [wheel.rings[0] for wheel in wheels]
+        points: list[list[Array]] = [[] for _ in shapes]
+        for i, each in joined_points(run.model).items():
+            points[i].append(np.array(each))
+        for i, at, r in zip(tendons.guide_body.tolist(), tendons.guide_at, tendons.guide_radius,
+                            strict=True):
+            points[i].append(at + r * np.array([(-1, 0), (1, 0), (0, -1), (0, 1)]))
+        boxes = np.full((len(self.pose), len(shapes), 4), np.nan)
+        for i, own in enumerate(shapes):
+            if sets := own if own and outlines else own + points[i]:
+                world = placed(self.pose[:, i, None], np.concatenate(sets)) - self.shift[:, None]
+                boxes[:, i, :2], boxes[:, i, 2:] = world.min(axis=1), world.max(axis=1)
         return boxes
 
     def machine(self) -> Rectangle:
@@ -156,8 +159,7 @@ class _Motion:
         whole, own, stays = self.boxes(), self.boxes(scenery=False), groups_of(self.run)[1]
         home = own if np.isfinite(own[:, stays]).any() else whole
         near = with_it(home + np.tile(self.shift[:, None], 2), stays)
-        traced = [self.run.model.names.body[trace.body] for trace in self.view.traces]
-        ways = self.ways()[near[:, traced]]
+        ways = self.ways()[near[:, [body for body, _ in self.traced]]]
         core = Rectangle.around(own[near], ways)
         size = max(core.size)
         if not size > 0:
@@ -182,40 +184,26 @@ def body_box(run: RunData, view: View | None = None,
     """The box [m] that a picture has to show: all bodies, anchors, guides and traced points.
 
     Bodies that leave the mechanism count until then, and far larger scenery near the rest. If the
-    view follows a body, positions are relative to it; only bodies connected to it count if nothing
-    anchors them, or near them if it moves far in its machine. If the view names bodies, only these
-    count, in the ``moments`` [s] or in all of the run.
+    view follows a body, positions are relative to it; only bodies connected to it count if it moves
+    far. If the view names bodies, only these count, in the ``moments`` [s] or in all of the run.
     """
     view = view or run.mechanism.view
     if (few := chosen(run, view)) is not None:
         motion = _Motion(run, view, _samples(run, moments))
         return Rectangle.around(motion.boxes(outlines=True)[:, few], motion.ways(few))
     motion = _Motion(run, view, _samples(run, None))
-    if view.bodies:
-        return Rectangle.around(motion.boxes(), motion.ways())
-    body = run.model.names.body.get(view.follow or "")
-    if body is None:
-        return motion.machine()
-    (groups, anchored), boxes = groups_of(run), motion.boxes()
-    connected = [k for k, group in enumerate(groups) if group == groups[body]]
-    group = Rectangle.around(boxes[:, connected], motion.ways())
-    if not anchored[connected].any():
-        return group
-    still = view.model_copy(update={"follow": None})
-    if np.ptp(motion.shift, axis=0).max() <= BESIDE * max(
-            _Motion(run, still, motion.samples).machine().size):
-        return motion.machine()
-    # it moves far in its machine
-    boxes, reach = boxes.reshape(-1, 2, 2), BESIDE * max(group.size)
-    low, high = group.corners + np.array([[-reach], [reach]])
-    meets = ((boxes[:, 0] <= high) & (boxes[:, 1] >= low)).all(axis=1)
-    return Rectangle.around(np.clip(boxes[meets], low, high), group.corners)
+    if view.follow:
+        still = _Motion(run, view.model_copy(update={"follow": None}), motion.samples)
+        if np.ptp(motion.shift, axis=0).max() > BESIDE * max(still.machine().size):
+            groups = np.array(groups_of(run)[0])
+            own = groups == groups[run.model.names.body[view.follow]]
+            return Rectangle.around(motion.boxes()[:, own], motion.ways())
+    return motion.machine()
 
 
 def chosen(run: RunData, view: View) -> list[int] | None:
     """The bodies that the view names; None for all."""
-    found = meant(view.bodies, run.mechanism.bodies, run.mechanism.groups)
-    return found if view.bodies and len(found) < len(run.mechanism.bodies) else None
+    return meant(view.bodies, run.mechanism.bodies, run.mechanism.groups) if view.bodies else None
 
 
 def drift(run: RunData, view: View) -> Array:
@@ -284,19 +272,9 @@ def with_it(boxes: Array, stays: Flags) -> Flags:
     box (left, bottom, right, top [n, nb, 4] m) is within :data:`ROOM` of these and of where all
     bodies began, or within :data:`FLIGHT` if nothing is anchored.
     """
-    found = np.ones(boxes.shape[:2], dtype=bool)
-    home = np.concatenate([boxes[:, stays].reshape(-1, 4), boxes[0]])
-    home = home[np.isfinite(home).all(axis=1)]
-    if not len(home):
-        return found
-    low, high = home[:, :2].min(axis=0), home[:, 2:].max(axis=0)
-    held = np.isfinite(boxes[:, stays]).any()
-    room = (ROOM if held else FLIGHT) * float((high - low).max())
-    if not room > 0:
-        return found
-    near = ((boxes[..., :2] <= high + room) & (boxes[..., 2:] >= low - room)).all(axis=-1)
-    for body in np.flatnonzero(~stays):
-        there = np.flatnonzero(near[:, body])
-        if len(there):
-            found[there[-1] + 1:, body] = False
-    return found
+    home = Rectangle.around(boxes[:, stays], boxes[0])
+    room = (ROOM if np.isfinite(boxes[:, stays]).any() else FLIGHT) * max(home.size)
+    low, high = home.corners + np.array([[-room], [room]])
+    near = ((boxes[..., :2] <= high) & (boxes[..., 2:] >= low)).all(axis=-1)
+    later = np.flip(np.logical_or.accumulate(np.flip(near, axis=0), axis=0), axis=0)
+    return np.asarray(later | stays | ~near.any(axis=0) | (room == 0))

@@ -12,7 +12,7 @@ from sandbox.picture.bounds import drift
 from sandbox.picture.elements import bodies, drives, forces, joints, notes, tendons
 from sandbox.picture.listing import Listing, RunData
 from sandbox.picture.palette import PUSH, TENSION, TOKENS, css, glyph, mixed
-from sandbox.picture.subject import Subject, VisibleLayers
+from sandbox.picture.subject import Subject, visible_layers
 from sandbox.scene.settings import View
 
 
@@ -69,10 +69,11 @@ def add_legend(s: Subject, carried: scales.Tensions) -> None:
         out.legend.append({"k": kind, "l": layer, **row})
 
     add("scale", "bodies", metres=1.0, unit="m", words="", s=out.style("", "ink", 1.6))
+    arrows = {layer: row for layer, row in s.arrows.items() if layer in s.layers}
     for layer in ("contacts", "drives", "loads", "velocity", "acceleration", "reactions"):
-        row = s.arrows.get(layer)
-        if row and not (layer == "loads" and "drives" in s.arrows and row[-1] == s.force):
-            token, unit, words, size, scale = row
+        if layer in arrows and not (
+                layer == "loads" and "drives" in arrows and arrows[layer][-1] == s.force):
+            token, unit, words, size, scale = arrows[layer]
             factor, written, _ = scales.prefixed(scale.reference, unit)
             add("scale", layer, metres=scale.metres / factor, unit=written, words=words,
                 size=size, s=out.style(token))
@@ -85,7 +86,7 @@ def add_legend(s: Subject, carried: scales.Tensions) -> None:
                     before="push" if pushes else "tension 0",
                     after=f"pull {words}" if pushes else words,
                     instead="tensions" if layer == "bars" else "")
-    if "pressure" in signs:
+    if "pressure" in signs and "tendons" in s.layers:
         largest = max(map(tendons.largest_pressure, (s.run, *s.beside)))
         pascals, unit = scales.pressure_unit(largest)
         add("ramp", "tendons", ramp="load", low=0, before="pressure 0",
@@ -123,8 +124,8 @@ def subject_of(run: RunData, view: View, *, width: float, point: float,
     ``moments`` [s] may be painted. For ``fixed_columns`` see :class:`Listing`.
     """
     runs = (run, *beside)
-    layers = [VisibleLayers(each, view) for each in runs]
-    own, *others = (scales.tensions_of(each, scales.bars_of(each, shown.of("bars")))
+    layers = [visible_layers(each, view) for each in runs]
+    own, *others = (scales.tensions_of(each, scales.bars_of(each, shown.get("bars", ())))
                     for each, shown in zip(runs, layers, strict=True))
     carried = own.beside(others)
     out = Listing.of(run.time, run.arrays["body_pose"], fixed_columns=fixed_columns)

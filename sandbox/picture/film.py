@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import IO, Any, NamedTuple, TypeVar
@@ -33,12 +33,13 @@ Words = NDArray[np.uint32]
 Progress = Callable[[float], None]
 Meters = str | Sequence[str | Mapping[str, Any]]
 Show = str | Sequence[str] | Mapping[str, object]
-CLEAR = UNKNOWN = 255  # place in the palette: as before; and of a colour that is not in it yet
+CLEAR = 255  # place in the palette of a pixel that stays as before
 COVERED = 128  # minimum opacity, 0 to 255, of a pixel that counts as covered
 KEEP, CLEAN = 1, 2  # disposal of a frame in a GIF: it stays, or its box is emptied
 FILMS, STILLS = (".gif", ".mp4"), (".png", ".svg", ".pdf")
 WHAT = "a picture"
 ENDS = ("start", "end")  # words for times
+PLAIN = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?", re.IGNORECASE)  # a number without a unit
 PICTURES, MAX_PICTURES = 5, 24  # of a strip: default and maximum
 Instants = float | str | Sequence[float | str]
 MAX_FRAMES = Limits.frames  # default limit of a film
@@ -55,16 +56,13 @@ def shared_palette(
     kept = packed(np.array(keep, dtype=np.uint8).reshape(-1, 3))
     order = np.argsort(-counts, kind="stable")
     order = order[~np.isin(words[order], kept)]
-    exact = min(100, int((counts[order] > counts.sum() / 2000).sum()))
-    words, counts = words[order], counts[order]
-    if len(kept) + len(words) <= CLEAR:
-        return colours(np.concatenate((kept, words)))
-    found = colours(np.concatenate((kept, words[:exact])))
+    exact, rest = np.split(order, [min(100, int((counts[order] > counts.sum() / 2000).sum()))])
+    found = colours(np.concatenate((kept, words[exact])))
     # edges: each mixed colour once or a few times, so that rare hues keep a place
-    weight = np.minimum(np.ceil(np.sqrt(counts[exact:])), 40).astype(int)
-    strip = Image.fromarray(np.repeat(colours(words[exact:]), weight, axis=0)[None])
-    mixed = strip.quantize(CLEAR - len(found), method=Image.Quantize.MEDIANCUT,
-                           dither=Image.Dither.NONE).getpalette() or []
+    weight = np.minimum(np.ceil(np.sqrt(counts[rest])), 40).astype(int)
+    strip = np.concatenate((kept[:1], words[:1], np.repeat(words[rest], weight)))
+    mixed = Image.fromarray(colours(strip)[None]).quantize(
+        CLEAR - len(found), method=Image.Quantize.MEDIANCUT).getpalette() or []
     return np.concatenate((found, np.array(mixed, np.uint8).reshape(-1, 3)))[:CLEAR]
 
 
@@ -85,12 +83,13 @@ class GifWriter:
 
     def __init__(self, file: IO[bytes], size: tuple[int, int],
                  palette: NDArray[np.uint8]) -> None:
-        self._file, self._palette = file, palette.astype(np.int32)
-        self._table = np.full(1 << 24, UNKNOWN, dtype=np.uint8)
+        self._file = file
         self._last: Words | None = None
-        self._colours = palette.tobytes().ljust(3 * 256, b"\0")
+        self._palette = palette.astype(np.int32)
+        self._places = np.full(1 << 24, CLEAR, dtype=np.uint8)  # of known words in the palette
+        self._table = palette.tobytes().ljust(3 * 256, b"\0")
         # logical screen: a global table of 256 colours; then: repeat for ever
-        file.write(b"GIF89a" + struct.pack("<HHBBB", *size, 0xF7, 0, 0) + self._colours)
+        file.write(b"GIF89a" + struct.pack("<HHBBB", *size, 0xF7, 0, 0) + self._table)
         file.write(b"!\xff\x0bNETSCAPE2.0\x03\x01" + struct.pack("<H", 0) + b"\x00")
 
     def add(self, frame: NDArray[Any], hundredths: int) -> None:
@@ -108,24 +107,17 @@ class GifWriter:
         rows = np.flatnonzero(new.any(axis=1)).tolist() or [0]
         columns = np.flatnonzero(new[rows[0]:rows[-1] + 1].any(axis=0)).tolist() or [0]
         box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        some = words[box][new[box]]
+        unknown = np.unique(some[self._places[some] == CLEAR])
+        apart = colours(unknown).astype(np.int32)[:, None] - self._palette
+        self._places[unknown] = np.argmin((apart * apart).sum(axis=2), axis=1)  # the nearest one
         cut = np.full(new[box].shape, CLEAR, dtype=np.uint8)
-        some = np.flatnonzero(new[box])
-        cut.ravel()[some] = self._places(words[box].ravel()[some])
+        cut[new[box]] = self._places[some]
         image = Image.fromarray(cut)
-        image.putpalette(self._colours)
+        image.putpalette(self._table)
         blocks = GifImagePlugin.getdata(image, (columns[0], rows[0]), duration=10 * hundredths,
                                         disposal=disposal, transparency=CLEAR)
         self._file.write(b"".join(blocks))
-
-    def _places(self, words: Words) -> NDArray[np.uint8]:
-        """Places in the palette, of the nearest colour where there is no equal one."""
-        found = self._table.take(words)
-        if (unknown := found == UNKNOWN).any():
-            new = np.unique(words[unknown])
-            apart = colours(new).astype(np.int32)[:, None] - self._palette
-            self._table[new] = np.argmin((apart * apart).sum(axis=2), axis=1)
-            found = self._table.take(words)
-        return found
 
 
 def render(
@@ -179,13 +171,39 @@ def render(
         "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
         "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
     options.check_view(run, view)
-    how = {"transparent": transparent, "bare": bare, "scales": scales}
-    if is_still(path, at=at is not None, strip=strip is not False, transparent=transparent,
-                size=size):
-        return save_stills(run, path, view=view, at=at, strip=strip, paper=paper, **how,
-                           sized=size is not None and not isinstance(size, str))
-    _animate(run, path, view, progress=progress, most_frames=most_frames, **how)
-    return [path]
+    layout: dict[str, Any] = {"view": view, "bare": bare, "scales": scales}
+    if not is_still(path, at=at is not None, strip=strip is not False, transparent=transparent,
+                    size=size):
+        times = frame_times(run, fps=view.fps, speed=view.speed, start=view.start, most=most_frames)
+        _animate(run, path, times, layout, transparent=transparent, progress=progress)
+        return [path]
+    from sandbox.picture.paper import save
+
+    moments = _moments(run, view, at, strip)
+    times = [moment.time for moment in moments]
+    made: Picture | Strip
+    if strip is not False:
+        made = Strip(run, times, **layout, paper=paper,
+                     size=None if size is None or isinstance(size, str) else view.size)
+        moments = [Moment(times[0], "strip")]
+    elif paper:
+        picture = partial(Picture, run, **layout, moments=times, unit=PRINT_UNIT,
+                          least=options.PRINT_TYPE)
+        across, high = paper.pixels  # a layout in a tall picture finds a free height
+        made = picture(size=(across, high or round(picture(size=(across, 3 * across)).needs)))
+    else:
+        made = Picture(run, **layout, moments=times)
+    files = []
+    for moment in moments:
+        file = path
+        if not path.suffix or path.is_dir():
+            file = path / f"still_{moment.word}.png"
+        elif len(moments) > 1:
+            file = path.with_name(f"{path.stem}_{moment.word}{path.suffix}")
+        save(output_path(file, WHAT), made, moment.time, transparent=transparent,
+             per_inch=made.size[0] * options.UNITS["in"] / paper.width if paper else None)
+        files.append(file)
+    return files
 
 
 def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
@@ -262,62 +280,18 @@ def _moment(run: Samples, given: Any) -> Moment:
     # a sample is taken within a step, so that none lies at the very start and end
     apart = (last - first) / max(len(run.time) - 1, 1) * (1 + 1e-9)
     start, end = (0.0 if first <= apart else first), run.mechanism.run.duration
-    if isinstance(given, str) and (word := given.strip()) in ENDS:
+    word = given.strip() if isinstance(given, str) else ""
+    if word in ENDS:
         return Moment(start if word == ENDS[0] else last, word)
-    number = given
-    if isinstance(given, str):
-        with suppress(ValueError):
-            number = float(given)
     try:
-        time = number_from(number, "time", {})
+        time = number_from(float(word) if PLAIN.fullmatch(word) else given, "time", {})
     except ValueError as error:
-        hint = near(given, ENDS) if isinstance(given, str) else ""
         words = error.message if isinstance(error, WrongValueError) else str(error)
-        raise WrongValueError("bad-time", words, hint=hint,
+        raise WrongValueError("bad-time", words, hint=near(word, ENDS) if word else "",
                               allowed='a time such as 0.8 or "0.8 s", "start", "end"') from None
     if not start <= time <= (max(last, end) if end - last <= 2 * apart else last):
         raise WrongValueError("bad-time", f"the run lasts from {start:g} s to {last:g} s")
     return Moment(time, f"{time:.6g}s")
-
-
-def save_stills(
-    run: Samples, path: Path, *, view: View, at: Instants | None = None,
-    strip: bool | int = False, transparent: bool = False, bare: bool = False,
-    scales: bool = False, sized: bool = False, paper: options.PrintSize | None = None,
-) -> list[Path]:
-    """Draw moments to ``path``; see :func:`render`.
-
-    If ``sized``, the view's size is that of a strip as a whole; ``paper`` overrides it.
-    """
-    from sandbox.picture.paper import save
-
-    moments = _moments(run, view, at, strip)
-    times = [moment.time for moment in moments]
-    made: Picture | Strip
-    if strip is not False:
-        made = Strip(run, times, view, bare=bare, scales=scales, paper=paper,
-                     size=view.size if sized else None)
-        moments = [Moment(times[0], "strip")]
-    else:
-        size, picture = view.size, partial(Picture, run, view=view, bare=bare, scales=scales,
-                                           moments=times)
-        if paper:
-            size, picture = paper.pixels, partial(picture, unit=PRINT_UNIT,
-                                                  least=options.PRINT_TYPE)
-            if not size[1]:  # a layout in a tall picture finds the height
-                size = size[0], round(picture(size=(size[0], 3 * size[0])).needs)
-        made = picture(size=size)
-    files = []
-    for moment in moments:
-        file = path
-        if not path.suffix or path.is_dir():
-            file = path / f"still_{moment.word}.png"
-        elif len(moments) > 1:
-            file = path.with_name(f"{path.stem}_{moment.word}{path.suffix}")
-        save(output_path(file, WHAT), made, moment.time, transparent=transparent,
-             per_inch=made.size[0] * options.UNITS["in"] / paper.width if paper else None)
-        files.append(file)
-    return files
 
 
 def _moments(run: Samples, view: View, at: Instants | None, strip: bool | int) -> list[Moment]:
@@ -336,28 +310,13 @@ def _moments(run: Samples, view: View, at: Instants | None, strip: bool | int) -
     return [Moment(t, f"{t:.6g}s") for t in np.linspace(min(view.start, end), end, count).tolist()]
 
 
-def save_picture(
-    run: Samples, path: str | Path, *, t: float | None = None,
-    size: tuple[int, int] | str | None = None,
-) -> None:
-    """Draw one moment of a run, by default its end."""
-    options.check_run(run)
-    paper = options.paper_of(size)
-    view = options.view_of(run.mechanism.view, {"size": None if paper else size})
-    save_stills(run, output_path(path, WHAT), view=view, at=t, paper=paper)
-
-
-def _animate(
-    run: Samples, path: Path, view: View, *, progress: Progress | None, most_frames: int,
-    transparent: bool, bare: bool, scales: bool,
-) -> None:
+def _animate(run: Samples, path: Path, times: Sequence[float], layout: Mapping[str, Any], *,
+             transparent: bool, progress: Progress | None) -> None:
     """Write a film, ``.gif`` or ``.mp4``, or a directory of ``frame_00000.png`` and so on."""
-    ending = "" if path.is_dir() else path.suffix.lower()
-    times = frame_times(run, fps=view.fps, speed=view.speed, start=view.start, most=most_frames)
+    ending, view = "" if path.is_dir() else path.suffix.lower(), layout["view"]
     even = 2 if ending == ".mp4" else 1
     picture = Picture(run, size=(view.size[0] // even * even, view.size[1] // even * even),
-                      view=view, bare=bare, scales=scales,
-                      note="" if view.speed == 1 else f"{view.speed:g}× speed")
+                      note="" if view.speed == 1 else f"{view.speed:g}× speed", **layout)
     draw: Callable[[float], NDArray[Any]]
     if transparent:
         from sandbox.picture.paper import pixels

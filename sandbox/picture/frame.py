@@ -21,7 +21,7 @@ from sandbox.picture.listing import SIDES, Item, nearest
 from sandbox.picture.meters import MeterPanel
 from sandbox.picture.options import PRINT_TYPE, PrintSize
 from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK, Painter
-from sandbox.picture.scales import round_length
+from sandbox.picture.scales import prefixed, round_length
 from sandbox.picture.typesetter import HEAD, Headline, Typesetter, ellipsis
 from sandbox.samples.samples import Samples
 from sandbox.scene.settings import View
@@ -73,10 +73,11 @@ def arrange(legend: Sequence[Item], scale: float, type_: Typesetter, unit: float
         if following.get("instead") == row["l"] or (scales and row["k"] == "glyph"):
             continue
         if row["k"] == "scale":
-            bar = "size" not in row
-            size = round_length((BAR if bar else ARROW) * unit / (row["metres"] * scale))
-            words = length_text(size) if bar else f"{size:g} {row['unit']} {row['words']}"
-            item = Entry(row, "", size * row["metres"] * scale, words)
+            wide = ARROW if "size" in row else BAR
+            size = round_length(wide * unit / (row["metres"] * scale))
+            factor, written, _ = prefixed(size, "m") if wide == BAR else (1.0, row["unit"], 0)
+            item = Entry(row, "", size * row["metres"] * scale,
+                         f"{factor * size:.6g} {written} {row['words']}".rstrip())
         elif row["k"] == "ramp":
             item = Entry(row, row["before"], RAMP * unit, row["after"])
         else:
@@ -91,14 +92,6 @@ def arrange(legend: Sequence[Item], scale: float, type_: Typesetter, unit: float
         lines[-1].append(item)
         used += needs + GAP * unit
     return lines
-
-
-def length_text(metres: float) -> str:
-    """``0.02`` as ``20 mm``."""
-    for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm")):
-        if metres * factor >= 0.9995:
-            return f"{metres * factor:.6g} {unit}"
-    return f"{metres:.3g} m"
 
 
 def draw_legend(painter: Painter, instant: Instant, rows: Sequence[Sequence[Entry]],
@@ -208,7 +201,6 @@ class Picture:
         """Place the meters below or beside the motion, where it is larger."""
         (width, height), panel, given = self.size, self.panel, self.view.width
         high = height - self.head - foot
-        panel.grow(0.0)
         if self.small:
             panel.limit(high - round(0.75 * height))
 
@@ -216,21 +208,13 @@ class Picture:
             seen = given if given is None else given * max(
                 1.0, max(8, high) * wide / (width * tall))
             return bounds.place_camera(self.box, Stage(0, self.head, wide, tall),
-                                centre=self.view.centre, width=seen)
+                                       centre=self.view.centre, width=seen)
 
-        below = max(8, high - panel.below)
-        self.camera, self.aside = camera_on(width, below), False
-        if not panel or self.small:
-            return
-        if panel.tall <= high:
+        self.camera, self.aside = camera_on(width, max(8, high - panel.below)), False
+        if panel and not self.small and panel.tall <= high:
             beside = camera_on(max(8, width - panel.beside), high)
             if beside.scale > self.camera.scale:
                 self.camera, self.aside = beside, True
-        if not self.aside and given is None:
-            middle = self.camera.centre[1]
-            half = max(self.box.y1 - middle, middle - self.box.y0)
-            panel.grow(below - 2 * half * self.camera.scale / (1 - 2 * bounds.MARGIN))
-            self.camera = camera_on(width, max(8, high - panel.below))
 
     @property
     def needs(self) -> float:
@@ -249,27 +233,16 @@ class Picture:
 
     def instant(self, enlarge: int) -> Instant:
         """The list for a picture that is painted so many times larger, with its labels placed."""
-        x, y = self.camera.pixel
-
-        def made() -> Instant:
-            camera = Camera(self.camera.scale * enlarge, self.camera.centre,
-                            (x * enlarge, y * enlarge))
-            return Instant(self.out, camera, self.unit * enlarge, self.size, enlarge=enlarge,
-                           small=self.small)
-
         if not self._instants:  # labels add columns to the list
-            left, top, wide, high = self.stage
             few = None if self.moments is None else nearest(self.run.time, self.moments)
-            place_labels(made(), self.half, (left, top, left + wide, top + high),
-                         speed=self.view.speed, samples=few)
+            place_labels(self.out, self.camera, self.unit, self.size, self.stage, self.type,
+                         self.label_size, speed=self.view.speed, samples=few)
         if enlarge not in self._instants:
-            self._instants[enlarge] = made()
+            width, height = self.size
+            self._instants[enlarge] = Instant(
+                self.out, self.camera.enlarged(enlarge), self.unit * enlarge,
+                (width * enlarge, height * enlarge), enlarge=enlarge, small=self.small)
         return self._instants[enlarge]
-
-    def half(self, words: str) -> tuple[float, float]:
-        """Half the size of a label [finished pixels]."""
-        face = self.type.render(words, size=self.label_size, halo=True)
-        return face.get_width() / 2, face.get_height() / 2
 
     def surround(self, painter: Painter, instant: Instant) -> None:
         """Paint title, legend and the constant part of the meters."""
@@ -300,7 +273,7 @@ class Picture:
         for item, at in instant.texts:
             if "edge" in item:
                 x, y = (v * instant.factor for v in instant.points[at])
-                half = self.half(item["words"])
+                half = self.type.half(item["words"], self.label_size)
                 middle = (x, top + high - half[1] - 1) if item["edge"] == 0 else (
                     left + half[0] + 3, y)
                 painter.text(middle, item["words"], self.label_size, FAINT_INK, ())
@@ -310,7 +283,7 @@ class Picture:
                 continue
             x, y = (v * instant.factor for v in label.point)
             clear = label.item.get("clear", 0.0)
-            dx, dy = offset(label.side, self.half(label.words), clear, point)
+            dx, dy = offset(label.side, self.type.half(label.words, self.label_size), clear, point)
             ux, uy, far = SIDES[label.side]
             leader = [(x + ux * away * point, y - uy * away * point)
                       for away in (2, far + 2 + clear)] if far else []
@@ -346,10 +319,6 @@ class Strip:
         OutputError: the size has no room for so many pictures.
     """
 
-    pad: int
-    line: int
-    legend: list[list[Entry]]
-
     def __init__(self, run: Samples, times: Sequence[float], view: View, *, bare: bool = False,
                  scales: bool = False, size: tuple[int, int] | None = None,
                  paper: PrintSize | None = None) -> None:
@@ -366,21 +335,23 @@ class Strip:
                 across, pane = self._fitted(width, height, size, rows)
                 self._lay_out(across, pane, unit if paper else INSIDE * unit, size)
                 if len(self.legend) <= rows:
-                    break
+                    return
             return
         most = max(1, int(paper.width / NARROWEST)) if paper else 6
-        across = math.ceil(len(times) / math.ceil(len(times) / most))
-        share = max(MIN_WIDTH, 1 / across)
-        wide = paper.pixels[0] // across if paper else round(view.size[0] * share)
+        down = math.ceil(len(times) / most)
+        across = math.ceil(len(times) / down)
+        wide = paper.pixels[0] // across if paper else round(
+            view.size[0] * max(MIN_WIDTH, 1 / across))
         shape = view.size[1] / view.size[0] if view.width and view.centre else float(
             np.clip(height / (view.width or max(width, 1e-9)), *STRIP_SHAPES))
-        own, pane = unit, (wide, round(wide * shape))
-        for _ in range(1 if paper else 4):  # size of type and height depend on each other
-            self._surround(unit, (across * wide, 10 * across * wide))
-            high = self._high(1) + math.ceil(len(times) / across) * (
-                pane[1] + self.line + self.pad)
-            self.unit, unit = unit, max(own, picture_unit((across * wide, high)))
-        self._lay_out(across, pane, own if paper else max(own, INSIDE * self.unit), None)
+        pane = wide, round(wide * shape)
+        whole = across * wide, down * (pane[1] + round(3 * TYPE * unit)) + round(6 * TYPE * unit)
+        inside = unit
+        if not paper:
+            inside = max(unit, INSIDE * picture_unit(whole))
+            unit = max(unit, picture_unit(whole))
+        self._surround(unit, (whole[0], 10 * whole[0]))
+        self._lay_out(across, pane, inside, None)
 
     def _picture(self, size: tuple[int, int], unit: float) -> Picture:
         view = self.view.model_copy(update={"meters": ()})
@@ -396,18 +367,18 @@ class Strip:
         self.head = self.title.high if self.title else 0
         self.panel = MeterPanel(self.run, self.view, self.type, unit, size, len(self.times))
 
-    def _high(self, rows: int) -> int:
-        """Height [pixels] without pictures and times, with these rows of the legend."""
-        return self.head + self.panel.below + (rows * self.line + self.pad if self.keyed else 0)
-
     def _fitted(self, width: float, height: float, size: tuple[int, int],
                 rows: int) -> tuple[int, tuple[int, int]]:
-        """Pictures in a row, and the size of one, for which a width and height [m] are largest."""
+        """Pictures in a row, and the size of one, for which a width and height [m] are largest.
+
+        The legend has a number of ``rows``.
+        """
         best, found, count = 0.0, None, len(self.times)
+        free = size[1] - self.head - self.panel.below - (
+            rows * self.line + self.pad if self.keyed else 0)
         for down in range(1, count + 1):
             across = math.ceil(count / down)
-            wide = size[0] // across
-            high = (size[1] - self._high(rows)) // down - self.line - self.pad
+            wide, high = size[0] // across, free // down - self.line - self.pad
             scale = min(wide / max(width, 1e-9), high / max(height, 1e-9))
             if min(wide, high) >= SMALLEST and scale > best:
                 best, found = scale, (across, (wide, high))
@@ -421,9 +392,8 @@ class Strip:
                  size: tuple[int, int] | None) -> None:
         width = size[0] if size else across * pane[0]
         self.across, self.pane = across, self._picture(pane, inside)
-        self.legend = [] if not self.keyed else arrange(
-            self.pane.out.legend, self.pane.camera.scale, self.type, self.unit,
-            width - 2 * self.pad, 8, scales=self.scales)
+        self.legend = arrange(self.pane.out.legend, self.pane.camera.scale, self.type, self.unit,
+                              width - 2 * self.pad, 8 if self.keyed else 0, scales=self.scales)
         self.cell = pane[1] + self.line + self.pad
         bottom = self.head + math.ceil(len(self.times) / across) * self.cell
         self.foot = bottom + self.panel.below
@@ -456,13 +426,12 @@ class Strip:
         draw_legend(paper, instant, self.legend, self.type, unit, self.pad, self.foot, self.line)
 
     def _time_texts(self, room: int) -> tuple[list[str], int]:
-        """Times below the pictures in a form and a size of type [pixels] that fit in ``room``."""
-        forms = ["t = {:.3f} s", "{:.3f} s", "{:.2f} s", "{:.1f} s", "{:.0f} s"]
-        every = [[form.format(t) for t in self.times] for form in forms]
-        every = [texts for texts in every if len(set(texts)) == len(set(self.times))] or every[:2]
+        """Times below the pictures and a size of type [pixels], so that they fit in ``room``."""
         least = max(MIN_TYPE, self.type.least)
+        forms = ("t = {:.3f} s", "{:.3f} s", "{:.1f} s")
         for size in range(self.type.size, least - 1, -1):
-            for texts in every:
-                if max(self.type.width(text, size) for text in texts) <= room:
+            for texts in ([form.format(t) for t in self.times] for form in forms):
+                if len(set(texts)) == len(set(self.times)) and max(
+                        self.type.width(text, size) for text in texts) <= room:
                     return texts, size
-        return [ellipsis(self.type, text, room, least) for text in every[-1]], least
+        return [ellipsis(self.type, f"{t:.3g} s", room, least) for t in self.times], least

@@ -6,15 +6,19 @@ import math
 from collections.abc import Sequence
 from functools import lru_cache
 from itertools import chain
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.picture.frame import Picture
 from sandbox.picture.geometry import XY, ribbon
+from sandbox.picture.instant import Instant
 from sandbox.picture.palette import BACKGROUND, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter
+
+if TYPE_CHECKING:
+    from sandbox.picture.frame import Picture
 
 CELL = 24  # side of a cell [pixels of the finished picture]
 
@@ -120,6 +124,13 @@ class Pixels:
         found += self.small.blits(self.texts) or []
         self.texts, self._leaders = [], []
         return found
+
+    def grey(self, instant: Instant) -> NDArray[np.uint8]:
+        """How bright a picture of only the instant is, [height, width] 0 to 255."""
+        self.large.fill(BACKGROUND)
+        instant.paint(self, still=True)
+        instant.paint(self)
+        return pygame.surfarray.array_green(self.large).T
 
     def scale_down(self, areas: Sequence[pygame.Rect]) -> None:
         """Scale areas of the enlarged picture down."""

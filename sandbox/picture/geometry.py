@@ -72,7 +72,7 @@ def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
 
 
 def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
-    """The convex shapes of a body that touch others of it and lie in none.
+    """The convex shapes of a body that lie in no other of them, if there are several.
 
     Shapes inside others, such as hubs, keep their outline, and so do circles that a drive changes.
     """
@@ -80,72 +80,18 @@ def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
              if k not in changing and not isinstance(shape, Polyline)
              and (not isinstance(shape, Polygon) or shape.whole)}
     outer = [k for k in rings if not any(
-        _holds(rings[other], rings[k]) for other in rings
-        if other != k and not (other > k and _holds(rings[k], rings[other])))]
-    touching = {(a, b) for a in outer for b in outer if a != b and not (  # no side separates them
-        _depths(rings[a], rings[b]).max(axis=0) < -TOUCHING).any()}
-    return [a for a in outer if any({(a, b), (b, a)} <= touching for b in outer)]
+        holds(rings[other], rings[k]) for other in rings
+        if other != k and not (other > k and holds(rings[k], rings[other])))]
+    return outer if len(outer) > 1 else []
 
 
-def bare_outlines(shapes: Sequence[Shape], error: float, *, turns: bool) -> list[Array]:
-    """Lines [n, 2] m of shapes without a fill: the outline of all of them together.
-
-    A shape inside another one is drawn whole; circles that turn have a radius. ``error`` [m] is the
-    largest distance from round lines.
-    """
-    rings = [shape_outline(solid, 0.0, error) for shape in shapes for solid, _ in solids(shape)]
-    rings = [ring if turned_area(ring) >= 0 else ring[::-1] for ring in rings]
-    found: list[Array] = []
-    for i, ring in enumerate(rings):
-        others = [other for other in rings[:i] + rings[i + 1:] if not _holds(other, ring)]
-        open_end = False
-        for start, end in zip(ring, np.roll(ring, -1, axis=0), strict=True):
-            parts = _outside(start, end, others)
-            for a, b in parts:
-                piece = np.array([start + a * (end - start), start + b * (end - start)])
-                if open_end and a == 0.0:
-                    found[-1] = np.concatenate([found[-1], piece[1:]])
-                else:
-                    found.append(piece)
-            open_end = bool(parts) and parts[-1][1] == 1.0
-    return found + [np.array([shape.at, (shape.at[0] + shape.radius, shape.at[1])])
-                    for shape in shapes if turns and isinstance(shape, Circle)]
-
-
-def _outside(start: Array, end: Array, rings: Sequence[Array]) -> list[XY]:
-    """The parts of a side, from 0 to 1 along it, that lie in no ring and on no seam with one."""
-    free = [(0.0, 1.0)]
-    for ring in rings:
-        at, to = _depths(ring, np.array([start, end]))
-        along = np.roll(ring, -1, axis=0) - ring
-        along = along[np.hypot(*along.T) > 0]
-        on_it = np.maximum(np.abs(at), np.abs(to)) <= TOUCHING
-        least = np.where(on_it, -np.inf, TOUCHING)
-        if (on_it & (along @ (end - start) > 0)).any() or (
-                (np.abs(to - at) < 1e-15) & (at < least)).any():
-            continue  # a side of both, with both on the same hand; or outside of the ring
-        with np.errstate(divide="ignore", invalid="ignore"):
-            cross = (least - at) / (to - at)
-        low = max(0.0, float(np.max(cross[(to > at) & ~on_it], initial=0.0)))
-        high = min(1.0, float(np.min(cross[(to < at) & ~on_it], initial=1.0)))
-        if high > low:
-            free = [part for a, b in free for part in ((a, min(b, low)), (max(a, high), b))
-                    if part[1] - part[0] > 1e-9]
-    return free
-
-
-def _depths(ring: Array, points: Array) -> Array:
-    """How deep points [n, 2] lie behind each side of a convex outline [m], [n, sides]."""
+def holds(ring: Array, other: Array) -> bool:
+    """Whether all points [n, 2] lie behind each side of a convex outline."""
     side = np.roll(ring, -1, axis=0) - ring
-    length = np.hypot(*side.T)
-    side, start = side[length > 0] / length[length > 0, None], ring[length > 0]
-    way = points[:, None] - start
-    return np.asarray(np.sign(turned_area(ring)) * (
-        side[:, 0] * way[..., 1] - side[:, 1] * way[..., 0]))
-
-
-def _holds(ring: Array, other: Array) -> bool:
-    return bool((_depths(ring, other) >= -TOUCHING).all())
+    side, start = side[side.any(axis=1)], ring[side.any(axis=1)]
+    way = other[:, None] - start
+    depth = (side[:, 0] * way[..., 1] - side[:, 1] * way[..., 0]) / np.hypot(*side.T)
+    return bool((np.sign(turned_area(ring)) * depth >= -TOUCHING).all())
 
 
 def arrow(tail: XY, tip: XY, shaft: float, head: float) -> list[XY]:
@@ -162,48 +108,32 @@ def arrow(tail: XY, tip: XY, shaft: float, head: float) -> list[XY]:
             (bx - nx * half, by - ny * half), (tail[0] - nx * half, tail[1] - ny * half)]
 
 
-def dashes(path: Sequence[XY], dash: float, gap: float) -> list[tuple[XY, XY]]:
+def dashes(path: Sequence[XY], dash: float, gap: float) -> list[list[XY]]:
     """``path`` cut into dashes; the pattern runs on through its corners."""
-    pieces: list[tuple[XY, XY]] = []
+    pieces: list[list[XY]] = []
     offset, period = 0.0, dash + gap
-    for (x0, y0), (x1, y1) in pairwise(path):
-        length = math.hypot(x1 - x0, y1 - y0)
-        if length == 0.0:
-            continue
-        ux, uy = (x1 - x0) / length, (y1 - y0) / length
-        at = -(offset % period)
-        while at < length:
-            a, b = max(at, 0.0), min(at + dash, length)
-            if b > a:
-                pieces.append(((x0 + ux * a, y0 + uy * a), (x0 + ux * b, y0 + uy * b)))
-            at += period
+    for start, end in pairwise(complex(*at) for at in path):
+        length = abs(end - start)
+        for at in np.arange(-(offset % period), length, period).tolist():
+            ends = [start + (end - start) * far / length
+                    for far in (max(at, 0.0), min(at + dash, length))]
+            if at + dash > 0:
+                pieces.append([(z.real, z.imag) for z in ends])
         offset += length
     return pieces
 
 
 def ribbon(path: Sequence[XY], width: float) -> list[XY]:
     """The outline of a line of constant ``width``; mitres reach at most 1.5 widths."""
-    corners = path if len(path) == 2 else [
-        p for k, p in enumerate(path) if not k or math.dist(p, path[k - 1]) > 1e-9]
-    half = width / 2
-    if len(corners) < 3:
-        (x0, y0), (x1, y1) = path[0], path[-1]
-        half /= math.hypot(x1 - x0, y1 - y0) or 1.0
-        dx, dy = (y1 - y0) * half, (x0 - x1) * half
-        return [(x0 - dx, y0 - dy), (x1 - dx, y1 - dy), (x1 + dx, y1 + dy), (x0 + dx, y0 + dy)]
-    normals = []
-    for (x0, y0), (x1, y1) in pairwise(corners):
-        length = math.hypot(x1 - x0, y1 - y0)
-        normals.append((-(y1 - y0) / length, (x1 - x0) / length))
+    points = [complex(*at) for k, at in enumerate(path) if not k or at != path[k - 1]]
+    points *= 2 if len(points) == 1 else 1
+    normals = [0.5j * width * (b - a) / (abs(b - a) or 1.0) for a, b in pairwise(points)]
     left, right = [], []
-    for k, (x, y) in enumerate(corners):
-        ax, ay = normals[max(k - 1, 0)]
-        bx, by = normals[min(k, len(normals) - 1)]
-        grow = half / max(1 + ax * bx + ay * by, 0.67)
-        dx, dy = grow * (ax + bx), grow * (ay + by)
-        left.append((x + dx, y + dy))
-        right.append((x - dx, y - dy))
-    return left + right[::-1]
+    for at, n, m in zip(points, [normals[0], *normals], [*normals, normals[-1]], strict=True):
+        offset = (n + m) / max(1 + 4 * (n * m.conjugate()).real / width**2, 0.67)
+        left.append(at + offset)
+        right.append(at - offset)
+    return [(z.real, z.imag) for z in left + right[::-1]]
 
 
 def within(points: Sequence[XY], edges: Edges) -> bool:
@@ -244,23 +174,16 @@ def cut_line(start: XY, end: XY, edges: Edges) -> tuple[XY, XY] | None:
 
 
 def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
-    """The visible part of a far larger circle as a polygon: nothing, all or a piece.
+    """The visible part of a far larger circle as a polygon; none if a number is NaN.
 
-    The arc is measured from its point nearest to the picture, which keeps digits.
+    It is cut from the sector that spans the picture.
     """
-    if math.isnan(centre[0] + centre[1] + radius):
-        return []
     left, top, right, bottom = edges
-    reach, middle = math.hypot(right - left, bottom - top) / 2, np.array(
-        [(left + right) / 2, (top + bottom) / 2])
-    way, radius = middle - np.clip(centre, -FAR, FAR), min(radius, FAR)
-    distance = math.hypot(*way)
-    if distance - radius > reach:
-        return []
-    if radius - distance > reach:
-        return [(left, top), (right, top), (right, bottom), (left, bottom)]
-    out = way / distance
-    angle = math.asin(min(1.0, reach / distance)) * np.linspace(-1.0, 1.0, 129)
-    arc = middle + np.outer(radius - distance - 2 * radius * np.sin(angle / 2) ** 2, out) \
-        + np.outer(radius * np.sin(angle), (-out[1], out[0]))
-    return [(x, y) for x, y in np.concatenate([arc, arc[[-1, 0]] - 4 * reach * out]).tolist()]
+    x, y = np.clip(centre, -FAR, FAR).tolist()
+    way = (left + right) / 2 - x, (top + bottom) / 2 - y
+    reach, distance = math.hypot(right - left, bottom - top) / 2, math.hypot(*way)
+    spread = math.asin(reach / distance) if distance > reach else math.pi
+    angle = math.atan2(way[1], way[0]) + spread * np.linspace(-1.0, 1.0, 129)
+    size = min(radius, FAR)
+    return cut_polygon([(x, y), *zip((x + size * np.cos(angle)).tolist(),
+                                     (y + size * np.sin(angle)).tolist(), strict=True)], edges)

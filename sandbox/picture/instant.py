@@ -16,7 +16,7 @@ from sandbox.picture.geometry import XY, Edges
 from sandbox.picture.listing import Item, Listing
 from sandbox.picture.palette import Colour, Ink, Painter, from_css
 
-Plan = Callable[[Painter], None]
+Plan = Callable[[Painter], object]
 STEPS = 1e3  # steps of a number, from 0 to its maximum, that look different
 FINEST, MARKS_APART, MAX_PIECES = 3.0, 9.0, 5000  # trails: pieces, marks [points]; number
 
@@ -37,15 +37,15 @@ class Instant:
     """A display list for one camera: for each item a function that paints it.
 
     ``camera`` is that of the painted picture, at the first sample if it follows a body; ``point``
-    is its pixels per point. It is ``enlarge`` times as large as the finished picture of ``size``.
-    ``small`` leaves out details.
+    is its pixels per point, ``size`` its width and height [pixels]. It is ``enlarge`` times as
+    large as the finished picture. ``small`` leaves out details.
     """
 
     def __init__(self, out: Listing, camera: Camera, point: float, size: tuple[int, int], *,
                  enlarge: int = 1, small: bool = False) -> None:
         self.out, self.still_camera, self.camera, self.point = out, camera, camera, point
-        (self.width, height), self.factor = size, 1 / enlarge
-        wide, high = self.width * enlarge, height * enlarge
+        self.size, self.factor = size, 1 / enlarge
+        wide, high = size
         self.edges: Edges = (-wide, -high, 2 * wide, 2 * high)  # limits of coordinates [pixels]
         self.scale, self.small = camera.scale, small
         self.thin, self.hatch = (0.75, 0.0) if small else (1.0, 7.0 * point)  # of hatching [points]
@@ -62,10 +62,6 @@ class Instant:
         self.px: Any = np.zeros((0, 2))  # all points [pixels]
         self.points: list[XY] = []  # the same, made when they are painted
         self.wild = False  # whether a point is far outside of the picture, or not finite
-        self.outlines: list[slice] = []  # points along each item, where labels hide something
-        self.fills: list[slice] = []  # corners of filled areas, a ring each
-        self.marks: list[tuple[int, Array]] = []
-        """The point of each glyph, and its box about that [pixels]: left, top and right, bottom."""
         self.texts: list[tuple[Item, int]] = []
         self._still: list[Plan] = []
         self._plans: list[Plan] = []
@@ -91,22 +87,14 @@ class Instant:
         return int(self._pool(point[0], [point[1:3]], offset).start)
 
     def _plan(self, item: Item) -> None:
-        first = self._count
         plan: Plan | None = getattr(self, f"_{item['k']}")(item)
         if plan is None:
             return
-        if self._count > first:
-            self.outlines.append(slice(first, self._count))
         if not self._plans and self._stays(item):
             self._still.append(plan)
             return
-        self._plans.append(self._where(item["if"], plan) if "if" in item else plan)
-
-    def _where(self, shown: Any, plan: Plan) -> Plan:
-        def paint(painter: Painter) -> None:
-            if self.value(shown) > 0.5:
-                plan(painter)
-        return paint
+        shown = item.get("if", 1.0)
+        self._plans.append(lambda painter: self.value(shown) > 0.5 and plan(painter))
 
     def _stays(self, item: Item) -> bool:
         if self.out.drift is not None or item["k"] not in ("path", "line", "mark", "span"):
@@ -209,8 +197,6 @@ class Instant:
                 if not union:
                     inner = self._pool(item["f"], geometry.polygon_grown(ring, -half))
             rings.append((line, outer, inner))
-        if self.out.styles[item["s"]][0] not in ("", "paper", "liquid"):
-            self.fills += [line for line, _, _ in rings[:None if union else 1]]
 
         def paint(painter: Painter) -> None:
             fill, edge, now, _, hatch = self.look(item)
@@ -224,8 +210,6 @@ class Instant:
 
     def _circle(self, item: Item, centre: XY, radius: Any) -> Plan:
         at = self._place([item["f"], *centre])
-        if not isinstance(radius, list):
-            self.fills.append(self._pool(item["f"], _square(*centre, radius)))
 
         def paint(painter: Painter) -> None:
             fill, edge, width, _, hatch = self.look(item)
@@ -288,9 +272,6 @@ class Instant:
 
     def _taut(self, item: Item) -> Plan:
         at = [self._place(point) for point in item["p"]]
-        for frame, x, y, r, *_ in item["p"]:
-            if r:
-                self._pool(frame, _square(x, y, r))
 
         def paths() -> Iterator[Any]:
             path: list[XY] = []
@@ -359,9 +340,6 @@ class Instant:
         if self.small and {"dot", "eye"} & set(names):
             return None
         at, made = self._place(item["at"]), [self.glyph(name) for name in names]
-        ends = np.concatenate([points + sign * radius for _, points, radius, _ in made[-1]
-                               for sign in (-1, 1)])
-        self.marks.append((at, np.array([ends.min(axis=0), ends.max(axis=0)])))
 
         def paint(painter: Painter) -> None:
             state = round(self.value(item.get("state", 0.0)))
@@ -448,10 +426,9 @@ class Instant:
     def _trail(self, item: Item) -> Plan:
         at, time, way = self._place(item["at"]), self.out.time, self.out.place(item["at"])
         kept, every = _apart(way, FINEST * self.point / self.scale), item["every"]
-        first, last = (math.floor(float(time[k]) / every * (1 + sign * 1e-9))
-                       for k, sign in ((0, -1), (-1, 1)))
-        times = np.arange(first + 1, last + 1) * every
-        spots = np.stack([np.interp(times, time, way[:, k]) for k in (0, 1)], axis=1)
+        times = every * np.arange(math.floor(time[0] / every * (1 - 1e-9)) + 1,
+                                  math.floor(time[-1] / every * (1 + 1e-9)) + 1)
+        spots = np.stack([np.interp(times, time, column) for column in way.T], axis=1)
         some = _apart(spots, MARKS_APART * self.point / self.scale)
         times, spots = times[some], spots[some]
 
@@ -525,6 +502,3 @@ def _apart(points: Array, least: float) -> Any:
             last = (x, y)
     return np.array(kept, dtype=np.intp)
 
-
-def _square(x: float, y: float, half: float) -> list[XY]:
-    return [(x + half * a, y + half * b) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]

@@ -1,25 +1,31 @@
 """Places of numbers and names, chosen once for a film so that they do not jump or flicker.
 
 A label has one of 16 sides of its point (:data:`SIDES`) for the whole film: the one that covers
-the least ink and no other label. It stays or is away for at least :data:`HOLD` seconds.
+the least ink and no other label. It is visible or hidden for at least :data:`HOLD` seconds. Ink is
+how dark a small picture is whose pixels are cells.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.picture.bounds import Camera, Stage
 from sandbox.picture.geometry import XY
 from sandbox.picture.instant import Instant
-from sandbox.picture.listing import SIDES, Item
+from sandbox.picture.listing import SIDES, Item, Listing
+
+if TYPE_CHECKING:
+    from sandbox.picture.typesetter import Typesetter  # loads pygame
 
 HOLD = 0.35  # minimum time that a label is visible or hidden [s of the film]
-CELL = 5  # side of the cells that have ink or not [pixels of the finished picture]
-TURNED, OFF, COVERED, FILLED, CROSSED, OUTSIDE = 0.02, 0.5, 0.12, 0.02, 2.0, 4.0
-"""Costs per sample: angle to the arrow, standing off, cell of ink, filled cell, label, outside."""
+CELL = 5  # side of the cells whose ink is measured [pixels of the finished picture]
+TURNED, OFF, INK, CROSSED, OUTSIDE = 0.02, 0.5, 0.3, 2.0, 4.0
+"""Costs per sample: angle to the arrow, standing off, black cell, label, outside."""
 SMALL = 500  # pictures that are narrower have fewer numbers [pixels]
 
 
@@ -34,33 +40,34 @@ class _Seen:
     size: float = 0.0
 
 
-def place_labels(instant: Instant, half: Callable[[str], tuple[float, float]],
-                 stage: Sequence[float], *, speed: float,
+def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, int],
+                 stage: Stage, type_: Typesetter, letters: int, *, speed: float,
                  samples: Integers | None = None) -> None:
     """Write into the list's items where labels stand and when they are shown.
 
-    ``half`` gives half the width and height of a text, ``stage`` is left, top, right and bottom of
-    where labels may be [finished pixels]; ``speed`` is seconds of the run per second of the film.
-    ``samples`` are those that are painted, if they are few.
+    Labels of size ``letters`` are inside ``stage``; ``speed`` is seconds of the run per second of
+    the film. For the others see :class:`Instant`. ``samples`` are those that are painted, if few.
     """
-    time = instant.out.time
+    time, limits = out.time, (*stage[:2], stage.left + stage.width, stage.top + stage.height)
+    instant = Instant(out, camera.enlarged(1 / CELL), point / CELL,
+                      (size[0] // CELL + 1, size[1] // CELL + 1), small=True)
     some = np.unique(np.linspace(0, len(time) - 1, 48).astype(int)) if samples is None \
         else samples
-    seen, covered = _look(instant, some, stage)
-    point, placed = instant.point * instant.factor, np.full((0, len(some), 4), np.nan)
-    numbers, maximum = 0, 6 if instant.width < SMALL else 24
+    seen, covered = _look(instant, some, type_)
+    placed = np.full((0, len(some), 4), np.nan)
+    numbers, maximum = 0, 6 if size[0] < SMALL else 24
     for one in sorted(seen, key=lambda one: (one.item.get("rank", 1), -one.size)):
         is_number = "value" in one.item or one.item["k"] != "text"
         if is_number and numbers >= maximum:
             continue
-        box = half(one.words)
+        box = type_.half(one.words, letters)
         middles = np.array([one.rows[:, :2] + offset(side, box, one.item.get("clear", 0.0), point)
                             for side in range(len(SIDES))])
         boxes = np.concatenate((middles - box, middles + box), axis=2)
-        side = int(np.argmin(_costs(one, boxes, placed, covered, stage)))
+        side = int(np.argmin(_costs(one, boxes, placed, covered, limits)))
         present = np.isfinite(one.rows[:, 0])
         there = present & ~_meet(boxes[side][None], placed).any(axis=0)
-        there &= ~_outside(boxes[side], stage)
+        there &= ~_outside(boxes[side], limits)
         if there.sum() < 0.25 * present.sum():  # it has too little room
             continue
         if samples is None:
@@ -70,67 +77,31 @@ def place_labels(instant: Instant, half: Callable[[str], tuple[float, float]],
         placed = np.concatenate([placed, np.where(there[:, None], boxes[side], np.nan)[None]])
         numbers += is_number
         nearest = np.searchsorted((some[:-1] + some[1:]) / 2, np.arange(len(time)))
-        shown = instant.out.varying(there[nearest], steady=True)
+        shown = out.varying(there[nearest], steady=True)
         if one.item["k"] == "text":
             one.item["side"], one.item["show"] = side, shown
         else:
             one.item.setdefault("labels", {})[one.key] = [side, shown]
 
 
-def _look(instant: Instant, some: Integers,
-          stage: Sequence[float]) -> tuple[list[_Seen], Array]:
+def _look(instant: Instant, some: Integers, type_: Typesetter) -> tuple[list[_Seen], Array]:
     """Each label in each sample, and sums of the costs of cells."""
+    from sandbox.picture.frames import Pixels  # loads pygame
+
     seen: dict[tuple[int, int], _Seen] = {}
-    time, factor = instant.out.time, instant.factor
-    width, height = (int(v) // CELL + 2 for v in stage[2:4])
-    covered = np.zeros((len(some), height + 1, width + 1))
-    first = np.concatenate([np.zeros(0, int), *(
-        np.arange(pool.start, pool.stop - 1) for pool in instant.outlines)]).astype(int)
+    painter = Pixels(instant.size, 1, type_)
+    costs = []
     for row, sample in enumerate(some.tolist()):
-        instant.go_to(float(time[sample]))
-        starts, ends = [instant.px[first]], [instant.px[first + 1]]
+        instant.go_to(float(instant.out.time[sample]))
         for label in instant.labels():
             one = seen.setdefault((id(label.item), label.key), _Seen(
                 label.item, label.key, np.full((len(some), 4), np.nan)))
             one.words = max(one.words, label.words, key=len)
             one.size += float(np.hypot(*label.away))
-            one.rows[row] = (label.point[0] * factor, label.point[1] * factor, *label.away)
-            starts.append(np.array([label.point]) - label.away)
-            ends.append(np.array([label.point]))
-        points = _along(np.concatenate(starts), np.concatenate(ends)) * factor / CELL
-        points = points[np.isfinite(points).all(axis=1)]
-        covered[row, 1:, 1:] = _filled(instant, factor / CELL, (width, height))
-        x, y = np.clip(points, 0, (width - 1, height - 1)).astype(int).T
-        covered[row, y + 1, x + 1] = COVERED
+            one.rows[row] = CELL * np.array([*label.point, *label.away])
+        costs.append(INK * (1 - painter.grey(instant) / 255))
+    covered = np.pad(costs, ((0, 0), (1, 0), (1, 0)))
     return list(seen.values()), covered.cumsum(axis=1).cumsum(axis=2)
-
-
-def _filled(instant: Instant, scale: float, size: tuple[int, int]) -> Array:
-    """The costs of cells [height, width] that filled areas cover."""
-    import pygame
-
-    surface = pygame.Surface(size, 0, 8)
-    for part in instant.fills:
-        ring = instant.px[part] * scale
-        if np.isfinite(ring).all() and np.abs(ring).max() < 20 * max(size):
-            pygame.draw.polygon(surface, 1, ring.tolist())
-    cost = FILLED * np.asarray(pygame.surfarray.array2d(surface).T, dtype=float)
-    for at, box in instant.marks:
-        if np.isfinite(instant.px[at]).all():
-            (x0, y0), (x1, y1) = np.clip((instant.px[at] + box) * scale, 0, size).astype(int)
-            cost[y0:y1 + 1, x0:x1 + 1] = COVERED
-    return cost
-
-
-def _along(start: Array, end: Array, step: float = 2 * CELL) -> Array:
-    """Points along lines [k, 2], about ``step`` apart."""
-    way = end - start
-    length = np.nan_to_num(np.hypot(*way.T), posinf=0.0)
-    count = np.clip(np.ceil(length / step), 1, 200).astype(int)
-    share = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    share = share / np.repeat(count, count)
-    return np.asarray(np.repeat(start, count, axis=0)
-                      + share[:, None] * np.repeat(way, count, axis=0))
 
 
 def _costs(one: _Seen, boxes: Array, placed: Array, covered: Array,

@@ -70,11 +70,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sandbox.elements.arrays import Arrays
 from sandbox.model.joints import placed
 from sandbox.model.meters import is_expression, worked_out
 from sandbox.model.model import Model
@@ -91,24 +91,16 @@ SIDES = [(round(math.cos(k * math.pi / 4), 6), round(math.sin(k * math.pi / 4), 
 """Sides of labels: direction (y up), and additional distance [points], with a line if not 0."""
 
 
-class RunData(Protocol):
-    """What a list needs of a run."""
+class SomeSamples(NamedTuple):
+    """Samples of a running simulation."""
 
-    @property
-    def mechanism(self) -> Mechanism:
-        """The simulated mechanism."""
+    mechanism: Mechanism
+    model: Model
+    arrays: Arrays
+    time: Array
 
-    @property
-    def model(self) -> Model:
-        """Its compiled model."""
 
-    @property
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """Recorded arrays by key."""
-
-    @property
-    def time(self) -> Array:
-        """Times of the samples [n] s."""
+RunData = Samples | SomeSamples
 
 
 def read_curve(run: Samples, name: str) -> Array:

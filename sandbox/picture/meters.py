@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import takewhile
-from typing import NamedTuple
 
 import numpy as np
 import pygame
@@ -16,10 +15,10 @@ from sandbox.numeric import Array
 from sandbox.picture import palette
 from sandbox.picture.listing import read_curve
 from sandbox.picture.palette import Colour, Painter
-from sandbox.picture.scales import pressure_unit, round_up
+from sandbox.picture.scales import pressure_unit, round_length, round_up
 from sandbox.picture.typesetter import Typesetter, ellipsis
 from sandbox.samples.samples import Samples
-from sandbox.scene.settings import View
+from sandbox.scene.settings import ShownMeter, View
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Width of a meter, height of its curve (min., max.) [points]."""
@@ -27,16 +26,30 @@ TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85  # sizes of type, in those of 
 HUES: tuple[Colour, ...] = tuple(map(palette.from_css, COLOURS))
 
 
-class Dial(NamedTuple):
-    """Data of one meter."""
+class Meter:
+    """A meter of a run: its curves as shown, [curves, n], and its place [finished pixels]."""
 
-    title: str
-    names: list[str]  # of the curves, as far as they differ; empty of a single one
-    values: Array  # as shown, [curves, n]
-    sign: str  # after values
-    low: float  # lower limit of the plot, as shown
-    high: float
-    plotted: bool
+    cell = plot = pygame.Rect(0, 0, 0, 0)  # all of it; its curves
+    size = wide = across = head = 0  # of values: type, width, columns; height above the curves
+
+    def __init__(self, run: Samples, meter: ShownMeter) -> None:
+        names = curves(meter, run.catalogue)
+        rows = np.array([read_curve(run, name) for name in names]).reshape(-1, len(run.time))
+        unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
+        scaled = rows if meter.range is None else np.array(meter.range)
+        if unit == "Pa":  # in the unit of the drawing; other quantities in those of plots
+            largest = float(np.nanmax(np.abs(scaled), initial=0.0))
+            pascals, unit = pressure_unit(round_up(largest) if largest > 0 else 0.0)
+            factor, self.sign = 1 / pascals, f" {unit}"
+        else:
+            shown = shown_as(unit, *np.atleast_2d(scaled))
+            factor, self.sign = shown.factor, shown.sign.replace("^2", "²").replace("^3", "³")
+        self.values = factor * rows
+        self.low, self.high = _range(self.values) if meter.range is None else (
+            factor * meter.range[0], factor * meter.range[1])
+        self.names, title = _apart(names) if len(names) > 1 else ([""], names[0])
+        self.title = meter.title or title
+        self.plotted = meter.style == "plot" and len(run.time) > 1
 
     def texts(self, shown: Array) -> list[str]:
         """Some values of each curve [curves, k] with units and as many digits as the largest."""
@@ -51,29 +64,10 @@ class Dial(NamedTuple):
             found.append(f"{name} {words}".strip())
         return found
 
-
-def dials(run: Samples, view: View) -> list[Dial]:
-    """Data of the meters of a view."""
-    found = []
-    for meter in view.meters:
-        names = curves(meter, run.catalogue)
-        rows = np.array([read_curve(run, name) for name in names]).reshape(-1, len(run.time))
-        unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
-        scaled = rows if meter.range is None else np.array(meter.range)
-        if unit == "Pa":  # in the unit of the drawing; other quantities in those of plots
-            largest = float(np.nanmax(np.abs(scaled), initial=0.0))
-            size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
-            factor, sign = 1 / size, f" {name}"
-        else:
-            shown = shown_as(unit, *np.atleast_2d(scaled))
-            factor, sign = shown.factor, shown.sign.replace("^2", "²").replace("^3", "³")
-        values = factor * rows
-        low, high = _range(values) if meter.range is None else (
-            factor * meter.range[0], factor * meter.range[1])
-        own, rest = _apart(names) if len(names) > 1 else ([""], names[0])
-        found.append(Dial(meter.title or rest, own, values, sign, low, high,
-                          meter.style == "plot" and len(run.time) > 1))
-    return found
+    def down(self, values: Array) -> Array:
+        """Heights of values in the picture."""
+        share = (values - self.low) / (self.high - self.low)
+        return np.asarray(self.plot.bottom - self.plot.height * np.clip(share, -0.02, 1.02))
 
 
 def _range(values: Array) -> tuple[float, float]:
@@ -81,17 +75,12 @@ def _range(values: Array) -> tuple[float, float]:
     found = values[np.isfinite(values)]
     low, high = (float(found.min()), float(found.max())) if len(found) else (0.0, 0.0)
     span = high - low
-    if 0 < low < span:
-        low = 0.0
-    if -span < high < 0:
-        high = 0.0
-    if span <= 1e-9 * max(abs(low), abs(high)):
-        low, high = min(low, 0.0), max(high, 0.0)
+    flat = span <= 1e-9 * max(abs(low), abs(high))
+    low = min(low, 0.0) if flat or low < span else low
+    high = max(high, 0.0) if flat or high > -span else high
     if low == high:
         return 0.0, 1.0
-    span = high - low
-    step = 10.0 ** math.floor(math.log10(span / 2))
-    step *= 5 if span / step > 10 else 2 if span / step > 5 else 1
+    step = round_length((high - low) / 2)
     low, high = math.floor(low / step + 1e-6), math.ceil(high / step - 1e-6)
     return step * low, step * max(high, low + 1)
 
@@ -99,41 +88,20 @@ def _range(values: Array) -> tuple[float, float]:
 def _apart(names: Sequence[str]) -> tuple[list[str], str]:
     """The words in which names differ, and a pattern of them all for a title."""
     words = [name.split(".") for name in names]
-    least = min(map(len, words))
-    first = next((k for k in range(least) if len({w[k] for w in words}) > 1), least - 1)
-    last = next((k for k in range(least - first) if len({w[-1 - k] for w in words}) > 1), 0)
-    begin = _begin(names)
-    end = _begin([name[len(begin):][::-1] for name in names])[::-1]
-    title = f"{begin}*{end}" if begin or end else ", ".join(names)
-    return [".".join(w[first:len(w) - last]) for w in words], title
+    fewest = min(map(len, words))
+    first = min(_alike(words), fewest - 1)
+    last = min(_alike([each[::-1] for each in words]), fewest - 1 - first)
+    begin = _alike(names)
+    rest = names[0][begin:]
+    end = rest[len(rest) - _alike([name[begin:][::-1] for name in names]):]
+    title = f"{names[0][:begin]}*{end}" if begin or end else ", ".join(names)
+    return [".".join(each[first:len(each) - last]) for each in words], title
 
 
-def _begin(names: Sequence[str]) -> str:
-    same = takewhile(lambda each: len(set(each)) == 1, zip(*names, strict=False))
-    return "".join(each[0] for each in same)
-
-
-class _Meter:
-    """A meter in a picture [finished pixels]."""
-
-    cell = plot = pygame.Rect(0, 0, 0, 0)  # all of it; its curves
-
-    def __init__(self, dial: Dial, panel: MeterPanel, moments: int) -> None:
-        type_, gap = panel.type, panel.gap
-        self.dial = dial
-        self.valued = not dial.plotted or 1 in (moments, len(dial.names))  # else names only
-        self.size = type_.scaled(VALUE if len(dial.names) == 1 else SMALL)
-        sizes = np.nan_to_num(np.abs(dial.values), posinf=0.0).max(axis=1)
-        words = dial.texts(np.tile(-sizes[:, None], moments)) if self.valued else dial.names
-        self.wide = max(type_.width(text, self.size) for text in words) + gap
-        count = max(1, int((WIDE * panel.unit + gap) / self.wide))
-        self.across = min(count, len(dial.names))  # values side by side
-        self.head = (type_.scaled(TITLE, 1.2) + panel.margin
-                     + -(-len(dial.names) // self.across) * round(0.95 * self.size))
-
-    def down(self, values: Array) -> Array:
-        share = (values - self.dial.low) / (self.dial.high - self.dial.low)
-        return np.asarray(self.plot.bottom - self.plot.height * np.clip(share, -0.02, 1.02))
+def _alike(sequences: Sequence[Sequence[str]]) -> int:
+    """Length of the common start."""
+    return sum(1 for _ in takewhile(lambda each: len(set(each)) == 1,
+                                    zip(*sequences, strict=False)))
 
 
 class MeterPanel:
@@ -142,10 +110,19 @@ class MeterPanel:
     def __init__(self, run: Samples, view: View, type_: Typesetter, unit: float,
                  size: tuple[int, int], moments: int = 1) -> None:
         """``size`` is that of the picture [pixels], ``moments`` the number of instants shown."""
-        self._time, self.type, self.unit = run.time, type_, unit
+        self._time, self.type, self.unit, self.moments = run.time, type_, unit, moments
         self._plot_points, self.gap, self.margin = PLOT, round(0.9 * type_.size), round(5 * unit)
         self._start, self._end = min(view.start, float(run.time[-1])), float(run.time[-1])
-        found = [_Meter(dial, self, moments) for dial in dials(run, view)]
+        found = [Meter(run, meter) for meter in view.meters]
+        for meter in found:
+            count = len(meter.names)
+            meter.size = type_.scaled(VALUE if count == 1 else SMALL)
+            largest = np.nan_to_num(np.abs(meter.values), posinf=0.0).max(axis=1, keepdims=True)
+            meter.wide = self.gap + max(type_.width(text, meter.size)
+                                        for text in self._texts(meter, np.tile(-largest, moments)))
+            meter.across = min(max(1, int((WIDE * unit + self.gap) / meter.wide)), count)
+            meter.head = (type_.scaled(TITLE, 1.2) + self.margin
+                          + -(-count // meter.across) * round(0.95 * meter.size))
         most = max(1, int((size[0] - self.gap) / (WIDE * unit + self.gap)))
         each = -(-len(found) // max(1, -(-len(found) // most)))  # rows as even as can be
         self._rows = [found[k:k + each] for k in range(0, len(found), max(1, each))]
@@ -155,9 +132,14 @@ class MeterPanel:
     def __bool__(self) -> bool:
         return bool(self.meters)
 
-    def _height(self, meter: _Meter) -> int:
+    def _texts(self, meter: Meter, values: Array) -> list[str]:
+        """Values with names, or names only where there are too many."""
+        valued = not meter.plotted or 1 in (self.moments, len(meter.names))
+        return meter.texts(values) if valued else meter.names
+
+    def _height(self, meter: Meter) -> int:
         return meter.head + (round(self._plot_points * self.unit) + self.type.scaled(TICK, 1.2)
-                             if meter.dial.plotted else 0)
+                             if meter.plotted else 0)
 
     @property
     def below(self) -> int:
@@ -180,16 +162,10 @@ class MeterPanel:
             self._rows.pop()
         self.meters = [meter for row in self._rows for meter in row]
 
-    def grow(self, blank: float) -> None:
-        """Take a share of a blank height above it [finished pixels] from the minimum height."""
-        rows = sum(any(meter.dial.plotted for meter in row) for row in self._rows)
-        free = 0.6 * max(0.0, blank) / self.unit / max(rows, 1)
-        self._plot_points = min(TALLEST, PLOT + free)
-
     def settle(self, rect: pygame.Rect, *, aside: bool) -> None:
         """Set its place on the finished picture."""
         self.rect, gap, y = rect, self.gap, rect.top
-        if aside and (plots := sum(meter.dial.plotted for meter in self.meters)):
+        if aside and (plots := sum(meter.plotted for meter in self.meters)):
             free = (rect.height - self.tall) / self.unit / plots
             self._plot_points = min(TALLEST, PLOT + max(0.0, free))
         for row in [[meter] for meter in self.meters] if aside else self._rows:
@@ -197,9 +173,9 @@ class MeterPanel:
             high = max(map(self._height, row))
             for k, meter in enumerate(row):
                 x = rect.left + gap + k * (wide + gap)
-                axis = self.margin + max(self.type.width(f"{limit:.6g}", self.type.scaled(TICK))
-                                         for limit in (meter.dial.low, meter.dial.high))
-                left = min(wide // 2, axis)
+                left = min(wide // 2, self.margin + max(
+                    self.type.width(f"{limit:.6g}", self.type.scaled(TICK))
+                    for limit in (meter.low, meter.high)))
                 meter.cell = pygame.Rect(x, y, wide, high)
                 meter.plot = pygame.Rect(x + left, y + meter.head, wide - left - self.margin,
                                          round(self._plot_points * self.unit))
@@ -209,30 +185,35 @@ class MeterPanel:
         """Paint titles, frames and pale curves."""
         size = self.type.scaled(TITLE)
         for meter in self.meters:
-            cell, dial = meter.cell, meter.dial
+            cell = meter.cell
             painter.write((cell.left, cell.top),
-                          ellipsis(self.type, dial.title, cell.width, size), size, palette.INK)
-            if dial.plotted:
+                          ellipsis(self.type, meter.title, cell.width, size), size, palette.INK)
+            if meter.plotted:
                 self._frame(painter, meter)
-                for k in range(len(dial.values)):
+                for k in range(len(meter.values)):
                     self._curve(painter, meter, k, palette.lighter(HUES[k], 0.62), 1.2)
 
     def draw(self, painter: Painter, times: Sequence[float]) -> None:
         """Paint values, and curves up to a time [s] with its cursor, or with several cursors."""
         samples = [int(np.argmin(np.abs(self._time - t))) for t in times]
+        k, line = painter.enlarge, self.unit * painter.enlarge
         for meter in self.meters:
-            dial, plot = meter.dial, meter.plot
-            self._values(painter, meter, samples)
-            if not dial.plotted:
+            cell, plot = meter.cell, meter.plot
+            size = min(meter.size, self.type.scaled(VALUE if len(samples) == 1 else SMALL))
+            top = cell.top + self.type.scaled(TITLE, 1.2)
+            for curve, text in enumerate(self._texts(meter, meter.values[:, samples])):
+                row, column = divmod(curve, meter.across)
+                painter.write((cell.left + column * meter.wide, top + row * round(0.95 * size)),
+                              ellipsis(self.type, text, cell.width, size), size, HUES[curve])
+            if not meter.plotted:
                 continue
-            k, line = painter.enlarge, self.unit * painter.enlarge
             across = (self._across(plot, np.asarray(times)) * k).tolist()
             for x in across:
                 painter.line([(x, plot.top * k), (x, plot.bottom * k)], palette.FAINT_INK, line)
-            for curve, hue in zip(range(len(dial.values)), HUES, strict=False):
+            for curve, hue in zip(range(len(meter.values)), HUES, strict=False):
                 self._curve(painter, meter, curve, hue, 1.9,
                             until=samples[0] + 1 if len(samples) == 1 else None)
-                heights = meter.down(dial.values[curve, samples]).tolist()
+                heights = meter.down(meter.values[curve, samples]).tolist()
                 for x, y in zip(across, heights, strict=True):
                     if math.isfinite(y):
                         painter.disc((x, y * k), 3.6 * line, hue, palette.BACKGROUND, 1.2 * line)
@@ -241,15 +222,14 @@ class MeterPanel:
         share = (time - self._start) / max(self._end - self._start, 1e-12)
         return np.asarray(plot.left + plot.width * np.clip(share, 0.0, 1.0))
 
-    def _frame(self, painter: Painter, meter: _Meter) -> None:
+    def _frame(self, painter: Painter, meter: Meter) -> None:
         """Lines at the lowest value, the highest and 0, with numbers; the ends of time."""
         k, size, line = painter.enlarge, self.type.scaled(TICK), self.unit * painter.enlarge
-        dial, plot = meter.dial, meter.plot
-        for value in (dial.low, dial.high, 0.0) if dial.low < 0 < dial.high else (
-                dial.low, dial.high):
+        plot = meter.plot
+        for value in {meter.low, meter.high, min(max(meter.low, 0.0), meter.high)}:
             y, text = float(meter.down(np.array(value))), f"{value:.6g}"
             painter.line([(plot.left * k, y * k), (plot.right * k, y * k)], palette.HAIRLINE, line)
-            if value in (dial.low, dial.high):
+            if value in (meter.low, meter.high):
                 painter.write((plot.left - self.margin - self.type.width(text, size),
                                round(y - self.type.height(size) / 2)), text, size,
                               palette.FAINT_INK)
@@ -260,40 +240,24 @@ class MeterPanel:
             painter.write((round(plot.left + share * (plot.width - self.type.width(text, size))),
                            plot.bottom + round(2 * self.unit)), text, size, palette.FAINT_INK)
 
-    def _curve(self, painter: Painter, meter: _Meter, curve: int, colour: Colour, points: float,
+    def _curve(self, painter: Painter, meter: Meter, curve: int, colour: Colour, points: float,
                until: int | None = None) -> None:
         of = slice(int(np.searchsorted(self._time, self._start)), until)
         for x, y in _pieces(self._across(meter.plot, self._time[of]),
-                            meter.down(meter.dial.values[curve, of])):
+                            meter.down(meter.values[curve, of])):
             if len(x) > 1:
                 path = [(px, py) for px, py in (painter.enlarge * np.column_stack((x, y))).tolist()]
                 painter.line(path, colour, points * self.unit * painter.enlarge)
 
-    def _values(self, painter: Painter, meter: _Meter, samples: Sequence[int]) -> None:
-        """Values of all curves in columns, each in its colour, or their names."""
-        cell, dial = meter.cell, meter.dial
-        size = meter.size if len(samples) == 1 else min(meter.size, self.type.scaled(SMALL))
-        top = cell.top + self.type.scaled(TITLE, 1.2)
-        for k, text in enumerate(dial.texts(dial.values[:, samples]) if meter.valued
-                             else dial.names):
-            row, column = divmod(k, meter.across)
-            painter.write((cell.left + column * meter.wide, top + row * round(0.95 * size)),
-                          ellipsis(self.type, text, cell.width, size), size, HUES[k])
-
 
 def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
-    """The parts of a curve with values; of many points in a column the minimum and maximum."""
+    """The parts of a curve with values; of many in a column the minimum and maximum."""
     there = np.isfinite(y)
     edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).tolist()
     for start, end in zip(edges[::2], edges[1::2], strict=True):
-        column = np.floor(x[start:end] / 1.5)
-        first = np.flatnonzero(np.r_[True, column[1:] != column[:-1]]).tolist()
-        if end - start <= 4 * len(first):
-            yield x[start:end], y[start:end]
-            continue
-        kept = [start, end - 1]
-        for a, b in zip(first, [*first[1:], end - start], strict=True):
-            kept += [start + a + int(np.argmin(y[start + a:start + b])),
-                     start + a + int(np.argmax(y[start + a:start + b]))]
-        of = np.unique(kept)
+        count = 1 + int((x[end - 1] - x[start]) / 1.5)
+        of = np.arange(start, end)
+        if end - start > 4 * count:
+            of = np.unique([k for part in np.array_split(of, count) for k in (
+                part[0], part[-1], part[y[part].argmin()], part[y[part].argmax()])])
         yield x[of], y[of]

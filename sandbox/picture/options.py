@@ -20,19 +20,8 @@ from sandbox.scene.settings import View
 from sandbox.values.messages import explain
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
-OPTIONS = {
-    "size": '(width, height) in pixels, each 64 to 8192, "2x" for twice the view\'s, or '
-            '"85mm" or "85mm x 70mm" for a still on paper',
-    "fps": "20, 25 or 50 frames per second",
-    "speed": "seconds of motion per second of film, greater than 0",
-    "centre": "(x, y) of the world in metres",
-    "width": "metres of the world shown, greater than 0",
-    "show": 'layers, such as "traces,velocity,-contacts"',
-    "meters": "quantities, patterns or expressions, or objects of what view.meters may hold",
-    "follow": "the name of a body",
-    "bodies": 'names and patterns of bodies, names of groups, and roles such as "role:object"',
-}
-"""Descriptions for messages."""
+SIZES = ('; allowed: (width, height) in pixels, each 64 to 8192, "2x" for twice the view\'s, or '
+         '"85mm" or "85mm x 70mm" for a still on paper')
 PRINT_PER_INCH = 300  # pixels
 LETTERS = 7.0  # the smallest letters on paper [pt]
 PRINT_TYPE = math.ceil(LETTERS / 72 * PRINT_PER_INCH / EM)  # the same, as a typesetter counts it
@@ -43,14 +32,15 @@ _FORM = re.compile(f"{_NUMBER}(?:{_UNIT}?\\s*[x×]{_NUMBER})?{_UNIT}\\s*", re.IG
 
 
 def view_of(view: View, given: Mapping[str, Any]) -> View:
-    """A view with some of :data:`OPTIONS` changed; those that are None are left as they are.
+    """A view with some options of :func:`render` changed; those that are None stay as they are.
 
     Layers are added to those that the view shows, or taken from them.
 
     Raises:
         OutputError: values that no view can have, one a line.
     """
-    changes = {key: _plain(value) for key, value in given.items() if value is not None}
+    changes = {key: value.tolist() if hasattr(value, "tolist") else list(value) if isinstance(
+        value, tuple) else value for key, value in given.items() if value is not None}
     if not changes:
         return view
     if isinstance(size := changes.get("size"), str) and (
@@ -77,15 +67,10 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
         problems = {}
         for problem in explain(error, data, View):
             key = problem.path.removeprefix("$.").partition("[")[0]
-            problems[key] = (f"{key}={quoted(given.get(key))}: {problem.message}; "
-                             f"pass {OPTIONS.get(key, 'what a view may have')}")
+            allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
+            problems[key] = (f"{key}={quoted(given.get(key))}: {problem.message}"
+                             f"{SIZES if key == 'size' else allowed}")
         raise OutputError("\n".join(problems.values()), code="bad-picture") from None
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, (list, tuple)):
-        return [_plain(each) for each in value]
-    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def check_view(run: Samples, view: View) -> None:
@@ -94,21 +79,19 @@ def check_view(run: Samples, view: View) -> None:
     Raises:
         OutputError: names and patterns that fit no body, one a line.
     """
-    bodies, names = run.mechanism.bodies, [body.name for body in run.mechanism.bodies]
+    bodies, problems = run.mechanism.bodies, []
     named = [("bodies", pattern) for pattern in view.bodies]
     named += [("show", pattern) for patterns in view.show.values() for pattern in patterns
               if patterns != EVERY]
-    named += [("follow", view.follow)] if view.follow is not None else []
-    problems = []
-    for option, name in named:
-        grouped = run.mechanism.groups if option == "bodies" else ()
-        if not (name in names or (option != "follow" and meant([name], bodies, grouped))):
-            by_role = option != "follow" and name.startswith(BY_ROLE)
-            words = [word for word in words_for(bodies, grouped)
-                     if word.startswith(BY_ROLE) == by_role]
+    for option, name in [*named, *([("follow", view.follow)] if view.follow is not None else [])]:
+        groups = run.mechanism.groups if option == "bodies" else ()
+        words = [body.name for body in bodies] if option == "follow" else words_for(bodies, groups)
+        if name not in words and (option == "follow" or not meant([name], bodies, groups)):
+            kind = BY_ROLE if name.startswith(BY_ROLE) and option != "follow" else ""
+            words = [word for word in words if word.startswith(BY_ROLE) == bool(kind)]
             problems.append(
-                f"{option}: no body's {'role' if by_role else 'name'} matches "
-                f"{quoted(name.removeprefix(BY_ROLE))}{or_near(name, words)} "
+                f"{option}: no body's {'role' if kind else 'name'} matches "
+                f"{quoted(name.removeprefix(kind))}{or_near(name, words)} "
                 f"(allowed: {listed(words)})")
     if view.meters:
         problems += [str(replace(problem, path=problem.path.removeprefix("$.view.")))

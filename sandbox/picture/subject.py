@@ -14,7 +14,7 @@ from sandbox.numeric import Array, Flags
 from sandbox.picture.listing import Item, Listing, Number, Point, RunData, nearest, short
 from sandbox.picture.palette import TOKENS, Colour, css, glyph
 from sandbox.picture.scales import ForceScale, Tensions, prefixed
-from sandbox.scene.layers import PASSES, Show, meant, shown
+from sandbox.scene.layers import PASSES, meant, shown
 from sandbox.scene.settings import View
 from sandbox.values.appearance import depth
 
@@ -23,20 +23,10 @@ INKS = {token: [css(day), css(night)] for token, (day, night) in TOKENS.items()}
 ORDER = {name: k for k, name in enumerate(PASSES)}
 
 
-class VisibleLayers:
-    """Which layers a view shows of a run, and of which bodies."""
-
-    def __init__(self, run: RunData, view: View) -> None:
-        self.patterns: Show = shown(view.show, traced=bool(view.traces))
-        self._of = {layer: meant(patterns, run.mechanism.bodies)
-                    for layer, patterns in self.patterns.items()}
-
-    def __contains__(self, layer: str) -> bool:
-        return layer in self.patterns
-
-    def of(self, layer: str) -> list[int]:
-        """The bodies that a layer is shown of."""
-        return self._of.get(layer, [])
+def visible_layers(run: RunData, view: View) -> dict[str, list[int]]:
+    """The layers that a view shows of a run, with their bodies."""
+    return {layer: meant(patterns, run.mechanism.bodies)
+            for layer, patterns in shown(view.show, traced=bool(view.traces)).items()}
 
 
 @dataclass
@@ -45,7 +35,7 @@ class Subject:
 
     run: RunData
     view: View
-    layers: VisibleLayers
+    layers: dict[str, list[int]]  # those that are shown, with their bodies
     out: Listing
     carried: Tensions  # tensions, and the scale of their colours
     force: ForceScale  # of contact forces
@@ -109,6 +99,10 @@ class Subject:
         self.add(step, "text", name, at=at, words=words, factor=factor, unit=unit,
                  value=self.out.column(values, steady=steady), decimals=decimals,
                  s=("", token), **fields)
+
+    def patterns(self, layer: str) -> Sequence[str]:
+        """Names and patterns of the bodies that a layer is shown of."""
+        return shown(self.view.show, traced=bool(self.view.traces)).get(layer, ())
 
     def painted(self) -> Any:
         """The painted samples."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
 from bisect import bisect_right
-from collections.abc import Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -44,6 +44,11 @@ class Typesetter:
     def height(self, size: int) -> int:
         """The height of a line in pixels."""
         return round(self.font(size).get_height() / FINER)
+
+    def half(self, text: str, size: int) -> tuple[float, float]:
+        """Half the width and height of the text with a rim [pixels]."""
+        rim = max(1, round(size / 9))
+        return self.width(text, size) / 2 + rim, self.height(size) / 2 + rim
 
     def baseline(self, size: int) -> float:
         """The baseline below the top of a line [pixels]."""
@@ -114,11 +119,15 @@ class Headline(NamedTuple):
         """``title`` in ``room`` pixels of a picture so ``high``, in type of ``size`` if it fits."""
         free = (SHARE * high - HEAD * type_.size) / (LINE * type_.size)
         most = int(min(max(1.0, 1 + free), MAX_LINES))
+        title = letters(title)
         fits = next((s for s in range(size, type_.size - 1, -1) if type_.width(title, s) <= room),
                     None)
-        lines = (title,) if fits else tuple(_wrapped(title, type_, room, most))
         size = fits or type_.size
-        return cls(lines, size, round(HEAD * type_.size) + (len(lines) - 1) * round(LINE * size))
+        chars = len(title) if fits else int(0.95 * len(title) * room / type_.width(title, size))
+        lines = tuple(ellipsis(type_, line, room, size) for line in textwrap.wrap(
+            title, max(9, chars), max_lines=most, placeholder="..."))
+        more = max(len(lines) - 1, 0) * round(LINE * size)
+        return cls(lines, size, round(HEAD * type_.size) + more)
 
     def write(self, painter: Painter, type_: Typesetter, left: int) -> None:
         """Write the lines, ``left`` pixels from the edge."""
@@ -127,14 +136,3 @@ class Headline(NamedTuple):
             height = type_.height(self.size)
             first = (self.high - (len(self.lines) - 1) * step - height) // 2 + 1
             painter.write((left, first + k * step), line, self.size, INK)
-
-
-def _wrapped(title: str, type_: Typesetter, room: int, most: int) -> Iterator[str]:
-    words = title.split()
-    for count in range(1, most + 1):
-        line = ""
-        while words and (count == most or not line
-                         or type_.width(f"{line} {words[0]}", type_.size) <= room):
-            line = f"{line} {words.pop(0)}".strip()
-        if line:
-            yield ellipsis(type_, line, room, type_.size)

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from sandbox.elements.arrays import Arrays
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import curves, is_expression
-from sandbox.model.model import Model
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Integers
 from sandbox.picture.bounds import Stage, body_box, place_camera, whole_box, width_shown
 from sandbox.picture.build import ELEMENTS, RAMPS, add_legend, subject_of
-from sandbox.picture.instant import Instant
 from sandbox.picture.labels import place_labels
 from sandbox.picture.listing import Item, Listing, RunData, short
 from sandbox.picture.scales import Tensions, bars_of, tensions_of
-from sandbox.picture.subject import Subject, VisibleLayers
+from sandbox.picture.subject import Subject, visible_layers
 from sandbox.scene.layers import EVERY, LAYERS, shown
-from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import View
 
 WIDTH, POINT, TYPE = 800, 1.0, 13
@@ -38,15 +34,6 @@ def all_layers(view: View) -> View:
     of = {name: EVERY for name in LAYERS if name != "coordinates"}
     return view.model_copy(update={"show": {**of, **{
         name: patterns for name, patterns in view.show.items() if patterns and name in of}}})
-
-
-class SomeSamples(NamedTuple):
-    """Samples of a running simulation."""
-
-    mechanism: Mechanism
-    model: Model
-    arrays: Arrays
-    time: Array
 
 
 def listed(
@@ -75,12 +62,9 @@ def listed(
     box = whole_box(s.out, run, bodies, view)
     camera = place_camera(box, stage, centre=view.centre, width=view.width)
     if not live:  # a live view chooses sides in the browser: it must begin quickly
-        instant = Instant(s.out, camera, POINT, size)
         from sandbox.picture.typesetter import Typesetter  # loads pygame
 
-        type_ = Typesetter(TYPE, 0)
-        place_labels(instant, lambda words: (type_.width(words) / 2 + 1, 0.6 * TYPE),
-                     (0, 0, stage.width, stage.height), speed=view.speed)
+        place_labels(s.out, camera, POINT, size, stage, Typesetter(TYPE), TYPE, speed=view.speed)
         for item in s.out.items:
             item["placed"] = 1
     s.out.items = items
@@ -94,7 +78,7 @@ class LiveListing:
         self._look, self._view = look, look.mechanism.view
         self._full, self.box = listed(look, live=True)
         self._visible = set(shown(self._view.show, traced=bool(self._view.traces)))
-        self._known: dict[frozenset[str], tuple[View, VisibleLayers, Tensions]] = {}
+        self._known: dict[frozenset[str], tuple[View, dict[str, list[int]], Tensions]] = {}
         """By the layers that are shown: the view, its layers, and tensions of the recording."""
         self._changing: list[Callable[[Subject], None]] = []
         """Elements with columns, tables or frames."""
@@ -131,15 +115,15 @@ class LiveListing:
             every = all_layers(self._view).show
             view = self._view.model_copy(update={"show": {
                 name: every[name] if name in key and name in every else () for name in LAYERS}})
-            visible = VisibleLayers(self._look, view)
+            visible = visible_layers(self._look, view)
             self._known[key] = view, visible, tensions_of(
-                self._look, bars_of(self._look, visible.of("bars")))
+                self._look, bars_of(self._look, visible.get("bars", ())))
         view, visible, carried = self._known[key]
         out = Listing.of(run.time, run.arrays["body_pose"], fixed_columns=True)
         if like is not None:
             out.share_styles(like)
         out.ramps = RAMPS
-        carried = tensions_of(run, bars_of(run, visible.of("bars"))).beside([carried])
+        carried = tensions_of(run, bars_of(run, visible.get("bars", ()))).beside([carried])
         full = self._full
         return Subject(run, view, visible, out,
                        carried if "tensions" in visible else carried.hidden(), full.force,

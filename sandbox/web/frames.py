@@ -23,12 +23,11 @@ from sandbox.errors import SceneError, SimulationDiverged
 from sandbox.model.catalogue import PAIR, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array
-from sandbox.picture.listing import Item
+from sandbox.picture.listing import Item, SomeSamples
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import on_the_other
 from sandbox.web.drawing import (
     LiveListing,
-    SomeSamples,
     drawing,
     expressions_of,
     meters_of,

@@ -16,21 +16,14 @@ from sandbox.scene.read.load import load_scene
 from sandbox.scene.settings import View
 
 
-def arrays_for(mechanism, time, pose, **given):
+def recording(mechanism, time, pose, **given):
     """All keys a recording has, zero where not given."""
     axes = sizes(mechanism, n=len(time), m=len(given.get("contact_gap", ())))
-    base = {
-        key: np.zeros(shape_of(key, axes), dtype=dtype_of(key))
-        for key in (*PER_SAMPLE, *STATIC, *CONTACT)
-    }
-    base |= {"time": time, "body_pose": pose}
+    arrays = {key: np.zeros(shape_of(key, axes), dtype=dtype_of(key))
+              for key in (*PER_SAMPLE, *STATIC, *CONTACT)}
     for key in ("body_mass", "body_inertia"):
-        base[key] += 1
-    return base | given
-
-
-def recording(mechanism, time, pose, **given):
-    return Recording(mechanism, arrays_for(mechanism, time, pose, **given),
+        arrays[key] += 1
+    return Recording(mechanism, {**arrays, "time": time, "body_pose": pose, **given},
                      planned(mechanism.run))
 
 

@@ -9,7 +9,7 @@ from sandbox.errors import OutputError
 from sandbox.model.meters import check_shown
 from sandbox.picture.film import render
 from sandbox.picture.frame import Picture
-from sandbox.picture.meters import _apart, _pieces, dials
+from sandbox.picture.meters import Meter, _apart, _pieces
 from sandbox.picture.options import check_view, view_of
 from sandbox.scene.mechanism import Mechanism
 
@@ -35,7 +35,7 @@ def turning(duration=2.0, samples=401, other=(0.0, 0.1), rate=1.0, **view):
 def test_values_are_those_of_the_run_in_the_units_of_plots():
     run = turning(meters=["wheel.angle", "wheel.x", {"of": "=wheel.angle * t", "unit": "rad"},
                           {"of": "=t", "unit": "parsec"}])
-    angle, x, squared, plain = dials(run, run.mechanism.view)
+    angle, x, squared, plain = [Meter(run, each) for each in run.mechanism.view.meters]
     assert angle.values[0] == pytest.approx(np.degrees(run.time))
     assert x.values[0] == pytest.approx(10.0)
     assert squared.values[0] == pytest.approx(np.degrees(run.time**2))
@@ -79,18 +79,17 @@ def test_what_a_meter_cannot_show_is_told_with_its_place(meters, path, told):
         check_view(run, run.mechanism.view)
 
 
-def test_meters_of_a_picture_take_the_place_of_the_scenes(tmp_path):
+@pytest.mark.parametrize(("meter", "words"), [
+    ({"off": "wheel.angle"}, "meters=.*unknown key 'off'"),
+    ("wheel.angl", "[Dd]id you mean 'wheel.angle'"),
+    ({"of": "wheel.angle", "range": [1, 1]}, r"'range' is \[lowest, highest\]"),
+])
+def test_meters_of_a_picture_replace_those_of_the_scene(tmp_path, meter, words):
     run = turning(meters=["wheel.x"])
     view = view_of(run.mechanism.view, {"meters": "twice"})
-    assert [meter.of for meter in view.meters] == [("twice",)]
-    assert [dial.title for dial in dials(run, view)] == ["twice"]
-    render(run, tmp_path / "a.png", meters=[{"of": "wheel.angle", "title": "Turn"}])
-    with pytest.raises(OutputError, match=r"meters=.*wanted|meters=.*allowed|meters="):
-        render(run, tmp_path / "a.png", meters=[{"off": "wheel.angle"}])
-    with pytest.raises(OutputError, match=r"did you mean|Did you mean 'wheel.angle'"):
-        render(run, tmp_path / "a.png", meters=["wheel.angl"])
-    with pytest.raises(OutputError, match=r"'range' is \[lowest, highest\]"):
-        render(run, tmp_path / "a.png", meters=[{"of": "wheel.angle", "range": [1, 1]}])
+    assert [Meter(run, meter).title for meter in view.meters] == ["twice"]
+    with pytest.raises(OutputError, match=words):
+        render(run, tmp_path / "a.png", meters=[meter])
 
 
 def test_curves_have_gaps_where_there_is_no_value_and_keep_their_peaks():

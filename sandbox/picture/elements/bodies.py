@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -13,7 +13,7 @@ import numpy as np
 from sandbox.model.joints import placed, slot_points
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
-from sandbox.picture.geometry import XY, bare_outlines, shape_outline, united
+from sandbox.picture.geometry import XY, holds, shape_outline, united
 from sandbox.picture.listing import Look, flat, short
 from sandbox.picture.palette import BACKGROUND, INK, NIGHT, ROLES, WHEEL, Style, mixed
 from sandbox.picture.subject import BEHIND, Subject
@@ -66,7 +66,7 @@ def add_bodies(s: Subject) -> None:
     model, looks = s.run.model, styles(s.run.model)
     wheels, joined, drives = wheel_pictures(model), joined_points(model), model.drives
     rails = model.joints.bodies[model.joints.keeping("groove"), 0].tolist()
-    for i in s.layers.of("bodies"):
+    for i in s.layers.get("bodies", ()):
         body, fixed = model.mechanism.bodies[i], bool(model.bodies.fixed[i])
         driven = {int(drives.shape[k]): k for k in drives.giving("radius").tolist()
                   if drives.target[k] == i}
@@ -96,24 +96,24 @@ def add_bodies(s: Subject) -> None:
 def _add_shapes(s: Subject, i: int, add: Callable[..., None], look: Look,
                 driven: dict[int, int]) -> None:
     """The shapes of a body; ``driven`` are the drives that set radii, by shape."""
-    body, error, fixed = s.run.mechanism.bodies[i], 0.2 * s.point, bool(look[-1])
+    body, fixed = s.run.mechanism.bodies[i], bool(look[-1])
+    if not body.fill:
+        look = ("", *look[1:])
     path, line = partial(add, "path", f=i), partial(add, "line", s=("", look[1], EDGE))
     for shape in body.displaces:
-        path(d=[flat(*shape_outline(solid, 0.0, error)) for solid, _ in solids(shape)],
+        path(d=[flat(*shape_outline(solid, 0.0, 0.2 * s.point)) for solid, _ in solids(shape)],
              s=("paper",), m=1)
-    if not body.fill:
-        shapes = [shape for k, shape in enumerate(body.shapes) if k not in driven]
-        for points in bare_outlines(shapes, error, turns=not fixed):
-            line(p=[s.on(i, at) for at in points])
     joined = united(body.shapes, driven) if body.fill else []
     if joined:
         path(d=[d for k in joined for d in outline(body.shapes[k])], s=look, m=1)
-    for k in back_to_front(body.shapes):
-        shape = body.shapes[k]
-        if k in joined or not (body.fill or k in driven):
+    circles_last = sorted(enumerate(body.shapes), key=lambda each: -each[1].radius if isinstance(
+        each[1], Circle) else -math.inf)  # the largest first
+    for k, shape in circles_last:
+        if k in joined:
             continue
         if not isinstance(shape, Circle):
-            path(d=outline(shape), s=look, m=1 if isinstance(shape, Polyline) else None)
+            path(d=outline(shape), s=look,
+                 m=1 if body.fill and isinstance(shape, Polyline) else None)
             continue
         (x, y), pose = shape.at, s.run.arrays["body_pose"][:, i]
         end = s.on(i, (x + shape.radius, y))
@@ -137,18 +137,6 @@ def outline(shape: Shape) -> list[Any]:
         return [{"c": [*flat(*ends), short(shape.radius)]}]
     rings = (shape.points, *shape.holes) if isinstance(shape, Polygon) else (shape_outline(shape),)
     return [flat(*each) for each in rings]
-
-
-def back_to_front(shapes: Sequence[Shape]) -> list[int]:
-    """Numbers of shapes as given; of circles about one centre the largest first."""
-    order, places = list(range(len(shapes))), dict[XY, list[tuple[float, int]]]()
-    for k, shape in enumerate(shapes):
-        if isinstance(shape, Circle):
-            places.setdefault(shape.at, []).append((-shape.radius, k))
-    for circles in places.values():
-        for (_, k), (_, other) in zip(circles, sorted(circles), strict=True):
-            order[k] = other
-    return order
 
 
 def _anchors(model: Model, *, grooves: bool, wheels: bool = True) -> Iterator[tuple[int, Array]]:
@@ -185,22 +173,17 @@ def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
 
 def beside(model: Model, body: int, at: XY) -> XY | None:
     """The point of a body's shapes nearest to a point outside, in its frame [m]; None if inside."""
-    found: list[tuple[float, XY]] = []
-    for shape in model.mechanism.bodies[body].shapes:
-        for solid, _ in solids(shape):
-            start = np.asarray(shape_outline(solid))
-            side = np.roll(start, -1, axis=0) - start
-            way = np.array(at) - start
-            turn = side[:, 0] * way[:, 1] - side[:, 1] * way[:, 0]
-            if (turn >= 0).all() or (turn <= 0).all():
-                return None
-            square = np.maximum((side**2).sum(axis=1), 1e-300)
-            share = np.clip((way * side).sum(axis=1) / square, 0.0, 1.0)
-            nearest = start + share[:, None] * side
-            gap = np.hypot(*(nearest - at).T)
-            k = int(gap.argmin())
-            found.append((float(gap[k]), (float(nearest[k, 0]), float(nearest[k, 1]))))
-    return min(found)[1] if found else None
+    rings = [shape_outline(solid) for shape in model.mechanism.bodies[body].shapes
+             for solid, _ in solids(shape)]
+    if not rings or any(holds(ring, np.array([at])) for ring in rings):
+        return None
+    start = np.concatenate(rings)
+    side = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]) - start
+    square = np.maximum((side**2).sum(axis=1), 1e-300)
+    share = np.clip(((np.array(at) - start) * side).sum(axis=1) / square, 0.0, 1.0)
+    near = start + share[:, None] * side
+    x, y = near[np.hypot(*(near - at).T).argmin()].tolist()
+    return x, y
 
 
 def stalks(model: Model) -> dict[int, list[tuple[XY, XY]]]:
@@ -216,7 +199,7 @@ def stalks(model: Model) -> dict[int, list[tuple[XY, XY]]]:
 
 def add_stalks(s: Subject) -> None:
     """Lines from moving bodies to anchors beside them, below the bodies."""
-    model, shown = s.run.model, s.layers.of("bodies")
+    model, shown = s.run.model, s.layers.get("bodies", ())
     for body, pairs in stalks(model).items():
         if not model.bodies.fixed[body] and body in shown:
             _, edge = tokens(s, ROLES[model.mechanism.bodies[body].role])

@@ -12,7 +12,7 @@ import numpy as np
 
 from sandbox.model.joints import placed
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 from sandbox.picture.geometry import shape_points
 from sandbox.picture.listing import Point
 from sandbox.picture.scales import LONGEST, prefixed, typical
@@ -59,8 +59,8 @@ def _hinge(model: Model, drive: int, end: int = 1) -> Point:
 def add_drives(s: Subject) -> None:
     """Arrows with values, and marks about hinges."""
     model, about = s.run.model, list[Point]()
-    friction = model.joints.frictional.size or model.tendons.grips.size
-    signs = {"rubs", "slides"} if friction else set[str]()
+    if model.joints.frictional.size or model.tendons.grips.size:
+        s.signs |= {"rubs", "slides"}
     named = sum(kind.gives in ARROWS and not kind.limited for kind in model.drives.kind) <= NAMED
     for k, kind in enumerate(model.drives.kind):
         name, value = model.drives.name[k], s.run.arrays["drive_value"][:, k]
@@ -71,13 +71,13 @@ def add_drives(s: Subject) -> None:
                 marks, state = ["unbraked", "braked"], value > 0
             elif kind.places:
                 marks, state = ["servo"], None
-            signs |= set(marks) - {"motor_back", "motor_rest"}
+            s.signs |= set(marks) - {"motor_back", "motor_rest"}
             s.add("marks", "mark", name, plane=s.plane(at[0]), at=at, g=marks,
                   state=None if state is None else s.steady(state))
         elif kind.gives == "surface":
-            signs.add("belt")
+            s.signs.add("belt")
         elif kind.gives == "stiffness" and kind.target.among != "tendons":
-            signs.add("stiffer")
+            s.signs.add("stiffer")
         if kind.limited or kind.gives not in (*ARROWS, "torque"):
             continue
         values = [(run, run.model.names.drive.get(name)) for run in (s.run, *s.beside)]
@@ -94,11 +94,10 @@ def add_drives(s: Subject) -> None:
             about.append(_hinge(model, k))
         else:
             _straight(s, k, size, there, named=named)
-    s.signs |= signs if "drives" in s.layers else set()
     _add_efforts(s)
 
 
-def _straight(s: Subject, k: int, size: float, there: Array, *, named: bool) -> None:
+def _straight(s: Subject, k: int, size: float, there: Flags, *, named: bool) -> None:
     """A straight arrow: slim on the scale of contact forces, or a block with its own length."""
     value, name = s.run.arrays["drive_value"][:, k], s.run.model.drives.name[k]
     kind, rows = s.run.model.drives.kind[k], np.flatnonzero(there)
@@ -117,13 +116,13 @@ def _straight(s: Subject, k: int, size: float, there: Array, *, named: bool) -> 
     s.add("drives", "arrows", name, t=f"drive {name}", metres=metres, most=most,
           size=SLIM if scaled else BLOCK, least=0, s=("drive", "paper", 2.0),
           factor=factor, unit=unit, decimals=decimals, names={k: name} if named else None)
-    if scaled and "drives" in s.layers:
+    if scaled:
         s.arrows["drives"] = "drive", "N", "driving force", SLIM, s.force
-    elif "drives" in s.layers:
+    else:
         s.signs.add("driven")
 
 
-def _bent(s: Subject, k: int, size: float, there: Array, others: int) -> None:
+def _bent(s: Subject, k: int, size: float, there: Flags, others: int) -> None:
     model, value, at = s.run.model, s.run.arrays["drive_value"][:, k], _hinge(s.run.model, k)
     radius, name = TURN + WIDER * others, model.drives.name[k]
     share = np.minimum(np.abs(value) / (size or 1.0), LONGEST)
@@ -135,8 +134,7 @@ def _bent(s: Subject, k: int, size: float, there: Array, others: int) -> None:
           start=s.steady(math.pi / 2 - sweep / 2))
     s.number("drives", name, at, value, size, model.drives.kind[k].unit, words=name,
              clear=max(radius, rim(s, at)), shown=shown)
-    if "drives" in s.layers:
-        s.signs.add("torque")
+    s.signs.add("torque")
 
 
 def _add_efforts(s: Subject) -> None:

@@ -40,7 +40,7 @@ def add_contacts(s: Subject) -> None:
     """The force of every pair that touches, on one of the two (:func:`contacts_on`)."""
     if "contacts" not in s.layers:
         return
-    arrays, bodies = s.run.arrays, s.layers.of("contacts")
+    arrays, bodies = s.run.arrays, s.layers.get("contacts", ())
     on, force = contacts_on(s.run.model, arrays)
     one, two = arrays["contact_body"], arrays["contact_other"]
     kept, other = np.isin(one, bodies) | np.isin(two, bodies), one + two - on
@@ -61,7 +61,7 @@ def add_contacts(s: Subject) -> None:
 def add_loads(s: Subject) -> None:
     """The force of each load on each body, from where it acts; of a few with names and values."""
     loads, arrays = s.run.model.loads, s.run.arrays
-    some = np.flatnonzero(np.isin(loads.body, s.layers.of("loads"))).tolist()
+    some = np.flatnonzero(np.isin(loads.body, s.layers.get("loads", ()))).tolist()
     found, length = [], LOAD_LENGTH * s.width
     for run in (*s.beside, s.run):  # ``size`` is that of ``s.run`` from here on
         size = np.nan_to_num(np.hypot(*np.moveaxis(run.arrays["load_force"], -1, 0)))
@@ -129,10 +129,10 @@ def add_vectors(s: Subject) -> None:
         if layer not in s.layers:
             continue
         if layer == "reactions":
-            places, values, words = reactions(s.run, s.layers.of(layer))
+            places, values, words = reactions(s.run, s.layers.get(layer, ()))
             least, token = 0.0, "reaction"
         else:
-            places = marked(s.run, s.view, s.layers.patterns.get(layer, ()))
+            places = marked(s.run, s.view, s.patterns(layer))
             values, words = point_motion(s.run, places)[order], layer
             least, token = 1e-6 * s.width / duration**(order + 1), layer
         values = np.nan_to_num(values)
@@ -223,7 +223,7 @@ def add_pressure(s: Subject) -> None:
     """A strip along each edge on which two bodies touch, as high as its force per length."""
     if "pressure" not in s.layers:
         return
-    found, time = line_loads(s.run, s.layers.of("pressure")), s.run.time
+    found, time = line_loads(s.run, s.layers.get("pressure", ())), s.run.time
     some = np.unique(np.linspace(0, len(time) - 1, 200).astype(np.int64))
     seen, most = np.isin(found.sample, some), found.load.max(axis=1, initial=0.0)
     largest = scales.largest_of(np.searchsorted(some, found.sample[seen]), most[seen], len(some))

@@ -299,7 +299,7 @@ def _spring_look(s: Subject, k: int, apart: Array | None) -> dict[str, Any]:
 
 def add_bars(s: Subject) -> None:
     """Bands from pin to pin of bodies, in the colour of their load; with a few numbers."""
-    bars, carried = bars_of(s.run, s.layers.of("bars")), s.carried
+    bars, carried = bars_of(s.run, s.layers.get("bars", ())), s.carried
     for k, bar in enumerate(bars):
         ends, tension = [s.on(bar.body, at) for at in bar.ends], carried.bars[:, k]
         name, plane = s.run.mechanism.bodies[bar.body].name, s.plane(bar.body)

@@ -26,7 +26,7 @@ PIECES = 12  # between marks of time, at most
 
 def add_traces(s: Subject) -> None:
     """The paths of points up to now, with marks of time; of several with names."""
-    places = traced(s.run, s.view, s.layers.patterns.get("traces", ()))
+    places = traced(s.run, s.view, s.patterns("traces"))
     if not places or "traces" not in s.layers:
         return
     bodies = [body for body, _ in places]
@@ -41,7 +41,7 @@ def add_traces(s: Subject) -> None:
         s.trace_ink = s.trace_ink or token
         s.add("traces", "trail", name, at=s.on(body, at), every=every, mark=MARK,
               s=(token, token, TRACE))
-        if named and body not in s.layers.of("body_names"):
+        if named and body not in s.layers.get("body_names", ()):
             s.add("traces", "text", name, at=s.on(body, at), words=name, s=("", token),
                   rank=3)
 
@@ -53,7 +53,7 @@ def add_names(s: Subject) -> None:
         if group.kind == "finger" and group.bodies and group.bodies[0] in index:
             s.add("body_names", "text", group.name, layer="names", words=group.name, clear=12.0,
                   at=[index[group.bodies[0]], 0, 0], s=("", "faint_ink"), rank=5)
-    for body in s.layers.of("body_names"):
+    for body in s.layers.get("body_names", ()):
         name = mechanism.bodies[body].name
         s.add("body_names", "text", name, at=s.on(body, s.run.arrays["body_centre"][body]),
               words=name, s=("", "faint_ink"), rank=3)
@@ -61,7 +61,7 @@ def add_names(s: Subject) -> None:
 
 def add_axes(s: Subject) -> None:
     """The axes x and y of bodies' frames."""
-    for body in s.layers.of("axes"):
+    for body in s.layers.get("axes", ()):
         s.add("axes", "mark", at=[body, 0, 0], g="axes",
               turn=s.out.varying(s.run.arrays["body_pose"][:, body, 2]))
 
@@ -103,11 +103,9 @@ def fingertip(run: RunData, body: int) -> XY:
     joints = run.model.joints
     hinges = [joints.anchor[k, 1] for k in joints.hinges.tolist() if joints.bodies[k, 1] == body]
     shapes = run.mechanism.bodies[body].shapes
-    if not shapes or not hinges:
-        return 0.0, 0.0
-    points = shape_points(*shapes)
+    points = shape_points(*shapes) if shapes and hinges else np.zeros((1, 2))
     # the outline's corners beside the tip are as far from the hinge on either side of it
-    x, y = points[np.hypot(*(points - hinges[0]).T).argmax()].tolist()
+    x, y = points[np.hypot(*(points - (hinges or [0])[0]).T).argmax()].tolist()
     return x, y
 
 
@@ -118,19 +116,16 @@ def traced(run: RunData, view: View, patterns: Sequence[str], *, tips: bool = Tr
     bodies without a point. For all bodies, each kind is used only if the ones before are empty.
     """
     index, every = run.model.names.body, tips and tuple(patterns) == EVERY
-    chosen, fixed = meant(patterns, run.mechanism.bodies), run.model.bodies.fixed
-    found = [(index[trace.body], trace.at) for trace in view.traces if index[trace.body] in chosen]
-    if tips and not (every and found):
-        lasts = [index[group.bodies[-1]] for group in run.mechanism.groups
-                 if group.kind == "finger" and group.bodies and group.bodies[-1] in index]
+    chosen, found = meant(patterns, run.mechanism.bodies), list[Place]()
+    lasts = [index[group.bodies[-1]] for group in run.mechanism.groups if tips
+             and group.kind == "finger" and group.bodies and group.bodies[-1] in index]
+    centres = [(float(x), float(y)) for x, y in run.arrays["body_centre"]]
+    for places in ([(index[trace.body], trace.at) for trace in view.traces],
+                   [(body, fingertip(run, body)) for body in lasts],
+                   [(body, centres[body]) for body in chosen if not run.model.bodies.fixed[body]]):
         known = {body for body, _ in found}
-        found += [(body, fingertip(run, body)) for body in lasts
-                  if body in chosen and body not in known]
-    if not (every and found):
-        x, y = run.arrays["body_centre"].T.tolist()
-        known = {body for body, _ in found}
-        found += [(body, (x[body], y[body])) for body in chosen
-                  if body not in known and not fixed[body]]
+        if not (every and found):
+            found += [place for place in places if place[0] in chosen and place[0] not in known]
     return found
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from sandbox.model.model import NONE, held_of
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.picture.elements.joints import made_stiffer
+from sandbox.picture.elements.joints import cylinder, made_stiffer
 from sandbox.picture.listing import Between, Number, Point, RunData, flat, short
 from sandbox.picture.scales import SLACK_FRACTION, round_up
 from sandbox.picture.subject import Subject
@@ -23,7 +23,6 @@ TUBE, TUBE_SHARE = (4.5, 9.0), 0.13  # half width of a cylinder: limits [points]
 HOSE, VANE = 1.6, 10.0  # width of a hose and radius of a chamber on a hinge [points]
 PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
 """Offsets of pump, tank, line [points]."""
-MIN_TUBE, MAX_TUBE = 0.55, 0.95  # limits of a tube [smallest lengths of the cylinder]
 
 
 def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int], on: Flags, *,
@@ -35,17 +34,17 @@ def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int],
     guide. If ``closed``, the last guide is the first again.
     """
     meets, leaves = (np.full(on.shape, np.nan) for _ in range(2))
-    for pattern in on[:1] if on.all() else np.unique(on, axis=0):
+    signed = np.array(senses) * radii
+    for pattern in np.unique(on, axis=0):
         rows = (on == pattern).all(axis=1)
         guides = np.flatnonzero(pattern).tolist()
         for i, j in pairwise(guides):
-            way = places[j][rows] - places[i][rows]
-            length = np.maximum(np.hypot(*way.T), 1e-12)
-            m = np.clip((senses[i] * radii[i] - senses[j] * radii[j]) / length, -1, 1)
-            e, k = way / length[:, None], np.sqrt(1 - m * m)
-            normal = np.arctan2(m * e[:, 1] + k * e[:, 0], m * e[:, 0] - k * e[:, 1])
-            leaves[rows, i] = normal if senses[i] > 0 else normal + np.pi
-            meets[rows, j] = normal if senses[j] > 0 else normal + np.pi
+            way = (places[j] - places[i])[rows]
+            turn = np.arccos(np.clip((signed[i] - signed[j]) / np.maximum(
+                np.hypot(*way.T), 1e-12), -1, 1))
+            normal = np.arctan2(way[:, 1], way[:, 0]) + turn  # left of the straight piece
+            leaves[rows, i], meets[rows, j] = (
+                normal + (0 if senses[k] > 0 else np.pi) for k in (i, j))
         first, last = guides[0], guides[-1]
         if closed:
             meets[rows, first], leaves[rows, last] = meets[rows, last], leaves[rows, first]
@@ -174,7 +173,7 @@ def add_fluids(s: Subject) -> None:
     for line, ports in enumerate(fluids.ports):
         if len(ports) > 1:
             fluids.line(ports, "@load", HOSE, by=fluids.level(line))
-    if "tendons" in s.layers and fluids.lines.name and fluids.largest > 0:
+    if fluids.lines.name and fluids.largest > 0:
         s.signs.add("pressure")
     fluids.valves()
     fluids.pumps()
@@ -209,12 +208,9 @@ class _Fluids:
         name, pulls, ends = lines.name[line], bool(lines.gain[n] < 0), [
             s.on(*end) for end in zip(bodies, lines.anchor[n], strict=True)]
         way = Between(s.out, *map(s.out.place, ends))
-        least, most = float(way.length.min()), float(way.length.max())
-        spare = 0.04 * most  # room before and behind a piston [largest lengths of the cylinder]
-        tube = min(max(most - least + 2 * spare, MIN_TUBE * least), MAX_TUBE * least)
-        stroke = min(most - least, max(tube - 2 * spare, 0.0))
-        slope = stroke / (most - least) if most > least else 1.0
-        foot, head = (way.at(far)[0] for far in (0.0, tube - spare - slope * (most - way.length)))
+        tubes, piston = cylinder(way.length, float(way.length.min()), float(way.length.max()), 0.0)
+        tube = float(tubes.min())
+        foot, head = (way.at(far)[0] for far in (0.0, np.minimum(piston, tube)))
         half = min(max(TUBE_SHARE * tube, TUBE[0] * s.point), TUBE[1] * s.point)
         level, box = self.level(line), [flat((0, -half), (tube, -half), (tube, half), (0, half))]
         self.put("path", name, rank=1, f=foot, d=box, s=("paper",))
@@ -259,8 +255,7 @@ class _Fluids:
             self.put("mark", valves.name[valve], rank=2, at=way.at(way.length / 2),
                      turn=s.out.varying(way.angle), g=["shut", "open"],
                      state=s.steady(flow[:, valve] != 0.0))
-            if "tendons" in s.layers:
-                s.signs |= {"open", "shut"}
+            s.signs |= {"open", "shut"}
 
     def pumps(self) -> None:
         """Sources of flow or pressure beside their lines, with their values."""
