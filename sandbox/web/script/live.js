@@ -178,7 +178,7 @@ class Live extends Viewer {
     const { head } = this, numbers = new Float32Array(buffer);
     if (this.relisted) {                                  // other items than before, such as those of another layer
       Object.assign(head, this.relisted);
-      Object.assign(this.stage, { list: head.list, stamps: {} });
+      Object.assign(this.stage, { list: head.list, kept: "" });
       this.relisted = null;
     }
     let i = head.head.length;
@@ -250,7 +250,7 @@ class Live extends Viewer {
     const f = this.frame;
     if (!f || f.hand < 0 || !this.held) return;
     const from = s.px(f.from_x, f.from_y), to = s.px(...this.held.to), colour = s.ink("drive");
-    s.stroke(polyline([from, to]), colour, 1.6 * s.u, 5 * s.u);
+    polyline(s.pen(null, colour, 1.6 * s.u, 5 * s.u), [from, to]);
     s.dot(from, 3.2 * s.u, colour); s.dot(to, 4.5 * s.u, null, colour);
     s.words.push({ text: `${+Math.hypot(f.force_x, f.force_y).toPrecision(2)} N`, tip: to, side: to[0] < from[0] ? 4 : 0, rank: -1, ink: colour, clear: 4 });
   }
