@@ -108,10 +108,10 @@ def kept_samples(time: Array, pose: Array, width: float) -> Flags:
 
 
 class RunNumbers(NamedTuple):
-    """A run's numbers: three compressed parts."""
+    """A run's numbers."""
 
-    data: bytes  # JSON with ``list``, ``blocks`` and ``series``; the drawing; the plots
-    sizes: list[int]  # of the parts [bytes]
+    parts: list[bytes]
+    """Compressed: JSON with ``list``, ``blocks`` and ``series``; the drawing; the plots."""
     thinned: list[str]  # descriptions of the samples that are left out
 
 
@@ -155,7 +155,7 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
         bins = max(MIN_BINS, min(bins // 2, int(0.9 * bins * share)))
     if len(time) > 2 * bins:
         said.append(f"plots: the minimum and maximum of every {-(-len(time) // bins)} samples")
-    return RunNumbers(b"".join(parts), [len(part) for part in parts], said)
+    return RunNumbers(parts, said)
 
 
 def _series(run: Samples, names: list[str]) -> tuple[list[dict[str, Any]], Array]:

@@ -354,7 +354,7 @@ async function report(root, scripts) {
   try {
     const heads = scripts.map((s) => JSON.parse(s.textContent));
     const datas = await Promise.all(scripts.map((s, i) =>
-      unpack(heads[i], fromBase64(s.nextElementSibling.textContent))));
+      unpack(heads[i], s.nextElementSibling.textContent)));
     globalThis.sandbox = new Report(root, heads, datas);
     document.documentElement.dataset.ready = "1";
     performance.mark("ready");
