@@ -301,8 +301,7 @@ class Stage {
     const room = this.stamp ? ctx.measureText(`${this.stamp}00`).width + 2 * this.text : 0;
     let used = Infinity;
     const shown = this.list.legend.filter((row) => this.layers.has(row.l));
-    for (const [k, row] of shown.entries()) {
-      if (shown[k + 1]?.instead === row.l) continue;
+    for (const row of shown.filter((one, k) => shown[k + 1]?.instead !== one.l)) {
       let symbol = row.k === "ramp" ? 64 * u : (row.width || 0) * u, after = row.after ?? row.words;
       if (row.k === "scale") {
         const size = roundLength((row.size ? 52 : 80) * u / (row.metres * this.scale || 1));
