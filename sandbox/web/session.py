@@ -46,14 +46,6 @@ class Found(NamedTuple):
     warnings: Sequence[str] = ()  # of the check of the scene, a line each
 
 
-class Before(NamedTuple):
-    """The scene before a parameter was set while the run went on."""
-
-    steps: int  # of the run by then
-    found: Found
-    overrides: dict[str, Any]
-
-
 Read = Callable[[Mapping[str, Any]], Found]
 
 
@@ -88,7 +80,8 @@ class Session:
         look_at = looked_at(scene, look)
         self.loaded, self.warnings = found
         self.scene, self._look = self.loaded.mechanism, look_at
-        self._before: list[Before] = []
+        self._before: list[tuple[int, Found, dict[str, Any]]] = []
+        """Steps, scene and overrides before each parameter that was set during the run."""
         self._begin(Live(scene))
 
     def _begin(self, live: Live) -> None:
@@ -195,13 +188,12 @@ class Session:
 
         An answer that takes long is a function, which may be called in a thread.
         """
-        try:
+        answers: Sequence[Answer | Callable[[], Answer]]
+        message: Any = None
+        with contextlib.suppress(ValueError, RecursionError):
             message = json.loads(text)
-        except (ValueError, RecursionError):
-            message = None
         if not isinstance(message, dict):
             return [{"error": "a message is a JSON object"}]
-        answers: Sequence[Answer | Callable[[], Answer]]
         try:
             answers = self._answers(message)
         except SandboxError as error:
@@ -273,7 +265,7 @@ class Session:
         self._begin(self.live.again(max(self.live.steps - self._of_frame(), 1),
                                     progress=check_open))
         self.hand.let_go()
-        while self._before and self._before[-1].steps >= self.live.steps:  # as `again` does it
+        while self._before and self._before[-1][0] >= self.live.steps:  # as `again` does it
             _, (self.loaded, self.warnings), self.overrides = self._before.pop()
         return [self.status(), self._controls()]
 
@@ -307,7 +299,7 @@ class Session:
         for each, new in given.items():
             self.live.give(each, new)
         self._before.append(
-            Before(self.live.steps, Found(self.loaded, self.warnings), self.overrides))
+            (self.live.steps, Found(self.loaded, self.warnings), self.overrides))
         (self.loaded, self.warnings), self.overrides = found, wanted
         return [self.status(), self._controls()]
 
@@ -377,12 +369,7 @@ def _in_line(problem: Problem) -> str:
 
 
 def first_meters(frames: LiveFrames, usual: Mapping[str, list[str]]) -> list[str]:
-    """The quantities plotted at first: the view's meters if they fit, else the usual ones."""
-    shown: list[str] = []
-    for meter in frames.meters:
-        both = list(dict.fromkeys([*shown, *meter["names"]]))
-        shown = both if len(both) <= MAX_METERS else shown
-    if shown:
-        return shown
+    """The quantities plotted at first: those of the view's meters, else the usual ones."""
+    shown = list(dict.fromkeys(name for meter in frames.meters for name in meter["names"]))
     found = ([name for name in names if name in frames.units] for names in usual.values())
-    return next((names[:FIRST_METERS] for names in found if names), [])
+    return shown[:MAX_METERS] or next((names[:FIRST_METERS] for names in found if names), [])

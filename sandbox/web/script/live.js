@@ -131,7 +131,7 @@ class Live extends Viewer {
     this.layers.replaceChildren(this.layerBoxes(() => this.layersChosen()));
     this.layersChosen();
     this.followable();
-    this.units = new Map([...head.quantities, ...head.pairs].map((q) => [q.name, q.unit]));
+    this.units = new Map(Object.entries(head.units));
     this.finder.renew();
     this.controls.show(head.controls);
     this.meters.first = head.meters;
