@@ -19,7 +19,7 @@ from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Hand, Live
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SandboxError, SceneError
-from sandbox.model.catalogue import Catalogue, UnknownQuantityError
+from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.model.meters import is_expression
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded
@@ -158,23 +158,17 @@ class Session:
             return steps
 
     def reload(self) -> bool:
-        """Read the scene's file again with today's values, but those of parameters that are gone.
+        """Read the scene's file again with the present values of the parameters that it still has.
 
         Returns whether it can be used; if not, the run continues, and the problem is reported.
         """
-        values = self.overrides
+        others = {name: value for name, value in self.overrides.items()
+                  if not name.startswith(PARAMETER)}
         try:
-            try:
-                found = self._read(values)
-            except SceneError:
-                others = {name: value for name, value in values.items()
-                          if not name.startswith(PARAMETER)}
-                with contextlib.suppress(SceneError):
-                    known = self._read(others).loaded.scene.parameters
-                    values = {name: value for name, value in values.items()
-                              if name in others or name.removeprefix(PARAMETER) in known}
-                found = self._read(values)
-            self._open(found)
+            known = self._read(others).loaded.scene.parameters
+            values = {name: value for name, value in self.overrides.items()
+                      if name in others or name.removeprefix(PARAMETER) in known}
+            self._open(self._read(values))
         except SandboxError as error:
             self.trouble = str(error)
             return False
@@ -313,8 +307,15 @@ class Session:
         return [{"given": {"name": name, "value": number}}]
 
     def _watch(self, names: list[Any]) -> list[Answer]:
-        names = list(dict.fromkeys(each for name in map(str, names)
-                                   for each in _of_pairs(name, self._look.catalogue)))
+        known, found = self._look.catalogue, list[str]()
+        for name in map(str, names):
+            if "/" not in name or is_expression(name):
+                found.append(name)
+            elif known.fits(name):  # the quantities of pairs that match a name or a pattern
+                found += itertools.islice(known.match(name), MAX_METERS + 1)
+            else:
+                raise UnknownQuantityError(name, known.near(name))
+        names = list(dict.fromkeys(found))
         if len(names) > MAX_METERS:
             raise _wrong(f"no more than {MAX_METERS} meters run at once", code="limit-exceeded")
         units = self.frames.units
@@ -338,15 +339,6 @@ class Session:
             return {"said": f"the run is in {place}"}
 
         return save
-
-
-def _of_pairs(name: str, known: Catalogue) -> list[str]:
-    """The quantities of pairs that match a name or a pattern; other names as they are."""
-    if "/" not in name or is_expression(name):
-        return [name]
-    if not known.fits(name):
-        raise UnknownQuantityError(name, known.near(name))
-    return list(itertools.islice(known.match(name), MAX_METERS + 1))
 
 
 def _number(value: object) -> float:

@@ -76,8 +76,7 @@ class Stage {
     Object.assign(this, { w, h, dpr, u, small: w < SMALL, thin: w < SMALL ? 0.75 : 1, text: Math.max(11, Math.round(13 * u)) });
     const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, ...this.layers].join();
     if (kept !== this.kept) { this.kept = kept; this.rows = this.legend(); }
-    const lines = Math.max(this.rows.length, this.lines, this.stamp ? 1 : 0);
-    this.foot = lines ? h - Math.floor((h - (1.5 * lines + 0.6) * this.text) * dpr) / dpr : 0;   // from a whole pixel on
+    this.foot = h - Math.floor((h - (1.5 * Math.max(this.rows.length, this.lines, 1) + 0.6) * this.text) * dpr) / dpr;   // from a whole pixel on
     const [x0, y0, x1, y1] = head.box, v = head.view, room = Math.max(h - this.foot, 20);
     const [cx, cy] = v.centre || [(x0 + x1) / 2, (y0 + y1) / 2];
     const fitted = v.width ? Math.min(w / v.width, room * v.aspect / v.width)
@@ -145,7 +144,7 @@ class Stage {
     this.flush();
     this.plain();
     this.write();
-    if (this.foot) this.strip();
+    this.strip();
   }
   shows(item) { return this.layers.has(item.l) && (item.if === undefined || this.value(item.if) > 0.5); }
   paint(item) {
@@ -298,7 +297,7 @@ class Stage {
   legend() {                                              // rows of entries that fit: {row, symbol, words, width}
     const { ctx, u } = this, width = this.w - 2 * this.text, rows = [];
     ctx.font = `${this.text}px ${FONT}`;
-    const room = this.stamp ? ctx.measureText(`${this.stamp}00`).width + 2 * this.text : 0;
+    const room = ctx.measureText(`${this.stamp}00`).width + 2 * this.text;
     let used = Infinity;
     const shown = this.list.legend.filter((row) => this.layers.has(row.l));
     for (const row of shown.filter((one, k) => shown[k + 1]?.instead !== one.l)) {
