@@ -40,8 +40,7 @@ class SweepColumn:
 
     name: str
     unit: str  # SI; empty for none
-    values: Array
-    """Shape [n]; NaN for missing values. Of texts, their indices."""
+    values: Array  # shape [n]; NaN for missing values. Of texts, their indices
     texts: tuple[str, ...] = ()  # texts by index; empty for numbers
     log: bool = False  # whether values are spaced logarithmically
 
