@@ -52,8 +52,7 @@ class Stage {
     this.dress();
   }
   dress() {                                               // light or dark colours
-    this.night = +(getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1");
-    this.dark = !!this.night; this.patterns = {};
+    this.dark = isDark(); this.night = +this.dark; this.patterns = {};
     this.back = this.ink("paper");
   }
   ink(token, by = 0) {
