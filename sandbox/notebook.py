@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import base64
 import html
-import inspect
 import math
 import os
 import tempfile
@@ -36,12 +35,10 @@ from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.numbers import number_from
-from sandbox.wording import WrongValueError, counted, listed, meant, quoted
+from sandbox.wording import WrongValueError, counted, quoted
 
 FILM_SIZE = (640, 480)  # default size of a film [pixels]: fits a cell of a notebook, some 100 kB
 MIN_HEIGHT, MAX_HEIGHT = 200, 4000  # of the frame of a page [pixels]
-FORMS = {"time": "seconds, or a time such as '0.8 s'",
-         "length": "metres, or a length such as '85 mm'"}  # accepted values by dimension
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,11 +93,6 @@ def picture(
 
 def film(run: Recording, options: Mapping[str, Any]) -> Media:
     """See :meth:`sandbox.Recording.film`."""
-    known = [name for name in inspect.signature(render).parameters if name not in ("run", "path")]
-    for name in options:
-        if name not in known:
-            raise OutputError(f"film() has no option {quoted(name)}.{meant(name, known)} "
-                              f"Allowed: {listed(known, most=len(known))}.", code="bad-picture")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "film.gif")
         render(run, path, **{"size": FILM_SIZE, **options})
@@ -147,8 +139,7 @@ def _number(name: str, value: float | str, dimension: str) -> float:
     try:
         return number_from(value, dimension, {})
     except WrongValueError as error:
-        raise OutputError(f"{name}={quoted(value)}: {error.message}; pass {FORMS[dimension]}",
-                          code="bad-picture") from None
+        raise OutputError(f"{name}={quoted(value)}: {error}", code="bad-picture") from None
 
 
 SIZE = (440, 330)  # of the picture [pixels]

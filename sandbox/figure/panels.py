@@ -55,21 +55,19 @@ class Curve(NamedTuple):
     """Properties of the line that differ from those of the kind; with a colour, all is given."""
 
 
-class Upright(NamedTuple):
-    """A vertical line, with a name above the panel."""
-
-    x: float
-    name: str = ""
-    look: Mapping[str, Any] = {"color": style.GREY, "linewidth": 0.8, "zorder": 1.5}
-
-
 class Custom(NamedTuple):
     """A mark that matplotlib draws in one call, such as a histogram."""
 
     draw: Callable[[Any], object]  # called with the axes
 
 
-Mark = Curve | Upright | Custom
+Mark = Curve | Custom
+
+
+def upright(x: float, **look: Any) -> Custom:
+    """A vertical line."""
+    return Custom(lambda axes: axes.axvline(
+        x, **{"color": style.GREY, "linewidth": 0.8, "zorder": 1.5, **look}))
 
 
 @dataclass(frozen=True)
@@ -118,7 +116,6 @@ def draw(
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
-    from matplotlib.transforms import ScaledTranslation
 
     rows = [[row] if isinstance(row, Panel) else list(row) for row in panels]
     figure = style.new_figure(250.0 * len(rows), width)
@@ -130,7 +127,7 @@ def draw(
         heights.append(0.0)
         for panel, axes in zip(row, all_axes, strict=True):
             _dress(axes, panel, width / len(row), bottom=not shared or row is rows[-1])
-            names, room = _fill(axes, panel, width)
+            names = _fill(axes, panel)
             heights[-1] = max(heights[-1], panel.height)
             if not panel.names or not names:
                 continue
@@ -147,8 +144,6 @@ def draw(
                 axes.set_title("", loc="left")
                 style.legend(axes, names, width - 12.0, loc="lower left", title=head,
                              bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1,
-                             bbox_transform=axes.transAxes + ScaledTranslation(
-                                 0.0, room / 72, figure.dpi_scale_trans),
                              title_fontsize=style.PLAIN)
     head = style.in_lines(title, width, style.HEAD, style.BOLD)
     if key:
@@ -185,12 +180,8 @@ def _dress(axes: Any, panel: Panel, width: float, *, bottom: bool) -> None:
         axis.offsetText.set(**text)
 
 
-def _fill(axes: Any, panel: Panel, width: float) -> tuple[list[tuple[str, Any]], float]:
-    """Draw the marks of a panel.
-
-    Returns the names of its curves with samples for a legend, and the height of the names of
-    vertical lines above it [pt].
-    """
+def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
+    """Draw the marks of a panel; returns names of curves with samples for a legend."""
     lines, names = [], dict[str, Any]()
     labels = list(dict.fromkeys(curve.label for curve in panel.curves))
     for curve in panel.curves:
@@ -211,35 +202,12 @@ def _fill(axes: Any, panel: Panel, width: float) -> tuple[list[tuple[str, Any]],
             lines.append(line)
         if curve.label:
             names.setdefault(curve.label, line)
-    named = []
     for mark in panel.marks:
         if isinstance(mark, Custom):
             mark.draw(axes)
-        elif isinstance(mark, Upright):
-            axes.axvline(mark.x, **mark.look)
-            if mark.name:
-                named.append((mark.x, style.plain(mark.name)))
     _scale(axes, panel)
-    room = _name_uprights(axes, sorted(named), width) if named else 0.0
     style.show_coincident(axes, lines)
-    return list(names.items()), room
-
-
-def _name_uprights(axes: Any, named: Sequence[tuple[float, str]], width: float) -> float:
-    """Write names above a panel, slanted unless there is room; returns their height [pt]."""
-    letter = style.LETTER * style.TINY
-    low, high = axes.get_xlim()
-    places = np.array([place for place, _ in named])
-    # the frame takes some 80 % of a figure without names at its side
-    gaps = np.diff(places) / (high - low) * 0.6 * width / style.MM_PER_POINT
-    sizes = np.array([letter * (len(name) + 2) for _, name in named])
-    slanted = bool((gaps < 0.5 * (sizes[:-1] + sizes[1:])).any())
-    top = axes.secondary_xaxis("top")
-    top.set_xticks(places, [name for _, name in named], fontsize=style.TINY, color=style.QUIET,
-                   **{"rotation": 45, "ha": "left", "rotation_mode": "anchor"} if slanted else {})
-    top.tick_params(length=0, pad=1)
-    top.spines[:].set_visible(False)
-    return float(0.75 * sizes.max()) if slanted else 1.5 * style.TINY
+    return list(names.items())
 
 
 def _scale(axes: Any, panel: Panel) -> None:

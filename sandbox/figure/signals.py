@@ -10,7 +10,7 @@ import numpy as np
 
 from sandbox.errors import OutputError
 from sandbox.figure import style
-from sandbox.figure.panels import Axis, Curve, Mark, Panel, Upright
+from sandbox.figure.panels import Axis, Curve, Mark, Panel, upright
 from sandbox.figure.panels import draw as draw_panels
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
@@ -18,7 +18,7 @@ from sandbox.samples.targets import track
 
 WIDTHS = (50.0, 250.0)  # smallest and largest width of a figure [mm]
 MAX_CURVES, MAX_PANELS = 40, 12  # curves of a panel; panels
-MAX_EVENTS, MAX_LETTERS = 8, 20  # events that are marked; letters of their names
+MAX_EVENTS = 8  # events of a run that are marked
 WORDS = {"rad": "angle", "rad/s": "angular speed", "rad/s^2": "angular acceleration",
          "m": "length", "m/s": "speed", "m/s^2": "acceleration", "N": "force", "N m": "torque",
          "N/m": "stiffness", "N m/rad": "stiffness", "J": "work", "1": "count"}
@@ -100,7 +100,7 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
         alone = several or len(names) == 1
         title = names[0] if several or (alone and not x) else ""
         word = "" if several else names[0] if alone and x else WORDS.get(unit, "")
-        marks += events if names is groups[0] else [each._replace(name="") for each in events]
+        marks += events
         panels.append(Panel(
             title, Axis(along.label(x or "time"), limits=None if x else _limits(runs, window)),
             Axis(shown.label(word)), marks, "" if alone else place, plane=path))
@@ -186,19 +186,17 @@ def _limits(runs: Sequence[Plotted], window: Window) -> tuple[float, float]:
     return max(0.0, window.begin), min(float(end), window.end)
 
 
-def _events(runs: Sequence[Plotted], window: Window) -> tuple[list[Upright], list[str]]:
+def _events(runs: Sequence[Plotted], window: Window) -> tuple[list[Mark], list[str]]:
     """Lines at the events of runs, and the notes on them."""
-    lines, most, (begin, end) = [], 0, _limits(runs, window)
-    for i, one in enumerate(runs):
-        events = [event for event in one.run.info.marked if begin <= event.time <= end]
-        most = max(most, len(events))
-        look = {"color": style.hue(i), "linewidth": 0.8, "alpha": 0.5, "zorder": 1.5}
-        for event in events if len(events) <= MAX_EVENTS else ():
-            name = event.event if len(event.event) <= MAX_LETTERS \
-                else f"{event.event[:MAX_LETTERS - 1]}…"
-            lines.append(Upright(event.time, name) if len(runs) == 1
-                         else Upright(event.time, look=look))
+    begin, end = _limits(runs, window)
+    found = [(i, event) for i, one in enumerate(runs) for event in one.run.info.marked
+             if begin <= event.time <= end]
+    most = max(np.bincount([i for i, _ in found]), default=0)
     if most > MAX_EVENTS:
-        return lines, [f"{most} events are not marked: up to {MAX_EVENTS} are, in a window of "
-                       "time."]
-    return lines, ["Vertical lines: events."] if most else []
+        return [], [f"{most} events are not marked: up to {MAX_EVENTS} are, in a window of time."]
+    if len(runs) == 1:
+        texts = [f"{event.event} at {event.time:.4g} s" for _, event in found]
+        return [upright(event.time) for _, event in found], [
+            f"Vertical lines: {', '.join(texts)}."] if found else []
+    return [upright(event.time, color=style.hue(i), alpha=0.5) for i, event in found], [
+        "Vertical lines: events."] if found else []

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.figure import style
-from sandbox.figure.panels import Axis, Curve, Custom, Mark, Panel, Upright, save_panels
+from sandbox.figure.panels import Axis, Curve, Custom, Mark, Panel, save_panels, upright
 from sandbox.numeric import Array, Flags
 
 MAX_QUANTITIES, MAX_PAIRS, MAX_PATHS = 12, 6, 20
@@ -40,8 +40,7 @@ class SweepColumn:
 
     name: str
     unit: str  # SI; empty for none
-    values: Array
-    """Shape [n]; NaN for missing values. Of texts, their indices."""
+    values: Array  # shape [n]; NaN for missing values. Of texts, their indices
     texts: tuple[str, ...] = ()  # texts by index; empty for numbers
     log: bool = False  # whether values are spaced logarithmically
 
@@ -189,7 +188,7 @@ def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
     factor = style.shown_as(varied.unit, varied.values).factor
     return [Custom(lambda axes: axes.axvspan(factor * found.low, factor * found.high,
                                              color=style.BAND, linewidth=0, zorder=0)),
-            Upright(factor * found.at, look={"color": style.INK, "zorder": 0.8, **style.TARGET})]
+            upright(factor * found.at, **{"color": style.INK, "zorder": 0.8, **style.TARGET})]
 
 
 def _equal(values: Array) -> bool:

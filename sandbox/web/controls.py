@@ -60,16 +60,8 @@ def _drives(mechanism: Mechanism, live: Live) -> Iterator[dict[str, Any]]:
         if drive.name in written:
             continue
         kind, unit = drive.kind, live.unit(f"{drive.name}.value")
-        match drive.signal(mechanism):
-            case Constant(constant=most):
-                pass
-            case Ramp() as ramp:
-                most = max(ramp.start_value, ramp.to, key=abs)
-            case Table(table=table):
-                most = max((value for _, value in table), key=abs)
-            case _:
-                most = 0.0
-        low, high = (0.0, 1.0) if kind.gives in ("hold", "opening") else _span(most, unit)
+        largest = max(course(drive.signal(mechanism))[0], key=abs, default=0.0)
+        low, high = (0.0, 1.0) if kind.gives in ("hold", "opening") else _span(largest, unit)
         if kind.floor is not None and math.isfinite(kind.floor):
             low = max(low, kind.floor)
         yield _control(drive.name, "drive", live[f"{drive.name}.value"], (low, high), unit, i)
@@ -83,7 +75,7 @@ def _controllers(live: Live) -> Iterator[dict[str, Any]]:
                 unit = live.unit(controller.readings[0])
             except UnknownQuantityError:  # an expression
                 unit = ""
-            value = final(controller.signals[0], math.inf) or 0.0
+            value = (course(controller.signals[0])[0] or [0.0])[-1]
             name = f"{controller.name}.target"
             yield _control(name, "target", given.get(name, value), _span(value, unit), unit)
         name = f"{controller.name}.active"
@@ -119,17 +111,17 @@ def _span(value: float, unit: str) -> tuple[float, float]:
     return -most, most
 
 
-def final(signal: AnySignal, time: float) -> float | None:
-    """The value that a signal has from an instant [s] on; None if it still changes."""
+def course(signal: AnySignal | None) -> tuple[list[float], float]:
+    """The values that a signal takes in turn, and the instant [s] from which on it has the last."""
     match signal:
         case Constant():
-            return signal.constant
+            return [signal.constant], -math.inf
         case Ramp():
-            return signal.to if time >= signal.start + signal.over else None
+            return [signal.start_value, signal.to], signal.start + signal.over
         case Table():
-            return signal.table[-1][1] if time >= signal.table[-1][0] else None
+            return [value for _, value in signal.table], signal.table[-1][0]
         case _:
-            return None
+            return [], math.inf
 
 
 def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | None:
@@ -155,9 +147,9 @@ def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | N
     for was, now, field, signal, name in pairs:
         if was == now:
             continue
-        if (signal is None or name in written or not hasattr(was, field)
-                or now.model_copy(update={field: getattr(was, field)}) != was
-                or (value := final(signal, time)) is None):
+        values, last = course(signal)
+        if (time < last or name in written or not hasattr(was, field)
+                or now.model_copy(update={field: getattr(was, field)}) != was):
             return None
-        found[name] = value
+        found[name] = values[-1]
     return found

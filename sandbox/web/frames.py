@@ -113,8 +113,8 @@ class LiveFrames:
             if names:
                 yield {**meter, "names": names}
 
-    def _pairs(self) -> Iterator[dict[str, str]]:
-        """Quantities of the pairs of bodies that touched in the trial run."""
+    def _pairs(self) -> Iterator[tuple[str, str]]:
+        """Quantities of the pairs of bodies that touched in the trial run, with their units."""
         arrays, bodies = self.look.arrays, self.live.scene.bodies
         pairs = np.unique(np.sort(np.stack(
             (arrays["contact_body"], arrays["contact_other"]), axis=1), axis=1), axis=0)
@@ -122,7 +122,7 @@ class LiveFrames:
             one, other = (b, a) if bodies[a].motion == "fixed" else (a, b)
             for quantity in PAIR:
                 name = f"{bodies[one].name}/{bodies[other].name}.{quantity}"
-                yield {"name": name, "unit": self.look.catalogue.find(name).unit}
+                yield name, self.look.catalogue.find(name).unit
 
     def has(self, name: str) -> bool:
         """Whether frames can have a quantity, a meter of the view or one of a pair."""
@@ -132,9 +132,9 @@ class LiveFrames:
         """Data that a ``Stage`` needs before the first frame."""
         return {**drawing(self.look, self._subject, self._listing.box, live=True), **self._list(),
                 "head": list(HEAD), "drives": len(self.live.scene.drives),
-                "meters": self.meters, "pairs": list(self._pairs()),
-                "quantities": [{"name": name, "unit": self.units[name]} for name in dict.fromkeys(
-                    (*filter(self.units.__contains__, self.look.catalogue.telling), *self.units))]}
+                "meters": self.meters, "units": {
+                    **{name: self.units[name] for name in self.look.catalogue.telling
+                       if name in self.units}, **self.units, **dict(self._pairs())}}
 
     def _list(self) -> dict[str, Any]:
         self._sent = self._subject.out.items
@@ -143,8 +143,7 @@ class LiveFrames:
     def relisted(self) -> dict[str, Any] | None:
         """The display list if it has other items than the page knows, else None."""
         self._update()
-        items = self._subject.out.items
-        return None if items is self._sent or items == self._sent else self._list()
+        return None if self._subject.out.items == self._sent else self._list()
 
     def frame(self, numbers: Sequence[float]) -> bytes:
         """The present instant, after :meth:`relisted`; ``numbers`` of HEAD but ``trail``."""

@@ -28,8 +28,9 @@ FINEST = 250.0  # samples per second [Hz] that are always kept
 OFF = 2e-4
 """Maximum error of a pose between the samples that are kept, as a fraction of the picture's width:
 a fifth of a pixel in 1000."""
-BINS, MIN_BINS = 2000, 125
-"""Of a quantity with more than twice as many samples: the minimum and maximum of each bin."""
+BINS = 2000
+"""Of a quantity with more than twice as many samples: the minimum and maximum of each bin. Fewer
+where the numbers exceed the budget."""
 LEVEL = 9
 CHUNK = 64  # columns worked on at a time
 FLAT, NOTHING = 1e-9, 1e-10
@@ -108,10 +109,10 @@ def kept_samples(time: Array, pose: Array, width: float) -> Flags:
 
 
 class RunNumbers(NamedTuple):
-    """A run's numbers: three compressed parts."""
+    """A run's numbers."""
 
-    data: bytes  # JSON with ``list``, ``blocks`` and ``series``; the drawing; the plots
-    sizes: list[int]  # of the parts [bytes]
+    parts: list[bytes]
+    """Compressed: JSON with ``list``, ``blocks`` and ``series``; the drawing; the plots."""
     thinned: list[str]  # descriptions of the samples that are left out
 
 
@@ -139,8 +140,8 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
         said.append(f"drawing: {len(frames)} of {len(time)} samples, so that nothing is off by "
                     f"more than {1e3 * OFF * width:.2g} mm between them")
     series, values = _series(run, names)
-    drawing, bins = zlib.compress(bytes(blocks.raw), LEVEL), BINS
-    while True:
+    drawing = zlib.compress(bytes(blocks.raw), LEVEL)
+    for bins in (BINS, BINS // 2, BINS // 4, BINS // 8, BINS // 16):
         plots = _plots(time, values, bins)
         heads = [{"part": part, **one} for part, some in enumerate((blocks, plots), 1)
                  for one in some.heads]
@@ -148,14 +149,11 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
                           separators=(",", ":"), allow_nan=False)
         parts = [zlib.compress(head.encode(), LEVEL), drawing,
                  zlib.compress(bytes(plots.raw), LEVEL)]
-        total = sum(map(len, parts))
-        if total <= BUDGET or bins <= MIN_BINS:
+        if sum(map(len, parts)) <= BUDGET:
             break
-        share = (BUDGET - total) / len(parts[2]) + 1  # of the plots that there is room for
-        bins = max(MIN_BINS, min(bins // 2, int(0.9 * bins * share)))
     if len(time) > 2 * bins:
         said.append(f"plots: the minimum and maximum of every {-(-len(time) // bins)} samples")
-    return RunNumbers(b"".join(parts), [len(part) for part in parts], said)
+    return RunNumbers(parts, said)
 
 
 def _series(run: Samples, names: list[str]) -> tuple[list[dict[str, Any]], Array]:

@@ -156,12 +156,12 @@ def report(
         numbers = packed(run, subject.out, quantities(run, plots), subject.width)
         head = safe_json({
             **drawing(run, subject, box), "words": words(run, found, name),
-            "sizes": numbers.sizes, "thinned": numbers.thinned,
+            "thinned": numbers.thinned,
             "meters": [] if plots else meters_of(run.mechanism.view, run.catalogue),
             "plots": list(plots) or _default_plots(run, found)})
+        lines = "\n".join(base64.b64encode(part).decode() for part in numbers.parts)
         pieces.append(f'<script type="application/json" data-run>{head}</script>'
-                      '<script type="text/plain">'
-                      f"{base64.b64encode(numbers.data).decode()}</script>")
+                      f'<script type="text/plain">{lines}</script>')
     code = script(START)
     return html_page(" / ".join(dict.fromkeys(titles)), code, data="\n".join(pieces), meta=(
         f'\n<meta http-equiv="Content-Security-Policy" content="{policy(code)}">'))

@@ -39,7 +39,7 @@ LONG = 0.3  # seconds after which the page says that the session is busy
 SHORTEST_WAIT = 1e-3  # seconds to wait for a message where a frame is late
 MAX_TABS = 8
 MAX_BYTES = 1 << 16  # of a message
-START = '\nlive(document.querySelector("main"), socketLink(location.href));\n'
+START = '\nglobalThis.sandbox = new Live(document.querySelector("main"));\n'
 
 
 class Server:

@@ -19,7 +19,7 @@ from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Hand, Live
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SandboxError, SceneError
-from sandbox.model.catalogue import Catalogue, UnknownQuantityError
+from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.model.meters import is_expression
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded
@@ -44,14 +44,6 @@ class Found(NamedTuple):
 
     loaded: Loaded
     warnings: Sequence[str] = ()  # of the check of the scene, a line each
-
-
-class Before(NamedTuple):
-    """The scene before a parameter was set while the run went on."""
-
-    steps: int  # of the run by then
-    found: Found
-    overrides: dict[str, Any]
 
 
 Read = Callable[[Mapping[str, Any]], Found]
@@ -88,7 +80,8 @@ class Session:
         look_at = looked_at(scene, look)
         self.loaded, self.warnings = found
         self.scene, self._look = self.loaded.mechanism, look_at
-        self._before: list[Before] = []
+        self._before: list[tuple[int, Found, dict[str, Any]]] = []
+        """Steps, scene and overrides before each parameter that was set during the run."""
         self._begin(Live(scene))
 
     def _begin(self, live: Live) -> None:
@@ -165,23 +158,17 @@ class Session:
             return steps
 
     def reload(self) -> bool:
-        """Read the scene's file again with today's values, but those of parameters that are gone.
+        """Read the scene's file again with the present values of the parameters that it still has.
 
         Returns whether it can be used; if not, the run continues, and the problem is reported.
         """
-        values = self.overrides
+        others = {name: value for name, value in self.overrides.items()
+                  if not name.startswith(PARAMETER)}
         try:
-            try:
-                found = self._read(values)
-            except SceneError:
-                others = {name: value for name, value in values.items()
-                          if not name.startswith(PARAMETER)}
-                with contextlib.suppress(SceneError):
-                    known = self._read(others).loaded.scene.parameters
-                    values = {name: value for name, value in values.items()
-                              if name in others or name.removeprefix(PARAMETER) in known}
-                found = self._read(values)
-            self._open(found)
+            known = self._read(others).loaded.scene.parameters
+            values = {name: value for name, value in self.overrides.items()
+                      if name in others or name.removeprefix(PARAMETER) in known}
+            self._open(self._read(values))
         except SandboxError as error:
             self.trouble = str(error)
             return False
@@ -195,13 +182,12 @@ class Session:
 
         An answer that takes long is a function, which may be called in a thread.
         """
-        try:
+        answers: Sequence[Answer | Callable[[], Answer]]
+        message: Any = None
+        with contextlib.suppress(ValueError, RecursionError):
             message = json.loads(text)
-        except (ValueError, RecursionError):
-            message = None
         if not isinstance(message, dict):
             return [{"error": "a message is a JSON object"}]
-        answers: Sequence[Answer | Callable[[], Answer]]
         try:
             answers = self._answers(message)
         except SandboxError as error:
@@ -273,7 +259,7 @@ class Session:
         self._begin(self.live.again(max(self.live.steps - self._of_frame(), 1),
                                     progress=check_open))
         self.hand.let_go()
-        while self._before and self._before[-1].steps >= self.live.steps:  # as `again` does it
+        while self._before and self._before[-1][0] >= self.live.steps:  # as `again` does it
             _, (self.loaded, self.warnings), self.overrides = self._before.pop()
         return [self.status(), self._controls()]
 
@@ -307,7 +293,7 @@ class Session:
         for each, new in given.items():
             self.live.give(each, new)
         self._before.append(
-            Before(self.live.steps, Found(self.loaded, self.warnings), self.overrides))
+            (self.live.steps, Found(self.loaded, self.warnings), self.overrides))
         (self.loaded, self.warnings), self.overrides = found, wanted
         return [self.status(), self._controls()]
 
@@ -321,8 +307,15 @@ class Session:
         return [{"given": {"name": name, "value": number}}]
 
     def _watch(self, names: list[Any]) -> list[Answer]:
-        names = list(dict.fromkeys(each for name in map(str, names)
-                                   for each in _of_pairs(name, self._look.catalogue)))
+        known, found = self._look.catalogue, list[str]()
+        for name in map(str, names):
+            if "/" not in name or is_expression(name):
+                found.append(name)
+            elif known.fits(name):  # the quantities of pairs that match a name or a pattern
+                found += itertools.islice(known.match(name), MAX_METERS + 1)
+            else:
+                raise UnknownQuantityError(name, known.near(name))
+        names = list(dict.fromkeys(found))
         if len(names) > MAX_METERS:
             raise _wrong(f"no more than {MAX_METERS} meters run at once", code="limit-exceeded")
         units = self.frames.units
@@ -348,15 +341,6 @@ class Session:
         return save
 
 
-def _of_pairs(name: str, known: Catalogue) -> list[str]:
-    """The quantities of pairs that match a name or a pattern; other names as they are."""
-    if "/" not in name or is_expression(name):
-        return [name]
-    if not known.match(name):
-        raise UnknownQuantityError(name, known.near(name))
-    return list(itertools.islice(known.match(name), MAX_METERS + 1))
-
-
 def _number(value: object) -> float:
     """A finite number."""
     if isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value):
@@ -377,12 +361,7 @@ def _in_line(problem: Problem) -> str:
 
 
 def first_meters(frames: LiveFrames, usual: Mapping[str, list[str]]) -> list[str]:
-    """The quantities plotted at first: the view's meters if they fit, else the usual ones."""
-    shown: list[str] = []
-    for meter in frames.meters:
-        both = list(dict.fromkeys([*shown, *meter["names"]]))
-        shown = both if len(both) <= MAX_METERS else shown
-    if shown:
-        return shown
+    """The quantities plotted at first: those of the view's meters, else the usual ones."""
+    shown = list(dict.fromkeys(name for meter in frames.meters for name in meter["names"]))
     found = ([name for name in names if name in frames.units] for names in usual.values())
-    return next((names[:FIRST_METERS] for names in found if names), [])
+    return shown[:MAX_METERS] or next((names[:FIRST_METERS] for names in found if names), [])

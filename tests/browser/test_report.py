@@ -268,19 +268,6 @@ def test_a_page_opens_with_the_meters_of_the_scene(opened, run):
 
 
 @nightly
-def test_in_a_notebook_it_plays_in_a_frame_that_reaches_nothing(tab_of, run):
-    tab = tab_of("about:blank")
-    tab.set_content(f"<title>notebook</title>{run.page('finger1.mcp.angle')._repr_html_()}")
-    frame = tab.frame_locator("iframe")
-    frame.locator("html[data-ready]").wait_for(state="attached")
-    assert frame.locator(TITLES).all_text_contents() == ["finger1.mcp.angle [deg]"]
-    frame.locator(".sheet canvas").focus()
-    tab.keyboard.press("End")
-    assert tab.frames[1].evaluate("sandbox.t === sandbox.last")
-    assert tab.frames[1].evaluate("origin") == "null"
-
-
-@nightly
 def test_a_film_is_recorded(opened, page):
     tab = opened(page)
     tab.locator("#speed").select_option("0.1")

@@ -11,7 +11,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from sandbox.errors import OutputError
@@ -19,7 +18,6 @@ from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.picture.subject import INKS
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
-from sandbox.web.drawing import drawing, listed
 from sandbox.web.page import (
     MAX_RUNS,
     FoundOut,
@@ -168,15 +166,3 @@ def test_every_verdict_has_the_window_of_its_own_expectation():
         assert 0 <= end - one["over"][1] <= step
     for one in told[2:6]:  # a last value is taken at the end
         assert one["over"] == [float(run.time[-1])] * 2
-
-
-def test_a_page_begins_where_the_run_does_and_follows_whom_the_scene_does():
-    """From the first sample on a camera counts how far it has gone along."""
-    run = hand()
-    view = run.mechanism.view.model_copy(update={"follow": "finger2.distal"})
-    run = type(run)(run.mechanism.model_copy(update={"view": view}), run.arrays, run.info)
-    head = drawing(run, *listed(run))
-    assert head["view"]["follow"] == "finger2.distal"
-    rest = np.array(head["rest"]).reshape(-1, 3)[:len(run.mechanism.bodies)]
-    assert rest == pytest.approx(run.arrays["body_pose"][0], abs=1e-5)
-    assert np.abs(rest - run.arrays["body_pose"][-1]).max() > 0.1

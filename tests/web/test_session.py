@@ -362,7 +362,7 @@ def test_a_drive_takes_units_of_its_dimension_and_answers_what_that_is(tmp_path:
 def test_pairs_are_found_by_name_and_by_pattern_and_stay_after_a_reset(tmp_path: Path) -> None:
     """One that touched is offered; what is asked for is what a simulation reads."""
     made = session(tmp_path)
-    assert {each["name"]: each["unit"] for each in made.head()["head"]["pairs"]} == {
+    assert {name: unit for name, unit in made.head()["head"]["units"].items() if "/" in name} == {
         "ball/floor.normal": "N", "ball/floor.tangential": "N"}
     [answer] = ask(made, watch=["*/floor.normal", "floor/ball.tangential", "weight.y"])
     names = [one["name"] for one in answer["watched"]]

@@ -1,22 +1,14 @@
 // From the bytes of a run to frames: what a Stage draws at an instant.
 
-function fromBase64(text) {
-  const letters = atob(text), found = new Uint8Array(letters.length);
-  for (let i = 0; i < letters.length; i++) found[i] = letters.charCodeAt(i);
-  return found;
-}
-
-async function inflate(bytes) {
+async function inflate(text) {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Columns of every block by its key; see sandbox/web/packing.py for how they are kept. The first part completes the head.
-async function unpack(head, bytes) {
-  const parts = [];
-  for (let i = 0, at = 0; i < head.sizes.length; at += head.sizes[i++]) {
-    parts.push(await inflate(bytes.subarray(at, at + head.sizes[i])));
-  }
+// Columns of every block by its key; see sandbox/web/packing.py for how they are kept. The first line completes the head.
+async function unpack(head, text) {
+  const parts = await Promise.all(text.split("\n").map(inflate));
   Object.assign(head, JSON.parse(new TextDecoder().decode(parts[0])));
   const found = {}, known = [];
   for (const block of head.blocks) {
@@ -101,17 +93,9 @@ function rowsOf(columns, n) {                             // rows by sample, whi
 
 // A pattern as in Python's fnmatch, case-sensitive: *, ?, [ab], [a-f], [!ab].
 function globbed(pattern) {
-  let text = "";
-  for (let i = 0; i < pattern.length; i++) {
-    const c = pattern[i], negated = pattern[i + 1] === "!" ? 1 : 0;
-    const end = c === "[" ? pattern.indexOf("]", i + 2 + negated) : -1;
-    if (c === "*") text += "[^]*";
-    else if (c === "?") text += "[^]";
-    else if (end > 0) {
-      text += `[${negated ? "^" : ""}${pattern.slice(i + 1 + negated, end).replace(/[\\\[\]^]/g, "\\$&")}]`;
-      i = end;
-    } else text += c.replace(/[.+^${}()|[\]\\]/, "\\$&");
-  }
+  const text = pattern.replace(/\[(!?)([^][^\]]*)\]|[^]/g, (all, not, some) => (
+    some ? `[${not && "^"}${some.replace(/[\\[\]^]/g, "\\$&")}]`
+      : all === "*" ? "[^]*" : all === "?" ? "[^]" : all.replace(/[.+^${}()|[\]\\]/, "\\$&")));
   try { return new RegExp(`^${text}$`, "u"); } catch { return /^[]$/; }   // such as [f-a]: none
 }
 

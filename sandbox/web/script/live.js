@@ -13,29 +13,20 @@ class Meters {
     const kept = this.time.findLastIndex((one) => one < t) + 1;
     for (const row of [this.time, ...this.rows]) row.length = kept;
   }
-  show(watched) {                                         // [{name, unit}], a plot for each unit
-    const before = new Map(this.watched.map((w, k) => [w.name, this.rows[k]]));
+  show(watched) {                                         // [{name, unit}]: the meters of the scene's view, then a plot for each unit
+    const before = new Map(this.watched.map((w, k) => [w.name, this.rows[k]])), at = new Map(watched.map((w, k) => [w.name, k]));
     this.watched = watched;
     this.rows = watched.map((w) => before.get(w.name) || this.time.map(() => null));
     for (const made of this.plots) made.remove();
-    const at = new Map(watched.map((w, k) => [w.name, k])), groups = new Map(), taken = new Set();
-    const first = this.first.filter((meter) => meter.names.every((name) => at.has(name)));
-    this.plots = first.map((meter) => {                   // those of the scene's view
-      const of = meter.names.map((name) => at.get(name));
-      for (const k of of) taken.add(k);
-      return this.plot(watched[of[0]].unit, of, meter);
-    });
-    watched.forEach((w, k) => {
-      if (taken.has(k)) return;
-      if (!groups.has(w.unit)) groups.set(w.unit, []);
-      groups.get(w.unit).push(k);
-    });
-    this.plots.push(...[...groups].map(([unitName, of]) => this.plot(unitName, of)));
+    const groups = this.first.filter((meter) => meter.names.every((name) => at.has(name))).map((meter) => [meter.names.map((name) => at.get(name)), meter]);
+    const taken = new Set(groups.flatMap(([of]) => of)), rest = [...at.values()].filter((k) => !taken.has(k));
+    for (const one of new Set(rest.map((k) => watched[k].unit))) groups.push([rest.filter((k) => watched[k].unit === one)]);
+    this.plots = groups.map(([of, meter]) => this.plot(of, meter));
   }
-  plot(unitName, of, { title, range, number } = {}) {
+  plot(of, { title, range, number } = {}) {
     const names = of.map((k) => this.watched[k].name);
     const made = plot(this.box, {
-      title, range, number, unit: unitName, names, least: STILL, time: this.time, rows: of.map((k) => this.rows[k]),
+      title, range, number, unit: this.watched[of[0]].unit, names, least: STILL, time: this.time, rows: of.map((k) => this.rows[k]),
       close: () => this.ask(this.names().filter((n) => !names.includes(n))),
     });
     return Object.assign(made, { of });
@@ -54,29 +45,23 @@ class Meters {
   }
 }
 
-// The live view of a session. link = {send(text), onmessage(data), onclose()}: JSON, or the bytes of a frame.
+// The live view of a session: messages are JSON, or the bytes of a frame.
 
 const WAY = 20000;
 const LIVE_KEYS = [["space", "run or pause"], ["right, left", "one frame on or back"], ["r", "from the beginning"]];
 const PULLING = "Drag a body to pull it: the longer the line, the stronger. Drag beside bodies to move the picture, wheel "
   + "or two fingers zoom, double click fits. Click a body, tendon or spring for its meter.";
 
-function socketLink(address) {
-  const socket = new WebSocket(address.replace(/^http/, "ws").replace(/[?#].*/, ""));
-  socket.binaryType = "arraybuffer";
-  const link = { send: (text) => { if (socket.readyState === 1) socket.send(text); }, onmessage() {}, onclose() {} };
-  socket.onmessage = (e) => link.onmessage(e.data);
-  socket.onclose = () => link.onclose();
-  return link;
-}
-
 class Live extends Viewer {
-  constructor(root, link) {
+  constructor(root) {
     super(LIVE_KEYS, PULLING);
-    Object.assign(this, { link, ids: 0, sent: new Map(), asked: false, frame: null, ways: new Map(), instants: [],
+    const socket = new WebSocket(location.href.replace(/^http/, "ws").replace(/[?#].*/, ""));
+    socket.binaryType = "arraybuffer";
+    socket.onmessage = ({ data }) => { if (typeof data === "string") this.receive(JSON.parse(data)); else this.take(data); };
+    socket.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true, this.state); };
+    this.link = { send: (text) => { if (socket.readyState === 1) socket.send(text); } };
+    Object.assign(this, { ids: 0, sent: new Map(), asked: false, frame: null, ways: new Map(), instants: [],
                           waiting: new Map(), working: false, stats: { drawn: 0, latency: [], costs: [] } });
-    link.onmessage = (data) => { if (typeof data === "string") this.receive(JSON.parse(data)); else this.take(data); };
-    link.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true, this.state); };
     const list = (id, ariaLabel) => el("ul", { id, className: "warned", ariaLabel, hidden: true });
     this.title = el("h1");
     this.state = el("output", { id: "state" }); this.said = el("output", { id: "said" });   // state of the run; result of the last action
@@ -146,7 +131,7 @@ class Live extends Viewer {
     this.layers.replaceChildren(this.layerBoxes(() => this.layersChosen()));
     this.layersChosen();
     this.followable();
-    this.units = new Map([...head.quantities, ...head.pairs].map((q) => [q.name, q.unit]));
+    this.units = new Map(Object.entries(head.units));
     this.finder.renew();
     this.controls.show(head.controls);
     this.meters.first = head.meters;
@@ -178,7 +163,7 @@ class Live extends Viewer {
     const { head } = this, numbers = new Float32Array(buffer);
     if (this.relisted) {                                  // other items than before, such as those of another layer
       Object.assign(head, this.relisted);
-      Object.assign(this.stage, { list: head.list, stamps: {} });
+      Object.assign(this.stage, { list: head.list, kept: "" });
       this.relisted = null;
     }
     let i = head.head.length;
@@ -250,7 +235,7 @@ class Live extends Viewer {
     const f = this.frame;
     if (!f || f.hand < 0 || !this.held) return;
     const from = s.px(f.from_x, f.from_y), to = s.px(...this.held.to), colour = s.ink("drive");
-    s.stroke(polyline([from, to]), colour, 1.6 * s.u, 5 * s.u);
+    polyline(s.pen(null, colour, 1.6 * s.u, 5 * s.u), [from, to]);
     s.dot(from, 3.2 * s.u, colour); s.dot(to, 4.5 * s.u, null, colour);
     s.words.push({ text: `${+Math.hypot(f.force_x, f.force_y).toPrecision(2)} N`, tip: to, side: to[0] < from[0] ? 4 : 0, rank: -1, ink: colour, clear: 4 });
   }
@@ -385,9 +370,4 @@ class Controls {
   }
   given({ name, value }) { this.rows.get(name).given(value); }
   follow(drive) { for (const row of this.rows.values()) row.follow(drive); }
-}
-
-function live(root, link) {
-  globalThis.sandbox = new Live(root, link);
-  return globalThis.sandbox;
 }

@@ -13,7 +13,7 @@ function el(tag, props = {}, ...kids) {
   return e;
 }
 
-const isDark = (e) => getComputedStyle(e).getPropertyValue("--dark").trim() === "1";
+const isDark = () => getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
 const DASHES = [undefined, [7, 3], [2, 3]];
 const inkOf = (i, dark) => (dark ? mixed(INKS[i % INKS.length], "#ffffff", 0.4) : INKS[i % INKS.length]);
 
@@ -91,7 +91,7 @@ function plot(parent, { title, unit: unitName, names, short: words = names.map(c
     scaled.forEach((row, k) => { cells[k].said.textContent = short(row[indexNear(time, at, row)] ?? null); });
   };
   const make = () => {
-    dark = isDark(box); colours = inks.map(([i]) => inkOf(i, dark)); line = null;
+    dark = isDark(); colours = inks.map(([i]) => inkOf(i, dark)); line = null;
     cells.forEach(({ cell }, k) => { cell.style.color = colours[k]; });
     const axis = { stroke: dark ? "#9aa6b2" : "#5b6570", font: PLOT_FONT, grid: { stroke: dark ? "#232b34" : "#e9ecef", width: 1 },
                    ticks: { show: false } };

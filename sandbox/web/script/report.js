@@ -180,9 +180,8 @@ class Report extends Viewer {
   open(names, title) {
     const plots = this.grouped(names, (name, of) => of.unit(name)).flatMap((all) => parted(all, MOST_CURVES));
     for (const some of plots.slice(0, MOST_PLOTS)) {
-      const key = some.join(" "), there = this.plots.find((p) => p.key === key);
-      if (there) there.box.scrollIntoView({ block: "nearest" });
-      else this.openOne(some, { title: some.length > 1 ? title : "", key });
+      const there = this.plots.find((p) => p.key === some.join(" "));
+      if (there) there.box.scrollIntoView({ block: "nearest" }); else this.openOne(some, { title: some.length > 1 ? title : "" });
     }
     this.show();
     return plots.length;
@@ -191,7 +190,7 @@ class Report extends Viewer {
     const found = names.flatMap((name) => { const of = this.series.find((s) => s.has(name)); return of ? [[name, keyOf(name, of)]] : []; });
     return [...new Set(found.map(([, key]) => key))].map((key) => found.filter((one) => one[1] === key).map(([name]) => name));
   }
-  openOne(names, { title, key, range, number }) {
+  openOne(names, { title, range, number }) {
     const many = this.heads.length > 1, tables = [], labels = [], words = [], inks = [], alike = common(names);
     this.series.forEach((of, k) => {
       const mine = names.filter((name) => of.has(name));
@@ -210,23 +209,18 @@ class Report extends Viewer {
       title: title || (names.length === 1 ? names[0] : alike.title), unit, range, number,
       names: labels, short: words, time: [...time], rows: rows.map((r) => Array.from(r, (v) => (Number.isNaN(v) ? null : v))),
       bands, inks, seek: (t) => this.hold(t), close: () => { this.plots = this.plots.filter((p) => p !== made); } });
-    this.plots.push(Object.assign(made, { key, bands }));
+    this.plots.push(Object.assign(made, { key: names.join(" "), bands }));
   }
   bands(name) {                                           // what runs expect of a quantity: what all of them do once, else that of each in its colour
-    const groups = new Map(), all = this.heads.length;
-    this.heads.forEach(({ words }, k) => {
-      for (const { quantity, statistic, over, low, high, ok } of words.expect) {
-        if (quantity !== name || !over || statistic === "std") continue;
-        const mean = statistic === "mean", key = JSON.stringify([over, low, high, mean]);
-        if (!groups.has(key)) groups.set(key, { from: over[0], to: over[1], low, high, mean, ok: true, runs: new Set() });
-        const band = groups.get(key);
-        band.runs.add(k);
-        band.ok = band.ok && ok;
-      }
-    });
-    return [...groups.values()].flatMap(({ runs, mean, ...band }) => (      // a curve need not lie in the band of its mean
-      runs.size === all ? [{ ...band, ink: null, word: mean ? "mean" : "" }]
-        : [...runs].map((k) => ({ ...band, ink: k, word: `expected${mean ? " mean" : ""} (${k + 1})` }))));
+    const every = this.heads.flatMap(({ words }, run) => words.expect.filter((v) => v.quantity === name && v.over && v.statistic !== "std")
+      .map(({ statistic, over: [from, to], low, high, ok }) => ({ run, from, to, low, high, ok, mean: statistic === "mean" ? "mean" : "" })));
+    const keyOf = ({ from, to, low, high, mean }) => [from, to, low, high, mean].join(), bands = [];
+    for (const key of new Set(every.map(keyOf))) {
+      const alike = every.filter((one) => keyOf(one) === key), [{ mean }] = alike, ok = alike.every((one) => one.ok), runs = new Set(alike.map((one) => one.run));
+      if (runs.size === this.heads.length) bands.push({ ...alike[0], ok, ink: null, word: mean });   // a curve need not lie in the band of its mean
+      else for (const ink of runs) bands.push({ ...alike[0], ok, ink, word: `expected ${mean} (${ink + 1})`.replace("  ", " ") });
+    }
+    return bands;
   }
   // At first: the meters of the scene's view; then what else the header names, by unit and last word. The first
   // AT_FIRST are open, the others have a button each.
@@ -244,7 +238,7 @@ class Report extends Viewer {
     const { meters, plots } = this.head, offers = [], closed = el("div", { className: "closed" });
     for (const meter of meters) {
       const names = meter.names.filter((name) => every.includes(name));
-      if (names.length) offers.push([meter.title || common(names).title || names[0], () => this.openOne(names, { ...meter, key: names.join(" ") })]);
+      if (names.length) offers.push([meter.title || common(names).title || names[0], () => this.openOne(names, meter)]);
     }
     const shown = new Set(meters.flatMap((meter) => meter.names)), most = this.heads.length > 1 ? 2 : MOST_CURVES;
     const lastWord = (name) => name.slice(name.lastIndexOf(".") + 1);
@@ -278,75 +272,46 @@ const rangeText = (low, high) => (low === null && high === null ? "" : low === n
     : `${short(low, 6)} to ${short(high, 6)}`);
 
 function table(kind, rows) {
-  const columns = COLUMNS[kind];
-  const body = rows.map((row) => {
-    const line = el("tr", {}, ...columns.map(([of, read]) => el("td", { textContent: read(row), "data-of": of })));
-    line.className = row.ok === false ? "bad" : row.verdict || "pass";
-    return line;
-  });
-  return el("div", { className: "wide" }, el("table", {}, el("thead", {}, el("tr", {},
-    ...columns.map(([name]) => el("th", { textContent: name })))), el("tbody", {}, ...body)));
-}
-
-function verdictOf({ words }) {
-  const held = words.expect.filter((v) => v.ok).length, all = words.expect.length;
-  const looks = words.audit.filter((f) => f.verdict === "look").length, parts = [];
-  if (!words.complete) parts.push(`not complete: the run ${words.status}${words.reason ? `, ${words.reason}` : ""}`);
-  if (all) parts.push(`${held} of ${all} expectations passed`);
-  if (words.audit.length) parts.push(looks ? `${looks} warning${looks > 1 ? "s" : ""}` : "all checks passed");
-  const how = !words.complete || held < all ? "bad" : looks ? "look" : parts.length ? "good" : "";
-  return { text: parts.join("; ") || "nothing was expected of this run", how };
+  const line = (tag, cells, className = "") => el("tr", { className }, ...cells.map(([of, textContent]) => el(tag, { textContent, "data-of": of })));
+  const body = rows.map((row) => line("td", COLUMNS[kind].map(([of, read]) => [of, read(row)]), row.ok === false ? "bad" : row.verdict || "pass"));
+  return el("div", { className: "wide" }, el("table", {}, el("thead", {}, line("th", COLUMNS[kind].map(([of]) => [of, of]))), el("tbody", {}, ...body)));
 }
 
 function banner(heads) {
-  const box = el("header", {}, el("h1", { textContent: [...new Set(heads.map((head) => head.title))].join(" / ") }));
-  if (heads[0].words.about) box.append(el("p", { className: "about", textContent: heads[0].words.about }));
-  heads.forEach((head, i) => {
-    const { text, how } = verdictOf(head), many = heads.length > 1;
-    box.append(el("p", { className: `verdict ${how}`, textContent: many ? `${i + 1}: ${text}` : text }));
+  const { about } = heads[0].words, box = el("header", {}, el("h1", { textContent: [...new Set(heads.map((head) => head.title))].join(" / ") }));
+  if (about) box.append(el("p", { className: "about", textContent: about }));
+  heads.forEach(({ words }, i) => {
+    const all = words.expect.length, passed = words.expect.filter((v) => v.ok).length, looks = words.audit.filter((f) => f.verdict === "look").length;
+    const parts = [words.complete ? "" : `not complete: the run ${words.status}${words.reason && `, ${words.reason}`}`,
+      all ? `${passed} of ${all} expectations passed` : "",
+      looks ? `${looks} warning${looks > 1 ? "s" : ""}` : words.audit.length ? "all checks passed" : ""].filter(Boolean);
+    const how = !words.complete || passed < all ? "bad" : looks ? "look" : parts.length ? "good" : "";
+    const text = parts.join("; ") || "nothing was expected of this run";
+    box.append(el("p", { className: `verdict ${how}`, textContent: heads.length > 1 ? `${i + 1}: ${text}` : text }));
   });
   return box;
 }
 
-function factsOf(head, whose) {
-  const { words } = head, found = [], list = (items) => el("ul", {}, ...items.map((text) =>
-    el("li", { textContent: text })));
-  if (words.expect.length) {
-    found.push(el("h2", { textContent: `expectations${whose}` }), table("expect", words.expect));
+function factsOf({ name, words, series, thinned }, whose) {
+  const found = [], looks = words.audit.filter((f) => f.verdict === "look"), others = words.audit.filter((f) => f.verdict !== "look");
+  const list = (items) => el("ul", {}, ...items.map((textContent) => el("li", { textContent }))), paragraph = (textContent, className = "") => el("p", { textContent, className });
+  const add = (title, items, content) => { if (items.length) found.push(el("h2", { textContent: title + whose }), content(items)); };
+  add("expectations", words.expect, (rows) => table("expect", rows));
+  add("notes", words.notes, list);
+  add("events", words.events, (all) => list(all.map((e) => `${e.name} at ${short(e.t)} s`)));
+  add("warnings of the consistency checks", looks, (rows) => table("audit", rows));
+  if (others.length) {
+    found.push(fold(`consistency checks${whose}, as saved with the run: ${others.filter((f) => f.verdict === "pass").length} passed`, table("audit", others)));
   }
-  if (words.notes.length) found.push(el("h2", { textContent: `notes${whose}` }), list(words.notes));
-  if (words.events.length) {
-    found.push(el("h2", { textContent: `events${whose}` }),
-               list(words.events.map((e) => `${e.name} at ${short(e.t)} s`)));
-  }
-  if (words.audit.length) {
-    const looks = words.audit.filter((f) => f.verdict === "look"), others = words.audit.filter((f) => f.verdict !== "look");
-    if (looks.length) found.push(el("h2", { textContent: `warnings of the consistency checks${whose}` }), table("audit", looks));
-    if (others.length) {
-      found.push(fold(`consistency checks${whose}, as saved with the run: ${others.filter((f) => f.verdict === "pass").length} passed`,
-        table("audit", others)));
-    }
-  }
-  const scene = el("pre"), copy = el("button", { textContent: "save the scene" });
-  copy.onclick = () => save(new Blob([words.scene], { type: "application/json" }), `${fileName(head.name)}.json`);
-  const text = fold(`scene${whose}`, copy, scene);
-  text.ontoggle = () => { if (!scene.textContent) scene.textContent = words.scene; };
-  found.push(text, fold(`how to repeat it${whose}`, ...repeat(head)));
-  if (head.thinned.length) {
-    found.push(el("p", { className: "thinned", textContent: `Thinned on this page${whose}: ${head.thinned.join("; ")}. `
-      + "The run itself has every sample." }));
-  }
+  const file = fileName(name), scene = el("pre"), versions = Object.entries(words.versions).map(([k, v]) => `${k} ${v}`);
+  const text = fold(`scene${whose}`, button("", "save the scene", "", () => save(new Blob([words.scene], { type: "application/json" }), `${file}.json`)), scene);
+  text.ontoggle = () => { scene.textContent ||= words.scene; };
+  found.push(text, fold(`how to repeat it${whose}`,
+    paragraph("Save the scene above and run it; the same versions on the same platform give the same numbers."),
+    el("pre", { textContent: `sandbox run ${file}.json --out ${file}\nsandbox report ${file}` }),
+    paragraph(`Made with ${versions.join(", ")}; steps of ${short(words.step)} s, ${words.samples} samples at ${short(words.rate)} Hz, ${series.length} quantities.`)));
+  if (thinned.length) found.push(paragraph(`Thinned on this page${whose}: ${thinned.join("; ")}. The run itself has every sample.`, "thinned"));
   return found;
-}
-
-function repeat({ name, words, series }) {
-  const file = `${fileName(name)}.json`, versions = Object.entries(words.versions).map(([k, v]) => `${k} ${v}`);
-  return [
-    el("p", { textContent: "Save the scene above and run it; the same versions on the same platform give the same numbers." }),
-    el("pre", { textContent: `sandbox run ${file} --out ${fileName(name)}\nsandbox report ${fileName(name)}` }),
-    el("p", { textContent: `Made with ${versions.join(", ")}; steps of ${short(words.step)} s, `
-      + `${words.samples} samples at ${short(words.rate)} Hz, ${series.length} quantities.` }),
-  ];
 }
 
 // The page: `scripts` hold the header of each run, and after each comes one with its numbers.
@@ -354,7 +319,7 @@ async function report(root, scripts) {
   try {
     const heads = scripts.map((s) => JSON.parse(s.textContent));
     const datas = await Promise.all(scripts.map((s, i) =>
-      unpack(heads[i], fromBase64(s.nextElementSibling.textContent))));
+      unpack(heads[i], s.nextElementSibling.textContent)));
     globalThis.sandbox = new Report(root, heads, datas);
     document.documentElement.dataset.ready = "1";
     performance.mark("ready");

@@ -2,7 +2,7 @@
 
 // Wheel zooms at the pointer, drag pans, double click fits, two fingers pinch. `hooks`: hover(pick,
 // event), click(pick), grab(pick, x, y) may take a drag for itself and answers with {move, drop}.
-function camera(stage, redraw, hooks = {}) {
+function camera(stage, redraw, hooks) {
   const { canvas } = stage, down = new Map();
   let pinch = 0, moved = 0, grip = null;
   const at = (e) => [e.offsetX, e.offsetY];
@@ -23,8 +23,8 @@ function camera(stage, redraw, hooks = {}) {
       const found = stage.pick(...now), before = stage.hover;
       stage.hover = found;
       canvas.style.cursor = found ? "pointer" : "grab";
-      if (hooks.hover) hooks.hover(found, e);
-      if ((found && found.n) !== (before && before.n) || (found && found.value) !== (before && before.value)) redraw();
+      hooks.hover(found, e);
+      if (found?.n !== before?.n || found?.value !== before?.value) redraw();
       return;
     }
     moved += apart(was, now);
@@ -39,18 +39,13 @@ function camera(stage, redraw, hooks = {}) {
       pinch = d;
     }
   });
-  const up = (e) => {
+  canvas.onpointerup = canvas.onpointercancel = (e) => {
     if (down.delete(e.pointerId) && grip) { grip.drop(); grip = null; }
-    else if (e.type === "pointerup" && moved <= 3 && hooks.click) hooks.click(stage.pick(...at(e)), e);
+    else if (e.type === "pointerup" && moved <= 3) hooks.click(stage.pick(...at(e)));
     pinch = 0;
   };
-  for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, up);
-  canvas.addEventListener("pointerleave", () => {
-    stage.hover = null;
-    if (hooks.hover) hooks.hover(null);
-    redraw();
-  });
-  canvas.addEventListener("dblclick", () => { stage.fit(); redraw(); });
+  canvas.onpointerleave = () => { stage.hover = null; hooks.hover(null); redraw(); };
+  canvas.ondblclick = () => { stage.fit(); redraw(); };
 }
 
 // Names of the quantities of a picked element.

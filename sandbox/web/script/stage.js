@@ -8,31 +8,31 @@ const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
 const turned = ([x, y], a) => [Math.cos(a) * x - Math.sin(a) * y, Math.sin(a) * x + Math.cos(a) * y];
 
-function subpath(path, d, k, radius) {                    // a ring, {c: a capsule or circle}, {l: an open line}
+function subpath(path, d, radius, to = (x, y) => [x, y], k = 1) {   // a ring, {c: a capsule or circle}, {l: an open line}; to(x, y): its place; k: its scale
   if (d.c) {
-    const [x0, y0, x1, y1] = d.c.map((v) => v * k), r = Math.max(radius * k, 0);
-    if (x0 === x1 && y0 === y1) { path.moveTo(x0 + r, y0); path.arc(x0, y0, r, 0, TAU); return; }
-    const way = Math.atan2(y1 - y0, x1 - x0), q = Math.PI / 2;
-    path.arc(x1, y1, r, way - q, way + q); path.arc(x0, y0, r, way + q, way + 3 * q);
+    const [x0, y0] = to(d.c[0], d.c[1]), r = Math.max(k * radius, 0), q = Math.PI / 2;
+    if (d.c[0] === d.c[2] && d.c[1] === d.c[3]) { path.moveTo(x0 + r, y0); path.arc(x0, y0, r, 0, TAU); return; }
+    const [x1, y1] = to(d.c[2], d.c[3]), way = Math.atan2(y1 - y0, x1 - x0), from = way - q;
+    path.moveTo(x1 + r * Math.cos(from), y1 + r * Math.sin(from));
+    path.arc(x1, y1, r, from, way + q); path.arc(x0, y0, r, way + q, way + 3 * q);
   } else {
-    const flat = d.l || d;
-    path.moveTo(k * flat[0], k * flat[1]);
-    for (let i = 2; i < flat.length; i += 2) path.lineTo(k * flat[i], k * flat[i + 1]);
+    const flat = d.l || d, points = [];
+    for (let i = 0; i < flat.length; i += 2) points.push(to(flat[i], flat[i + 1]));
+    polyline(path, points);
   }
   if (!d.l) path.closePath();
 }
-function polyline(points) {
-  const path = new Path2D();
-  for (let i = 0; i < points.length; i++) path.lineTo(points[i][0], points[i][1]);
-  return path;
+function polyline(path, points) {
+  for (let i = 0; i < points.length; i++) {
+    if (i) path.lineTo(points[i][0], points[i][1]); else path.moveTo(points[i][0], points[i][1]);
+  }
 }
-function arrowPath([x0, y0], [x1, y1], shaft, head) {     // widths and length [px]
+function arrowOn(path, [x0, y0], [x1, y1], shaft, head) { // widths and length [px]
   const d = Math.hypot(x1 - x0, y1 - y0) || 1e-9, [ux, uy] = [(x1 - x0) / d, (y1 - y0) / d];
   const long = Math.min(head, 0.62 * d), half = shaft / 2, wide = Math.max(half, 0.45 * long), [bx, by] = [x1 - long * ux, y1 - long * uy];
-  const path = polyline([[x0 - half * uy, y0 + half * ux], [bx - half * uy, by + half * ux], [bx - wide * uy, by + wide * ux], [x1, y1],
-                         [bx + wide * uy, by - wide * ux], [bx + half * uy, by - half * ux], [x0 + half * uy, y0 - half * ux]]);
+  polyline(path, [[x0 - half * uy, y0 + half * ux], [bx - half * uy, by + half * ux], [bx - wide * uy, by + wide * ux], [x1, y1],
+                  [bx + wide * uy, by - wide * ux], [bx + half * uy, by - half * ux], [x0 + half * uy, y0 - half * ux]]);
   path.closePath();
-  return path;
 }
 const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 function mixed(a, b, w) {
@@ -45,15 +45,14 @@ class Stage {
     const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion: ${use}` });
     canvas.style.aspectRatio = String(head.view.aspect);
     Object.assign(this, { canvas, head, list: head.list, ctx: canvas.getContext("2d"), zoom: 1, pan: [0, 0], hover: null, extra: [],
-                          stamp: "", lines: 0, stamps: {}, widths: new Map() });
+                          stamp: "", lines: 0, widths: new Map() });
     this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
     this.follow = head.view.follow ? head.bodies.findIndex((b) => b.name === head.view.follow) : -1;
     new ResizeObserver(() => { this.size = null; }).observe(canvas);
     this.dress();
   }
   dress() {                                               // light or dark colours
-    this.night = +(getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1");
-    this.dark = !!this.night; this.patterns = {}; this.stamps = {};
+    this.dark = isDark(); this.night = +this.dark; this.patterns = {};
     this.back = this.ink("paper");
   }
   ink(token, by = 0) {
@@ -72,12 +71,11 @@ class Stage {
     const [W, H] = [Math.round(w * dpr), Math.round(h * dpr)];
     if (canvas.width !== W || canvas.height !== H) { canvas.width = W; canvas.height = H; }
     const u = clamp(Math.min(w / 800, h / 400), 0.6, 1.5);
-    if (u !== this.u || dpr !== this.dpr) { this.stamps = {}; this.patterns = {}; }
+    if (u !== this.u || dpr !== this.dpr) { this.patterns = {}; this.widths.clear(); }
     Object.assign(this, { w, h, dpr, u, small: w < SMALL, thin: w < SMALL ? 0.75 : 1, text: Math.max(11, Math.round(13 * u)) });
     const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, ...this.layers].join();
     if (kept !== this.kept) { this.kept = kept; this.rows = this.legend(); }
-    const lines = Math.max(this.rows.length, this.lines, this.stamp ? 1 : 0);
-    this.foot = lines ? (1.5 * lines + 0.6) * this.text : 0;
+    this.foot = h - Math.floor((h - (1.5 * Math.max(this.rows.length, this.lines, 1) + 0.6) * this.text) * dpr) / dpr;   // from a whole pixel on
     const [x0, y0, x1, y1] = head.box, v = head.view, room = Math.max(h - this.foot, 20);
     const [cx, cy] = v.centre || [(x0 + x1) / 2, (y0 + y1) / 2];
     const fitted = v.width ? Math.min(w / v.width, room * v.aspect / v.width)
@@ -99,22 +97,27 @@ class Stage {
     const p = this.pose;
     return turned([x - p[3 * f], y - p[3 * f + 1]], -p[3 * f + 2]);
   }
-  at([f, x, y, dx = 0, dy = 0]) {
-    const p = this.pose, a = p[3 * f + 2], c = Math.cos(a), s = Math.sin(a), k = this.scale;
-    return [this.ox + k * (p[3 * f] + c * x - s * y) + dx * this.u, this.oy - k * (p[3 * f + 1] + s * x + c * y) - dy * this.u];
+  at(point) {
+    const p = this.pose, f = 3 * point[0], x = point[1], y = point[2], c = Math.cos(p[f + 2]), s = Math.sin(p[f + 2]), k = this.scale;
+    const at = [this.ox + k * (p[f] + c * x - s * y), this.oy - k * (p[f + 1] + s * x + c * y)];
+    if (point.length > 3) { at[0] += point[3] * this.u; at[1] -= point[4] * this.u; }
+    return at;
   }
   place(f) {                                              // metres of a frame to device pixels
     const p = this.pose, a = p[3 * f + 2], k = this.scale * this.dpr, c = k * Math.cos(a), s = k * Math.sin(a);
-    const e = this.dpr * (this.ox + this.scale * p[3 * f]), g = this.dpr * (this.oy - this.scale * p[3 * f + 1]);
-    this.ctx.setTransform(c, -s, -s, -c, e, g);
+    this.ctx.setTransform(c, -s, -s, -c, this.dpr * (this.ox + this.scale * p[3 * f]), this.dpr * (this.oy - this.scale * p[3 * f + 1]));
+    this.placed = true;
   }
-  widthOf(text) {                                         // in the present font, which is slow to measure
-    const key = `${this.ctx.font}|${text}`;
+  plain() {
+    if (this.placed) this.ctx.setTransform(this.dpr, 0, 0, this.dpr, 0, 0);
+    this.placed = false;
+  }
+  widthOf(text) {                                         // of a label; digits have one width
+    const key = text.replace(/\d/g, "0");
     if (this.widths.size > 2000) this.widths.clear();
-    if (!this.widths.has(key)) this.widths.set(key, this.ctx.measureText(text).width);
+    if (!this.widths.has(key)) this.widths.set(key, this.ctx.measureText(key).width);
     return this.widths.get(key);
   }
-  plain() { this.ctx.setTransform(this.dpr, 0, 0, this.dpr, 0, 0); }
   zoomAt(factor, x, y) {                                  // the point at (x, y) stays where it is
     const [a, b] = this.world(x, y);
     this.zoom = clamp(this.zoom * factor, 0.1, 400);
@@ -128,53 +131,70 @@ class Stage {
   draw(frame, ghosts = []) {                              // {t, pose, values, tables: rows by name, trail(item)}
     const { ctx } = this;
     this.frame = frame; this.pose = frame.pose; this.values = frame.values;
-    this.resize(); this.plain();
-    ctx.lineJoin = "round"; ctx.lineCap = "butt"; ctx.globalAlpha = 1;
+    this.resize();
+    this.placed = true; this.plain();
+    ctx.lineJoin = "round";
     ctx.fillStyle = this.back; ctx.fillRect(0, 0, this.w, this.h);
     this.words = [];
     if (this.layers.has("coordinates")) this.grid();
-    this.items();
+    for (const item of this.list.items) if (this.shows(item)) this.paint(item);
     for (const ghost of ghosts) this.ghost(ghost);
     for (const more of this.extra) more(this, frame);
+    this.flush();
+    this.plain();
     this.write();
     this.strip();
   }
-  items() {
-    for (const item of this.list.items) {
-      const shown = this.layers.has(item.l) && (item.if === undefined || this.value(item.if) > 0.5);
-      item.seen = shown ? PAINT[item.k](this, item) : null;   // for picking
-    }
-    this.plain();
+  shows(item) { return this.layers.has(item.l) && (item.if === undefined || this.value(item.if) > 0.5); }
+  paint(item) {
+    if (item.k in PAINT) { PAINT[item.k](this, item); return; }
+    const [, edge, width, dash] = this.look(item);
+    LINES[item.k](this, item, this.pen(null, edge, width, dash));
   }
   ghost({ head, frame, colour }) {                        // areas of another run, as outlines in its colour
-    const { ctx, pose } = this;
-    this.pose = frame.pose;
+    const { ctx, pose, values } = this;
+    this.pose = frame.pose; this.values = frame.values;
+    this.flush();
     for (const item of head.list.items) {
       if (item.k !== "path" || !this.layers.has(item.l) || this.list.styles[item.s]?.[4]) continue;
       const path = this.path(item);
       this.place(item.f);
       ctx.fillStyle = `${colour}18`; ctx.fill(path, item.m ? "nonzero" : "evenodd");
-      ctx.strokeStyle = colour; ctx.lineWidth = 1.2 * this.u / this.scale; ctx.stroke(path);
+      this.stroke(path, colour, 1.2 * this.u / this.scale);
     }
-    this.plain();
-    this.pose = pose;
+    this.pose = pose; this.values = values;
   }
-  value(v) { return Array.isArray(v) ? this.values[v[0]] : v; }
+  value(v) { return typeof v === "number" ? v : this.values[v[0]]; }
   choice(item, all) {                                     // of a list, the one that the item's state picks
     return Array.isArray(all) ? all[clamp(Math.round(item.state === undefined ? 0 : this.value(item.state)), 0, all.length - 1)] : all;
   }
   look(item) {                                            // fill, edge, width, dash [px], hatched
-    const [fill, edge, width, dash, hatched] = this.list.styles[this.choice(item, item.s)], by = item.by === undefined ? 0 : this.value(item.by);
+    const style = this.list.styles[this.choice(item, item.s)], by = item.by === undefined ? 0 : this.value(item.by);
     const wide = (item.wide === undefined ? 1 : this.value(item.wide)) * this.u * this.thin, lit = item.n && this.hover && this.hover.n === item.n;
-    return [this.ink(fill, by), lit ? this.ink("force") : this.ink(edge, by), width * wide, dash * this.u, hatched && !this.small];
+    return [this.ink(style[0], by), lit ? this.ink("force") : this.ink(style[1], by), style[2] * wide, style[3] * this.u, style[4] && !this.small];
   }
   path(item) {                                            // in metres; made once, but for what swells
     const swells = item.d.some((d) => d.c && Array.isArray(d.c[4]));
     if (!item.path || swells) {
       item.path = new Path2D();
-      for (const d of item.d) subpath(item.path, d, 1, d.c && this.value(d.c[4]));
+      for (const d of item.d) subpath(item.path, d, d.c && this.value(d.c[4]));
     }
     return item.path;
+  }
+  pen(fill, edge, width = 0, dash = 0) {                  // a path in pixels to add to; what follows each other with one look is painted at once
+    const last = this.pending;
+    if (last && last.fill === fill && last.edge === edge && last.width === width && last.dash === dash) return last.path;
+    this.flush();
+    this.pending = { fill, edge, width, dash, path: new Path2D() };
+    return this.pending.path;
+  }
+  flush() {
+    const { ctx, pending } = this;
+    if (!pending) return;
+    this.pending = null;
+    this.plain();
+    if (pending.fill) { ctx.fillStyle = pending.fill; ctx.fill(pending.path); }
+    this.stroke(pending.path, pending.edge, pending.width, pending.dash);
   }
   stroke(path, edge, width, dash = 0) {
     const { ctx } = this;
@@ -184,12 +204,7 @@ class Stage {
     ctx.stroke(path);
     if (dash) ctx.setLineDash([]);
   }
-  dot([x, y], r, fill, edge) {
-    const path = new Path2D();
-    path.arc(x, y, Math.max(r, 0), 0, TAU);
-    if (fill) { this.ctx.fillStyle = fill; this.ctx.fill(path); }
-    this.stroke(path, edge, 1.6 * this.u);
-  }
+  dot([x, y], r, fill, edge) { subpath(this.pen(fill, edge, 1.6 * this.u), { c: [x, y, x, y] }, r); }
   hatch(edge) {
     if (!this.patterns[edge]) {
       const side = Math.max(4, Math.round(PITCH * this.u * this.dpr)), c = new OffscreenCanvas(side, side), g = c.getContext("2d");
@@ -201,32 +216,22 @@ class Stage {
     this.patterns[edge].setTransform(this.ctx.getTransform().inverse());   // hatches stay on the screen
     return this.patterns[edge];
   }
-  glyph(name, [x, y], turn = 0, k = this.u) {             // a symbol of constant size
-    const { ctx, dpr, list } = this, key = `${name}|${k}`, c = dpr * Math.cos(turn), s = dpr * Math.sin(turn);
-    this.stamps[key] ??= list.glyphs[name].map(([style, d]) => {
-      const path = new Path2D();
-      subpath(path, d, k, d.c && d.c[4]);
-      return [list.styles[style], path, !!d.l];
-    });
-    ctx.setTransform(c, -s, -s, -c, dpr * x, dpr * y);
-    for (const [[fill, edge, width, dash], path, open] of this.stamps[key]) {
-      if (fill && !open) { ctx.fillStyle = this.ink(fill, 1); ctx.fill(path); }
-      this.stroke(path, this.ink(edge, 1), width * k, dash * k);
+  glyph(name, [x, y], turn = 0) {                         // a symbol of constant size
+    const { u, list } = this, c = u * Math.cos(turn), s = u * Math.sin(turn), to = (p, q) => [x + c * p - s * q, y - s * p - c * q];
+    for (const [style, d] of list.glyphs[name]) {
+      const [fill, edge, width, dash] = list.styles[style];
+      subpath(this.pen(d.l ? null : this.ink(fill, 1), this.ink(edge, 1), width * u, dash * u), d, d.c && d.c[4], to, u);
     }
-    this.plain();
   }
-  arrow(a, b, [shaft, head], fill, rim, width) {
-    const { ctx } = this, u = this.u * (this.small ? 0.8 : 1);
-    if (rim) { ctx.fillStyle = rim; ctx.fill(arrowPath(a, b, shaft * u + width, head * u + width)); }
-    const path = arrowPath(a, b, shaft * u, head * u);
-    ctx.fillStyle = fill; ctx.fill(path);
-    return path;
+  arrow(path, tail, tip, [shaft, head], more = 0) {
+    const u = this.u * (this.small ? 0.8 : 1);
+    arrowOn(path, tail, tip, shaft * u + more, head * u + more);
   }
   cutBars(tail, tip, half, ink) {                         // across an arrow that would be longer
     const d = apart(tail, tip) || 1, [ux, uy] = [(tip[0] - tail[0]) / d, (tip[1] - tail[1]) / d], lean = 2 * this.u;
     for (const w of [0.4, 0.5]) {
       const [x, y] = [tail[0] + w * d * ux, tail[1] + w * d * uy];
-      this.stroke(polyline([[x + uy * half - ux * lean, y - ux * half - uy * lean], [x - uy * half + ux * lean, y + ux * half + uy * lean]]), ink, 1.8 * this.u);
+      polyline(this.pen(null, ink, 1.8 * this.u), [[x + uy * half - ux * lean, y - ux * half - uy * lean], [x - uy * half + ux * lean, y + ux * half + uy * lean]]);
     }
   }
   vectors(item) {                                         // [row, tail, tip, size] of arrows in sight, small ones first
@@ -242,7 +247,7 @@ class Stage {
     const step = roundLength(175 * this.u / this.scale), [x0, y0] = this.world(0, this.h - this.foot), [x1, y1] = this.world(this.w, 0);
     const [factor, unitName] = step >= 0.1 ? [1, "m"] : [1e3, "mm"], count = (low, high) => [Math.ceil(low / step), Math.floor(high / step)];
     const put = (n, path, tip) => {
-      this.stroke(polyline(path), this.ink("hairline"), (n ? 0.9 : 1.8) * this.u);
+      polyline(this.pen(null, this.ink("hairline"), (n ? 0.9 : 1.8) * this.u), path);
       this.words.push({ text: `${+(n * step * factor).toPrecision(6)} ${unitName}`, tip, side: 2, rank: 6, ink: this.ink("faint_ink"), clear: 0 });
     };
     const [[a, b], [c, d]] = [count(x0, x1), count(y0, y1)];
@@ -261,6 +266,7 @@ class Stage {
     if (!place || this.value(place[1]) <= 0.5) return;
     this.words.push({ text, tip, side: place[0], rank: item.rank ?? 1, ink, size, clear: (item.clear || 0) * this.u, number: item.k !== "text" || "value" in item });
   }
+  arrowText(item, row, size) { return this.valueText(item, row.length > 6 ? row[6] : size); }
   valueText(item, value) { return `${fixedText(value * item.factor, item.decimals)} ${item.unit}`; }
   write() {                                               // of two on one spot the first stays
     const { ctx, u } = this, taken = [], most = this.small ? FEW : MOST, bottom = this.h - this.foot;
@@ -279,7 +285,8 @@ class Stage {
       numbers += number ? 1 : 0;
       if (far) {
         ctx.globalAlpha = 0.6;
-        this.stroke(polyline([[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]]), ink, 1);
+        polyline(this.pen(null, ink, 1), [[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]]);
+        this.flush();
         ctx.globalAlpha = 1;
       }
       ctx.lineWidth = 3; ctx.strokeStyle = this.back; ctx.strokeText(text, x, y);
@@ -289,11 +296,10 @@ class Stage {
   legend() {                                              // rows of entries that fit: {row, symbol, words, width}
     const { ctx, u } = this, width = this.w - 2 * this.text, rows = [];
     ctx.font = `${this.text}px ${FONT}`;
-    const room = this.stamp ? ctx.measureText(`${this.stamp}00`).width + 2 * this.text : 0;
+    const room = ctx.measureText(`${this.stamp}00`).width + 2 * this.text;
     let used = Infinity;
     const shown = this.list.legend.filter((row) => this.layers.has(row.l));
-    for (const [k, row] of shown.entries()) {
-      if (shown[k + 1]?.instead === row.l) continue;
+    for (const row of shown.filter((one, k) => shown[k + 1]?.instead !== one.l)) {
       let symbol = row.k === "ramp" ? 64 * u : (row.width || 0) * u, after = row.after ?? row.words;
       if (row.k === "scale") {
         const size = roundLength((row.size ? 52 : 80) * u / (row.metres * this.scale || 1));
@@ -311,57 +317,67 @@ class Stage {
     }
     return rows.filter((row) => row.length);
   }
-  strip() {                                               // the legend, and the time
-    if (!this.foot) return;
-    const { ctx, u } = this;
-    ctx.fillStyle = this.back; ctx.fillRect(0, this.h - this.foot, this.w, this.foot);
-    ctx.font = `${this.text}px ${FONT}`; ctx.textBaseline = "middle";
-    const put = (text, x, y) => { ctx.fillStyle = this.ink("faint_ink"); ctx.fillText(text, x, y); return x + this.widthOf(text); };
+  strip() {                                               // the legend, an image until it changes, and the time
+    const { ctx, w, h, foot, text } = this, kept = `${this.kept} ${foot}`;
+    if (this.printed !== kept) Object.assign(this, { printed: kept, plate: this.print() });
+    ctx.drawImage(this.plate, 0, h - foot, w, foot);
+    ctx.font = `${text}px ${FONT}`; ctx.textAlign = "right"; ctx.fillStyle = this.ink("faint_ink");
+    ctx.fillText(this.stamp, w - text, h - foot + text);
+  }
+  print() {
+    const { ctx: own, dpr, u, text } = this, sheet = new OffscreenCanvas(Math.round(this.w * dpr), Math.round(this.foot * dpr));
+    const ctx = this.ctx = sheet.getContext("2d"), put = (words, x, y) => { ctx.fillStyle = this.ink("faint_ink"); ctx.fillText(words, x, y); return x + ctx.measureText(words).width; };
+    ctx.fillStyle = this.back; ctx.fillRect(0, 0, sheet.width, sheet.height);
+    this.placed = true; this.plain();
+    ctx.font = `${text}px ${FONT}`; ctx.textBaseline = "middle";
     this.rows.forEach((entries, k) => {
-      const y = this.h - this.foot + (1.5 * k + 1) * this.text;
-      let x = this.text;
-      ctx.textAlign = "left";
+      const y = (1.5 * k + 1) * text;
+      let x = text;
       for (const { row, symbol, before, after } of entries) {
         if (before) x = put(before, x, y) + 5 * u;
         this.symbol(row, x, y, symbol);
+        this.flush();
         x = put(after, x + symbol + 5 * u, y) + 17 * u;
       }
     });
-    if (this.stamp) { ctx.textAlign = "right"; put(this.stamp, this.w - this.text, this.h - this.foot + this.text); }
+    this.ctx = own;
+    return sheet.transferToImageBitmap();
   }
   symbol(row, x, y, width) {
     const { ctx, u } = this;
     if (row.k === "ramp") {
-      for (let k = 0; k < 32; k++) {
-        ctx.fillStyle = this.ink(`@${row.ramp}`, row.low + (1 - row.low) * k / 31);
-        ctx.fillRect(x + width * k / 32, y - 4.5 * u, width / 32 + 0.6, 9 * u);
-      }
+      ctx.fillStyle = ctx.createLinearGradient(x, 0, x + width, 0);
+      for (let k = 0; k < 32; k++) ctx.fillStyle.addColorStop(k / 31, this.ink(`@${row.ramp}`, row.low + (1 - row.low) * k / 31));
+      ctx.fillRect(x, y - 4.5 * u, width, 9 * u);
     } else if (row.k === "glyph") this.glyph(row.g, [row.centred ? x + width / 2 : x, y]);
-    else if (row.size) this.arrow([x, y], [x + width, y], row.size, this.ink(this.list.styles[row.s][0]));
+    else if (row.size) this.arrow(this.pen(this.ink(this.list.styles[row.s][0])), [x, y], [x + width, y], row.size);
     else {
-      const path = polyline([[x, y], [x + width, y]]);
-      for (const end of [x, x + width]) { path.moveTo(end, y - 4 * u); path.lineTo(end, y + 4 * u); }
-      this.stroke(path, this.ink("ink"), 1.6 * u);
+      const path = this.pen(null, this.ink("ink"), 1.6 * u);
+      for (const [a, b] of [[[x, y], [x + width, y]], ...[x, x + width].map((end) => [[end, y - 4 * u], [end, y + 4 * u]])]) polyline(path, [a, b]);
     }
   }
 
   // -- picking ------------------------------------------------------------------------------------------
   // The topmost named item under a pixel, {n, f, value}: its name, frame (or -1) and the text of an arrow; `of` says which frames count.
   pick(x, y, of = () => true) {
-    const { ctx } = this, [px, py] = [x * this.dpr, y * this.dpr];
-    for (let i = this.list.items.length - 1; i >= 0; i--) {
-      const item = this.list.items[i], f = item.k === "path" ? item.f : -1;
-      if (!item.n || !item.seen || !of(f)) continue;
+    const { ctx } = this, [px, py] = [x * this.dpr, y * this.dpr], { bodies } = this.head;
+    const pair = (key) => `${bodies[Math.floor(key / bodies.length)].name}/${bodies[key % bodies.length].name}`;
+    for (const item of [...this.list.items].reverse()) {
+      const f = item.k === "path" ? item.f : -1, path = new Path2D();
+      if (!item.n || !of(f) || !this.shows(item)) continue;
       if (item.k === "arrows") {
-        const { bodies } = this.head, pair = (key) => `${bodies[Math.floor(key / bodies.length)].name}/${bodies[key % bodies.length].name}`;
-        for (const [path, row, value] of item.seen) {
-          if (ctx.isPointInPath(path, px, py)) return { n: item.l === "contacts" ? pair(row[1]) : item.n, f, value };
+        for (const [row, tail, tip, size] of this.vectors(item).reverse()) {
+          const one = new Path2D();
+          this.arrow(one, tail, tip, item.size);
+          if (ctx.isPointInPath(one, px, py)) return { n: item.l === "contacts" ? pair(row[1]) : item.n, f, value: this.arrowText(item, row, size) };
         }
         continue;
       }
       if (f >= 0) this.place(f);
+      if (item.k in LINES) LINES[item.k](this, item, path);
       ctx.lineWidth = REACH;
-      const hit = item.k === "mark" ? apart(item.seen, [x, y]) <= REACH / 2 : f >= 0 ? ctx.isPointInPath(item.seen, px, py, item.m ? "nonzero" : "evenodd") : ctx.isPointInStroke(item.seen, px, py);
+      const hit = item.k === "mark" ? apart(this.at(item.at), [x, y]) <= REACH / 2
+        : f >= 0 ? ctx.isPointInPath(this.path(item), px, py, item.m ? "nonzero" : "evenodd") : ctx.isPointInStroke(path, px, py);
       this.plain();
       if (hit) return { n: item.n, f };
     }
@@ -369,117 +385,100 @@ class Stage {
   }
 }
 
-// -- each kind of item; the result is a path for picking, of a mark its place -------------------------------------------------
+// -- each kind of item: LINES are added to a path in pixels, PAINT draws the others -------------------------------------------------
+
+const LINES = {
+  line(s, item, path) { polyline(path, item.p.map((p) => s.at(p))); },
+  span(s, item, path) {                                   // a pattern between two points
+    const a = s.at(item.a), b = s.at(item.b), d = apart(a, b) || 1e-9, [ex, ey] = [(b[0] - a[0]) / d, (b[1] - a[1]) / d], { t } = item, { u } = s;
+    const draw = (from, along, across) => {
+      for (let i = 0; i < t.length; i += 2) {
+        const w = from + t[i] * along, v = t[i + 1] * across, x = a[0] + w * ex + v * ey, y = a[1] + w * ey - v * ex;
+        if (i) path.lineTo(x, y); else path.moveTo(x, y);
+      }
+    };
+    if (item.every) for (let k = 1; k < Math.min(2000, d / (item.every * u)); k++) draw(k * item.every * u, u, u);
+    else draw(0, d, clamp(item.w[0] * d, item.w[1] * u, item.w[2] * u));
+  },
+  spiral(s, item, path) {
+    const [x, y] = s.at(item.at), [r0, r1] = item.r.map((r) => r * s.u), from = s.value(item.start), sweep = s.value(item.sweep), head = (item.head || 0) * s.u;
+    const back = head ? Math.min(0.8 * Math.abs(sweep), head / r1) / Math.max(Math.abs(sweep), 1e-9) : 0;
+    const spot = (w) => [x + (r0 + (r1 - r0) * w) * Math.cos(from + sweep * w), y - (r0 + (r1 - r0) * w) * Math.sin(from + sweep * w)];
+    polyline(path, Array.from({ length: 30 }, (_, k) => spot(k / 29 * (1 - back))));
+    return [spot(1 - back), spot(1)];
+  },
+  taut(s, item, path) {
+    let begun = false;
+    for (const [f, x, y, radius, sense, meets, leaves] of item.p) {
+      const [px, py] = s.at([f, x, y]), round = meets !== undefined, from = round && s.value(meets), to = round && s.value(leaves);
+      if (Number.isNaN(from + to)) continue;              // off this circle
+      const r = round ? Math.max(0, s.value(radius) * s.scale) : 0, first = [px + r * Math.cos(from), py - r * Math.sin(from)];
+      if (begun) path.lineTo(...first); else path.moveTo(...first);
+      begun = true;
+      if (round) path.arc(px, py, r, -from, -to, to > from || (to === from && sense < 0));
+    }
+    if (item.c) path.closePath();
+  },
+  sag(s, item, path) {
+    const a = s.at(item.a), b = s.at(item.b);
+    path.moveTo(...a);
+    path.quadraticCurveTo((a[0] + b[0]) / 2, (a[1] + b[1]) / 2 + 2 * s.value(item.depth) * s.scale, ...b);
+  },
+  trail(s, item, path) {                                  // returns the places of its marks
+    const { way, times, count } = s.frame.trail(item), points = [], spots = [];
+    let [x, y] = [Infinity, Infinity], next = item.every * Math.ceil(times[0] / item.every + 1e-9);
+    for (let k = 0; k < count; k++) {
+      const at = s.px(way[2 * k], way[2 * k + 1]);
+      if (times[k] >= next - 1e-9) { spots.push(at); next = item.every * (Math.floor(times[k] / item.every + 1e-9) + 1); }
+      if (!(Math.hypot(at[0] - x, at[1] - y) < SHORTEST)) { points.push(at); [x, y] = at; }
+    }
+    polyline(path, [...points, s.at(item.at)]);
+    return spots;
+  },
+};
 
 const PAINT = {
   path(s, item) {
     const path = s.path(item), { ctx } = s, [fill, edge, width, dash, hatched] = s.look(item), rule = item.m ? "nonzero" : "evenodd", k = 1 / s.scale;
+    s.flush();
     s.place(item.f);
     if (item.m) s.stroke(path, edge, 2 * width * k, dash * k);   // one outline round the union
     if (fill) { ctx.fillStyle = fill; ctx.fill(path, rule); }
     if (hatched) { ctx.fillStyle = s.hatch(edge); ctx.fill(path, rule); }
     if (!item.m) s.stroke(path, edge, width * k, dash * k);
-    s.plain();
-    return path;
   },
-  line(s, item) {
-    const path = polyline(item.p.map((p) => s.at(p))), [, edge, width, dash] = s.look(item);
-    s.stroke(path, edge, width, dash);
-    return path;
-  },
-  mark(s, item) {
-    const at = s.at(item.at);
-    s.glyph(s.choice(item, item.g), at, item.turn === undefined ? 0 : s.value(item.turn));
-    return at;
-  },
-  span(s, item) {                                         // a pattern between two points
-    const a = s.at(item.a), b = s.at(item.b), d = apart(a, b) || 1e-9, [ex, ey] = [(b[0] - a[0]) / d, (b[1] - a[1]) / d], { t, u = s.u } = item;
-    const [, edge, width, dash] = s.look(item), path = new Path2D();
-    if (item.every) {
-      const step = item.every * s.u;
-      for (let k = 1; k < Math.min(2000, d / step); k++) {
-        for (let i = 0; i < t.length; i += 2) {
-          const [w, v] = [k * step + t[i] * u, t[i + 1] * u], at = [a[0] + w * ex + v * ey, a[1] + w * ey - v * ex];
-          if (i) path.lineTo(...at); else path.moveTo(...at);
-        }
-      }
-    } else {
-      const [share, low, high] = item.w, half = clamp(share * d, low * s.u, high * s.u);
-      for (let i = 0; i < t.length; i += 2) path.lineTo(a[0] + t[i] * d * ex + half * t[i + 1] * ey, a[1] + t[i] * d * ey - half * t[i + 1] * ex);
-    }
-    s.stroke(path, edge, width, dash);
-    return item.every ? polyline([a, b]) : path;
-  },
+  mark(s, item) { s.glyph(s.choice(item, item.g), s.at(item.at), item.turn === undefined ? 0 : s.value(item.turn)); },
   spiral(s, item) {
-    const [x, y] = s.at(item.at), [, edge, width] = s.look(item), [r0, r1] = item.r, from = s.value(item.start), sweep = s.value(item.sweep);
-    if (!edge) return null;
-    const head = (item.head || 0) * s.u, back = head ? Math.min(0.8 * Math.abs(sweep), head / (r1 * s.u)) / Math.max(Math.abs(sweep), 1e-9) : 0;
-    const spot = (w) => [x + s.u * (r0 + (r1 - r0) * w) * Math.cos(from + sweep * w), y - s.u * (r0 + (r1 - r0) * w) * Math.sin(from + sweep * w)];
-    const path = polyline(Array.from({ length: 30 }, (_, k) => spot(k / 29 * (1 - back))));
-    s.stroke(path, edge, width);
-    if (head) { s.ctx.fillStyle = edge; s.ctx.fill(arrowPath(spot(1 - back), spot(1), width, head)); }
-    return path;
-  },
-  taut(s, item) {
-    const path = new Path2D(), [, edge, width, dash] = s.look(item);
-    for (const [f, x, y, radius, sense, meets, leaves] of item.p) {
-      const [px, py] = s.at([f, x, y]);
-      if (meets === undefined) { path.lineTo(px, py); continue; }
-      const from = s.value(meets), to = s.value(leaves);
-      if (from === from && to === to) path.arc(px, py, Math.max(0, s.value(radius) * s.scale), -from, -to, to > from || (to === from && sense < 0));
-    }
-    if (item.c) path.closePath();
-    s.stroke(path, edge, width, dash);
-    return path;
-  },
-  sag(s, item) {
-    const a = s.at(item.a), b = s.at(item.b), [, edge, width, dash] = s.look(item), path = new Path2D();
-    path.moveTo(...a);
-    path.quadraticCurveTo((a[0] + b[0]) / 2, (a[1] + b[1]) / 2 + 2 * s.value(item.depth) * s.scale, ...b);
-    s.stroke(path, edge, width, dash);
-    return path;
+    const [, edge, width] = s.look(item), end = LINES.spiral(s, item, s.pen(null, edge, width));
+    if (item.head) arrowOn(s.pen(edge, null), ...end, width, item.head * s.u);
   },
   arrows(s, item) {
     const [fill, rim, width] = s.look(item);
-    return s.vectors(item).map(([row, tail, tip, size]) => {
-      const path = s.arrow(tail, tip, item.size, fill, rim, width);
+    for (const [row, tail, tip, size] of s.vectors(item)) {
+      if (rim) s.arrow(s.pen(rim, null), tail, tip, item.size, width);
+      s.arrow(s.pen(fill, null), tail, tip, item.size);
       if (size > item.most) s.cutBars(tail, tip, (item.size[0] + 6.5) / 2 * s.u, rim);
-      const value = s.valueText(item, row.length > 6 ? row[6] : size), name = item.names?.[row[1]] || "";
-      if (size >= 0.5 * (item.labelled || 0)) s.say(item, row[1], `${name} ${value}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
-      return [path, row, value];
-    });
+      const name = item.names?.[row[1]] || "";
+      if (size >= 0.5 * (item.labelled || 0)) s.say(item, row[1], `${name} ${s.arrowText(item, row, size)}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
+    }
   },
   strips(s, item) {
     const [fill, edge, width] = s.look(item);
     for (const row of s.frame.tables[item.t] || []) {
-      const corners = [0, 1, 2, 3].map((k) => s.px(row[2 + 2 * k], row[3 + 2 * k])), path = polyline(corners);
+      const corners = [0, 1, 2, 3].map((k) => s.px(row[2 + 2 * k], row[3 + 2 * k])), path = s.pen(fill, edge, width);
+      polyline(path, corners);
       path.closePath();
-      if (fill) { s.ctx.fillStyle = fill; s.ctx.fill(path); }
-      s.stroke(path, edge, width);
-      const high = apart(corners[2], corners[1]) > apart(corners[3], corners[0]);
-      const [tip, foot] = high ? [corners[2], corners[1]] : [corners[3], corners[0]];
+      const high = apart(corners[2], corners[1]) > apart(corners[3], corners[0]), [tip, foot] = high ? [corners[2], corners[1]] : [corners[3], corners[0]];
       if (row[10] >= item.least) s.say(item, row[1], s.valueText(item, row[10]), tip, [tip[0] - foot[0], tip[1] - foot[1]], edge || fill, row[10]);
     }
-    return null;
   },
   trail(s, item) {
-    const { way, times, count } = s.frame.trail(item), path = new Path2D(), [fill, edge, width] = s.look(item), now = s.at(item.at);
-    let [x, y] = [Infinity, Infinity], next = item.every * Math.ceil(times[0] / item.every + 1e-9);
-    const spots = [];
-    for (let k = 0; k < count; k++) {
-      const [a, b] = s.px(way[2 * k], way[2 * k + 1]);
-      if (times[k] >= next - 1e-9) { spots.push([a, b]); next = item.every * (Math.floor(times[k] / item.every + 1e-9) + 1); }
-      if (!(Math.hypot(a - x, b - y) < SHORTEST)) { path.lineTo(a, b); [x, y] = [a, b]; }
-    }
-    path.lineTo(...now);
-    s.stroke(path, edge, width);
-    for (const spot of spots) s.dot(spot, item.mark * s.u, fill || edge);
-    s.dot(now, 1.5 * width, fill || edge);
-    return path;
+    const [fill, edge, width] = s.look(item);
+    for (const spot of LINES.trail(s, item, s.pen(null, edge, width))) s.dot(spot, item.mark * s.u, fill || edge);
+    s.dot(s.at(item.at), 1.5 * width, fill || edge);
   },
   text(s, item) {
     const words = "value" in item ? `${item.words} ${s.valueText(item, s.value(item.value))}`.trim() : item.words;
     s.say(item, 0, words, s.at(item.at), null, s.look(item)[1], 0);
-    return null;
   },
 };
