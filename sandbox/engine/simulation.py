@@ -45,15 +45,7 @@ from sandbox.model.compile import compile_mechanism
 from sandbox.model.supports import together
 from sandbox.recording.builder import RECORDED_BYTES, Latest, RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import (
-    FAILED,
-    INTERRUPTED,
-    LIMITED,
-    Happened,
-    Outcome,
-    Stop,
-    step_notes,
-)
+from sandbox.samples import outcome
 from sandbox.values.expressions import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
@@ -117,7 +109,7 @@ class Simulation:
         self._control = Control(self._model, self._clock, self._readings, self._customs)
         self._set: list[tuple[int, str, float | None]] = []
         """By :meth:`set`: steps before it, the drive, the value."""
-        self._broke: list[Happened] = []
+        self._broke: list[outcome.Happened] = []
         self._done = 0
         self._failed: SandboxError | None = None  # the error that ended it
         self._control.moved(0, self._inputs.rows(1, 1)[0])
@@ -139,7 +131,7 @@ class Simulation:
         return self._done >= self._clock.steps or self._ended or self._failed is not None
 
     @property
-    def stopped(self) -> Stop | None:
+    def stopped(self) -> outcome.Stop | None:
         """The event or :class:`sandbox.StopRun` that ended the run early, if any."""
         return self._control.stopped if self._ended else None
 
@@ -360,9 +352,9 @@ class Simulation:
     def recording(self) -> Recording:
         """The samples so far, marked incomplete before the end; further steps do not change it."""
         failed = self._failed
-        reason = (INTERRUPTED if isinstance(failed, Interrupted)
-                  else LIMITED if isinstance(failed, RecordingFull)
-                  else f"{FAILED}{failed}" if isinstance(failed, ControllerFailed)
+        reason = (outcome.INTERRUPTED if isinstance(failed, Interrupted)
+                  else outcome.LIMITED if isinstance(failed, RecordingFull)
+                  else f"{outcome.FAILED}{failed}" if isinstance(failed, ControllerFailed)
                   else str(failed) if isinstance(failed, SimulationDiverged) else "")
         return self.finish(reason, copied=not self.finished)
 
@@ -375,7 +367,7 @@ class Simulation:
         samples = int(self._sampler.kept.taken[0])
         clock, standing = self._clock, self._tables.state.standing
         steps = clock.sample_step(np.arange(samples))
-        return self._builder.finish(clock.force_time(steps), Outcome(
+        return self._builder.finish(clock.force_time(steps), outcome.Outcome(
             complete=not reason and self.finished and self._failed is None, reason=reason,
             step=clock.step, steps=clock.steps,
             sample_rate=1 / (clock.every * clock.step),
@@ -388,7 +380,8 @@ class Simulation:
             controllers={loop.name: report for loop in self._control.loops
                          if (report := loop.law.report())},
             contact_solver=self._contact_solver(),
-            notes=step_notes(self._done, relaxed=int(standing[0]), unordered=int(standing[5])),
+            notes=outcome.step_notes(
+                self._done, relaxed=int(standing[0]), unordered=int(standing[5])),
         ), copied=copied)
 
     def _contact_solver(self) -> dict[str, float]:
