@@ -38,33 +38,26 @@ BOUND = np.dtype([
     ("a", np.int64), ("b", np.int64),
     ("ax", float), ("ay", float), ("at", float),    # y = these times the velocities of a and b
     ("bx", float), ("by", float), ("bt", float),
-    ("bias", float),        # added to y [m/s, rad/s]
-    ("trend", float),       # of impacts: how y, "bias" at the pose, changes in the step [m/s^2]
+    ("bias", float), ("trend", float),  # added to y; of impacts: its change in the step [m/s^2]
     ("gap", float), ("closing", float), ("bend", float),    # gap there, its rate, how that changes
     ("soft", float),        # compliance: added to y for an impulse of 1
     ("measure", np.int64),  # whether the row acts on nothing: others are bounded by its impulse
-    ("gentle", np.int64),   # whether an overlap is undone slowly
-    ("hold", float),        # weight of its last impulse, as a share of base
+    ("gentle", np.int64), ("hold", float),  # undo overlaps slowly; weight of its last impulse
     ("passive", np.int64),  # whether it is friction that must not drive where its measure is < 0
     ("tight", float),       # share of its measure by which it may exceed its bound; 0 for any
-    ("normal", np.int64),   # of a tangential row the normal one; -1 of others
-    ("friction", float),
+    ("normal", np.int64), ("friction", float),  # of a tangential row the normal one; else -1
     ("low", float), ("high", float),    # of the impulse, of rows that are not tangential
-    ("static", float),      # static over sliding friction, of rows in joints and of contacts
-    ("phase", np.int64),    # of these: SLIDES, HOLDS or TRIED
+    ("static", float), ("phase", np.int64),     # over sliding friction; SLIDES, HOLDS or TRIED
     ("reserve", float),       # bound in the last step, then what was left of it; nan if unknown
     ("p_static", float),        # impulse of the last step, then that with static friction
     ("slip", float),        # mode of the last step, then rate of slip with static friction
-    ("mode", np.int64),     # -1, 0, 1: at low, in between (y = 0), at high
-    ("factored", np.int64),     # its mode in the system that is factored
-    ("last", float),        # impulse of the last step, which fades where it moves
-    ("p", float),           # impulse
-    ("free", float),        # y without bounded rows
-    ("base", float),        # y for an impulse of 1, bilateral rows left out
+    ("mode", np.int64), ("factored", np.int64),     # -1 at low, 0 between (y = 0), 1 at high; the
+                            # same in the system that is factored
+    ("last", float), ("p", float),  # impulses: of the last step, which fades where it moves; this
+    ("free", float), ("base", float),   # y without bounded rows; for an impulse of 1, alone
     ("back", float),        # part of free that undoes an overlap, at most 0
     ("out", np.int64),      # whether joints hold both bodies, so that it has no effect
-    ("branch", np.int64),   # how many unknowns its column has
-    ("violation", float),   # of its mode, as a rate
+    ("branch", np.int64), ("violation", float),     # unknowns of its column; of its mode, as a rate
 ])
 
 BODY = np.dtype([
@@ -73,14 +66,12 @@ BODY = np.dtype([
 ])
 
 SHAPE = np.dtype([
-    ("body", np.int64),
-    ("margin", float),      # by which it stands out in pymunk, so that contacts are seen coming [m]
+    ("body", np.int64), ("margin", float),  # by which it is larger in pymunk, to find gaps [m]
     ("first", np.int64), ("last", np.int64),    # its FACEs, -1 where all of it is surface
     ("vertex", np.int64), ("vertex_end", np.int64),     # of its core: a point, a line, a polygon
     ("radius", float),      # of the surface about the core [m]; that of a circle may change
     ("span", np.int64), ("span_end", np.int64),     # its SPANs; -1 if the core is no curve
-    ("closed", np.int64),   # whether its curve is closed, counter-clockwise about the material
-    ("leader", np.int64),   # the first shape of the same outline
+    ("closed", np.int64), ("leader", np.int64),     # a closed curve; first shape of the outline
 ])
 FACE = np.dtype([
     ("x0", float), ("y0", float), ("x1", float), ("y1", float),     # ends, counter-clockwise
@@ -96,8 +87,7 @@ TOUCH = np.dtype([
     ("a", np.int64), ("b", np.int64),       # bodies, a < b
     ("nx", float), ("ny", float),           # normal from a to b
     ("ax", float), ("ay", float), ("bx", float), ("by", float),     # arms of the point [m]
-    ("gap", float),         # [m]
-    ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
+    ("gap", float), ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k/d
     ("acceleration", float),    # of the gap while the bodies keep their velocities [m/s^2]
     ("friction", float), ("static", float), ("restitution", float),
     ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
@@ -106,33 +96,26 @@ TOUCH = np.dtype([
     ("listed", np.int64),   # whether its rows are among those solved
     ("late", np.int64),     # whether it is hit only because of the forces of this step
     ("belt", float),        # velocity of driven surfaces along it [m/s]
-    ("gap_shift", float),         # change of its gap at the pose by impacts of the step [m]
-    ("instant", float),     # of its last impact in the step, after the pose [s]
-    ("phase", np.int64),    # AWAY, CLOSING or RESTING
-    ("sums", np.int64),     # its CONTACT_SUMS in this sample interval, or -1
+    ("gap_shift", float), ("instant", float),   # by impacts [m]; of the last one, from the pose [s]
+    ("phase", np.int64), ("sums", np.int64),    # AWAY, CLOSING or RESTING; CONTACT_SUMS, or -1
     ("stretch", float),     # of the spring along a compliant contact [m]
     ("bias", float), ("soft", float),   # of its normal row, where its skin is soft, else 0
     ("bias_along", float), ("soft_along", float),   # of its tangential row, the same
 ])
 PILE_BODY = np.dtype([
-    ("number", np.int64),   # of the body
-    ("island", np.int64),   # another body of its island, the lowest one's is itself
+    ("number", np.int64), ("island", np.int64),     # body; another of its island, first: itself
     ("rows", np.int64),     # of the lowest: rows of the island's contacts, negative: never a pile
-    ("piled", np.int64), ("awake", np.int64),
-    ("still", np.int64),    # for how many steps it has been still
+    ("piled", np.int64), ("awake", np.int64), ("still", np.int64),  # steps for which it is still
     ("cluster", np.int64),  # the first body of those that joints connect with it, itself or -1
-    ("linked", np.int64),   # of the lowest: whether there are joints in the island
-    ("carried", np.int64),  # of the lowest: rows of its contacts that carry
+    ("linked", np.int64), ("carried", np.int64),    # of the lowest: has joints; rows that carry
     ("x", float), ("y", float), ("t", float),   # change of its velocity without contacts
     ("fastest", float),     # of the lowest: the largest free rate of the island's contacts [m/s]
 ])  # a free body that may be in a pile (islands)
 PILED = np.dtype([
     ("source", np.int64),   # NORMAL, LIMITED, DRIVEN or JOINT_FRICTION
     ("index", np.int64),    # its TOUCH, LIMIT, MOTOR or DRY_FRICTION
-    ("a", np.int64), ("b", np.int64),   # PILE_BODY or -1
-    ("slot", np.int64),     # block of the two
-    ("mode", np.int64),
-    ("factored", np.int64),     # its mode in the factor of the matrix, -1 if it is in none
+    ("a", np.int64), ("b", np.int64), ("slot", np.int64),   # PILE_BODY or -1; block of the two
+    ("mode", np.int64), ("factored", np.int64),     # its mode in the factor of the matrix, or -1
     *((name, float) for name in (
         "friction", "tolerance",
         "R_factored",           # its Rn in the factor
