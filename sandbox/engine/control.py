@@ -109,8 +109,7 @@ class ControlLoop:
                                  model.mechanism.functions) for signal in spec.signals]
         self.readings = [readings.of(text) for text in self.reads]
         rates: Any = [spec.slew] if isinstance(spec.slew, float) else spec.slew
-        self.bounds: list[tuple[int, float, float, float]] = []
-        """Of each drive its column, largest change from one act to the next, minimum, maximum."""
+        self.bounds: list[tuple[int, float, float, float]] = []  # column, largest change, low, high
         for j, drive in enumerate(self.drives):
             low, high = ranges[j] if ranges else (-math.inf, math.inf)
             column = model.names.drive[drive]
@@ -122,8 +121,7 @@ class ControlLoop:
         self._act = _single(self) if alone else _several(self)
         self.start_error = math.nan  # its largest distance from a target when it began
         self.active = spec.active
-        self.run: Act = self._begin if self.active else _idle
-        """Acts at an instant [s] and number; does nothing while the loop is switched off."""
+        self.run: Act = self._begin if self.active else _idle  # acts; nothing if switched off
 
     def switch(self, on: bool) -> None:
         """Switch it on or off; switched on, it begins anew with the values of its drives then."""

@@ -29,14 +29,13 @@ import numpy as np
 from llvmlite import ir
 from numba import cfunc, config, njit, types
 from numba.core.caching import FunctionCache
-from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from sandbox.engine.compiling import processors, report_compiled, report_progress
 from sandbox.engine.kernel import entry_point_compiler, fast_compilation, kernel
 from sandbox.engine.memory import TABLE_WORDS
 from sandbox.engine.records import GEAR, RACK, ROLL
-from sandbox.engine.source_hash import cacheable
+from sandbox.engine.source_hash import cacheable, cached
 from sandbox.engine.state import Constants, Elements
 from sandbox.numeric import Integers
 
@@ -50,8 +49,7 @@ _numba_config: Any = config
 _function_cache: Any = FunctionCache
 _options: dict[str, Any] = {"error_model": "numpy", "pipeline_class": entry_point_compiler}
 _WORD = ir.IntType(64)
-_PROCESSES, _SHARE = 4, 5
-"""Maximum number of processes that compile, and minimum number of entry points of each."""
+_PROCESSES, _SHARE = 4, 5  # maximum number of processes; minimum of entry points of each
 _entry_points: dict[str, EntryPoint] = {}
 everything = False  # whether all entry points are compiled: results are the same
 
@@ -112,7 +110,7 @@ class EntryPoint:
     @cached_property
     def compiled(self) -> Any:
         """Numba's C callback, compiled now or loaded from the cache."""
-        return _cached(self.py_func, self.source, lambda function, cache: cfunc(
+        return cached(self.py_func, self.source, lambda function, cache: cfunc(
             self.signature, cache=cache, **_options)(function))
 
 
@@ -144,7 +142,7 @@ class CalledFromPython:
 
     @cached_property
     def _dispatcher(self) -> Any:
-        return _cached(self.py_func, cacheable(self.py_func), lambda function, cache: njit(
+        return cached(self.py_func, cacheable(self.py_func), lambda function, cache: njit(
             cache=cache, **_options)(function))
 
 
@@ -232,19 +230,6 @@ def _missing(wanted: list[EntryPoint]) -> list[EntryPoint]:
 def _signature(function: Callable[..., Any]) -> Any:
     notes = {name: _TYPES[note] for name, note in function.__annotations__.items()}
     return notes.pop("return")(*notes.values())
-
-
-def _cached(
-    function: Callable[..., Any], source: Any, compiled: Callable[[Callable[..., Any], bool], Any],
-) -> Any:
-    """Compile with a cache, found by the name of ``source``, if one can be written to."""
-    try:
-        return compiled(source, True)
-    except NumbaError:
-        compiled(function, False)  # raises the error with the place in the source
-        raise
-    except (RuntimeError, OSError):  # no place for a cache; no room left
-        return compiled(source, False)
 
 
 FEATURES: dict[str, Callable[[Constants, Elements], bool]] = {

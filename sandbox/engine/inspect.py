@@ -139,8 +139,7 @@ class Estimate:
 
     steps: int
     samples: int
-    contacts: int
-    """In every sample: one for each free body with shapes, at least those near at t = 0."""
+    contacts: int  # in every sample: of free bodies with shapes, or pairs near at t = 0
     seconds: float
     recorded_bytes: int  # contacts included
 

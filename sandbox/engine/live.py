@@ -278,8 +278,7 @@ class Hand:
         self.live = live
         self.model: Model = compile_mechanism(live.scene)
         self.body: str | None = None  # that it holds
-        self.at = self.to = self.force = (0.0, 0.0)
-        """The point in the body's frame, the place in the world [m], the force there [N]."""
+        self.at = self.to = self.force = (0.0, 0.0)  # in the body; in the world [m]; [N]
         self._stiffness = self._damping = self._cap = 0.0
         self._digits = 0
 

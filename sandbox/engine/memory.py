@@ -28,8 +28,7 @@ _arrays: Any = arrayobj
 _WORD = ir.IntType(64)
 WIDTH = 4  # numbers of the table for each array: its address and three lengths
 _PARTS: tuple[Any, ...] = (Native, Constants, Elements, State, Result, Pattern, Snapshot)
-TABLE_WORDS = WIDTH * sum(len(part._fields) for part in _PARTS)
-"""Length of the table without the addresses of entry points, which follow."""
+TABLE_WORDS = WIDTH * sum(len(part._fields) for part in _PARTS)  # before the entry points
 
 
 class Memory(NamedTuple):

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
+from sandbox.engine.source_hash import cacheable, cached
 from sandbox.numeric import Array, Integers, Records
 
 _cgutils: Any = cgutils
@@ -86,8 +87,7 @@ class Native(NamedTuple):
     put: int
     write: int
     place: int
-    write_count: NDArray[np.intc]
-    """Fill of the buffer that is written from, [1]; 0 before each call."""
+    write_count: NDArray[np.intc]  # fill of the buffer that is written from, 0 before each call
     place_count: NDArray[np.intc]  # the same of the buffer of poses
     near: Integers  # the table of `Finder`, whose first number is set to 0 before each call, [5]
     raw: Annotated[Records, FOUND]  # [room]
@@ -200,10 +200,5 @@ def _note() -> Any:
             found["ax"], found["ay"] = point["ax"], point["ay"]
             found["bx"], found["by"] = point["bx"], point["by"]
 
-    from sandbox.engine.source_hash import cacheable
-
-    signature, note = "void(intp, intp, CPointer(int64))", cacheable(note)
-    try:
-        return cfunc(signature, cache=True)(note)
-    except (RuntimeError, OSError):  # no place for a cache; no room left
-        return cfunc(signature)(note)
+    return cached(note, cacheable(note), lambda function, cache: cfunc(
+        "void(intp, intp, CPointer(int64))", cache=cache)(function))

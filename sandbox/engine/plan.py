@@ -49,16 +49,13 @@ class Pattern(NamedTuple):
     updates: Integers  # slots that products of two slots of a column are subtracted from, in turn
     entry_row: Integers  # the unknown of each entry, [ne]
     entry_body: Integers  # the body of each entry, [ne]
-    pairs: Annotated[Integers, "pairs 3"]
-    """(slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots."""
+    pairs: Annotated[Integers, "pairs 3"]  # (slot, entry, entry) of S; a diagonal follows the slots
     joined: Integers  # the slots of rows that are joined besides
     direct: Annotated[Integers, "direct 3"]  # (slot, entry, axis) of the entries on hubs, [q, 3]
     body_starts: Integers  # where the entries of each free body that is no hub begin, [nb + 1]
     body_entries: Integers  # these entries, body by body
-    branch_starts: Integers
-    """Where the branch of each body, slip and sum begins, [nb + nf + sums + 1]."""
-    branches: Integers
-    """Unknowns that a force on a body reaches in a forward substitution, in order."""
+    branch_starts: Integers  # where the branch of each body, slip and sum begins
+    branches: Integers  # unknowns that a force on a body reaches in a forward substitution
 
 
 def make_pattern(

@@ -13,8 +13,7 @@ STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
 """Kinds of tendon and spring: solved at the step's end; of given tension; soft, its tension
 that of the pose; soft with a damper, solved at mid-step. Of spans of a tendon that guides hold by
 friction: soft, solved evenly about the pose; and that tendon as a whole, whose spans pull."""
-SOFT = 1.0
-"""The h^2 k s from which an element is solved at the step's end; a leapfrog needs 4 at most."""
+SOFT = 1.0  # h^2 k s from which an element is solved at the step's end; stable up to 4
 
 ACTION = np.dtype([
     ("drive", np.int64), ("a", np.int64), ("b", np.int64),  # bodies; b is -1 for a force
@@ -51,8 +50,7 @@ SPRING = np.dtype([
 ])
 
 POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6  # constraints of joints
-PACED, SPRUNG, PLACED = 0, 1, 2
-"""Motors: with a rate, or none; a spring to a place; rigid to a place."""
+PACED, SPRUNG, PLACED = 0, 1, 2  # motors: with a rate or none; a spring to a place; rigid to it
 STOP, LINE, FLANK = 0, 1, 2  # limits: angle of a hinge; position or distance; play of teeth
 
 JOINT = np.dtype([

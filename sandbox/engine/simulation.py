@@ -107,8 +107,7 @@ class Simulation:
 
     def _begin(self, began: float) -> None:
         self._control = Control(self._model, self._clock, self._readings, self._customs)
-        self._set: list[tuple[int, str, float | None]] = []
-        """By :meth:`set`: steps before it, the drive, the value."""
+        self._set: list[tuple[int, str, float | None]] = []  # done, drive, value
         self._broke: list[outcome.Happened] = []
         self._done = 0
         self._failed: SandboxError | None = None  # the error that ended it

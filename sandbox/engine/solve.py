@@ -32,27 +32,18 @@ from sandbox.engine.rows import apply_impulses, closed, joint_rows, right_side
 from sandbox.engine.state import COARSE, STILL, STILL_TURNING
 from sandbox.numeric import Array, Records
 
-HARD = 1e-12
-"""Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
-LAW_ROUNDS = 12
-"""Maximum number of times in one step that tendons turn slack or taut, or laws are linearised."""
-PRESSED = 60
-"""The same of loads: a drag that grows with the square of the speed, and stops what is fast in one
-step, halves the speed each time."""
-CLOSINGS = 3
-"""Most times in a step that joints are solved again to be closed."""
+HARD = 1e-12  # compliance of rigid rows, relative to that of the masses: redundant ones share
+LAW_ROUNDS = 12  # maximum number of changes of tendons and linearisations of laws in a step
+PRESSED = 60  # the same of loads: quadratic drag on a fast body halves its speed each time
+CLOSINGS = 3  # maximum number of times in a step that joints are solved again to be closed
 GROWN = 100.0
 """How many times the kinetic energy of the closing before it one may take. What is nearly singular
 has other rows at the end of a step than at its beginning, and there each would take 10^4 times as
 much; less than 100 may be an end that is light to turn."""
-SETTLED = 20
-"""Steps at rest before that, in which the shares in loads come to what they tend to."""
-ATTEMPTS = 2
-"""How often in a step modes are looked for in vain; after that it has to do with relaxation."""
-HOPELESS = 1e4
-"""An impulse that alone would make its bodies so fast [m/s, rad/s] undoes no overlap."""
-EXACT = 1e-10
-"""Rates that count as none, as a share of the largest that the rows see."""
+SETTLED = 20  # steps at rest before it, in which the shares of loads converge
+ATTEMPTS = 2  # maximum number of searches for modes in a step; after them relaxation has to do
+HOPELESS = 1e4  # speed [m/s, rad/s] by an impulse alone from which it undoes no overlap
+EXACT = 1e-10  # rates that count as zero, as a share of the largest of the rows
 SOFTER, SOFT_SHARE = 1e3, 0.1
 """How much more strongly impulses are held to the last, to see whether anything else limits them;
 of one that nothing does 1 / SOFTER is left, of others more than the second."""

@@ -19,6 +19,7 @@ import llvmlite
 import numba
 import numpy as np
 from llvmlite import binding
+from numba.core.errors import NumbaError
 
 from sandbox.engine.kernel import Kernel
 
@@ -55,6 +56,17 @@ def cacheable(function: Callable[..., Any]) -> Any:
     copy.__qualname__ = f"{function.__name__}_{source_hash(function)}"
     copy.__module__, copy.__annotations__ = function.__module__, function.__annotations__
     return copy
+
+
+def cached(function: Source, source: Any, compiled: Callable[[Source, bool], Any]) -> Any:
+    """Compile with a cache, found by the name of ``source``, if one can be written to."""
+    try:
+        return compiled(source, True)
+    except NumbaError:
+        compiled(function, False)  # raises the error with the place in the source
+        raise
+    except (RuntimeError, OSError):  # no place for a cache; no room left
+        return compiled(source, False)
 
 
 @cache

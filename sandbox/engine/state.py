@@ -30,8 +30,7 @@ CABLE_FRICTION, CABLE_LOAD, JOINT_FRICTION, JOINT_LOAD = 4, 5, 6, 7
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
 guide and its tendon, and what that is measured by: the sum of the tensions on either side; friction
 in a joint, and its measure: what the joint carries."""
-SLIDES, HOLDS, TRIED = 0, 1, 2
-"""Phases of a row with static friction: sliding; holding; slipped, sliding is tried."""
+SLIDES, HOLDS, TRIED = 0, 1, 2  # phases of a row with static friction; slipped, sliding is tried
 
 BOUND = np.dtype([
     ("source", np.int64), ("index", np.int64),  # NORMAL ... DRIVEN, and which one
@@ -175,13 +174,10 @@ class Constants(NamedTuple):
     friction: Annotated[Array, "bodies bodies"]  # of every pair, below 0 if they may not touch
     static: Annotated[Array, "bodies bodies"]  # static over sliding friction of every pair
     restitution: Annotated[Array, "bodies bodies"]  # of every pair
-    skin: Annotated[Array, "2 bodies bodies"]
-    """Stiffness [N/m], damping [N s/m] of contacts of every pair, 0 of rigid ones; or [2, 0, 0]."""
-    neighbors: Annotated[Integers, "neighbors 2"]
-    """Pairs of bodies whose shapes may touch, :data:`CHECKED` and one at most."""
+    skin: Annotated[Array, "2 bodies bodies"]  # [N/m], [N s/m] of soft contacts; or [2, 0, 0]
+    neighbors: Annotated[Integers, "neighbors 2"]  # bodies that may touch, at most CHECKED + 1
     loose: Integers  # the PILE_BODY of each body, or -1
-    pile_nodes: Annotated[Integers, "pile_nodes 3"]
-    """This and the next two: bilateral rows between these (:mod:`sandbox.engine.pile_rows`)."""
+    pile_nodes: Annotated[Integers, "pile_nodes 3"]  # with the next two: rows, see pile_rows
     pile_blocks: Annotated[Integers, "pile_blocks 2"]
     pile_entries: Annotated[Integers, "pile_entries 3"]
 
@@ -212,20 +208,16 @@ class State(NamedTuple):
 
     body: Annotated[Array, "bodies 6"]  # positions and velocities of the centres of mass
     placed: Annotated[Array, "bodies 3"]  # poses that the step moves on: impacts displace them
-    made: Annotated[Integers, "4"]
-    """Steps made, without those at rest; index of this one in the call; rows of broken, impacts."""
+    made: Annotated[Integers, "4"]  # steps but at rest; index in the call; broken; impacts
     broken: Annotated[Records, records.BROKEN]  # what broke in the steps made in one go
     impacts: Annotated[Records, IMPACT, "impacts"]  # of the steps made in one go
     touches: Annotated[Records, TOUCH, "contacts"]  # of the last step
-    touching: Annotated[Integers, "3"]
-    """Their number; whether a step waits for more room, whether pymunk lacks the poses of it."""
+    touching: Annotated[Integers, "3"]  # number; step waits for room; pymunk lacks poses
     last_drive: Annotated[Array, "drives"]  # values of the drives in the last step
     standing: Annotated[Integers, "6"]
     """Steps without modes, steps at rest, failures now, jammed row, rows, unordered steps."""
     pile_bodies: Annotated[Records, PILE_BODY, "piles"]
-    pile_place: Annotated[Integers, "nodes"]
-    """Place in the order of elimination of bodies of piles and of their nodes of rows, -1 without
-    an order."""
+    pile_place: Annotated[Integers, "nodes"]  # in the order of elimination, or -1
     accuracy: Annotated[Array, "6"]
     """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE;
     maximum since the last sample."""
@@ -236,10 +228,8 @@ class Result(NamedTuple):
 
     velocity: Annotated[Array, "bodies 3"]  # after the step; pymunk takes it from here
     before: Annotated[Array, "bodies 3"]  # velocities before the step
-    force: Annotated[Array, "bodies 3"]
-    """Forces and torques at the poses [N, N m]."""
-    free: Annotated[Array, "bodies 3"]
-    """Velocities by these forces and impacts; after the step the mean of before and after."""
+    force: Annotated[Array, "bodies 3"]  # forces and torques at the poses [N, N m]
+    free: Annotated[Array, "bodies 3"]  # velocities by force and kick; then means over the step
     kick: Annotated[Array, "bodies 3"]  # velocities that impacts add, in ``free`` already
     delayed: Annotated[Array, "bodies 3"]  # the same, times their instants after the pose
     shift: Annotated[Array, "bodies 3"]  # displacement of the pose by later impacts
@@ -255,6 +245,12 @@ class Result(NamedTuple):
     values: Annotated[Array, "values"]  # the matrix and its factor
     unknowns: Annotated[Array, "6 unknowns"]
     """Right sides; compliances; substituted right sides; solution; scratch; allowed gaps."""
+    pile_counts: Annotated[Integers, "2"]  # whether rows connect piled bodies; rows in piles
+    pile_starts: Annotated[Integers, "nodes+1"]  # and the next two: pattern of the matrix (blocks)
+    pile_below: Annotated[Integers, "slots"]
+    pile_slots: Annotated[Integers, "pile_blocks"]  # of the blocks of rows
+    pile_held: Annotated[Array, "pile_nodes 3"]  # compliance of the rows of springs and tendons
+    pile_answer: Annotated[Array, "2 unknowns"]  # impulses of rows; 0
     found: Annotated[Records, TOUCH, "contacts"]  # as pymunk found them in this step
     order: Annotated[Integers, "contacts"]  # scratch
     rows: Annotated[Records, BOUND, "rows"]  # the rows that are solved for
@@ -263,19 +259,10 @@ class Result(NamedTuple):
     delassus: Annotated[Array, "rows rows"]  # coupling of the rows, G
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
-    pile_counts: Annotated[Integers, "2"]
-    """Whether rows connect bodies of piles in this step; contacts and limits in piles."""
-    pile_starts: Annotated[Integers, "nodes+1"]
-    """This and the next two: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`); a
-    step keeps it if it has all that meets in it."""
-    pile_below: Annotated[Integers, "slots"]
-    pile_slots: Annotated[Integers, "pile_blocks"]  # of the blocks of rows
     pile_adjacent: Annotated[Integers, "nodes words"]  # scratch of its order
     pile_work: Annotated[Integers, "3 nodes"]  # the same
     pile_coefficients: Annotated[Array, "pile_blocks 3 3"]  # blocks of the rows
     pile_compliance: Annotated[Array, "pile_nodes 3"]  # of the rows
-    pile_held: Annotated[Array, "pile_nodes 3"]  # the same, as springs and tendons have it
-    pile_answer: Annotated[Array, "2 unknowns"]  # impulses of rows; 0
     pile_vectors: Annotated[Array, "7 nodes 3"]
     """Velocities of the bodies of piles, then - impulses of rows besides those without contacts:
     the result, a trial, those without contacts; inverse
@@ -284,9 +271,7 @@ class Result(NamedTuple):
     pile_lower: Annotated[Array, "slots 3 3"]  # those below the diagonal
     pile_upper: Annotated[Array, "slots 3 3"]  # and above
     piled: Annotated[Records, PILED, "rows"]
-    pile_jacobian: Annotated[Array, "rows 4 3"]
-    """Of the normal and the tangential rate of each with respect to both bodies: normal a, b,
-    tangential a, b."""
+    pile_jacobian: Annotated[Array, "rows 4 3"]  # normal a, b, tangential a, b of each
 
 
 class Snapshot(NamedTuple):
@@ -296,24 +281,18 @@ class Snapshot(NamedTuple):
     velocity: Annotated[Array, "samples bodies 3"]  # of the centres of mass, when they are there
     acceleration: Annotated[Array, "samples bodies 3"]
     copied: Mapping[str, Records]  # samples of the tables in `SAMPLED`
-    copies: Annotated[Integers, "copies 5"]
-    """Addresses of the first record and sample; records; words of a record, words to copy."""
+    copies: Annotated[Integers, "copies 5"]  # source and target; records; words of one, to copy
     residual: Annotated[Array, "samples"]  # maximum since the sample before [m/s, rad/s]
     drive: Annotated[Array, "samples drives"]  # values of the drives in the step of each sample
     contacts: Annotated[Records, CONTACT, "contacts"]  # of all samples, one after the other
     fill: Annotated[Integers, "samples"]  # how many contacts there are up to the end of each sample
-    taken: Annotated[Integers, "4"]
-    """Samples kept, samples written, missing room (1: sample, 2: contacts), means kept."""
-    sums: Annotated[Array, "forces"]
-    """Sums of forces over a sample interval, in the columns of `mean_force` [N, N m]."""
+    taken: Annotated[Integers, "4"]  # samples kept, written; missing: 1 sample, 2 contacts; means
+    sums: Annotated[Array, "forces"]  # of forces in an interval, as in `mean_force` [N, N m]
     means: Annotated[Array, "samples forces"]  # means of these around each sample
-    steady: Annotated[Integers, "samples"]
-    """1 if the means are the forces of the sample: equal steps, or an unfinished interval."""
-    waiting: Annotated[Array, "2"]
-    """Steps not yet in the sums, with the last forces; whether the sums have any."""
+    steady: Annotated[Integers, "samples"]  # 1 if forces are means: equal, or unfinished
+    waiting: Annotated[Array, "2"]  # steps not in the sums; whether these have any
     mean_contacts: Annotated[Records, CONTACT_SUMS, "mean_contacts"]  # by intervals
-    mean_fill: Annotated[Integers, "samples"]
-    """Their number up to the end of each sample's interval."""
+    mean_fill: Annotated[Integers, "samples"]  # their number up to the end of each interval
     unfinished: Annotated[Integers, "2"]  # first of the unfinished interval; their number
 
 

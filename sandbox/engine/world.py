@@ -28,8 +28,7 @@ from sandbox.scene.outlines.curves import spans_of
 
 POSE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE
 PUSH = batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
-MARGIN, MAX_MARGIN = 0.05, 1e-3
-"""Of shapes in pymunk: a share of their smallest extent, maximum [m]."""
+MARGIN, MAX_MARGIN = 0.05, 1e-3  # of shapes in pymunk: share of their smallest extent, maximum [m]
 _LISTED = ("dynamic", "scheduled", "fixed")
 
 
@@ -49,8 +48,7 @@ class World:
         motions = [_LISTED.index(body.motion) for body in model.mechanism.bodies]
         self.order: Integers = np.argsort(motions, kind="stable").astype(np.int64)
         """The model's numbers of the bodies in pymunk's order, [nb]."""
-        self.number: Integers = np.argsort(self.order)
-        """Pymunk's numbers of the bodies in the model's order, [nb]."""
+        self.number: Integers = np.argsort(self.order)  # pymunk's numbers in the model's order
         self.filters = make_filters(model)
         count = len(self.order)
         self.body: Array = np.zeros((count, 6))
