@@ -4,8 +4,7 @@ Involute teeth mesh at other distances of the centres, too, with the pressure an
 cos a' = (r_a + r_b) cos a / distance. Beyond cos a' = 1 the base circles have no common tangent,
 and no step can be made.
 
-Shapes are sorted along the longer axis, and compared with those whose boxes overlap. At most
-:data:`MAX_PAIRS` pairs of shapes are compared; the report says if this is not all of them.
+At most :data:`MAX_PAIRS` pairs of shapes are compared; the report says if there are more.
 """
 
 from __future__ import annotations
@@ -219,61 +218,46 @@ MAX_REPORTED = 100  # maximum number of reported overlaps; further ones are coun
 
 def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
     """Overlaps of ``allowed`` pairs of bodies at t = 0; the number of pairs with common boxes."""
-    holders, pieces, owner = placed_shapes(model.mechanism.bodies)
-    if not pieces:
-        return [], 0
-    boxes = np.array([(box.left, box.bottom, box.right, box.top)
-                      for box in (piece.bb for piece in pieces)])
-    axis = int(np.ptp(boxes[:, 1] + boxes[:, 3]) > np.ptp(boxes[:, 0] + boxes[:, 2]))
-    order = np.argsort(boxes[:, axis], kind="stable")
-    low, high = boxes[order, :2], boxes[order, 2:]
-    ends = np.searchsorted(low[:, axis], high[:, axis], side="right")
-    looked, whole, depths = 0, True, dict[tuple[int, int], float]()
-    for place, end in enumerate(ends.tolist()):
-        i, later = int(order[place]), slice(place + 1, end)
-        meets = ((low[later, 1 - axis] <= high[place, 1 - axis])
-                 & (high[later, 1 - axis] >= low[place, 1 - axis])
-                 & allowed[owner[i], owner[order[later]]])
-        others = order[later][meets]
-        whole = looked + len(others) <= MAX_PAIRS
-        for j in others[:MAX_PAIRS - looked].tolist():
-            pair = (int(min(owner[i], owner[j])), int(max(owner[i], owner[j])))
+    space, owner = placed_shapes(model.mechanism.bodies)
+    number = {piece: k for k, piece in enumerate(owner)}
+    compared, depths = 0, dict[tuple[int, int], float]()
+    for piece, i in owner.items():
+        others = [other for other in space.bb_query(piece.bb, pymunk.ShapeFilter())
+                  if number[other] > number[piece] and allowed[i, owner[other]]]
+        for other in others[:MAX_PAIRS - compared]:
             depth = 0.0
             with suppress(AssertionError):  # pymunk raises it if there is no point
-                points = pieces[i].shapes_collide(pieces[j]).points
+                points = piece.shapes_collide(other).points
                 depth = max((abs(point.distance) for point in points), default=0.0)
-            depths[pair] = max(depth, depths.get(pair, 0.0))
-        looked = min(looked + len(others), MAX_PAIRS)
-        if not whole:
+            depths[i, owner[other]] = max(depth, depths.get((i, owner[other]), 0.0))
+        compared += len(others)
+        if compared > MAX_PAIRS:
             break
-    del holders  # which keep the pieces alive
     names = model.bodies.name
     found = [(pair, depth) for pair, depth in sorted(depths.items()) if depth > NEGLIGIBLE]
     problems = [look("overlap", f"$.bodies[{a}]", names[a], f"overlaps {names[b]!r} by {mm(depth)} "
                      "at t = 0", "move one of them, or add a contact rule with \"collide\": false")
                 for (a, b), depth in found[:MAX_REPORTED]]
-    if not whole:
+    if compared > MAX_PAIRS:
         problems.append(look("overlap", "$.bodies", "bodies", "further bodies may overlap at t = 0",
-                             f"{looked} pairs of shapes were compared"))
+                             f"{MAX_PAIRS} pairs of shapes were compared"))
     elif len(found) > MAX_REPORTED:
         problems.append(look("overlap", "$.bodies", "bodies",
                              f"{len(found) - MAX_REPORTED} more bodies overlap at t = 0"))
     return problems, len(depths)
 
 
-def placed_shapes(bodies: Iterable[Body]) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
-    """Objects that keep the shapes alive; the shapes at t = 0; the index of each one's body."""
-    holders, pieces, owner = [], [], []
+def placed_shapes(bodies: Iterable[Body]) -> tuple[pymunk.Space, dict[pymunk.Shape, int]]:
+    """A space with the shapes at t = 0, which it keeps alive; the index of the body of each."""
+    space, owner = pymunk.Space(), dict[pymunk.Shape, int]()
     for i, body in enumerate(bodies):
         holder = pymunk.Body(body_type=pymunk.Body.STATIC)
         holder.position, holder.angle = body.at, body.angle
-        holders.append(holder)
-        for shape in body.shapes:
-            for piece, _ in solids(shape):
-                pieces.append(make_shape(holder, piece, (0.0, 0.0)))
-                pieces[-1].cache_bb()
-                owner.append(i)
-    return holders, pieces, np.array(owner, dtype=np.int64)
+        pieces = [make_shape(holder, piece, (0.0, 0.0))
+                  for shape in body.shapes for piece, _ in solids(shape)]
+        owner |= dict.fromkeys(pieces, i)
+        space.add(holder, *pieces)
+    return space, owner
 
 
 MAX_STRETCH = 0.1  # accepted elongation of an inextensible tendon at t = 0, relative

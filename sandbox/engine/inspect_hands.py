@@ -61,7 +61,7 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
             (*model.mechanism.gravity, *bodies[i].velocity, bodies[i].angular_velocity)))
             for i in objects):
         return
-    holders, pieces, owner = placed_shapes(bodies[i] for i in objects)
+    _space, owner = placed_shapes(bodies[i] for i in objects)
     fingers, short = 0, []
     for name, chain in chains(model).items():
         own, hinges = list(chain), list(chain.values())
@@ -74,15 +74,13 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                     for one, after in itertools.pairwise(hinges)) + reach_of(
             bodies[own[-1]], tuple(joints.anchor[hinges[-1], 1]))
         distance, nearest = min((max(piece.point_query(hinge).distance, 0.0), objects[k])
-                                for piece, k in zip(pieces, owner.tolist(), strict=True)
-                                if may_touch[k])
+                                for piece, k in owner.items() if may_touch[k])
         if fixed[joints.bodies[hinges[0], 0]] and distance - reach > NEGLIGIBLE:
             short.append(look(
                 "no-effect", f"$.bodies[{own[0]}]", name, f"reaches {mm(reach)} from its first "
                 "hinge, and the nearest object that it may touch, "
                 f"{model.bodies.name[nearest]!r}, is {mm(distance)} from it",
                 f"move either by {mm(distance - reach)} or more, or make it longer"))
-    del holders  # which keep the pieces alive
     if len(short) == fingers or all(fixed[i] for i in objects):
         yield from short
 
