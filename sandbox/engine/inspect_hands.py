@@ -48,11 +48,7 @@ def chains(model: Model) -> dict[str, Chain]:
 
 
 def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
-    """Fingers on a fixed palm that are too short for the nearest object that they may touch.
-
-    ``allowed`` are the pairs of bodies that may touch, [nb, nb]. Nothing is reported if an object
-    may move by itself, or if a finger reaches an object that it may push.
-    """
+    """Fingers on a fixed palm too short for all objects, if these do not move by themselves."""
     bodies, joints, fixed = model.mechanism.bodies, model.joints, model.bodies.fixed.tolist()
     objects = [i for i, body in enumerate(bodies) if body.role == "object" and body.shapes]
     tied = {*joints.bodies.ravel().tolist(), *model.springs.bodies.ravel().tolist(),

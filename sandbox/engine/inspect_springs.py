@@ -34,6 +34,7 @@ from sandbox.model.model import NONE, Model
 from sandbox.model.programs import STRETCH
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import lengths_at_start, pulls_at_start, rest_lengths
+from sandbox.samples.yielding import null_space
 
 COARSE = 0.5  # h w at which the frequency is 1 % off: (0.5)^2 / 24
 OVERDAMPED = 5.0  # step over a damper's settling time beyond which the step hides the motion
@@ -242,12 +243,7 @@ def _motions(model: Model, place: Mapping[int, int], weight: Array, joints: Sequ
                             for body, each in row if body in place])
              for joint in joints for row in supports.joint_rows(
                  model, pose, joint, flank=int(model.joints.play[joint] == 0))]
-    lines = np.array(found).reshape(-1, len(weight)) / weight
-    if len(lines) > lines.shape[1]:  # redundant rows: the left vectors are not needed
-        lines = np.asarray(np.linalg.qr(lines, mode="r"))
-    _, values, right = np.linalg.svd(lines)
-    rank = int(np.count_nonzero(values > supports.RANK * values.max(initial=0.0)))
-    return np.asarray(right[rank:].T)
+    return null_space(np.array(found).reshape(-1, len(weight)) / weight)
 
 
 def _spring(model: Model, spring: int) -> supports.Parts:

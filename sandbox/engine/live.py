@@ -223,30 +223,28 @@ class Live(Simulation):
         """Another simulation after so many steps, with the same inputs before.
 
         It runs from t = 0: the contact search of pymunk starts with the contacts of the last step,
-        which cannot be copied, and changes the last digits.
-
-        Args:
-            steps: from t = 0.
-            progress: as that of :meth:`run`; an exception from it ends the run.
+        which cannot be copied, and changes the last digits. An exception of ``progress`` ends it.
         """
-        return self._repeated(steps, [each for each in self.inputs if each.step < steps], progress)
+        other = Live(Checked(self.scene))
+        other._repeat([each for each in self.inputs if each.step < steps], progress)
+        other.run(steps, progress=progress)
+        return other
 
     def copy(self) -> Live:
         """Another simulation in the same state, as :meth:`again`, with the inputs since."""
-        return self._repeated(self.steps, self.inputs, None)
-
-    def _repeated(
-        self, steps: int, inputs: list[Input], progress: Callable[[float], None] | None,
-    ) -> Live:
-        other = Live(Checked(self.scene))
-        for each in inputs:
-            other.run(each.step, progress=progress)
-            if isinstance(each, Nudge):
-                other.push(each.body, each.at, each.force)
-            else:
-                other.give(each.name, each.value)
-        other.run(steps, progress=progress)
+        other = self.again(self.steps)
+        other._repeat([each for each in self.inputs if each.step == self.steps])
         return other
+
+    def _repeat(
+        self, inputs: list[Input], progress: Callable[[float], None] | None = None,
+    ) -> None:
+        for each in inputs:
+            self.run(each.step, progress=progress)
+            if isinstance(each, Nudge):
+                self.push(each.body, each.at, each.force)
+            else:
+                self.give(each.name, each.value)
 
     def played(self) -> Mechanism:
         """The inputs so far as a scene of its own."""

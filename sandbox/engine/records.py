@@ -195,7 +195,7 @@ CHAMBER = np.dtype([
     ("gain", float),        # volume per distance of the points, or per angle of b against a
     ("start", float),       # distance or angle at t = 0
     ("entry_a", np.int64), ("entry_b", np.int64),   # where its share of the row is added
-    ("x", float), ("y", float), ("ta", float), ("tb", float),   # force on b, moments for 1 Pa
+    ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # force on b, moments for 1 Pa
 ])
 
 VALVE = np.dtype([

@@ -35,10 +35,8 @@ _LISTED = ("dynamic", "scheduled", "fixed")
 class World:
     """A pymunk space for one run, which finds the bodies that are near one another.
 
-    Bodies stand at their centres of mass and are numbered as pymunk lists them: dynamic, scheduled,
-    fixed. They start half a step before t = 0, as the leapfrog has it. ``body`` [nb, 6] (x, y,
-    angle, vx, vy, omega), ``velocity`` [nb, 3] and ``placed`` [nb, 3] are memory of the run
-    (:mod:`sandbox.engine.state`).
+    Bodies stand at their centres of mass, half a step before t = 0, and are numbered as pymunk
+    lists them: dynamic, scheduled, fixed. Arrays are those of :mod:`sandbox.engine.state`.
     """
 
     def __init__(self, model: Model) -> None:
