@@ -1,13 +1,9 @@
 """Entry points: functions of the compiled step that are compiled and cached separately.
 
-A kernel is compiled into each of its callers. An entry point is compiled once, by itself, and
-called through its address, which stands in the table of a run behind the arrays
-(:mod:`sandbox.engine.memory`). Callers know its signature only. This has three advantages:
-
-- Nothing is compiled twice, and what a scene does not use is not compiled at all.
-- After an edit, only the entry points that reach the edited code are compiled again.
-- Cached code is found by a hash of its sources (:mod:`sandbox.engine.source_hash`), so the cache
-  is never out of date, and all versions of a source can be cached at the same time.
+A kernel is compiled into each of its callers. An entry point is compiled once, by itself, if the
+scene uses it, and called through its address in the table of a run (:mod:`sandbox.engine.memory`).
+Cached code is found by a hash of its sources (:mod:`sandbox.engine.source_hash`): the cache is
+never out of date, and an edit recompiles only the entry points that reach it.
 """
 
 from __future__ import annotations

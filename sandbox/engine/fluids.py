@@ -15,12 +15,9 @@ Volume and content are then those of one instant, k steps after the pose, to sec
     k = 1      a line whose bodies are too light for the step: BDF2 (r = 3/2), which damps
 
 Lines that valves join have one r, so that the matrix is symmetric. A valve's flow is linearised in
-the pressures about that of the attempt before: it adds to the rows of its two lines, and to where
-they meet, and attempts are made until flows stay (Newton's method). Pressures at their
-minimum or maximum, or set by a drive, are those of a line with a very large compliance.
-
-Afterwards M grows by the inflow. The volume is computed from the pose in every step, so that errors
-do not accumulate.
+the pressures of its two lines until flows stay (Newton's method). Pressures at their minimum or
+maximum, or set by a drive, are those of a line with a very large compliance. Afterwards M grows by
+the inflow. The volume follows from the pose in every step, so that errors do not accumulate.
 """
 
 from __future__ import annotations

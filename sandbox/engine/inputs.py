@@ -1,9 +1,7 @@
 """Inputs over time: values of drives and poses of scheduled bodies.
 
-Values are those at the pose of the step, but those of motors at the step's end, half a step later,
-and of rigid servos at the pose of the next step. No value is below its drive's floor.
-
-Time comes from the step's index. Positions move first, then velocities: after step k the
+Values are those at the pose of the step, of motors half a step later, of rigid servos at the next
+pose. No value is below its drive's floor. Positions move first, then velocities: after step k the
 poses, and the forces of step k, belong to t = (k - 1/2) h, the velocities to t = k h. Labelled so,
 the scheme is a leapfrog of second order.
 """

@@ -1,12 +1,8 @@
 """Checks of a mechanism before it runs, and an estimate of the time and memory of a run.
 
-The checks find what can be simulated but is probably not intended. They use the mechanism at t = 0
-alone; nothing is stepped.
-
-The estimate does not depend on the machine. Its terms were fitted to runs of 1000 steps of 38
-mechanisms: shipped scenes take 0.4 to 1.5 times the estimate on a core of a server. The number of
-contacts is unknown: 200 boxes that fall on one another took 10 times as long. Pictures and the
-audit are left out.
+The checks use the mechanism at t = 0; nothing is stepped. The terms of the estimate were fitted to
+runs of 38 mechanisms: shipped scenes take 0.4 to 1.5 times the estimate on a core of a server, 200
+boxes that fall on one another 10 times as long. Pictures and the audit are left out.
 """
 
 from __future__ import annotations

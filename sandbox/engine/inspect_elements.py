@@ -99,16 +99,15 @@ def joint_problems(model: Model) -> Iterator[Problem]:
                          f"{message}", f"move a body or an anchor, or {advice}")
         low, high = joints.stops[i].tolist()
         if joints.start[i] < low - 1e-9 or joints.start[i] > high + 1e-9:
-            yield look("outside-limits", f"$.joints[{i}]", name,
-                       f"starts at {deg(joints.start[i])}, outside its limits [{deg(low)}, "
-                       f"{deg(high)}]", "turn a body, or set 'zero'")
+            yield look("outside-limits", f"$.joints[{i}]", name, f"starts at "
+                       f"{deg(joints.start[i])}, outside its limits [{deg(low)}, {deg(high)}]",
+                       "turn a body, or set 'zero'")
 
 
 def shared_problems(model: Model) -> Iterator[Problem]:
     """Redundant joints, whose shares of the load statics does not determine."""
     shared = sorted(shared_joints(model, model.bodies.pose).joints)
-    if shared and all(
-            model.bonds.begins(int(model.bonds.joint[j])) for j in shared):
+    if shared and all(model.bonds.begins(int(model.bonds.joint[j])) for j in shared):
         names = listed([model.joints.name[j] for j in shared])
         yield look("overconstrained", "$.joints", "", f"{names} are overconstrained: statics does "
                    "not determine each reaction; the smallest that balance are recorded",
@@ -260,6 +259,7 @@ def placed_shapes(bodies: Iterable[Body]) -> tuple[pymunk.Space, dict[pymunk.Sha
     return space, owner
 
 
+OPPOSITE = {"left": "right", "right": "left"}
 MAX_STRETCH = 0.1  # accepted elongation of an inextensible tendon at t = 0, relative
 
 
@@ -290,8 +290,7 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
         if tendon.closed:
             yield from _loop_problems(model, i)
         if not model.bodies.free[guided].any():
-            yield look("no-effect", path, tendon.name, "passes no body that can move freely",
-                       "it has no effect")
+            yield look("no-effect", path, tendon.name, "passes no body that can move freely")
 
 
 def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Problem]:
@@ -321,16 +320,14 @@ def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
         yield error("not-settable", f"$.drives[{drive}].tendon", model.drives.name[drive],
                     f"pulls {tendon.name}, which is closed and has no end",
                     "a torque or a motor at a wheel's hinge, or a tendon that is not closed")
-    sides = {guide.side for guide in tendon.guides}
-    if all(guide.radius for guide in tendon.guides) and len(sides) == 1:
-        wraps = [wrap - math.tau * guide.turns
-                 for wrap, guide in zip(wraps_at_start(model, i), tendon.guides, strict=True)]
-        times = round(sum(wraps) / math.tau)
+    side, *others = {guide.side for guide in tendon.guides}
+    if all(guide.radius for guide in tendon.guides) and not others:
+        turns = sum(guide.turns for guide in tendon.guides)
+        times = round(sum(wraps_at_start(model, i)) / math.tau - turns)
         if times > 1:
-            other = "right" if sides == {"left"} else "left"
             yield look("bad-tendon-path", path, tendon.name,
                        f"crosses itself: this path winds {times} times around",
-                       f"{other!r} as the side of its guides, or these in another order")
+                       f"{OPPOSITE[side]!r} as the side of its guides, or these in another order")
 
 
 def _without_effect(tendon: Tendon, path: str) -> Iterator[Problem]:
@@ -365,7 +362,7 @@ def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator
         begins, path = tendon.guides[k].begins, f"$.tendons[{i}].guides[{k}]"
         if off[first + k] == (begins == "off"):
             continue
-        other = "right" if tendon.guides[k].side == "left" else "left"
+        other = OPPOSITE[tendon.guides[k].side]
         three = [max(j for j in range(k) if not off[first + j]), k,
                  min(j for j in range(k + 1, len(points)) if not off[first + j])]
         far = passes_by([points[j] for j in three],
@@ -391,13 +388,10 @@ def line_problems(model: Model) -> Iterator[Problem]:
                 yield error("coincident-points", f"{path}.chambers[{k}]", name,
                             f"the two points of its cylinder {k} coincide",
                             "move one of them: the force between has no direction")
-        if model.bodies.free[lines.bodies[chambers]].any():
+        if model.bodies.free[lines.bodies[chambers]].any() or (model.valves.lines == i).any():
             continue
-        joined = bool((model.valves.lines == i).any())
-        if not joined:
-            yield look("no-effect", path, name, "moves no body that can move freely",
-                       "it has no effect")
-        if not joined and i in fed and not np.isfinite(lines.most[i]):
+        yield look("no-effect", path, name, "moves no body that can move freely")
+        if i in fed and not np.isfinite(lines.most[i]):
             yield look("bad-fluid", path, name, "has a pump but no relief and no outlet",
                        "its pressure grows without limit; give it a relief")
 
@@ -421,12 +415,10 @@ def load_problems(model: Model) -> Iterator[Problem]:
         for part, value, field in zip(law.parts, law.at(motion)[:, 0], (
                 f"{force}[0]", f"{force}[1]", "torque"), strict=True):
             if part is not None and not np.isfinite(value):
-                there = ", ".join(f"{name} = {float(motion[name][0]):.4g}"
-                                  for name in sorted(part.names))
-                yield error(
-                    "undefined-law", f"{path}.{field}", load.name,
-                    f"has no finite value on {body.name!r} at t = 0" + (there and f", {there}"),
-                    "a division by zero, or out of range")
+                there = "".join(f", {name} = {float(motion[name][0]):.4g}"
+                                for name in sorted(part.names))
+                yield error("undefined-law", f"{path}.{field}", load.name, "has no finite value on "
+                            f"{body.name!r} at t = 0{there}", "a division by zero, or out of range")
 
 
 UNLIKE = 1e6  # mass ratio up to which the accuracy of the engine is tested
@@ -438,15 +430,13 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     """Connected bodies with a mass ratio above :data:`UNLIKE`; ``allowed`` pairs may touch."""
     bodies, free = model.bodies, np.flatnonzero(model.bodies.free)
     reach = np.zeros(len(bodies.name))  # largest distance of a point of attack from the centre
-    attacked = [
-        (model.joints.bodies.ravel(), model.joints.anchor.reshape(-1, 2)),
-        (model.tendons.guide_body, model.tendons.guide_at)]
-    for i, body in enumerate(model.mechanism.bodies):
-        points = np.array([point for shape in body.shapes for point in outline(shape)])
-        attacked.append((np.full(len(points), i), points.reshape(-1, 2)))
-    for on, points in attacked:
-        off = points - bodies.centre[on]
-        np.fmax.at(reach, on, np.hypot(off[:, 0], off[:, 1]))
+    shaped = [(i, point) for i, body in enumerate(model.mechanism.bodies)
+              for shape in body.shapes for point in outline(shape)]
+    for on, points in ((model.joints.bodies, model.joints.anchor),
+                       (model.tendons.guide_body, model.tendons.guide_at),
+                       ([i for i, _ in shaped], np.array([p for _, p in shaped]).reshape(-1, 2))):
+        which = np.asarray(on, dtype=np.int64)
+        np.fmax.at(reach, which, np.linalg.norm(points - bodies.centre[which], axis=-1))
     share = np.ones(len(bodies.name))
     share[free] += reach[free] ** 2 * bodies.mass[free] / bodies.inertia[free]
     lightest = np.where(share > SLENDER, bodies.mass / share, bodies.mass)
@@ -454,12 +444,9 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
         return
     for group in groups(model, contacts=allowed):
         light = int(group[lightest[group].argmin()])
-        others = group[group != light]
-        if not len(others):
-            continue
-        heavy = int(others[bodies.mass[others].argmax()])
+        heavy = int(group[np.where(group == light, 0.0, bodies.mass[group]).argmax()])
         ratio = float(bodies.mass[heavy] / lightest[light])
-        if ratio > UNLIKE:
+        if heavy != light and ratio > UNLIKE:
             turned = "" if share[light] <= SLENDER else (
                 f", but with {bodies.inertia[light]:.4g} kg m^2 answers a push at "
                 f"{mm(float(reach[light]))} from its centre as {lightest[light]:.2g} kg would,")
@@ -478,10 +465,10 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     hand = np.array([bool(of_hand(body) and body.shapes) for body in mechanism.bodies], dtype=bool)
     alone = sorted(body.name for i, body in enumerate(mechanism.bodies)
                    if grasp_of(body) and not (allowed[i] & hand).any())
-    read = [(f"$.expect[{i}].{expect.key}", expect.quantity)
-            for i, expect in enumerate(mechanism.expect)]
-    read += [(f"$.meters[{i}].value", name) for i, meter in enumerate(mechanism.meters)
-             for name in sorted(names_read(meter))]
+    read = [*((f"$.expect[{i}].{expect.key}", expect.quantity)
+              for i, expect in enumerate(mechanism.expect)),
+            *((f"$.meters[{i}].value", name) for i, meter in enumerate(mechanism.meters)
+              for name in sorted(names_read(meter)))]
     for path, name in read if alone else ():
         body, _, quantity = name.rpartition(".")
         each = next((one for one in alone if fnmatchcase(one, body)), "")
@@ -520,8 +507,8 @@ def idle_problems(model: Model) -> Iterator[Problem]:
                  tendons.guide_body[tendons.guides(target)].tolist() if kind.gives == "tension"
                  else [])
         if moved and not kind.limited and not model.bodies.free[moved].any():
-            yield look("no-effect", path, name, f"acts on {model.bodies.name[moved[0]]!r}, which "
-                       "cannot move freely", "it changes nothing")
+            yield look("no-effect", path, name,
+                       f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely")
         if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
             yield look("no-effect", f"{path}.body", name, f"{model.bodies.name[target]} has no "
                        "shapes, so it has no surface to drive", "a shape of that body")
@@ -535,13 +522,11 @@ def idle_problems(model: Model) -> Iterator[Problem]:
                                         (set_to.min(), low - set_to.min(), low, "least")):
             if not over > NEGLIGIBLE:
                 continue
-            if not turns:
-                fault, advice = f"it is {mm(bound)} long at {end}", "a length within its stroke"
-            else:
+            fault, advice = f"it is {mm(bound)} long at {end}", "a length within its stroke"
+            if turns:
                 fault, advice = f"its limits are [{deg(low)}, {deg(high)}]", "an angle within them"
                 if abs(value) > math.tau:
-                    advice += ("; a number by itself is in rad: for degrees write "
-                               f"\"{value:.4g} deg\"")
+                    advice += f"; for degrees instead of rad write \"{value:.4g} deg\""
             yield look("outside-limits", f"{path}.value", name, f"sets {joints.name[target]} to "
                        f"{deg(value) if turns else mm(value)}, but {fault}", advice)
 

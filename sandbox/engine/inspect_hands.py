@@ -4,11 +4,9 @@ The reach of a finger from its first hinge is the sum of its phalanges.
 
 The pivot of a rocker or pulley moves by the mean of the displacements of its strings, weighted by
 the other's arm, equations (4) to (7). A finger draws its string in until its hinges are at their
-stops. The ends of a rocker with arms a and b, at a tilt theta from across the pull, are
-(a + b) sin(theta) apart along it. So the displacements of its two strings can differ by a + b at
-most; beyond, it turns over. Before that the strings slant: the end on the arm a has moved in by
-a (1 - cos(theta)), which is atan(a (1 - cos(theta)) / l) over a string of length l, and the torques
-about the pivot balance with
+stops. The ends of a rocker with arms a and b, tilted by theta from across the pull, are
+(a + b) sin(theta) apart along it; beyond a + b it turns over. Before that the strings slant, over a
+length l by atan(a (1 - cos(theta)) / l), and the torques about the pivot balance with
 
     T1 a cos(theta + slant1) = T2 b cos(theta - slant2)
 

@@ -1,11 +1,10 @@
 """Checks of springs, dampers and stiff tendons against the step; springs that can snap through.
 
-- **Step**: a spring of stiffness k between two bodies vibrates with w = sqrt(k s), s the response
-  of the two to a unit push (1/m_a + 1/m_b for two points); a leapfrog of step h is off by
-  (h w)^2 / 24 in frequency. One that is too stiff for it (:mod:`sandbox.engine.stiffness`) is
-  solved at the step's end, which damps its vibration. For a spring with a law, k is the largest
-  slope in its range. A damper c settles in 1 / (c s). Of the joints only a hinge between the two
-  is counted: the others could only make the response smaller.
+- **Step**: a spring of stiffness k (of a law its largest slope) vibrates with w = sqrt(k s), s the
+  response of its bodies to a unit push; a leapfrog of step h is off by (h w)^2 / 24 in frequency.
+  One that is too stiff for it (:mod:`sandbox.engine.stiffness`) is solved at the step's end, which
+  damps its vibration. A damper c settles in 1 / (c s). Of the joints only a hinge between the two
+  bodies is counted: others make s smaller.
 - **Over centre**: a straight spring across a hinge C has no arm when its ends and C are in line
   with C between; beyond, it turns the hinge the other way (rho_0 + w_0 of equations (22)-(23)).
 - **Undamped tendons**: one from :data:`RIGID` on is solved at the end of a step h, which acts as a

@@ -1,10 +1,8 @@
 """The table of a run: addresses and lengths of all its arrays, for compiled code.
 
-Compiled functions take the address of the table and make the views that they need:
-``memory.body(table)``. A view costs no time, while eighty arguments would cost more than a sample
-and take tens of seconds to compile. Arrays in a table must neither move nor be replaced while it is
-used: :class:`Memory` keeps them alive. Views are made from the fields of
-:mod:`sandbox.engine.state`.
+Compiled functions take the address of the table and make views of the fields of
+:mod:`sandbox.engine.state`: ``memory.body(table)``. Eighty arguments would take tens of seconds to
+compile. Arrays must not be replaced while a table is used: :class:`Memory` keeps them alive.
 """
 
 from __future__ import annotations

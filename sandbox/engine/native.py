@@ -1,8 +1,7 @@
 """pymunk's own C functions, called from compiled code.
 
-Going through Python to write velocities and step costs more than a step of a small hand itself. The
-functions behind ``Space.step`` and ``pymunk.batch`` are therefore called by
-address. This is the only module that knows of pymunk's insides.
+Calls through Python would cost more than a step of a small hand. Only this module uses the
+internals of pymunk.
 """
 
 from __future__ import annotations

@@ -1,24 +1,19 @@
 """The bilateral rows: their pattern, made once, and the factorisation in each step.
 
 Each bilateral row r (a joint's, a damper's, a stiff tendon's) has entries: a body and three
-coefficients J. With W the inverse masses the rows meet in S = sum J W J' over the free bodies
-that they share, which is sparse and, for mechanisms that branch, factors with next to no
-fill when the unknowns go in order of least degree. A body that very many rows act on would
-make all of them meet; such a hub stays in the system instead, by its three velocities:
+coefficients J. With W the inverse masses, S = sum J W J' over the free bodies is sparse, and has
+next to no fill in order of least degree. A body with very many rows, which would couple all of
+them, is a hub: its three velocities stay in the system, as does the slip of a tendon over a guide,
+one unknown without mass:
 
     [ S + c   J_h ] [ p   ]   [ r       ]
     [ J_h'   -M_h ] [ v_h ] = [ -M_h v_f ]
 
-The slip of a cable over a guide (:mod:`sandbox.engine.tendons`) stays in it, too: one unknown
-without mass.
-
-Both kinds of unknown are eliminated alike (the matrix is quasi-definite), but a rigid row has a
-pivot of its own only while other bodies have a freedom left for it: one that acts on nothing but
-hubs, or on a link that other rows hold already, goes after its hubs.
+The matrix is quasi-definite, but a rigid row has a pivot only while other bodies have a freedom
+left for it: one that acts on hubs alone, or on a link that other rows hold, follows its hubs.
 
 The factorisation is L D L^T in this fixed order. ``values`` holds the columns of L below the
-diagonal one after the other, then the diagonal: the matrix before :func:`factor`, L and 1 / D
-after it.
+diagonal, then the diagonal: the matrix before :func:`factor`, L and 1 / D after it.
 """
 
 from __future__ import annotations

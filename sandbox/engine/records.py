@@ -10,9 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
-"""Kinds of tendon and spring: solved at the step's end; of given tension; soft, its tension
-that of the pose; soft with a damper, solved at mid-step. Of spans of a tendon that guides hold by
-friction: soft, solved evenly about the pose; and that tendon as a whole, whose spans pull."""
+"""Kinds of tendon and spring: solved at the step's end; of given tension; explicit; with a damper,
+at mid-step; a span, evenly about the pose; a whole tendon with friction, whose spans pull."""
 SOFT = 1.0  # h^2 k s from which an element is solved at the step's end; stable up to 4
 
 ACTION = np.dtype([
@@ -237,9 +236,8 @@ LOADED = np.dtype([
     ("entry", np.int64), ("stiff", np.int64),   # first of three; if taken at the step's end
 ])
 SUM, SLOPES, GIVEN, YIELDS, AXES, SCRATCH = 0, 1, 4, 5, 6, 9
-"""Rows of numbers of each loaded body, three a row: the sum of its loads [N, N, N m]; by how much
-that grows with each velocity after the step; what of it is among the known forces; the rates at
-which loads slow motion along each of three axes [1/s]; these axes; scratch."""
+"""Rows of numbers of a loaded body: sum of its loads [N, N, N m]; slopes by velocities after the
+step; part in the known forces; rates at which loads slow motion along axes [1/s]; axes; scratch."""
 NUMBERS = 13  # number of rows
 
 JOINED, SPRINGY, PULLING = 0, 1, 2  # kinds of bonds: a joint, a spring, a tendon

@@ -1,16 +1,15 @@
 """The solve of a step: impulses of all joints, dampers, tendons, limits, motors and contacts.
 
-Bodies are in the poses x of the step, and what is near has been found. With W the inverse masses, f
-the forces that follow from the poses, B the bilateral rows and C those with bounds,
+With W the inverse masses, f the forces at the poses x of the step, B the bilateral rows and C those
+with bounds,
 
     v = v_before + h W f + W B^T p_b + W C^T p_c
 
-gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.plan`), the
-rows C are solved on what it leaves (:mod:`sandbox.engine.bounded`); only those come in that carry
-something or would be broken without. Then groups of elements may change their active sets and
-linearisations (:mod:`sandbox.engine.groups`), and the step is solved again.
-
-Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impacts`).
+gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.plan`). Rows C
+that carry something or would be violated are solved on what it leaves
+(:mod:`sandbox.engine.bounded`). Then groups of elements may change their active sets and
+linearisations (:mod:`sandbox.engine.groups`), and the step is solved again. Restitution acts before
+all forces (:mod:`sandbox.engine.impacts`).
 """
 
 from __future__ import annotations
@@ -36,20 +35,17 @@ HARD = 1e-12  # compliance of rigid rows, relative to that of the masses: redund
 LAW_ROUNDS = 12  # maximum number of changes of tendons and linearisations of laws in a step
 PRESSED = 60  # the same of loads: quadratic drag on a fast body halves its speed each time
 CLOSINGS = 3  # maximum number of times in a step that joints are solved again to be closed
-GROWN = 100.0
-"""How many times the kinetic energy of the closing before it one may take. What is nearly singular
-has other rows at the end of a step than at its beginning, and there each would take 10^4 times as
-much; less than 100 may be an end that is light to turn."""
+GROWN = 100.0  # maximum kinetic energy of a closing over that of the one before: 10^4 if singular
 SETTLED = 20  # steps at rest before it, in which the shares of loads converge
 ATTEMPTS = 2  # maximum number of searches for modes in a step; after them relaxation has to do
 HOPELESS = 1e4  # speed [m/s, rad/s] by an impulse alone from which it undoes no overlap
 EXACT = 1e-10  # rates that count as zero, as a share of the largest of the rows
 SOFTER, SOFT_SHARE = 1e3, 0.1
-"""How much more strongly impulses are held to the last, to see whether anything else limits them;
-of one that nothing does 1 / SOFTER is left, of others more than the second."""
+"""Factor by which impulses are held to the last more strongly, and the share of an impulse left
+above which something else limits it."""
 AGROUND, ALMOST = 1e-6, 1e-3
-"""An approach [m/s, rad/s] by which joints drive overlapping bodies on into each other; its share
-in the speeds of both. Less is left where they meet in a common hinge: they do not part there."""
+"""Minimum approach [m/s, rad/s], and its share of the speeds of both bodies, by which joints drive
+overlapping bodies into each other; at a common hinge it is less."""
 
 
 @kernel

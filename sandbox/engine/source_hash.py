@@ -1,8 +1,7 @@
 """Cache keys: a hash of all sources of a compiled function.
 
-Numba finds a cached function again as long as the file of that one function is unchanged. It does
-not look at the functions, constants and record types that the function takes from elsewhere. The
-hash covers these, so old machine code is never loaded after a change.
+Numba looks for changes only in the file of the function itself. The hash covers the functions,
+constants and record types that it uses, too.
 """
 
 from __future__ import annotations

@@ -5,10 +5,9 @@ that of t = -h/2. With the pose x0 and the velocity v0 of t = 0 and the accelera
 
     x = x0 - h/2 v0 + h^2/8 a
 
-which leads to x0 + h/2 v0 + h^2/8 a in the first step. The first step itself gives
-a = (v1 - v0) / h; it is repeated, because joints that are not yet closed falsify it. An impact is
-no acceleration: a body that is hit in the first step is not moved, and the speed of a motor whose
-hinge begins at another speed is reduced by the difference in these trials.
+which leads to x0 + h/2 v0 + h^2/8 a in the first step. That step gives a = (v1 - v0) / h; it is
+repeated, because joints that are still open falsify it. An impact is no acceleration: a body that
+is hit is not moved, and a motor's speed is reduced by its difference from the hinge's in trials.
 """
 
 from __future__ import annotations

@@ -1,11 +1,8 @@
 """Arrays of a run: constants, elements, the state that the next step needs, results of the last.
 
-A run is its constants, its elements, its state and pymunk's space. The records of elements stand in
-:mod:`sandbox.engine.records`.
-
-:func:`allocate` makes arrays of zeros with the declared shapes. ``unknowns`` and ``entries`` are
-those of the bilateral rows (:mod:`sandbox.engine.plan`), ``rows`` bounded ones, ``piles`` bodies of
-piles. Guides are first those of tendons, then those of spans.
+The records of elements are in :mod:`sandbox.engine.records`. In shapes, ``unknowns`` and
+``entries`` are those of the bilateral rows (:mod:`sandbox.engine.plan`), ``rows`` bounded ones,
+``piles`` bodies of piles. Guides are first those of tendons, then those of spans.
 """
 
 from __future__ import annotations
@@ -219,8 +216,7 @@ class State(NamedTuple):
     pile_bodies: Annotated[Records, PILE_BODY, "piles"]
     pile_place: Annotated[Integers, "nodes"]  # in the order of elimination, or -1
     accuracy: Annotated[Array, "6"]
-    """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE;
-    maximum since the last sample."""
+    """Residual [m/s, rad/s], maximum, its step; steps with piles, above COARSE; since a sample."""
 
 
 class Result(NamedTuple):
@@ -264,9 +260,8 @@ class Result(NamedTuple):
     pile_coefficients: Annotated[Array, "pile_blocks 3 3"]  # blocks of the rows
     pile_compliance: Annotated[Array, "pile_nodes 3"]  # of the rows
     pile_vectors: Annotated[Array, "7 nodes 3"]
-    """Velocities of the bodies of piles, then - impulses of rows besides those without contacts:
-    the result, a trial, those without contacts; inverse
-    masses; forces, a right side, a change."""
+    """Velocities of piled bodies, - impulses of rows: result, trial, those without contacts;
+    inverse masses; forces, a right side, a change."""
     pile_diagonal: Annotated[Array, "nodes 3 3"]  # blocks of the matrix
     pile_lower: Annotated[Array, "slots 3 3"]  # those below the diagonal
     pile_upper: Annotated[Array, "slots 3 3"]  # and above
