@@ -39,15 +39,12 @@ Code = tuple[int, int]  # first step of a program and where it ends, -1 without 
 
 
 class Builder:
-    """What all tables of elements need, and the bilateral rows that they add.
-
-    ``order`` are the model's numbers of the bodies as pymunk lists them.
-    """
+    """What all tables of elements need, and the bilateral rows that they add."""
 
     def __init__(self, model: Model, order: Integers, h: float) -> None:
         bodies = model.bodies
         self.model, self.h = model, h
-        self.number: Integers = np.argsort(order)  # by the model's numbers, [nb]
+        self.number: Integers = np.argsort(order)  # pymunk's numbers by the model's, [nb]
         self.inverse_mass: Array = np.stack(
             [1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
         self.pose: Array = np.array([

@@ -17,7 +17,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -61,7 +61,7 @@ class EntryPoint:
     @property
     def place(self) -> int:
         """Index of its address in the table."""
-        return _places()[self.name]
+        return TABLE_WORDS + sorted(_entry_points).index(self.name)
 
     @property
     def source_key(self) -> str:
@@ -108,11 +108,6 @@ class EntryPoint:
         """Numba's C callback, compiled now or loaded from the cache."""
         return cached(self.py_func, self.source, lambda function, cache: cfunc(
             self.signature, cache=cache, **_options)(function))
-
-
-@cache
-def _places() -> dict[str, int]:
-    return {name: TABLE_WORDS + i for i, name in enumerate(sorted(_entry_points))}
 
 
 class CalledFromPython:

@@ -191,16 +191,12 @@ def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
 
 def _off(one: StringEnd, two: StringEnd) -> float:
     """Difference of the displacements at which the error of the shares is :data:`MAX_ERROR` [m]."""
+    from scipy.optimize import bisect
+
     a, b = one.arm, two.arm
     k, m = (max(end.length, STRAIGHT) for end in (one, two))
-    low, high = 0.0, math.pi / 2
-    for _ in range(50):  # halvings: to rounding
-        tilt = (low + high) / 2
-        if max(_error(tilt, a, b, k, m), _error(tilt, b, a, m, k)) > MAX_ERROR:
-            high = tilt
-        else:
-            low = tilt
-    return (a + b) * math.sin(low)
+    return (a + b) * math.sin(bisect(lambda tilt: max(
+        _error(tilt, a, b, k, m), _error(tilt, b, a, m, k)) - MAX_ERROR, 0.0, math.pi / 2))
 
 
 def _error(tilt: float, a: float, b: float, lags: float, leads: float) -> float:

@@ -12,7 +12,7 @@ bodies, but at most :data:`MAX_RATIO` times the effective mass of the body alone
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from numbers import Real
@@ -21,7 +21,7 @@ import numpy as np
 
 from sandbox.elements.arrays import Arrays
 from sandbox.engine.inspect_control import Checked, checked
-from sandbox.engine.simulation import Simulation, bad_argument
+from sandbox.engine.simulation import Progress, Simulation, bad_argument
 from sandbox.errors import Problem, SceneError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
@@ -177,9 +177,7 @@ class Live(Simulation):
         """The last push, of any hand."""
         return next((one for one in reversed(self.inputs) if isinstance(one, Nudge)), None)
 
-    def run(
-        self, until: int | None = None, *, progress: Callable[[float], None] | None = None,
-    ) -> None:
+    def run(self, until: int | None = None, *, progress: Progress = None) -> None:
         """Continue until so many steps are made in all; as :meth:`Simulation.run`."""
         if self._next_push is not None:
             body, at, force = self._next_push
@@ -219,7 +217,7 @@ class Live(Simulation):
         super().restart()
         self.inputs, self._grasped, self._next_push = [], None, None
 
-    def again(self, steps: int, *, progress: Callable[[float], None] | None = None) -> Live:
+    def again(self, steps: int, *, progress: Progress = None) -> Live:
         """Another simulation after so many steps, with the same inputs before.
 
         It runs from t = 0: the contact search of pymunk starts with the contacts of the last step,
@@ -236,9 +234,7 @@ class Live(Simulation):
         other._repeat([each for each in self.inputs if each.step == self.steps])
         return other
 
-    def _repeat(
-        self, inputs: list[Input], progress: Callable[[float], None] | None = None,
-    ) -> None:
+    def _repeat(self, inputs: list[Input], progress: Progress = None) -> None:
         for each in inputs:
             self.run(each.step, progress=progress)
             if isinstance(each, Nudge):

@@ -8,7 +8,7 @@ compile. Arrays must not be replaced while a table is used: :class:`Memory` keep
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -86,18 +86,11 @@ def _view(name: str, place: int, dtype: Any, shape: list[str]) -> Any:
     return result
 
 
-def _views() -> Iterator[tuple[str, Any]]:
-    place = 0
-    for part in _PARTS:
-        for field in part._fields:
-            if field in declared(part):
-                item, shape = declared(part)[field]
-                view = f"kept_{field}" if part is Snapshot else field
-                yield view, _view(view, place, item, shape)
-            place += WIDTH
-
-
-globals().update(_views())
+for _place, (_part, _field) in enumerate(
+        (part, field) for part in _PARTS for field in part._fields):
+    if _field in declared(_part):
+        _name = f"kept_{_field}" if _part is Snapshot else _field
+        globals()[_name] = _view(_name, WIDTH * _place, *declared(_part)[_field])
 
 
 def __getattr__(name: str) -> Any:

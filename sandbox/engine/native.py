@@ -125,10 +125,7 @@ def make_native(space: pymunk.Space, write: Channel, place: Channel, finder: Fin
 
 
 class Finder:
-    """Lists the pairs of shapes that pymunk finds near one another, instead of solving them.
-
-    The callback is compiled: in Python it would be slow, and cffi drops its exceptions and Ctrl-C.
-    """
+    """Lists the pairs of shapes that pymunk finds near one another, instead of solving them."""
 
     def __init__(self, space: pymunk.Space, room: int) -> None:
         grow = ctypes.pythonapi.PyMem_RawRealloc
@@ -137,8 +134,7 @@ class Finder:
             0, room, grow(None, room * FOUND.itemsize),
             address(ffi.addressof(lib, "cpShapeGetCollisionType")),
             ctypes.cast(grow, ctypes.c_void_p).value], dtype=np.int64)
-        """Points found, points that there is room for, where they are; functions: of the number of
-        a shape, and to make room, which finding does by itself."""
+        """Points found, room, where they are; functions: number of a shape, and to make room."""
         finalize(self, _free, self.table)
         handler = lib.cpSpaceAddGlobalCollisionHandler(space._space)
         handler.userData = ffi.cast("void *", self.table.ctypes.data)

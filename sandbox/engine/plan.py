@@ -57,10 +57,10 @@ def make_pattern(
     rows: Sequence[Sequence[int]], inverse_mass: Array, rigid: int, slips: int,
     sums: Sequence[tuple[int, int]], joined: Sequence[tuple[int, int]],
 ) -> Pattern:
-    """The pattern for bilateral rows, each given by the bodies of its entries, no body twice.
+    """The pattern for bilateral rows, each given by the bodies of its entries, then slips.
 
-    Slips are counted on from the bodies. The first ``rigid`` rows have no compliance; ``sums`` are
-    two rows each, whose unknowns are added up; ``joined`` rows meet besides, as lines at a valve.
+    The first ``rigid`` rows have no compliance; ``sums`` are pairs of rows whose unknowns are added
+    up; ``joined`` rows meet besides, as lines at a valve.
     """
     bodies, count = len(inverse_mass), len(inverse_mass) + slips
     free = np.concatenate([inverse_mass[:, 0] > 0.0, np.ones(slips, dtype=bool)])
@@ -143,16 +143,13 @@ def _meetings(
 
 
 def _left_over(rows: Sequence[Sequence[int]], on: list[list[int]], hubs: list[int]) -> list[int]:
-    """Rows for which the freedoms of the bodies that are no hubs, three each, do not suffice.
-
-    Each row takes a freedom of one of its bodies, others giving way where they can (augmenting
-    paths); rows that no hub could carry choose first.
-    """
+    """Rows without one of the three freedoms of a body that is no hub (by augmenting paths)."""
     taken: dict[int, list[int]] = {
         body: [] for body, own in enumerate(on) if own and body not in hubs}
     own = [[body for body in bodies if body in taken] for bodies in rows]
     where: dict[int, int] = {}
     left = []
+    # rows that no hub could carry choose first
     for row in sorted(range(len(rows)), key=lambda row: len(rows[row]) - len(own[row])):
         asks, queue, found = dict.fromkeys(own[row], row), list(own[row]), -1
         for body in queue:  # grows as it goes

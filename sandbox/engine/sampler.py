@@ -56,18 +56,18 @@ class Sampler:
         self.kept = make_snapshot(CHUNK, tables, max(MIN_CONTACTS, 2 * world.room.contacts))
         self._arrays = builder.blank(CHUNK)  # values that elements do not have stay nan
         self._entry_points = prepare(tables.constants, tables.elements, advance)
-        self.memory = self._memory()
+        self._renew()
 
-    def _memory(self) -> Memory:
-        return make_memory((self.world.native, *self.tables, self.kept), self.world.h,
-                           self._entry_points)
+    def _renew(self) -> None:
+        self.memory: Memory = make_memory(
+            (self.world.native, *self.tables, self.kept), self.world.h, self._entry_points)
 
     def restart(self, tables: Tables, builder: RecordingBuilder) -> None:
         """Start another recording, with tables of no more room than those so far."""
         self.tables, self.builder = tables, builder
         for counts in (self.kept.taken, self.kept.unfinished, self.kept.sums, self.kept.waiting):
             counts[:] = 0
-        self.memory = self._memory()
+        self._renew()
 
     def enlarge(self, tables: Tables) -> None:
         """Continue with tables of more room, that of the world."""
@@ -80,7 +80,7 @@ class Sampler:
             array = getattr(self.kept, name).copy()
             array.resize(max(count, len(array)), refcheck=False)  # filled with zeros
             self.kept = self.kept._replace(**{name: array})
-        self.memory = self._memory()
+        self._renew()
 
     def make_room(self) -> None:
         """Make the room that the loop lacks, for the next sample or for contacts of a step."""

@@ -18,16 +18,18 @@ import pymunk
 from sandbox import __version__
 from sandbox.elements.controllers.custom import Custom, customs
 from sandbox.engine import inspect_elements as of
-from sandbox.engine.advance import advance
+from sandbox.engine.advance import UNKEPT, advance
 from sandbox.engine.bonds import taken_breaks
 from sandbox.engine.contacts import rows_for
 from sandbox.engine.control import Control
+from sandbox.engine.coordinates import rate
 from sandbox.engine.fluids import FULL
 from sandbox.engine.inputs import Clock, Inputs, make_clock
 from sandbox.engine.inspect_control import Checked, Runnable, checked
 from sandbox.engine.islands import DAMPING, STIFFNESS, TANGENTIAL
+from sandbox.engine.memory import Memory
+from sandbox.engine.records import PACED
 from sandbox.engine.sampler import Readings, Sampler
-from sandbox.engine.start import start
 from sandbox.engine.tables import Tables, enlarged, make_tables
 from sandbox.engine.world import World
 from sandbox.errors import (
@@ -43,6 +45,7 @@ from sandbox.errors import (
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.supports import together
+from sandbox.numeric import Array
 from sandbox.recording.builder import RECORDED_BYTES, Latest, RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples import outcome
@@ -51,6 +54,8 @@ from sandbox.wording import WrongValueError, listed, near, quoted
 
 BLOCK = 256  # maximum number of steps between two looks for Ctrl-C and updates of the progress bar
 MIN_SHARE = 0.01  # of the impulses of a jam, in the largest: smaller rows are left out
+TRIALS = 3  # of the first step: each multiplies the error of its acceleration by some h
+Progress = Callable[[float], None] | None
 MAX_CONTACTS = 2000  # in one step; room for twice as many takes up to 4 GB
 
 
@@ -174,9 +179,7 @@ class Simulation:
         self.run(before + n)
         return self._done - before
 
-    def run(
-        self, until: int | None = None, *, progress: Callable[[float], None] | None = None,
-    ) -> None:
+    def run(self, until: int | None = None, *, progress: Progress = None) -> None:
         """Continue until so many steps are made in all, by default to the end.
 
         Args:
@@ -213,7 +216,7 @@ class Simulation:
                                         f"{type(error).__name__}: {error}", code="run-ended")
             raise
 
-    def _loop(self, until: int, progress: Callable[[float], None] | None) -> None:
+    def _loop(self, until: int, progress: Progress) -> None:
         clock, inputs, control, sampler = self._clock, self._inputs, self._control, self._sampler
         maximum, every = min(BLOCK, inputs.at_once), clock.every
         controlled, drives, done = bool(control), control.drives, self._done
@@ -358,10 +361,7 @@ class Simulation:
         return self.finish(reason, copied=not self.finished)
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:
-        """The recording so far, and the reason of an early end.
-
-        Unless it is ``copied`` it shares the memory that further steps are written to.
-        """
+        """The recording so far; unless ``copied`` it shares the memory of further steps."""
         self._sampler.write()
         samples = int(self._sampler.kept.taken[0])
         clock, standing = self._clock, self._tables.state.standing
@@ -414,6 +414,43 @@ def _whole(number: object, path: str) -> int:
 def bad_argument(message: str, path: str, allowed: str) -> SceneError:
     """An error about an argument of a Python call."""
     return SceneError([Problem("bad-argument", message, path, allowed=allowed)])
+
+
+def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Array) -> bool:
+    """Put the bodies where the first step begins; False if a trial step lacked room.
+
+    Poses belong to t = (k - 1/2) h and velocities to t = k h. With the pose x0, the velocity v0 and
+    the acceleration a of t = 0 the first pose is
+
+        x = x0 - h/2 v0 + h^2/8 a
+
+    The first step gives a = (v1 - v0) / h; it is repeated, because joints that are still open
+    falsify it. An impact is no acceleration: a body that is hit is not moved, and a motor's speed
+    is reduced by its difference from the hinge's in trials.
+    """
+    first = world.body.copy()
+    free = tables.constants.inverse_mass[:, 0] > 0
+    saved, trial_drive = tables.saved(), drive[:1].copy()
+    joints, motors = tables.elements.joints, tables.elements.motors
+    for trial in range(TRIALS):
+        advance(memory.address, memory.h, trial_drive, speeds, UNKEPT, UNKEPT)
+        if trial == 0:
+            kept_speed = ((motors["mode"] == 0) & np.isfinite(motors["maximum"])
+                          & np.isnan(motors["slope"]) & (motors["law"] == PACED))
+            for motor in motors[kept_speed]:
+                speed = motor["sense"] * rate(joints[motor["joint"]], first[:, 3:])
+                at_start = (2 * drive[0] - drive[-1])[motor["drive"]]
+                trial_drive[0, motor["drive"]] -= at_start - speed
+        enough = not tables.state.touching[1]
+        gained = memory.h / 8 * (world.velocity - first[:, 3:])
+        hit = tables.state.touches["bounce"][:tables.state.touching[0]].any()
+        for array, value in saved:
+            array[...] = value
+        shift = np.where(free[:, None] & np.isfinite(gained) & ~hit, gained, 0.0)
+        world.place(first[:, :3] + shift, first[:, 3:])
+        if not enough:
+            return False
+    return True
 
 
 def diverged(now: float, world: World, tables: Tables, control: Control) -> SimulationDiverged:

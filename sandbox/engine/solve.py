@@ -150,10 +150,7 @@ def factor_matrix(table: int, h: float, drive: Array) -> None:
 
 @entry_point()
 def close_joints(table: int, h: float, n: int, most: float) -> float:
-    """Ask for what leaves joints open where the velocities lead.
-
-    Twice the kinetic energy [J] of the change, 0 if it is not worth a solve or above ``most``.
-    """
+    """Close the gaps of joints; twice the energy [J] of that. 0: small, or it is above ``most``."""
     unknowns, values, rows = at.unknowns(table), at.values(table), at.rows(table)
     Y, reached = at.columns(table), at.reached(table)
     count = unknowns.shape[1]
@@ -217,10 +214,9 @@ def _impulses(table: int, n: int, slack: float, again: bool) -> None:
 def jammed(table: int, n: int, slack: float) -> int:
     """The number, from 1, of a bounded row that has no solution; 0 if all have one.
 
-    What a schedule drives against something fixed has no way to go. Then nothing limits the row's
-    impulse but the small multiple of its change that holds it to the last; or, where joints leave
-    the row no freedom at all, it is left out, and its bodies go on into each other. What overlaps
-    otherwise, as links about a common hinge do, is no jam.
+    A schedule may drive bodies against something fixed. Then nothing but its hold to the last one
+    limits the row's impulse; or joints leave the row no freedom, and its bodies move into each
+    other. Other overlaps, as of links about a common hinge, are no jam.
     """
     rows, which, most = at.rows(table), -1, HOPELESS
     scheduled, velocity, moving = at.scheduled(table), at.velocity(table), False

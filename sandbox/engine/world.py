@@ -135,8 +135,7 @@ class ShapeTables(NamedTuple):
 
 
 Pieces = dict[int, list[list[tuple[kinds.Solid, float, int]]]]
-"""Of each body, by the model's number, and of each of its shapes: convex shapes with their margins
-[m] and numbers from 1."""
+"""Of each body and shape of the model: convex shapes with margins [m] and numbers from 1."""
 
 
 def _shape_tables(model: Model, order: Integers, number: Integers) -> tuple[ShapeTables, Pieces]:
