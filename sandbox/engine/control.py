@@ -18,15 +18,15 @@ from sandbox.elements.controllers.controller import Law, every
 from sandbox.elements.controllers.custom import Custom, CustomController, StopRun
 from sandbox.elements.registry import Controller
 from sandbox.engine.bonds import hold
-from sandbox.engine.inputs import Clock
+from sandbox.engine.inputs import Clock, signal_values
 from sandbox.engine.sampler import Readings
-from sandbox.errors import Problem, SceneError, SimulationDiverged
+from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.samples.outcome import Happened, Stop
 from sandbox.scene.settings import Event, first_step
 from sandbox.values.expressions import Read
-from sandbox.values.signals import AnySignal, Constant, Ramp, values
+from sandbox.values.signals import AnySignal, Constant, Ramp
 from sandbox.values.tables import Tables
 
 Act = Callable[[float, int], None]
@@ -54,13 +54,9 @@ class Setpoint:
             return self.fixed
         if not self._first <= act < self._first + len(self._values):
             stop = min(act + CHUNK, max(act, self.last) + 1)
-            try:
-                self._first, self._values = act, values(
-                    self.signal, self.period * np.arange(act, stop, dtype=float),
-                    self.tables).tolist()
-            except ValueError as error:
-                raise SceneError([Problem("bad-argument",
-                                          f"a controller's target: {error}")]) from None
+            times = self.period * np.arange(act, stop, dtype=float)
+            self._first, self._values = act, signal_values(
+                "a controller's target", self.signal, times, self.tables).tolist()
         return self._values[act - self._first]
 
 

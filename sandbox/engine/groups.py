@@ -16,6 +16,8 @@ its solve use the phases only:
 
 from __future__ import annotations
 
+from typing import Any
+
 from sandbox.engine import fluids, loads, springs, tendons
 from sandbox.engine.bonds import release_rows
 from sandbox.engine.joint_friction import change_friction
@@ -57,9 +59,7 @@ def update_rows(table: int, h: float, drive: Array) -> None:
 
 
 @kernel
-def change(
-    table: int, h: float, drive: Array, attempt: int, n: int, again: bool,
-) -> tuple[bool, bool]:
+def change(table: int, h: float, drive: Array, attempt: int, n: int, again: bool) -> Any:
     """Change contradicted active sets and linearisations: whether any; whether it converges."""
     changed, converging = springs.change_laws(table, h, drive), loads.change_loads(table, h)
     changed |= change_friction(table, n)

@@ -82,9 +82,7 @@ def _of_scene(mechanism: Mechanism) -> Iterator[Problem]:
             if abs(first - start) > NEGLIGIBLE:
                 yield look("jump-at-start", f"$.bodies[{i}].path.{axis}", body.name,
                            f"begins at {axis} = {show(start)}, its path at {show(first)}: it jumps "
-                           "there in the first step", "set 'at' and 'angle' to the start of the "
-                           "path")
-    for i, body in enumerate(mechanism.bodies):
+                           "there in the first step", "set 'at' and 'angle' to the path's start")
         for k, shape in enumerate(body.shapes):
             if isinstance(shape, Polygon) and shape.swing is not None:
                 lift, beyond, turn = shape.swing

@@ -482,26 +482,10 @@ INSTANTS = 257  # instants of a run at which the target of a drive is checked
 
 
 def idle_problems(model: Model) -> Iterator[Problem]:
-    """Drives and events without effect, or outside of limits."""
-    bonds, drives, joints, tendons = model.bonds, model.drives, model.joints, model.tendons
-    events = model.mechanism.events
-    loose = {bonds.name[bond] for bond in np.flatnonzero(
-        ~bonds.held | np.isfinite(bonds.breaks_at) | (bonds.drive >= 0))}
-    loose |= {name for event in events for name in event.release}
-    for i, event in enumerate(events):
-        for j, name in enumerate(event.take_up):
-            if name not in loose:
-                yield look("no-effect", f"$.events[{i}].take_up[{j}]", event.name,
-                           f"takes up {name}, which no event releases",
-                           "an event or drive that releases it, 'breaks_at' or 'released'")
-    taken = {name for event in events
-             for name in (*event.take_up, *(event.release if event.lasts is not None else ()))}
+    """Drives without effect, or outside of limits."""
+    drives, joints, tendons = model.drives, model.joints, model.tendons
     for i, (kind, name) in enumerate(zip(drives.kind, drives.name, strict=True)):
         path, target = f"$.drives[{i}]", int(drives.target[i])
-        bond = int(bonds.joint[target]) if kind.target.among == "joints" else NONE
-        if not bonds.begins(bond) and bonds.drive[bond] < 0 and bonds.name[bond] not in taken:
-            yield look("no-effect", path, name, f"acts on {bonds.name[bond]}, which is released "
-                       "from the start and never taken up", "an event or a drive that takes it up")
         moved = ([target] if kind.gives == "force" else
                  joints.bodies[target].tolist() if kind.gives == "torque" else
                  tendons.guide_body[tendons.guides(target)].tolist() if kind.gives == "tension"

@@ -199,19 +199,17 @@ def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _
     return {cable: mode for cable, mode in worst.items() if mode.ratio < ENOUGH}
 
 
-def _modes(
-    model: Model, bodies: Integers, elements: list[_Element], rigid: Flags,
-) -> Iterator[_Mode]:
-    """The modes of a group of bodies with their elements."""
-    cable = np.array([each.cable for each in elements], dtype=np.int64)
+def _modes(model: Model, bodies: Integers, own: list[_Element], rigid: Flags) -> Iterator[_Mode]:
+    """The modes of a group of bodies with their own elements."""
+    cable = np.array([each.cable for each in own], dtype=np.int64)
     stiff = np.array([c != NONE and rigid[c] for c in cable], dtype=bool)
     if not stiff.any():
         return
-    stiffness, damping = (np.array([getattr(each, name) for each in elements])
-                          for name in ("stiffness", "damping"))
+    stiffness = np.array([each.stiffness for each in own])
+    damping = np.array([each.damping for each in own])
     weight, place = _weight(model, bodies), supports.places(bodies)
     joints = sorted({joint for body in place for joint, _ in model.neighbours[body]})
-    rows = np.array([supports.row_of(place, each.parts) for each in elements]) / weight
+    rows = np.array([supports.row_of(place, each.parts) for each in own]) / weight
     rows = rows @ _motions(model, place, weight, joints)
     squares, shapes = np.linalg.eigh((rows * stiffness[:, None]).T @ rows)
     negligible = supports.RANK * max(float(squares.max(initial=0.0)), 1e-300)

@@ -50,9 +50,7 @@ def _set(read: Array, k: int, value: float, by_x: float, by_y: float, by_turn: f
 
 
 @kernel
-def _motion(
-    table: int, load: Any, h: float, after: Array, end: bool, lag: float,
-) -> tuple[float, float, float, float]:
+def _motion(table: int, load: Any, h: float, after: Array, end: bool, lag: float) -> Any:
     """Set the arguments of a law and their slopes; cosine, sine of the angle, arm of the force."""
     body, before, read = at.body(table), at.before(table), at.read_names(table)
     b = load["body"]

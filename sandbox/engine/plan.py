@@ -175,11 +175,10 @@ def _left_over(rows: Sequence[Sequence[int]], on: list[list[int]], hubs: list[in
 
 
 def elimination(
-    groups: list[set[int]], before: list[set[int]] | None = None,
+    groups: list[set[int]], waits: list[set[int]],
 ) -> tuple[list[int], dict[int, set[int]]]:
-    """An order of least degree, and the unknowns that each one still meets in its turn."""
+    """An order of least degree after those waited for; unknowns that each meets in its turn."""
     graph = [set(group) - {i} for i, group in enumerate(groups)]
-    waits = [set(w) for w in before] if before else [set() for _ in groups]
     heap = [(len(graph[i]), i) for i in range(len(graph)) if not waits[i]]
     heapq.heapify(heap)
     order: list[int] = []

@@ -19,8 +19,7 @@ ACTION = np.dtype([
     ("x", float), ("y", float), ("dx", float), ("dy", float),   # place of a force, its direction
     ("turning", np.int64),  # whether the direction turns with the body
     ("joint", np.int64), ("line", np.int64),    # driven joint, or -1; whether it is an actuator
-    ("motor", np.int64),    # -1, or the number of a motor or brake
-    ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
+    ("motor", np.int64), ("sense", float),  # motor or brake, or -1; sign of the hinge
     ("bond", np.int64), ("runs", np.int64),     # of the hinge; whether it drives the surface of a
     ("fx", float), ("fy", float),   # of a force, in the world [N]
     ("work", float),        # on the bodies [J]
@@ -103,20 +102,16 @@ MOTOR = np.dtype([
     ("target", float), ("aim", float),  # after the last step, nan before; after this one [rad]
     ("short", float),       # distance from its target [rad]
     ("along", float), ("seen", float),  # rate of the target; its own before the step [rad/s]
-    ("command", float),     # rate to be reached [rad/s]
-    ("bend", float),        # rate by which its line grows besides in the step [m/s]
-    ("impulse", float),     # on b, of the last step [N m s]
-    ("mode", np.int64),     # -1 and 1 at its minimum and maximum torque, 0 in between
+    ("command", float), ("bend", float),    # rates: to be reached; by which its line grows besides
+    ("impulse", float), ("mode", np.int64),  # on b [N m s]; -1 and 1 at its bounds, else 0
 ])
 
 DRY_FRICTION = np.dtype([
     ("joint", np.int64), ("sum", np.int64),     # number of its load, after bodies, slips and sums
     ("maximum", float), ("share", float),   # friction [N m, N]; for 1 N of load [m, 1], or 0
     ("static", float),      # ratio of static to sliding friction
-    ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
-    ("pressed", float),     # of the joint, on which the friction depends [N s]
-    ("mode", np.int64),     # -1 and 1 where it slipped, 0 where it held
-    ("bound", float),       # static friction where it held, else nan [N s, N m s]
+    ("impulse", float), ("pressed", float),  # on b, along the coordinate; of the load [N s]
+    ("mode", np.int64), ("bound", float),  # -1, 1 where it slipped; static friction where it held
     ("ux", float), ("uy", float),   # where the joint pushed: of rows, not of the world
     ("kept", np.int64), ("place", float),   # whether it has held since it was noted at a place [m]
     ("work", float), ("force", float),  # [J]; on b, in the joint's sense [N m, N]
@@ -131,13 +126,11 @@ CABLE = np.dtype([
     ("c", float),           # [N s/m]; of a span times its length of tendon [N s]
     ("whole", np.int64),    # of a span the tendon that it is of, or -1
     ("spans", np.int64), ("spans_end", np.int64),   # of a tendon that guides grip
-    ("minimum", float),     # minimum length of tendon in a span [m]
-    ("response", float),    # largest J M^-1 J^T in any pose [1/kg]
+    ("minimum", float), ("response", float),    # length in a span [m]; largest J M^-1 J^T [1/kg]
     ("row", np.int64), ("entry", np.int64), ("entries", np.int64),  # its unknown and entries, or -1
     ("into", np.int64), ("out_of", np.int64),   # entries of what slips into a span and out of it
     ("bond", np.int64), ("active", np.int64),   # whether it pulled in the last solve
-    ("k", float),           # current [N/m]; of a span times its length of tendon [N]
-    ("rest", float),        # rest length; of a span with what its wheels wound up [m]
+    ("k", float), ("rest", float),  # [N/m], of a span times its length; with what is wound up [m]
     ("inside", float),      # length of tendon in a span between its wheels [m]
     ("work", float), ("length", float),
     ("wound", float),       # share of that which a span's wheels have wound up since t = 0 [m]
@@ -162,8 +155,7 @@ SLIP = np.dtype([
     ("slide", np.int64), ("sum", np.int64),     # where bounded rows find it, and the tensions' sum
     ("impulse", float), ("pressed", float),     # of friction, sum of both tensions' [N s]
     ("mode", np.int64), ("rate", float),    # as of BOUND; [m/s]
-    ("way", float),         # of tendon from the span before into that after since t = 0 [m]
-    ("force", float),       # by how much the tension behind is larger than that before [N]
+    ("way", float), ("force", float),  # of tendon into the span after [m]; drop of the tension [N]
 ])
 
 FLUID = np.dtype([
@@ -178,21 +170,17 @@ FLUID = np.dtype([
     ("mode", np.int64),     # -1 not full, 0 full, 1 let out by its relief
     ("spilled", float), ("work", float),    # by the relief [m^3]; on the bodies [J]
     ("grown", float), ("pressure", float),  # growth of its volume since t = 0 [m^3]; [Pa]
-    ("ahead", float),       # the k of its law: steps from the pose to its instant
-    ("flow", float),        # into it [m^3/s]
+    ("ahead", float), ("flow", float),  # steps from the pose to its law's instant; into it [m^3/s]
     ("rigid", float),       # pressure, were the volume to stay [Pa]
-    ("yields", float),      # volume per pressure, there [m^3/Pa]
-    ("swells", float),      # volume per content, at one pressure
-    ("conductance", float),        # how much flow falls with its pressure, over valves [m^3/(s Pa)]
-    ("supply", float),        # flow where all pressures at the ends of valves are 0 [m^3/s]
+    ("yields", float), ("swells", float),  # volume per pressure there [m^3/Pa], per content
+    ("conductance", float), ("supply", float),  # fall of the flow per pressure; flow at 0 Pa
     ("step_work", float),   # [J]
 ])
 
 CHAMBER = np.dtype([
     ("a", np.int64), ("ax", float), ("ay", float), ("b", np.int64), ("bx", float), ("by", float),
     ("turns", np.int64),    # whether it is on a hinge
-    ("gain", float),        # volume per distance of the points, or per angle of b against a
-    ("start", float),       # distance or angle at t = 0
+    ("gain", float), ("start", float),  # volume per distance or angle; that at t = 0
     ("entry_a", np.int64), ("entry_b", np.int64),   # where its share of the row is added
     ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # force on b, moments for 1 Pa
 ])

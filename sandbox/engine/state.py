@@ -45,14 +45,12 @@ BOUND = np.dtype([
     ("low", float), ("high", float),    # of the impulse, of rows that are not tangential
     ("static", float), ("phase", np.int64),     # over sliding friction; SLIDES, HOLDS or TRIED
     ("reserve", float),       # bound in the last step, then what was left of it; nan if unknown
-    ("p_static", float),        # impulse of the last step, then that with static friction
-    ("slip", float),        # mode of the last step, then rate of slip with static friction
+    ("p_static", float), ("slip", float),  # impulse and mode of the last step, then of holding
     ("mode", np.int64), ("factored", np.int64),     # -1 at low, 0 between (y = 0), 1 at high; the
                             # same in the system that is factored
     ("last", float), ("p", float),  # impulses: of the last step, which fades where it moves; this
     ("free", float), ("base", float),   # y without bounded rows; for an impulse of 1, alone
-    ("back", float),        # part of free that undoes an overlap, at most 0
-    ("out", np.int64),      # whether joints hold both bodies, so that it has no effect
+    ("back", float), ("out", np.int64),  # of free, undoes an overlap; joints hold both bodies
     ("branch", np.int64), ("violation", float),     # unknowns of its column; of its mode, as a rate
 ])
 

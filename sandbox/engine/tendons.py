@@ -104,9 +104,7 @@ def _along(cable: Any, guides: Records, pose: Array, turn: Array, start: bool) -
 
 
 @kernel
-def _stretch(
-    a: Any, b: Any, pose: Array, turn: Array,
-) -> tuple[float, float, float, float, float, float, float]:
+def _stretch(a: Any, b: Any, pose: Array, turn: Array) -> Any:
     """Length of the tendon between two guides [m], its direction; the guides from their centres."""
     i, j = a["body"], b["body"]
     ca, sa, cb, sb = turn[i, 0], turn[i, 1], turn[j, 0], turn[j, 1]
