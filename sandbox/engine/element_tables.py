@@ -351,10 +351,8 @@ def bond_table(model: Model, springs: Records, cables: Records) -> Records:
         records.BOND, len(bonds.name), breaks_at=bonds.breaks_at, over=bonds.over,
         as_is=bonds.as_is, drive=bonds.drive, held=bonds.held, driven=bonds.held,
         last_load=np.nan, age=records.SETTLED, request=records.NONE)
-    for row in np.flatnonzero(springs["bond"] >= 0):
-        own = table[springs["bond"][row]]
-        own["what"], own["index"] = records.SPRINGY, row
-    for what, numbers in ((records.JOINED, bonds.joint), (records.PULLING, bonds.tendon)):
+    for what, numbers in ((records.SPRINGY, springs["bond"]), (records.JOINED, bonds.joint),
+                          (records.PULLING, bonds.tendon)):
         own = np.flatnonzero(numbers >= 0)
         table["what"][numbers[own]], table["index"][numbers[own]] = what, own
     numbers = np.where(cables["whole"] < 0, np.arange(len(cables)), cables["whole"])

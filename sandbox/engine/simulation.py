@@ -101,8 +101,7 @@ class Simulation:
         self._tables: Tables = make_tables(world)
         self._first_tables = self._tables
         self._first_values = self._tables.saved()
-        self._builder = self._make_builder(
-            self._clock.samples, apart=self._clock.every > 1)
+        self._builder = self._make_builder()
         self._max_bytes = recorded_bytes
         self._sampler = Sampler(world, self._tables, self._builder, self._clock.every)
         self._catalogue = Catalogue(self.mechanism)
@@ -324,8 +323,7 @@ class Simulation:
         for array, value in self._first_values:
             array[...] = value
         self._tables = self._first_tables
-        self._builder = self._make_builder(
-            self._clock.samples, apart=self._clock.every > 1)
+        self._builder = self._make_builder()
         self._sampler.restart(self._tables, self._builder)
         self._begin(began)
 
@@ -393,7 +391,7 @@ class Simulation:
         return found | ({"compliant_steps": piled, "stiffness": STIFFNESS, "damping": DAMPING,
                          "tangential": TANGENTIAL} if piled else {})
 
-    def _make_builder(self, samples: int, *, apart: bool = False) -> RecordingBuilder:
+    def _make_builder(self, samples: int | None = None) -> RecordingBuilder:
         bodies = self._model.bodies
         tendons = self._tables.elements.cables[:len(self._model.tendons.name)]
         statics = {"body_centre": bodies.centre, "body_mass": bodies.mass,
@@ -402,7 +400,8 @@ class Simulation:
         if not self._keeps_all:
             return Latest(self.mechanism, 0, statics, model=self._model)
         return RecordingBuilder(
-            self.mechanism, samples, statics, apart=apart, model=self._model)
+            self.mechanism, samples or self._clock.samples, statics,
+            apart=samples is None and self._clock.every > 1, model=self._model)
 
 
 def _whole(number: object, path: str) -> int:
@@ -465,13 +464,12 @@ def diverged(now: float, world: World, tables: Tables, control: Control) -> Simu
             now, model.lines.name[burst[0]],
             "its pressure has run away; a relief, or a smaller flow, may help")
     loads = model.loads
-    for row in tables.elements.loads:
-        if not np.isfinite([row["fx"], row["fy"], row["torque"]]).all():
-            load = row["number"]
-            return SimulationDiverged(
-                now, model.bodies.name[loads.body[load]],
-                f"the load {model.mechanism.loads[loads.load[load]].name!r} has no finite "
-                "value there: a division by zero, or out of range")
+    given = tables.elements.loads
+    for load in given["number"][~np.isfinite(given["fx"] + given["fy"] + given["torque"])]:
+        return SimulationDiverged(
+            now, model.bodies.name[loads.body[load]],
+            f"the load {model.mechanism.loads[loads.load[load]].name!r} has no finite "
+            "value there: a division by zero, or out of range")
     body = np.abs(world.body)
     finite = np.isfinite(body).all(axis=1)
     worst = int(np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1)))
