@@ -191,12 +191,9 @@ def _make_compilers() -> tuple[Any, Any]:
 
         lowering_pass = lowering
 
-        def __init__(
-            self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Any,
-            types_of_locals: Any,
-        ) -> None:
-            flags.nrt = False
-            super().__init__(typing, target, library, args, result, flags, types_of_locals)
+        def __init__(self, *args: Any) -> None:
+            args[5].nrt = False  # flags
+            super().__init__(*args)
 
         def define_pipelines(self) -> list[Any]:
             passes = import_module("numba.core.compiler_machinery").PassManager("short")

@@ -109,12 +109,9 @@ def _value(value: Any, calls: list[Source]) -> str:
         return str(entry_point.source_key)
     if view := getattr(value, "view_of_table", None):
         return str(view)
-    if isinstance(value, Kernel):
-        calls.append(value.py_func)
-        return f"{value.__module__}.{value.__qualname__}"
-    if isinstance(value, types.FunctionType):
+    if isinstance(value, Kernel | types.FunctionType):
         if not value.__module__.startswith("numba."):
-            calls.append(value)
+            calls.append(getattr(value, "py_func", value))
         return f"{value.__module__}.{value.__qualname__}"
     if isinstance(value, int | float | str | np.generic | tuple | type(None)):
         return f"{type(value).__name__} {value!r}"
