@@ -40,7 +40,7 @@ EVEN = 1e-9  # relative tolerance of pressures and flows
 SMALLEST = 1e-6  # minimum volume and content of a gas, as a share of those at t = 0
 FULL = 1e15  # pressures and contents are valid below this [Pa, m^3]
 STILL = 1e-11  # flow per volume [1/s] that counts as zero
-ALL = 3  # attempts in which all wrong lines and valves change; later only the worst
+ALL = 3  # attempts in which all violated lines and valves change; later the worst
 
 
 @entry_point("fluids")
@@ -249,7 +249,7 @@ def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     pressures(table, h, drive)
     changed, worst, which = _flows(table), 0.0, -1
     for i in range(len(fluids)):
-        off, mode = _wrong(table, h, i)
+        off, mode = _violation(table, h, i)
         if off > 0.0 and attempt < ALL:
             fluids[i]["mode"], changed = mode, True
         elif off > worst:
@@ -269,7 +269,7 @@ def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     if worst > 0.0:
         changed = True
         if which < len(fluids):
-            fluids[which]["mode"] = _wrong(table, h, which)[1]
+            fluids[which]["mode"] = _violation(table, h, which)[1]
         else:
             _turn(table, which - len(fluids))
     return changed
@@ -304,8 +304,8 @@ def _flows(table: int) -> bool:
 
 
 @kernel
-def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
-    """Pressure by which a line contradicts its mode, and its right mode."""
+def _violation(table: int, h: float, line: int) -> tuple[float, int]:
+    """Pressure by which a line contradicts its mode, and the consistent mode."""
     fluids, valves = at.fluids(table), at.valves(table)
     fluid, mode = fluids[line], fluids[line]["mode"]
     if fluid["drive"] >= 0:

@@ -422,7 +422,7 @@ def load_problems(model: Model) -> Iterator[Problem]:
 
 
 UNLIKE = 1e6  # mass ratio up to which the accuracy of the engine is tested
-WRONG = 1e10  # mass ratio from which forces may be wrong
+UNRELIABLE = 1e10  # mass ratio from which forces may be wrong
 SLENDER = 10.0  # largest 1 + m r^2/I of ordinary bodies: a rod pushed at its end has 4
 
 
@@ -455,7 +455,7 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                 f"has {bodies.mass[light]:.4g} kg{turned} where {quoted(bodies.name[heavy])} has "
                 f"{bodies.mass[heavy]:.4g} kg: connected masses differ by 1 : {ratio:.2g}; "
                 f"rounding errors show beyond 1 : {UNLIKE:.0e}",
-                f"forces are right to {1e-15 * ratio:.0e} of the largest" if ratio < WRONG else
+                f"forces are right to {1e-15 * ratio:.0e} of the largest" if ratio < UNRELIABLE else
                 "forces may be wrong: make the two more alike")
 
 

@@ -150,18 +150,15 @@ def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[StringEnd
     """The strings that end on each pivot: tendons, then ropes."""
     tendons, joints = model.tendons, model.joints
     found: dict[int, list[StringEnd]] = {model.names.body[name]: [] for name in names}
-    ends = []
-    for tendon in range(len(tendons.name)):
-        guides = tendons.guides(tendon)
-        bodies, at = tendons.guide_body[guides], tendons.guide_at[guides]
-        ends.append((tendon, int(bodies[0]), abs(float(tendons.guide_radius[guides][-1])),
-                     bodies[-2:].tolist(), at[-2:]))
-    ends += [(NONE, int(joints.bodies[joint, 0]), 0.0, joints.bodies[joint].tolist(),
-              joints.anchor[joint]) for joint in joints.keeping("range")]
-    for tendon, source, radius, bodies, at in ends:
-        if bodies[1] in found:
-            found[bodies[1]].append(StringEnd(
-                tendon, source, at[1], radius, math.dist(*map(model.at_start, bodies, at))))
+    ends = [(i, tendons.guide_body[guides], tendons.guide_at[guides][-2:],
+             abs(float(tendons.guide_radius[guides][-1])))
+            for i, guides in enumerate(map(tendons.guides, range(len(tendons.name))))]
+    ends += [(NONE, joints.bodies[i], joints.anchor[i], 0.0) for i in joints.keeping("range")]
+    for tendon, passed, at, radius in ends:
+        source, before, last = (int(passed[k]) for k in (0, -2, -1))
+        if last in found:
+            found[last].append(StringEnd(tendon, source, at[1], radius, math.dist(
+                *map(model.at_start, (before, last), at))))
     return found
 
 

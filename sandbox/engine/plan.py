@@ -151,20 +151,20 @@ def _left_over(rows: Sequence[Sequence[int]], on: list[list[int]], hubs: list[in
     left = []
     # rows that no hub could carry choose first
     for row in sorted(range(len(rows)), key=lambda row: len(rows[row]) - len(own[row])):
-        asks, queue, found = dict.fromkeys(own[row], row), list(own[row]), -1
+        claims, queue, found = dict.fromkeys(own[row], row), list(own[row]), -1
         for body in queue:  # grows as it goes
             if len(taken[body]) < 3:
                 found = body
                 break
             for other in taken[body]:
                 for next_body in own[other]:
-                    if next_body not in asks:
-                        asks[next_body] = other
+                    if next_body not in claims:
+                        claims[next_body] = other
                         queue.append(next_body)
         if found < 0:
             left.append(row)
         while found >= 0:
-            moved = asks[found]
+            moved = claims[found]
             last = where.get(moved, -1)
             where[moved] = found
             taken[found].append(moved)

@@ -184,7 +184,7 @@ def solve_bounded(table: int, n: int, again: bool) -> float:
     if n == 0 or (at.standing(table)[1] >= SETTLED and _as_before(rows, n, G)):
         return slack
     hopeless = True
-    while hopeless:  # wedged overlaps, which have no way to go, are no longer asked back
+    while hopeless:  # wedged overlaps are no longer undone
         _impulses(table, n, slack, again)
         hopeless = False
         for k in range(n):
