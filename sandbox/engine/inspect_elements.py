@@ -510,7 +510,7 @@ def idle_problems(model: Model) -> Iterator[Problem]:
             if turns:
                 fault, advice = f"its limits are [{deg(low)}, {deg(high)}]", "an angle within them"
                 if abs(value) > math.tau:
-                    advice += f"; for degrees instead of rad write \"{value:.4g} deg\""
+                    advice += f"; numbers are in rad: for degrees write \"{value:.4g} deg\""
             yield look("outside-limits", f"{path}.value", name, f"sets {joints.name[target]} to "
                        f"{deg(value) if turns else mm(value)}, but {fault}", advice)
 
