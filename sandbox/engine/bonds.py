@@ -1,8 +1,7 @@
 """Release and engagement of joints, springs and tendons.
 
-The pattern of the solve is fixed, so a released element keeps its rows: they have no coefficients,
-no right side and a compliance of 1, so that their impulses are 0. Breaks:
-:mod:`sandbox.engine.report`.
+A released element keeps its rows, without coefficients and right side and with a compliance of 1:
+their impulses are 0. Breaks: :mod:`sandbox.engine.report`.
 
 A joint that engages across a gap f closes it as
 

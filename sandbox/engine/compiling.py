@@ -22,9 +22,9 @@ def processors() -> int:
 
 @dataclass
 class _Listener:
-    began: Callable[[], None]
-    ended: Callable[[float], None]
-    progress: Callable[[float], None]
+    began: Callable[[], None]  # called once, before anything is compiled
+    ended: Callable[[float], None]  # called once with the seconds that it took
+    progress: Callable[[float], None]  # called in between with the fraction done, 0 to 1
     in_workers: bool
     active: bool = False
     over: bool = False
@@ -38,14 +38,7 @@ def on_compiling(
     began: Callable[[], None], ended: Callable[[float], None],
     progress: Callable[[float], None] = lambda fraction: None, *, in_workers: bool = False,
 ) -> Iterator[None]:
-    """Call back within this context when the engine is compiled.
-
-    Args:
-        began: called once, before anything is compiled.
-        ended: called once with the seconds that it took.
-        progress: called in between with the fraction done, 0 to 1.
-        in_workers: listen to worker processes instead of this one.
-    """
+    """Call back in this context when this process, or a worker process, compiles the engine."""
     listener = _Listener(began, ended, progress, in_workers)
     _listeners.append(listener)
     try:

@@ -18,15 +18,15 @@ from sandbox.elements.controllers.controller import Law, every
 from sandbox.elements.controllers.custom import Custom, CustomController, StopRun
 from sandbox.elements.registry import Controller
 from sandbox.engine.bonds import hold
-from sandbox.engine.inputs import Clock
+from sandbox.engine.inputs import Clock, signal_values
 from sandbox.engine.sampler import Readings
-from sandbox.errors import Problem, SceneError, SimulationDiverged
+from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.samples.outcome import Happened, Stop
 from sandbox.scene.settings import Event, first_step
 from sandbox.values.expressions import Read
-from sandbox.values.signals import AnySignal, Constant, Ramp, values
+from sandbox.values.signals import AnySignal, Constant, Ramp
 from sandbox.values.tables import Tables
 
 Act = Callable[[float, int], None]
@@ -54,13 +54,9 @@ class Setpoint:
             return self.fixed
         if not self._first <= act < self._first + len(self._values):
             stop = min(act + CHUNK, max(act, self.last) + 1)
-            try:
-                self._first, self._values = act, values(
-                    self.signal, self.period * np.arange(act, stop, dtype=float),
-                    self.tables).tolist()
-            except ValueError as error:
-                raise SceneError([Problem("bad-argument",
-                                          f"a controller's target: {error}")]) from None
+            times = self.period * np.arange(act, stop, dtype=float)
+            self._first, self._values = act, signal_values(
+                "a controller's target", self.signal, times, self.tables).tolist()
         return self._values[act - self._first]
 
 
@@ -109,8 +105,7 @@ class ControlLoop:
                                  model.mechanism.functions) for signal in spec.signals]
         self.readings = [readings.of(text) for text in self.reads]
         rates: Any = [spec.slew] if isinstance(spec.slew, float) else spec.slew
-        self.bounds: list[tuple[int, float, float, float]] = []
-        """Of each drive its column, largest change from one act to the next, minimum, maximum."""
+        self.bounds: list[tuple[int, float, float, float]] = []  # column, largest change, low, high
         for j, drive in enumerate(self.drives):
             low, high = ranges[j] if ranges else (-math.inf, math.inf)
             column = model.names.drive[drive]
@@ -122,8 +117,7 @@ class ControlLoop:
         self._act = _single(self) if alone else _several(self)
         self.start_error = math.nan  # its largest distance from a target when it began
         self.active = spec.active
-        self.run: Act = self._begin if self.active else _idle
-        """Acts at an instant [s] and number; does nothing while the loop is switched off."""
+        self.run: Act = self._begin if self.active else _idle  # acts; nothing if switched off
 
     def switch(self, on: bool) -> None:
         """Switch it on or off; switched on, it begins anew with the values of its drives then."""

@@ -28,8 +28,7 @@ from sandbox.engine.records import GEAR, GROOVE, POINT, RACK
 from sandbox.numeric import Array, Records
 from sandbox.scene.outlines import curves
 
-ABSCISSAE, WEIGHTS = tuple(curves.ABSCISSAE.tolist()), tuple(curves.WEIGHTS.tolist())
-"""Of arc lengths."""
+ABSCISSAE, WEIGHTS = tuple(curves.ABSCISSAE.tolist()), tuple(curves.WEIGHTS.tolist())  # arc length
 
 
 @kernel

@@ -39,27 +39,30 @@ Code = tuple[int, int]  # first step of a program and where it ends, -1 without 
 
 
 class Builder:
-    """What all tables of elements need, and the bilateral rows that they add.
-
-    ``order`` are the model's numbers of the bodies as pymunk lists them.
-    """
+    """What all tables of elements need, and the bilateral rows that they add."""
 
     def __init__(self, model: Model, order: Integers, h: float) -> None:
         bodies = model.bodies
         self.model, self.h = model, h
-        self.number: Integers = np.argsort(order)  # by the model's numbers, [nb]
+        self.number: Integers = np.argsort(order)  # pymunk's numbers by the model's, [nb]
         self.inverse_mass: Array = np.stack(
             [1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
         self.pose: Array = np.array([
             (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
             for i in order]).reshape(-1, 3)  # of the centres of mass, in pymunk's order, [nb, 3]
-        self.rows: list[list[int]] = []  # of each bilateral row the bodies of its entries
+        self.rows: list[tuple[int, ...]] = []  # of each bilateral row the bodies of its entries
         self.entries = 0
-        self.steps, self.stack, self.codes = _laws(model)
+        programs: list[Program] = [law.program for law in model.springs.law if law is not None]
+        programs += [part for law in model.loads.law if law is not None
+                     for part in law.programs if part is not None]
+        self.steps, ends = step_table(programs)  # of the programs of all laws
+        self.stack = stack_for(programs, 3)
+        self.codes: dict[int, Code] = {id(program): code for program, code in zip(
+            programs, pairwise(ends.tolist()), strict=True)}
 
     def add(self, *bodies: int) -> tuple[int, int]:
         """A row; its number, and that of its first entry."""
-        self.rows.append(list(bodies))
+        self.rows.append(bodies)
         self.entries += len(bodies)
         return len(self.rows) - 1, self.entries - len(bodies)
 
@@ -77,17 +80,6 @@ class Builder:
     def moves(self, row: Row) -> bool:
         """Whether one of the two bodies moves freely."""
         return bool(self.inverse_mass[[row["a"], row["b"]]].any())
-
-
-def _laws(model: Model) -> tuple[Records, Array, dict[int, Code]]:
-    """Steps of the programs of all laws; a stack for them; places of programs by id."""
-    programs: list[Program] = [law.program for law in model.springs.law if law is not None]
-    programs += [part for law in model.loads.law if law is not None
-                 for part in law.programs if part is not None]
-    steps, ends = step_table(programs)
-    return steps, stack_for(programs, 3), {
-        id(program): code
-        for program, code in zip(programs, pairwise(ends.tolist()), strict=True)}
 
 
 def fill(record: np.dtype[Any], count: int, **columns: Any) -> Records:
@@ -115,14 +107,11 @@ def drive_tables(build: Builder) -> tuple[Records, Records]:
         kind, target = drives.kind[i], int(drives.target[i])
         action: Row = {"drive": i, "motor": -1, "bond": -1, "joint": -1, "b": -1}
         actions.append(action)
-        if kind.gives == "surface":
-            action |= {"a": build.number[target], "runs": 1, "sense": drives.sense[i]}
-            continue
-        if kind.gives == "force":
-            x, y = build.local(target, drives.at[i])
-            dx, dy = drives.direction[i]
-            action |= {"a": build.number[target], "x": x, "y": y, "dx": dx, "dy": dy,
-                       "turning": drives.turning[i]}
+        if kind.gives in ("surface", "force"):
+            (x, y), (dx, dy) = build.local(target, drives.at[i]), drives.direction[i]
+            action |= {"a": build.number[target]} | (
+                {"runs": 1, "sense": drives.sense[i]} if kind.gives == "surface" else
+                {"x": x, "y": y, "dx": dx, "dy": dy, "turning": drives.turning[i]})
             continue
         line = kind.gives == "push"
         shared = build.ends(joints.bodies[target]) | {
@@ -159,9 +148,9 @@ def joint_table(build: Builder) -> Records:
             row["reach"] = 1.0 / max(float(np.abs(path.nodes[:, 3]).max()), 1.0 / path.length)
         elif kind.keeps == "groove":
             along = joints.groove[i, 1] - joints.groove[i, 0]
-            row["gx"], row["gy"] = along / math.hypot(*along)
             row["reach"] = math.hypot(*along)
-        if kind.keeps == "distance":
+            row["gx"], row["gy"] = along / row["reach"]
+        elif kind.keeps == "distance":
             row["reach"] = joints.reach[i, 0]
         if kind.keeps == "roll" or kind.teeth:
             row |= _wheel_fields(model, i)
@@ -298,7 +287,7 @@ def load_tables(build: Builder) -> tuple[Records, Records, Array]:
                   last=[*first[1:], len(order)], row=-1, row_y=-1, row_turn=-1)
     for row in loaded:
         own = [given.law[i] for i in table["number"][row["first"]:row["last"]]]
-        if any(law is not None and law.names & MOVED for law in own):
+        if any(law and law.names & MOVED for law in own):
             row["entry"] = build.entries
             for name in JOINT_ROWS:
                 row[name], _ = build.add(int(row["body"]))
@@ -362,10 +351,8 @@ def bond_table(model: Model, springs: Records, cables: Records) -> Records:
         records.BOND, len(bonds.name), breaks_at=bonds.breaks_at, over=bonds.over,
         as_is=bonds.as_is, drive=bonds.drive, held=bonds.held, driven=bonds.held,
         last_load=np.nan, age=records.SETTLED, request=records.NONE)
-    for row in np.flatnonzero(springs["bond"] >= 0):
-        own = table[springs["bond"][row]]
-        own["what"], own["index"] = records.SPRINGY, row
-    for what, numbers in ((records.JOINED, bonds.joint), (records.PULLING, bonds.tendon)):
+    for what, numbers in ((records.SPRINGY, springs["bond"]), (records.JOINED, bonds.joint),
+                          (records.PULLING, bonds.tendon)):
         own = np.flatnonzero(numbers >= 0)
         table["what"][numbers[own]], table["index"][numbers[own]] = what, own
     numbers = np.where(cables["whole"] < 0, np.arange(len(cables)), cables["whole"])
@@ -442,12 +429,12 @@ def cable_tables(build: Builder) -> CableTables:
         cable["kind"] = (records.PULL if cable["drive"] >= 0 else records.STIFF if stiff[e]
                          else records.DAMPED if cable["c"] > 0 else records.ELASTIC)
         if cable["kind"] in (records.STIFF, records.DAMPED) and cable["response"] > 0:
-            _add_row(build, found, e, [])
+            _add_row(build, found, e)
     _add_spans(build, found, spans, stiff)
     return found
 
 
-def _add_row(build: Builder, found: CableTables, e: int, slides: list[int]) -> None:
+def _add_row(build: Builder, found: CableTables, e: int, *slides: int) -> None:
     """The row of a tendon: entries of its bodies, then of the slips into it and out of it."""
     cable = found.cables[e]
     own = found.guides[cable["first"]:cable["last"]]
@@ -459,7 +446,6 @@ def _add_row(build: Builder, found: CableTables, e: int, slides: list[int]) -> N
 def _add_spans(build: Builder, found: CableTables, spans: list[CableSpan], stiff: Flags) -> None:
     """The spans after the whole tendons, and the slips between them."""
     tendons, bodies, cables = build.model.tendons, len(build.inverse_mass), found.cables
-    h = build.h
     whole, count = len(tendons.name), len(tendons.grips)
     for e, span in enumerate(spans, start=whole):
         cable, own = cables[e], cables[span.tendon]
@@ -471,12 +457,10 @@ def _add_spans(build: Builder, found: CableTables, spans: list[CableSpan], stiff
         if span.out_of < 0 and own["drive"] >= 0:
             cable["kind"], cable["drive"] = records.PULL, own["drive"]
             continue
-        _add_row(build, found, e, [bodies + k for k in (span.into, span.out_of) if k >= 0])
-        entry = cable["entry"] + cable["entries"]
-        if span.into >= 0:
-            cable["into"], entry = entry, entry + 1
-        if span.out_of >= 0:
-            cable["out_of"] = entry
+        ends = [(name, k) for name, k in (("into", span.into), ("out_of", span.out_of)) if k >= 0]
+        _add_row(build, found, e, *(bodies + k for _, k in ends))
+        for entry, (name, _) in enumerate(ends, start=cable["entry"] + cable["entries"]):
+            cable[name] = entry
     for e in np.flatnonzero(cables["kind"] == records.GRIPPED).tolist():
         own, length, rest = cables[e], float(cables[e]["length"]), float(cables[e]["rest"])
         part = cables[int(own["spans"]):int(own["spans_end"])]
@@ -488,10 +472,10 @@ def _add_spans(build: Builder, found: CableTables, spans: list[CableSpan], stiff
         part["minimum"] = MIN_INSIDE * inside
         # all spans are solved alike: at the step's end if one of them is too stiff
         largest = (part["k"] / inside).max()
-        quick = stiff[e] or h * h * largest * own["response"] > records.SOFT
+        quick = stiff[e] or build.h**2 * largest * own["response"] > records.SOFT
         part["kind"][part["row"] >= 0] = records.STIFF if quick else records.EVEN
         if own["closed"]:
-            found.drag[tendons.gripped(e)] = DRAG * h * h * largest
+            found.drag[tendons.gripped(e)] = DRAG * build.h**2 * largest
     before = {span.out_of: e for e, span in enumerate(spans, start=whole)}
     after = {span.into: e for e, span in enumerate(spans, start=whole)}
     for k, slip in enumerate(found.slips):

@@ -1,13 +1,9 @@
 """Entry points: functions of the compiled step that are compiled and cached separately.
 
-A kernel is compiled into each of its callers. An entry point is compiled once, by itself, and
-called through its address, which stands in the table of a run behind the arrays
-(:mod:`sandbox.engine.memory`). Callers know its signature only. This has three advantages:
-
-- Nothing is compiled twice, and what a scene does not use is not compiled at all.
-- After an edit, only the entry points that reach the edited code are compiled again.
-- Cached code is found by a hash of its sources (:mod:`sandbox.engine.source_hash`), so the cache
-  is never out of date, and all versions of a source can be cached at the same time.
+A kernel is compiled into each of its callers. An entry point is compiled once, by itself, if the
+scene uses it, and called through its address in the table of a run (:mod:`sandbox.engine.memory`).
+Cached code is found by a hash of its sources (:mod:`sandbox.engine.source_hash`): the cache is
+never out of date, and an edit recompiles only the entry points that reach it.
 """
 
 from __future__ import annotations
@@ -21,7 +17,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -29,14 +25,13 @@ import numpy as np
 from llvmlite import ir
 from numba import cfunc, config, njit, types
 from numba.core.caching import FunctionCache
-from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from sandbox.engine.compiling import processors, report_compiled, report_progress
 from sandbox.engine.kernel import entry_point_compiler, fast_compilation, kernel
 from sandbox.engine.memory import TABLE_WORDS
 from sandbox.engine.records import GEAR, RACK, ROLL
-from sandbox.engine.source_hash import cacheable
+from sandbox.engine.source_hash import cacheable, cached
 from sandbox.engine.state import Constants, Elements
 from sandbox.numeric import Integers
 
@@ -50,8 +45,7 @@ _numba_config: Any = config
 _function_cache: Any = FunctionCache
 _options: dict[str, Any] = {"error_model": "numpy", "pipeline_class": entry_point_compiler}
 _WORD = ir.IntType(64)
-_PROCESSES, _SHARE = 4, 5
-"""Maximum number of processes that compile, and minimum number of entry points of each."""
+_PROCESSES, _SHARE = 4, 5  # maximum number of processes; minimum of entry points of each
 _entry_points: dict[str, EntryPoint] = {}
 everything = False  # whether all entry points are compiled: results are the same
 
@@ -67,7 +61,7 @@ class EntryPoint:
     @property
     def place(self) -> int:
         """Index of its address in the table."""
-        return _places()[self.name]
+        return TABLE_WORDS + sorted(_entry_points).index(self.name)
 
     @property
     def source_key(self) -> str:
@@ -112,13 +106,8 @@ class EntryPoint:
     @cached_property
     def compiled(self) -> Any:
         """Numba's C callback, compiled now or loaded from the cache."""
-        return _cached(self.py_func, self.source, lambda function, cache: cfunc(
+        return cached(self.py_func, self.source, lambda function, cache: cfunc(
             self.signature, cache=cache, **_options)(function))
-
-
-@cache
-def _places() -> dict[str, int]:
-    return {name: TABLE_WORDS + i for i, name in enumerate(sorted(_entry_points))}
 
 
 class CalledFromPython:
@@ -144,7 +133,7 @@ class CalledFromPython:
 
     @cached_property
     def _dispatcher(self) -> Any:
-        return _cached(self.py_func, cacheable(self.py_func), lambda function, cache: njit(
+        return cached(self.py_func, cacheable(self.py_func), lambda function, cache: njit(
             cache=cache, **_options)(function))
 
 
@@ -232,19 +221,6 @@ def _missing(wanted: list[EntryPoint]) -> list[EntryPoint]:
 def _signature(function: Callable[..., Any]) -> Any:
     notes = {name: _TYPES[note] for name, note in function.__annotations__.items()}
     return notes.pop("return")(*notes.values())
-
-
-def _cached(
-    function: Callable[..., Any], source: Any, compiled: Callable[[Callable[..., Any], bool], Any],
-) -> Any:
-    """Compile with a cache, found by the name of ``source``, if one can be written to."""
-    try:
-        return compiled(source, True)
-    except NumbaError:
-        compiled(function, False)  # raises the error with the place in the source
-        raise
-    except (RuntimeError, OSError):  # no place for a cache; no room left
-        return compiled(source, False)
 
 
 FEATURES: dict[str, Callable[[Constants, Elements], bool]] = {

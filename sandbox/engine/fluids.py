@@ -15,12 +15,9 @@ Volume and content are then those of one instant, k steps after the pose, to sec
     k = 1      a line whose bodies are too light for the step: BDF2 (r = 3/2), which damps
 
 Lines that valves join have one r, so that the matrix is symmetric. A valve's flow is linearised in
-the pressures about that of the attempt before: it adds to the rows of its two lines, and to where
-they meet, and attempts are made until flows stay (Newton's method). Pressures at their
-minimum or maximum, or set by a drive, are those of a line with a very large compliance.
-
-Afterwards M grows by the inflow. The volume is computed from the pose in every step, so that errors
-do not accumulate.
+the pressures of its two lines until flows stay (Newton's method). Pressures at their minimum or
+maximum, or set by a drive, are those of a line with a very large compliance. Afterwards M grows by
+the inflow. The volume follows from the pose in every step, so that errors do not accumulate.
 """
 
 from __future__ import annotations
@@ -30,7 +27,7 @@ from typing import Any
 
 from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine import memory as at
-from sandbox.engine.coordinates import ends
+from sandbox.engine.coordinates import ends, rate
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.plan import add_to
@@ -43,7 +40,7 @@ EVEN = 1e-9  # relative tolerance of pressures and flows
 SMALLEST = 1e-6  # minimum volume and content of a gas, as a share of those at t = 0
 FULL = 1e15  # pressures and contents are valid below this [Pa, m^3]
 STILL = 1e-11  # flow per volume [1/s] that counts as zero
-ALL = 3  # attempts in which all wrong lines and valves change; later only the worst
+ALL = 3  # attempts in which all violated lines and valves change; later the worst
 
 
 @entry_point("fluids")
@@ -56,14 +53,14 @@ def measure_volumes(table: int, drive: Array) -> None:
         for n in range(fluids[i]["first"], fluids[i]["last"]):
             chamber, gain = chambers[n], chambers[n]["gain"]
             if chamber["turns"]:
-                chamber["x"] = chamber["y"] = 0.0
+                chamber["dx"] = chamber["dy"] = 0.0
                 chamber["ta"], chamber["tb"] = -gain, gain
                 way = body[chamber["b"], 2] - body[chamber["a"], 2]
             else:
                 ax, ay, bx, by, dx, dy = ends(chamber, body, turn)
                 way = math.hypot(dx, dy)
                 x, y = (gain * dx / way, gain * dy / way) if way > 0.0 else (0.0, 0.0)
-                chamber["x"], chamber["y"] = x, y
+                chamber["dx"], chamber["dy"] = x, y
                 chamber["ta"], chamber["tb"] = ay * x - ax * y, bx * y - by * x
             grown += gain * (way - chamber["start"])
         fluid = fluids[i]
@@ -163,8 +160,8 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
         J[chambers[n]["entry_a"]] = J[chambers[n]["entry_b"]] = 0.0
     for n in range(len(chambers)):
         p = chambers[n]
-        add_to(J, p["entry_a"], -p["x"], -p["y"], p["ta"])
-        add_to(J, p["entry_b"], p["x"], p["y"], p["tb"])
+        add_to(J, p["entry_a"], -p["dx"], -p["dy"], p["ta"])
+        add_to(J, p["entry_b"], p["dx"], p["dy"], p["tb"])
     for i in range(len(fluids)):
         fluid, r = fluids[i], fluids[i]["row"]
         if fluid["conductance"] > 0.0:  # only ahead within a step, so that attempts end
@@ -200,14 +197,10 @@ def join_lines(table: int, h: float) -> None:
 @kernel
 def growth(table: int, line: int, velocity: Array) -> float:
     """The rate at which a line grows as bodies move with ``velocity`` [nb, 3] [m^3/s]."""
-    fluid, chambers = at.fluids(table)[line], at.chambers(table)
-    rate = 0.0
+    fluid, chambers, total = at.fluids(table)[line], at.chambers(table), 0.0
     for n in range(fluid["first"], fluid["last"]):
-        a, b, p = chambers[n]["a"], chambers[n]["b"], chambers[n]
-        rate += (p["x"] * (velocity[b, 0] - velocity[a, 0])
-                 + p["y"] * (velocity[b, 1] - velocity[a, 1])
-                 + p["ta"] * velocity[a, 2] + p["tb"] * velocity[b, 2])
-    return rate
+        total += rate(chambers[n], velocity)
+    return total
 
 
 @kernel
@@ -230,10 +223,14 @@ def pressures(table: int, h: float, drive: Array) -> None:
 
 @kernel
 def _across(table: int, valve: int) -> float:
-    v, fluids = at.valves(table)[valve], at.fluids(table)
-    high = fluids[v["a"]]["pressure"] if v["a"] >= 0 else 0.0
-    low = fluids[v["b"]]["pressure"] if v["b"] >= 0 else 0.0
-    return float(high - low)
+    v = at.valves(table)[valve]
+    return _pressure(table, v["a"]) - _pressure(table, v["b"])
+
+
+@kernel
+def _pressure(table: int, line: int) -> float:
+    """The pressure of a line, of the tank 0."""
+    return float(at.fluids(table)[line]["pressure"]) if line >= 0 else 0.0
 
 
 @kernel
@@ -252,7 +249,7 @@ def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     pressures(table, h, drive)
     changed, worst, which = _flows(table), 0.0, -1
     for i in range(len(fluids)):
-        off, mode = _wrong(table, h, i)
+        off, mode = _violation(table, h, i)
         if off > 0.0 and attempt < ALL:
             fluids[i]["mode"], changed = mode, True
         elif off > worst:
@@ -261,8 +258,7 @@ def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     for i in range(len(valves)):
         if valves[i]["one_way"]:
             v, across = valves[i], _across(table, i)
-            size = EVEN * (1.0 + (abs(fluids[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
-                           + (abs(fluids[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
+            size = EVEN * (1.0 + abs(_pressure(table, v["a"])) + abs(_pressure(table, v["b"])))
             # the linearised flow has the right sign before the pressure has it
             off = across if v["shut"] else -across if through(table, i) < 0.0 else 0.0
             if off > size and attempt < ALL:
@@ -273,7 +269,7 @@ def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     if worst > 0.0:
         changed = True
         if which < len(fluids):
-            fluids[which]["mode"] = _wrong(table, h, which)[1]
+            fluids[which]["mode"] = _violation(table, h, which)[1]
         else:
             _turn(table, which - len(fluids))
     return changed
@@ -285,8 +281,7 @@ def _turn(table: int, valve: int) -> None:
     v = at.valves(table)[valve]
     v["shut"] = 1 - v["shut"]
     if not v["shut"] and v["k"] > 0.0:
-        v["about"] = math.sqrt(
-            max(_across(table, valve), 0.0) / v["k"])
+        v["about"] = math.sqrt(max(_across(table, valve), 0.0) / v["k"])
 
 
 @kernel
@@ -309,8 +304,8 @@ def _flows(table: int) -> bool:
 
 
 @kernel
-def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
-    """Pressure by which a line contradicts its mode, and its right mode."""
+def _violation(table: int, h: float, line: int) -> tuple[float, int]:
+    """Pressure by which a line contradicts its mode, and the consistent mode."""
     fluids, valves = at.fluids(table), at.valves(table)
     fluid, mode = fluids[line], fluids[line]["mode"]
     if fluid["drive"] >= 0:
@@ -413,11 +408,14 @@ def flowing(table: int) -> bool:
 
 
 @kernel
-def _head(fluid: Any, pressure: float) -> float:
-    """Work that brings fluid from 0 Pa to a pressure, per content [J/m^3]; a gas ideally."""
-    n, ratio = fluid["gas"], pressure / ATMOSPHERE + 1.0
+def _head(fluids: Records, line: int) -> float:
+    """Work that brings fluid from 0 Pa into a line, per content [J/m^3]; a gas ideally."""
+    if line < 0:
+        return 0.0
+    pressure = fluids[line]["pressure"]
+    n, ratio = fluids[line]["gas"], pressure / ATMOSPHERE + 1.0
     if n == 0.0:
-        return pressure
+        return float(pressure)
     if ratio <= 0.0:
         return 0.0
     if n < 1.0 + 1e-9:
@@ -434,16 +432,10 @@ def add_fluid_work(table: int, h: float, v: Matrix) -> None:
         fluids[i]["work"] += fluids[i]["step_work"]
     valves = at.valves(table)
     for i in range(len(valves)):
-        head = 0.0
-        for end in range(2):
-            line, sign = (valves[i]["a"], 1.0) if end == 0 else (valves[i]["b"], -1.0)
-            if line >= 0:
-                head += sign * _head(fluids[line], fluids[line]["pressure"])
+        head = _head(fluids, valves[i]["a"]) - _head(fluids, valves[i]["b"])
         valves[i]["step_loss"] = h * valves[i]["flow"] * head
         valves[i]["loss"] += valves[i]["step_loss"]
     pumps = at.pumps(table)
     for i in range(len(pumps)):
-        line = pumps[i]["line"]
-        head = _head(fluids[line], fluids[line]["pressure"])
-        pumps[i]["step_work"] = h * pumps[i]["flow"] * head
+        pumps[i]["step_work"] = h * pumps[i]["flow"] * _head(fluids, pumps[i]["line"])
         pumps[i]["work"] += pumps[i]["step_work"]

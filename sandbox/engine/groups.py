@@ -16,68 +16,59 @@ its solve use the phases only:
 
 from __future__ import annotations
 
+from typing import Any
+
+from sandbox.engine import fluids, loads, springs, tendons
 from sandbox.engine.bonds import release_rows
-from sandbox.engine.fluids import (
-    change_lines,
-    contained,
-    flowing,
-    fluid_rows,
-    join_lines,
-    measure_volumes,
-)
 from sandbox.engine.joint_friction import change_friction
 from sandbox.engine.kernel import kernel
-from sandbox.engine.loads import change_loads, load_rows, press, timed
 from sandbox.engine.motors import brake_in_time, drive_forces
 from sandbox.engine.rows import joint_rows
-from sandbox.engine.springs import change_laws, law_rows, spring_rows, stretch
-from sandbox.engine.tendons import cable_rows, change_cables, pull, slacken
 from sandbox.numeric import Array
 
 # phases of one group
-couple_rows, limit_rates, is_valid = join_lines, brake_in_time, contained
+couple_rows, limit_rates, is_valid = fluids.join_lines, brake_in_time, fluids.contained
 
 
 @kernel
 def apply_forces(table: int, h: float, drive: Array) -> None:
     """Measure the coordinates of all groups and add the forces that follow from the pose."""
     drive_forces(table, drive)
-    stretch(table, drive)
-    pull(table, drive)
-    measure_volumes(table, drive)
-    press(table, h)
+    springs.stretch(table, drive)
+    tendons.pull(table, drive)
+    fluids.measure_volumes(table, drive)
+    loads.press(table, h)
 
 
 @kernel
 def set_rows(table: int, h: float, drive: Array) -> None:
     """Set the rows that the pose determines, and the initial active sets."""
     joint_rows(table, h)
-    spring_rows(table, h, drive)
-    law_rows(table, h, drive)
-    load_rows(table, h)
+    springs.spring_rows(table, h, drive)
+    springs.law_rows(table, h, drive)
+    loads.load_rows(table, h)
     release_rows(table, h)
-    slacken(table)
+    tendons.slacken(table)
 
 
 @kernel
 def update_rows(table: int, h: float, drive: Array) -> None:
     """Set the rows that depend on active sets."""
-    cable_rows(table, h)
-    fluid_rows(table, h, drive)
+    tendons.cable_rows(table, h)
+    fluids.fluid_rows(table, h, drive)
 
 
 @kernel
-def change(
-    table: int, h: float, drive: Array, attempt: int, n: int, again: bool,
-) -> tuple[bool, bool]:
+def change(table: int, h: float, drive: Array, attempt: int, n: int, again: bool) -> Any:
     """Change contradicted active sets and linearisations: whether any; whether it converges."""
-    changed, converging = change_laws(table, h, drive), change_loads(table, h)
+    changed, converging = springs.change_laws(table, h, drive), loads.change_loads(table, h)
     changed |= change_friction(table, n)
-    changed |= again or change_cables(table, h, attempt) or change_lines(table, h, drive, attempt)
+    changed |= (again or tendons.change_cables(table, h, attempt)
+                or fluids.change_lines(table, h, drive, attempt))
     return changed, converging
 
 
 @kernel
 def is_changing(table: int) -> bool:
     """Whether fluid flows or a load depends on time."""
-    return bool(flowing(table) or timed(table))
+    return bool(fluids.flowing(table) or loads.timed(table))

@@ -1,9 +1,7 @@
 """Inputs over time: values of drives and poses of scheduled bodies.
 
-Values are those at the pose of the step, but those of motors at the step's end, half a step later,
-and of rigid servos at the pose of the next step. No value is below its drive's floor.
-
-Time comes from the step's index. Positions move first, then velocities: after step k the
+Values are those at the pose of the step, of motors half a step later, of rigid servos at the next
+pose. No value is below its drive's floor. Positions move first, then velocities: after step k the
 poses, and the forces of step k, belong to t = (k - 1/2) h, the velocities to t = k h. Labelled so,
 the scheme is a leapfrog of second order.
 """
@@ -21,6 +19,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.numeric import Array, Integers
 from sandbox.scene.bodies import Body
 from sandbox.values.signals import AnySignal, Constant, Path, values
+from sandbox.values.tables import Tables
 from sandbox.values.units import RANGES
 
 
@@ -141,8 +140,8 @@ class Inputs:
         drives = np.empty((stop - start, len(self.mechanism.drives)))
         for i, drive in enumerate(self.mechanism.drives):
             late = self.clock.step * float(self.model.drives.late[i])
-            drives[:, i] = self._values(
-                f"drive {drive.name}", drive.signal(self.mechanism), times + late)
+            drives[:, i] = signal_values(f"drive {drive.name}", drive.signal(self.mechanism),
+                                         times + late, self.mechanism.functions)
         speeds = np.stack(
             [self._speeds_of(body, path, start, stop) for _, body, path in self._moved], axis=1,
         ) if self._moved else np.zeros((stop - start, 0, 3))
@@ -169,11 +168,14 @@ class Inputs:
         poses = np.tile([*body.at, body.angle], (len(times), 1))
         for axis, signal in enumerate((path.x, path.y, path.angle)):
             if signal is not None:
-                poses[:, axis] = self._values(f"path of {body.name}", signal, times)
+                poses[:, axis] = signal_values(
+                    f"path of {body.name}", signal, times, self.mechanism.functions)
         return poses
 
-    def _values(self, what: str, signal: AnySignal, times: Array) -> Array:
-        try:
-            return values(signal, times, self.mechanism.functions)
-        except ValueError as error:
-            raise SceneError([Problem("bad-argument", f"{what}: {error}")]) from None
+
+def signal_values(what: str, signal: AnySignal, times: Array, tables: Tables) -> Array:
+    """Values at some times; SceneError without one."""
+    try:
+        return values(signal, times, tables)
+    except ValueError as error:
+        raise SceneError([Problem("bad-argument", f"{what}: {error}")]) from None

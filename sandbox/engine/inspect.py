@@ -1,12 +1,8 @@
 """Checks of a mechanism before it runs, and an estimate of the time and memory of a run.
 
-The checks find what can be simulated but is probably not intended. They use the mechanism at t = 0
-alone; nothing is stepped.
-
-The estimate does not depend on the machine. Its terms were fitted to runs of 1000 steps of 38
-mechanisms: shipped scenes take 0.4 to 1.5 times the estimate on a core of a server. The number of
-contacts is unknown: 200 boxes that fall on one another took 10 times as long. Pictures and the
-audit are left out.
+The checks use the mechanism at t = 0; nothing is stepped. The terms of the estimate were fitted to
+runs of 38 mechanisms: shipped scenes take 0.4 to 1.5 times the estimate on a core of a server, 200
+boxes that fall on one another 10 times as long. Pictures and the audit are left out.
 """
 
 from __future__ import annotations
@@ -86,9 +82,7 @@ def _of_scene(mechanism: Mechanism) -> Iterator[Problem]:
             if abs(first - start) > NEGLIGIBLE:
                 yield look("jump-at-start", f"$.bodies[{i}].path.{axis}", body.name,
                            f"begins at {axis} = {show(start)}, its path at {show(first)}: it jumps "
-                           "there in the first step", "set 'at' and 'angle' to the start of the "
-                           "path")
-    for i, body in enumerate(mechanism.bodies):
+                           "there in the first step", "set 'at' and 'angle' to the path's start")
         for k, shape in enumerate(body.shapes):
             if isinstance(shape, Polygon) and shape.swing is not None:
                 lift, beyond, turn = shape.swing
@@ -139,8 +133,7 @@ class Estimate:
 
     steps: int
     samples: int
-    contacts: int
-    """In every sample: one for each free body with shapes, at least those near at t = 0."""
+    contacts: int  # in every sample: of free bodies with shapes, or pairs near at t = 0
     seconds: float
     recorded_bytes: int  # contacts included
 

@@ -49,7 +49,6 @@ class Checked:
 
 
 Runnable = Scene | Mechanism | Checked | str | os.PathLike[str] | Mapping[str, Any]
-"""What can be run: a scene, a mechanism, or what a scene is loaded from."""
 
 
 def checked(scene: Runnable, customs: Sequence[Custom]) -> Mechanism:

@@ -4,8 +4,7 @@ Involute teeth mesh at other distances of the centres, too, with the pressure an
 cos a' = (r_a + r_b) cos a / distance. Beyond cos a' = 1 the base circles have no common tangent,
 and no step can be made.
 
-Shapes are sorted along the longer axis, and compared with those whose boxes overlap. At most
-:data:`MAX_PAIRS` pairs of shapes are compared; the report says if this is not all of them.
+At most :data:`MAX_PAIRS` pairs of shapes are compared; the report says if there are more.
 """
 
 from __future__ import annotations
@@ -104,16 +103,15 @@ def joint_problems(model: Model) -> Iterator[Problem]:
                          f"{message}", f"move a body or an anchor, or {advice}")
         low, high = joints.stops[i].tolist()
         if joints.start[i] < low - 1e-9 or joints.start[i] > high + 1e-9:
-            yield look("outside-limits", f"$.joints[{i}]", name,
-                       f"starts at {deg(joints.start[i])}, outside its limits [{deg(low)}, "
-                       f"{deg(high)}]", "turn a body, or set 'zero'")
+            yield look("outside-limits", f"$.joints[{i}]", name, f"starts at "
+                       f"{deg(joints.start[i])}, outside its limits [{deg(low)}, {deg(high)}]",
+                       "turn a body, or set 'zero'")
 
 
 def shared_problems(model: Model) -> Iterator[Problem]:
     """Redundant joints, whose shares of the load statics does not determine."""
     shared = sorted(shared_joints(model, model.bodies.pose).joints)
-    if shared and all(
-            model.bonds.begins(int(model.bonds.joint[j])) for j in shared):
+    if shared and all(model.bonds.begins(int(model.bonds.joint[j])) for j in shared):
         names = listed([model.joints.name[j] for j in shared])
         yield look("overconstrained", "$.joints", "", f"{names} are overconstrained: statics does "
                    "not determine each reaction; the smallest that balance are recorded",
@@ -223,63 +221,49 @@ MAX_REPORTED = 100  # maximum number of reported overlaps; further ones are coun
 
 def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
     """Overlaps of ``allowed`` pairs of bodies at t = 0; the number of pairs with common boxes."""
-    holders, pieces, owner = placed_shapes(model.mechanism.bodies)
-    if not pieces:
-        return [], 0
-    boxes = np.array([(box.left, box.bottom, box.right, box.top)
-                      for box in (piece.bb for piece in pieces)])
-    axis = int(np.ptp(boxes[:, 1] + boxes[:, 3]) > np.ptp(boxes[:, 0] + boxes[:, 2]))
-    order = np.argsort(boxes[:, axis], kind="stable")
-    low, high = boxes[order, :2], boxes[order, 2:]
-    ends = np.searchsorted(low[:, axis], high[:, axis], side="right")
-    looked, whole, depths = 0, True, dict[tuple[int, int], float]()
-    for place, end in enumerate(ends.tolist()):
-        i, later = int(order[place]), slice(place + 1, end)
-        meets = ((low[later, 1 - axis] <= high[place, 1 - axis])
-                 & (high[later, 1 - axis] >= low[place, 1 - axis])
-                 & allowed[owner[i], owner[order[later]]])
-        others = order[later][meets]
-        whole = looked + len(others) <= MAX_PAIRS
-        for j in others[:MAX_PAIRS - looked].tolist():
-            pair = (int(min(owner[i], owner[j])), int(max(owner[i], owner[j])))
+    space, owner = placed_shapes(model.mechanism.bodies)
+    number = {piece: k for k, piece in enumerate(owner)}
+    compared, depths = 0, dict[tuple[int, int], float]()
+    for piece, i in owner.items():
+        others = [other for other in space.bb_query(piece.bb, pymunk.ShapeFilter())
+                  if number[other] > number[piece] and allowed[i, owner[other]]]
+        for other in others[:MAX_PAIRS - compared]:
             depth = 0.0
             with suppress(AssertionError):  # pymunk raises it if there is no point
-                points = pieces[i].shapes_collide(pieces[j]).points
+                points = piece.shapes_collide(other).points
                 depth = max((abs(point.distance) for point in points), default=0.0)
-            depths[pair] = max(depth, depths.get(pair, 0.0))
-        looked = min(looked + len(others), MAX_PAIRS)
-        if not whole:
+            depths[i, owner[other]] = max(depth, depths.get((i, owner[other]), 0.0))
+        compared += len(others)
+        if compared > MAX_PAIRS:
             break
-    del holders  # which keep the pieces alive
     names = model.bodies.name
     found = [(pair, depth) for pair, depth in sorted(depths.items()) if depth > NEGLIGIBLE]
     problems = [look("overlap", f"$.bodies[{a}]", names[a], f"overlaps {names[b]!r} by {mm(depth)} "
                      "at t = 0", "move one of them, or add a contact rule with \"collide\": false")
                 for (a, b), depth in found[:MAX_REPORTED]]
-    if not whole:
+    if compared > MAX_PAIRS:
         problems.append(look("overlap", "$.bodies", "bodies", "further bodies may overlap at t = 0",
-                             f"{looked} pairs of shapes were compared"))
+                             f"{MAX_PAIRS} pairs of shapes were compared"))
     elif len(found) > MAX_REPORTED:
         problems.append(look("overlap", "$.bodies", "bodies",
                              f"{len(found) - MAX_REPORTED} more bodies overlap at t = 0"))
     return problems, len(depths)
 
 
-def placed_shapes(bodies: Iterable[Body]) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
-    """Objects that keep the shapes alive; the shapes at t = 0; the index of each one's body."""
-    holders, pieces, owner = [], [], []
+def placed_shapes(bodies: Iterable[Body]) -> tuple[pymunk.Space, dict[pymunk.Shape, int]]:
+    """A space with the shapes at t = 0, which it keeps alive; the index of the body of each."""
+    space, owner = pymunk.Space(), dict[pymunk.Shape, int]()
     for i, body in enumerate(bodies):
         holder = pymunk.Body(body_type=pymunk.Body.STATIC)
         holder.position, holder.angle = body.at, body.angle
-        holders.append(holder)
-        for shape in body.shapes:
-            for piece, _ in solids(shape):
-                pieces.append(make_shape(holder, piece, (0.0, 0.0)))
-                pieces[-1].cache_bb()
-                owner.append(i)
-    return holders, pieces, np.array(owner, dtype=np.int64)
+        pieces = [make_shape(holder, piece, (0.0, 0.0))
+                  for shape in body.shapes for piece, _ in solids(shape)]
+        owner |= dict.fromkeys(pieces, i)
+        space.add(holder, *pieces)
+    return space, owner
 
 
+OPPOSITE = {"left": "right", "right": "left"}
 MAX_STRETCH = 0.1  # accepted elongation of an inextensible tendon at t = 0, relative
 
 
@@ -310,8 +294,7 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
         if tendon.closed:
             yield from _loop_problems(model, i)
         if not model.bodies.free[guided].any():
-            yield look("no-effect", path, tendon.name, "passes no body that can move freely",
-                       "it has no effect")
+            yield look("no-effect", path, tendon.name, "passes no body that can move freely")
 
 
 def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Problem]:
@@ -341,16 +324,14 @@ def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
         yield error("not-settable", f"$.drives[{drive}].tendon", model.drives.name[drive],
                     f"pulls {tendon.name}, which is closed and has no end",
                     "a torque or a motor at a wheel's hinge, or a tendon that is not closed")
-    sides = {guide.side for guide in tendon.guides}
-    if all(guide.radius for guide in tendon.guides) and len(sides) == 1:
-        wraps = [wrap - math.tau * guide.turns
-                 for wrap, guide in zip(wraps_at_start(model, i), tendon.guides, strict=True)]
-        times = round(sum(wraps) / math.tau)
+    side, *others = {guide.side for guide in tendon.guides}
+    if all(guide.radius for guide in tendon.guides) and not others:
+        turns = sum(guide.turns for guide in tendon.guides)
+        times = round(sum(wraps_at_start(model, i)) / math.tau - turns)
         if times > 1:
-            other = "right" if sides == {"left"} else "left"
             yield look("bad-tendon-path", path, tendon.name,
                        f"crosses itself: this path winds {times} times around",
-                       f"{other!r} as the side of its guides, or these in another order")
+                       f"{OPPOSITE[side]!r} as the side of its guides, or these in another order")
 
 
 def _without_effect(tendon: Tendon, path: str) -> Iterator[Problem]:
@@ -385,7 +366,7 @@ def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator
         begins, path = tendon.guides[k].begins, f"$.tendons[{i}].guides[{k}]"
         if off[first + k] == (begins == "off"):
             continue
-        other = "right" if tendon.guides[k].side == "left" else "left"
+        other = OPPOSITE[tendon.guides[k].side]
         three = [max(j for j in range(k) if not off[first + j]), k,
                  min(j for j in range(k + 1, len(points)) if not off[first + j])]
         far = passes_by([points[j] for j in three],
@@ -411,13 +392,10 @@ def line_problems(model: Model) -> Iterator[Problem]:
                 yield error("coincident-points", f"{path}.chambers[{k}]", name,
                             f"the two points of its cylinder {k} coincide",
                             "move one of them: the force between has no direction")
-        if model.bodies.free[lines.bodies[chambers]].any():
+        if model.bodies.free[lines.bodies[chambers]].any() or (model.valves.lines == i).any():
             continue
-        joined = bool((model.valves.lines == i).any())
-        if not joined:
-            yield look("no-effect", path, name, "moves no body that can move freely",
-                       "it has no effect")
-        if not joined and i in fed and not np.isfinite(lines.most[i]):
+        yield look("no-effect", path, name, "moves no body that can move freely")
+        if i in fed and not np.isfinite(lines.most[i]):
             yield look("bad-fluid", path, name, "has a pump but no relief and no outlet",
                        "its pressure grows without limit; give it a relief")
 
@@ -441,16 +419,14 @@ def load_problems(model: Model) -> Iterator[Problem]:
         for part, value, field in zip(law.parts, law.at(motion)[:, 0], (
                 f"{force}[0]", f"{force}[1]", "torque"), strict=True):
             if part is not None and not np.isfinite(value):
-                there = ", ".join(f"{name} = {float(motion[name][0]):.4g}"
-                                  for name in sorted(part.names))
-                yield error(
-                    "undefined-law", f"{path}.{field}", load.name,
-                    f"has no finite value on {body.name!r} at t = 0" + (there and f", {there}"),
-                    "a division by zero, or out of range")
+                there = "".join(f", {name} = {float(motion[name][0]):.4g}"
+                                for name in sorted(part.names))
+                yield error("undefined-law", f"{path}.{field}", load.name, "has no finite value on "
+                            f"{body.name!r} at t = 0{there}", "a division by zero, or out of range")
 
 
 UNLIKE = 1e6  # mass ratio up to which the accuracy of the engine is tested
-WRONG = 1e10  # mass ratio from which forces may be wrong
+UNRELIABLE = 1e10  # mass ratio from which forces may be wrong
 SLENDER = 10.0  # largest 1 + m r^2/I of ordinary bodies: a rod pushed at its end has 4
 
 
@@ -458,15 +434,13 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     """Connected bodies with a mass ratio above :data:`UNLIKE`; ``allowed`` pairs may touch."""
     bodies, free = model.bodies, np.flatnonzero(model.bodies.free)
     reach = np.zeros(len(bodies.name))  # largest distance of a point of attack from the centre
-    attacked = [
-        (model.joints.bodies.ravel(), model.joints.anchor.reshape(-1, 2)),
-        (model.tendons.guide_body, model.tendons.guide_at)]
-    for i, body in enumerate(model.mechanism.bodies):
-        points = np.array([point for shape in body.shapes for point in outline(shape)])
-        attacked.append((np.full(len(points), i), points.reshape(-1, 2)))
-    for on, points in attacked:
-        off = points - bodies.centre[on]
-        np.fmax.at(reach, on, np.hypot(off[:, 0], off[:, 1]))
+    shaped = [(i, point) for i, body in enumerate(model.mechanism.bodies)
+              for shape in body.shapes for point in outline(shape)]
+    for on, points in ((model.joints.bodies, model.joints.anchor),
+                       (model.tendons.guide_body, model.tendons.guide_at),
+                       ([i for i, _ in shaped], np.array([p for _, p in shaped]).reshape(-1, 2))):
+        which = np.asarray(on, dtype=np.int64)
+        np.fmax.at(reach, which, np.linalg.norm(points - bodies.centre[which], axis=-1))
     share = np.ones(len(bodies.name))
     share[free] += reach[free] ** 2 * bodies.mass[free] / bodies.inertia[free]
     lightest = np.where(share > SLENDER, bodies.mass / share, bodies.mass)
@@ -474,12 +448,9 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
         return
     for group in groups(model, contacts=allowed):
         light = int(group[lightest[group].argmin()])
-        others = group[group != light]
-        if not len(others):
-            continue
-        heavy = int(others[bodies.mass[others].argmax()])
+        heavy = int(group[np.where(group == light, 0.0, bodies.mass[group]).argmax()])
         ratio = float(bodies.mass[heavy] / lightest[light])
-        if ratio > UNLIKE:
+        if heavy != light and ratio > UNLIKE:
             turned = "" if share[light] <= SLENDER else (
                 f", but with {bodies.inertia[light]:.4g} kg m^2 answers a push at "
                 f"{mm(float(reach[light]))} from its centre as {lightest[light]:.2g} kg would,")
@@ -488,7 +459,7 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                 f"has {bodies.mass[light]:.4g} kg{turned} where {quoted(bodies.name[heavy])} has "
                 f"{bodies.mass[heavy]:.4g} kg: connected masses differ by 1 : {ratio:.2g}; "
                 f"rounding errors show beyond 1 : {UNLIKE:.0e}",
-                f"forces are right to {1e-15 * ratio:.0e} of the largest" if ratio < WRONG else
+                f"forces are right to {1e-15 * ratio:.0e} of the largest" if ratio < UNRELIABLE else
                 "forces may be wrong: make the two more alike")
 
 
@@ -498,10 +469,10 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     hand = np.array([bool(of_hand(body) and body.shapes) for body in mechanism.bodies], dtype=bool)
     alone = sorted(body.name for i, body in enumerate(mechanism.bodies)
                    if grasp_of(body) and not (allowed[i] & hand).any())
-    read = [(f"$.expect[{i}].{expect.key}", expect.quantity)
-            for i, expect in enumerate(mechanism.expect)]
-    read += [(f"$.meters[{i}].value", name) for i, meter in enumerate(mechanism.meters)
-             for name in sorted(names_in(meter.value))]
+    read = [*((f"$.expect[{i}].{expect.key}", expect.quantity)
+              for i, expect in enumerate(mechanism.expect)),
+            *((f"$.meters[{i}].value", name) for i, meter in enumerate(mechanism.meters)
+              for name in sorted(names_in(meter.value)))]
     for path, name in read if alone else ():
         body, _, quantity = name.rpartition(".")
         each = next((one for one in alone if fnmatchcase(one, body)), "")
@@ -515,33 +486,17 @@ INSTANTS = 257  # instants of a run at which the target of a drive is checked
 
 
 def idle_problems(model: Model) -> Iterator[Problem]:
-    """Drives and events without effect, or outside of limits."""
-    bonds, drives, joints, tendons = model.bonds, model.drives, model.joints, model.tendons
-    events = model.mechanism.events
-    loose = {bonds.name[bond] for bond in np.flatnonzero(
-        ~bonds.held | np.isfinite(bonds.breaks_at) | (bonds.drive >= 0))}
-    loose |= {name for event in events for name in event.release}
-    for i, event in enumerate(events):
-        for j, name in enumerate(event.take_up):
-            if name not in loose:
-                yield look("no-effect", f"$.events[{i}].take_up[{j}]", event.name,
-                           f"takes up {name}, which no event releases",
-                           "an event or drive that releases it, 'breaks_at' or 'released'")
-    taken = {name for event in events
-             for name in (*event.take_up, *(event.release if event.lasts is not None else ()))}
+    """Drives without effect, or outside of limits."""
+    drives, joints, tendons = model.drives, model.joints, model.tendons
     for i, (kind, name) in enumerate(zip(drives.kind, drives.name, strict=True)):
         path, target = f"$.drives[{i}]", int(drives.target[i])
-        bond = int(bonds.joint[target]) if kind.target.among == "joints" else NONE
-        if not bonds.begins(bond) and bonds.drive[bond] < 0 and bonds.name[bond] not in taken:
-            yield look("no-effect", path, name, f"acts on {bonds.name[bond]}, which is released "
-                       "from the start and never taken up", "an event or a drive that takes it up")
         moved = ([target] if kind.gives == "force" else
                  joints.bodies[target].tolist() if kind.gives == "torque" else
                  tendons.guide_body[tendons.guides(target)].tolist() if kind.gives == "tension"
                  else [])
         if moved and not kind.limited and not model.bodies.free[moved].any():
-            yield look("no-effect", path, name, f"acts on {model.bodies.name[moved[0]]!r}, which "
-                       "cannot move freely", "it changes nothing")
+            yield look("no-effect", path, name,
+                       f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely")
         if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
             yield look("no-effect", f"{path}.body", name, f"{model.bodies.name[target]} has no "
                        "shapes, so it has no surface to drive", "a shape of that body")
@@ -555,13 +510,11 @@ def idle_problems(model: Model) -> Iterator[Problem]:
                                         (set_to.min(), low - set_to.min(), low, "least")):
             if not over > NEGLIGIBLE:
                 continue
-            if not turns:
-                fault, advice = f"it is {mm(bound)} long at {end}", "a length within its stroke"
-            else:
+            fault, advice = f"it is {mm(bound)} long at {end}", "a length within its stroke"
+            if turns:
                 fault, advice = f"its limits are [{deg(low)}, {deg(high)}]", "an angle within them"
                 if abs(value) > math.tau:
-                    advice += ("; a number by itself is in rad: for degrees write "
-                               f"\"{value:.4g} deg\"")
+                    advice += f"; numbers are in rad: for degrees write \"{value:.4g} deg\""
             yield look("outside-limits", f"{path}.value", name, f"sets {joints.name[target]} to "
                        f"{deg(value) if turns else mm(value)}, but {fault}", advice)
 

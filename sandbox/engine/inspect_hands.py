@@ -4,11 +4,9 @@ The reach of a finger from its first hinge is the sum of its phalanges.
 
 The pivot of a rocker or pulley moves by the mean of the displacements of its strings, weighted by
 the other's arm, equations (4) to (7). A finger draws its string in until its hinges are at their
-stops. The ends of a rocker with arms a and b, at a tilt theta from across the pull, are
-(a + b) sin(theta) apart along it. So the displacements of its two strings can differ by a + b at
-most; beyond, it turns over. Before that the strings slant: the end on the arm a has moved in by
-a (1 - cos(theta)), which is atan(a (1 - cos(theta)) / l) over a string of length l, and the torques
-about the pivot balance with
+stops. The ends of a rocker with arms a and b, tilted by theta from across the pull, are
+(a + b) sin(theta) apart along it; beyond a + b it turns over. Before that the strings slant, over a
+length l by atan(a (1 - cos(theta)) / l), and the torques about the pivot balance with
 
     T1 a cos(theta + slant1) = T2 b cos(theta - slant2)
 
@@ -48,11 +46,7 @@ def chains(model: Model) -> dict[str, Chain]:
 
 
 def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
-    """Fingers on a fixed palm that are too short for the nearest object that they may touch.
-
-    ``allowed`` are the pairs of bodies that may touch, [nb, nb]. Nothing is reported if an object
-    may move by itself, or if a finger reaches an object that it may push.
-    """
+    """Fingers on a fixed palm too short for all objects, if these do not move by themselves."""
     bodies, joints, fixed = model.mechanism.bodies, model.joints, model.bodies.fixed.tolist()
     objects = [i for i, body in enumerate(bodies) if body.role == "object" and body.shapes]
     tied = {*joints.bodies.ravel().tolist(), *model.springs.bodies.ravel().tolist(),
@@ -61,7 +55,7 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
             (*model.mechanism.gravity, *bodies[i].velocity, bodies[i].angular_velocity)))
             for i in objects):
         return
-    holders, pieces, owner = placed_shapes(bodies[i] for i in objects)
+    _space, owner = placed_shapes(bodies[i] for i in objects)
     fingers, short = 0, []
     for name, chain in chains(model).items():
         own, hinges = list(chain), list(chain.values())
@@ -74,15 +68,13 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                     for one, after in itertools.pairwise(hinges)) + reach_of(
             bodies[own[-1]], tuple(joints.anchor[hinges[-1], 1]))
         distance, nearest = min((max(piece.point_query(hinge).distance, 0.0), objects[k])
-                                for piece, k in zip(pieces, owner.tolist(), strict=True)
-                                if may_touch[k])
+                                for piece, k in owner.items() if may_touch[k])
         if fixed[joints.bodies[hinges[0], 0]] and distance - reach > NEGLIGIBLE:
             short.append(look(
                 "no-effect", f"$.bodies[{own[0]}]", name, f"reaches {mm(reach)} from its first "
                 "hinge, and the nearest object that it may touch, "
                 f"{model.bodies.name[nearest]!r}, is {mm(distance)} from it",
                 f"move either by {mm(distance - reach)} or more, or make it longer"))
-    del holders  # which keep the pieces alive
     if len(short) == fingers or all(fixed[i] for i in objects):
         yield from short
 
@@ -158,18 +150,15 @@ def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[StringEnd
     """The strings that end on each pivot: tendons, then ropes."""
     tendons, joints = model.tendons, model.joints
     found: dict[int, list[StringEnd]] = {model.names.body[name]: [] for name in names}
-    ends = []
-    for tendon in range(len(tendons.name)):
-        guides = tendons.guides(tendon)
-        bodies, at = tendons.guide_body[guides], tendons.guide_at[guides]
-        ends.append((tendon, int(bodies[0]), abs(float(tendons.guide_radius[guides][-1])),
-                     bodies[-2:].tolist(), at[-2:]))
-    ends += [(NONE, int(joints.bodies[joint, 0]), 0.0, joints.bodies[joint].tolist(),
-              joints.anchor[joint]) for joint in joints.keeping("range")]
-    for tendon, source, radius, bodies, at in ends:
-        if bodies[1] in found:
-            found[bodies[1]].append(StringEnd(
-                tendon, source, at[1], radius, math.dist(*map(model.at_start, bodies, at))))
+    ends = [(i, tendons.guide_body[guides], tendons.guide_at[guides][-2:],
+             abs(float(tendons.guide_radius[guides][-1])))
+            for i, guides in enumerate(map(tendons.guides, range(len(tendons.name))))]
+    ends += [(NONE, joints.bodies[i], joints.anchor[i], 0.0) for i in joints.keeping("range")]
+    for tendon, passed, at, radius in ends:
+        source, before, last = (int(passed[k]) for k in (0, -2, -1))
+        if last in found:
+            found[last].append(StringEnd(tendon, source, at[1], radius, math.dist(
+                *map(model.at_start, (before, last), at))))
     return found
 
 
@@ -199,16 +188,12 @@ def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
 
 def _off(one: StringEnd, two: StringEnd) -> float:
     """Difference of the displacements at which the error of the shares is :data:`MAX_ERROR` [m]."""
+    from scipy.optimize import bisect
+
     a, b = one.arm, two.arm
     k, m = (max(end.length, STRAIGHT) for end in (one, two))
-    low, high = 0.0, math.pi / 2
-    for _ in range(50):  # halvings: to rounding
-        tilt = (low + high) / 2
-        if max(_error(tilt, a, b, k, m), _error(tilt, b, a, m, k)) > MAX_ERROR:
-            high = tilt
-        else:
-            low = tilt
-    return (a + b) * math.sin(low)
+    return (a + b) * math.sin(bisect(lambda tilt: max(
+        _error(tilt, a, b, k, m), _error(tilt, b, a, m, k)) - MAX_ERROR, 0.0, math.pi / 2))
 
 
 def _error(tilt: float, a: float, b: float, lags: float, leads: float) -> float:

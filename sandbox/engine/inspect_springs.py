@@ -1,11 +1,10 @@
 """Checks of springs, dampers and stiff tendons against the step; springs that can snap through.
 
-- **Step**: a spring of stiffness k between two bodies vibrates with w = sqrt(k s), s the response
-  of the two to a unit push (1/m_a + 1/m_b for two points); a leapfrog of step h is off by
-  (h w)^2 / 24 in frequency. One that is too stiff for it (:mod:`sandbox.engine.stiffness`) is
-  solved at the step's end, which damps its vibration. For a spring with a law, k is the largest
-  slope in its range. A damper c settles in 1 / (c s). Of the joints only a hinge between the two
-  is counted: the others could only make the response smaller.
+- **Step**: a spring of stiffness k (of a law its largest slope) vibrates with w = sqrt(k s), s the
+  response of its bodies to a unit push; a leapfrog of step h is off by (h w)^2 / 24 in frequency.
+  One that is too stiff for it (:mod:`sandbox.engine.stiffness`) is solved at the step's end, which
+  damps its vibration. A damper c settles in 1 / (c s). Of the joints only a hinge between the two
+  bodies is counted: others make s smaller.
 - **Over centre**: a straight spring across a hinge C has no arm when its ends and C are in line
   with C between; beyond, it turns the hinge the other way (rho_0 + w_0 of equations (22)-(23)).
 - **Undamped tendons**: one from :data:`RIGID` on is solved at the end of a step h, which acts as a
@@ -34,6 +33,7 @@ from sandbox.model.model import NONE, Model
 from sandbox.model.programs import STRETCH
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import lengths_at_start, pulls_at_start, rest_lengths
+from sandbox.samples.yielding import null_space
 
 COARSE = 0.5  # h w at which the frequency is 1 % off: (0.5)^2 / 24
 OVERDAMPED = 5.0  # step over a damper's settling time beyond which the step hides the motion
@@ -199,19 +199,17 @@ def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _
     return {cable: mode for cable, mode in worst.items() if mode.ratio < ENOUGH}
 
 
-def _modes(
-    model: Model, bodies: Integers, elements: list[_Element], rigid: Flags,
-) -> Iterator[_Mode]:
-    """The modes of a group of bodies with their elements."""
-    cable = np.array([each.cable for each in elements], dtype=np.int64)
+def _modes(model: Model, bodies: Integers, own: list[_Element], rigid: Flags) -> Iterator[_Mode]:
+    """The modes of a group of bodies with their own elements."""
+    cable = np.array([each.cable for each in own], dtype=np.int64)
     stiff = np.array([c != NONE and rigid[c] for c in cable], dtype=bool)
     if not stiff.any():
         return
-    stiffness, damping = (np.array([getattr(each, name) for each in elements])
-                          for name in ("stiffness", "damping"))
+    stiffness = np.array([each.stiffness for each in own])
+    damping = np.array([each.damping for each in own])
     weight, place = _weight(model, bodies), supports.places(bodies)
     joints = sorted({joint for body in place for joint, _ in model.neighbours[body]})
-    rows = np.array([supports.row_of(place, each.parts) for each in elements]) / weight
+    rows = np.array([supports.row_of(place, each.parts) for each in own]) / weight
     rows = rows @ _motions(model, place, weight, joints)
     squares, shapes = np.linalg.eigh((rows * stiffness[:, None]).T @ rows)
     negligible = supports.RANK * max(float(squares.max(initial=0.0)), 1e-300)
@@ -242,12 +240,7 @@ def _motions(model: Model, place: Mapping[int, int], weight: Array, joints: Sequ
                             for body, each in row if body in place])
              for joint in joints for row in supports.joint_rows(
                  model, pose, joint, flank=int(model.joints.play[joint] == 0))]
-    lines = np.array(found).reshape(-1, len(weight)) / weight
-    if len(lines) > lines.shape[1]:  # redundant rows: the left vectors are not needed
-        lines = np.asarray(np.linalg.qr(lines, mode="r"))
-    _, values, right = np.linalg.svd(lines)
-    rank = int(np.count_nonzero(values > supports.RANK * values.max(initial=0.0)))
-    return np.asarray(right[rank:].T)
+    return null_space(np.array(found).reshape(-1, len(weight)) / weight)
 
 
 def _spring(model: Model, spring: int) -> supports.Parts:

@@ -1,28 +1,24 @@
 """Dry friction in joints: of a pin against rotation, of a slot against sliding along its groove.
 
-The free rate y of a joint is one more row with bounds (:mod:`sandbox.engine.bounded`): friction
-holds up to its bound, and slips at it. The bound is a number, h f, or depends on the load of the
-joint in the same step,
+The free rate y of a joint is a row with bounds (:mod:`sandbox.engine.bounded`). The bound of its
+impulse p is a number, h f, or depends on the load of the joint in the same step,
 
     |p| <= s |q|        q: the impulses of the joint's rows, two of a pin, one of a slot
 
-s the coefficient, of a pin times its radius. Of two rows |q| is taken as u . q, u the direction of
-q in the last solve; that is a row of its own, which measures and acts on nothing. If q has another
-direction, the step is solved again with the new u: the error of |q| is that of u squared.
+s the coefficient, of a pin times its radius. Of two rows |q| is taken as u . q, a row of its own
+without effect on bodies. u is the direction of q in the last solve: the step is solved again if it
+changes, and the error of |q| is that of u squared.
 
-Break-away: static friction that gives way. A row that held in the last step has the bound of static
-friction. If it slips against that, its load T reached the bound at t = (n - 3/2 + s) h, as in
-:mod:`sandbox.engine.report`, and the friction of the step has the impulse
+Break-away: a row that held in the last step has the bound of static friction. If it slips, its load
+T reached the bound at t = (n - 3/2 + s) h (:mod:`sandbox.engine.report`), and the impulse is
 
     h ((s - 1/2) F_s + (3/2 - s) F_k),      s = A / (A + B)
 
-F_s and F_k are static and sliding friction, A = F_s - T is the reserve of the last step and B = T -
-F_s the excess in this one. Velocities and positions are then right to second order, unless F_s > 3
-F_k: friction never drives. T is not known. The step is solved with F_s, which gives the slip rate
-y_s, and with F_k, which gives y_k. Rates are linear in friction, so B = (F_s - F_k) y_s / (y_k -
-y_s). Rows that act on each other, as those of a box on two corners, slip as one: A and B are sums,
-weighted with y_s. A row that slides back passes through rest, and is tried with static friction,
-too. Its reserve is not known: s = 1/2.
+F_s and F_k are static and sliding friction, A = F_s - T the reserve of the last step, B = T - F_s
+the excess in this one. This is of second order unless F_s > 3 F_k: friction never drives. The step
+is solved with F_s and F_k. Rates are linear in friction, so the slip rates y_s and y_k give
+B = (F_s - F_k) y_s / (y_k - y_s). Rows that act on each other slip as one: A and B are sums
+weighted with y_s. A row that slides back is tried with static friction, too, with s = 1/2.
 """
 
 from __future__ import annotations

@@ -4,13 +4,11 @@ Everything that a kernel calls is compiled into one of the entry points
 (:mod:`sandbox.engine.entry_points`); a kernel has no machine code of its own.
 Called from Python, a kernel runs as plain Python.
 
-Four measures make the first run about three times as fast: kernels are only linked into their
-callers, without machine code and wrappers of their own; references are not counted, and compiler
-passes that plain loops over numbers do not need are left out; the types of operators are
-remembered; Python's garbage collector is off meanwhile. A fifth makes steps about a sixth faster:
-negative indices do not count from the end of an array, and no kernel may use one. All but the
-garbage collector are private parts of Numba. Before the first use a small function is compiled and
-run. If this fails, for instance with a later version of Numba, only documented interfaces are used.
+The first run is about three times as fast because kernels are only linked into their callers,
+references are not counted, unneeded compiler passes are left out, the types of operators are
+remembered, and garbage collection is off meanwhile. Steps are about a sixth faster because negative
+indices do not count from the end of an array; no kernel may use one. This takes private parts of
+Numba. If a small function does not compile with them, only documented interfaces are used.
 """
 
 from __future__ import annotations
@@ -193,12 +191,9 @@ def _make_compilers() -> tuple[Any, Any]:
 
         lowering_pass = lowering
 
-        def __init__(
-            self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Any,
-            types_of_locals: Any,
-        ) -> None:
-            flags.nrt = False
-            super().__init__(typing, target, library, args, result, flags, types_of_locals)
+        def __init__(self, *args: Any) -> None:
+            args[5].nrt = False  # flags
+            super().__init__(*args)
 
         def define_pipelines(self) -> list[Any]:
             passes = import_module("numba.core.compiler_machinery").PassManager("short")

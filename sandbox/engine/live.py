@@ -12,7 +12,7 @@ bodies, but at most :data:`MAX_RATIO` times the effective mass of the body alone
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from numbers import Real
@@ -21,7 +21,7 @@ import numpy as np
 
 from sandbox.elements.arrays import Arrays
 from sandbox.engine.inspect_control import Checked, checked
-from sandbox.engine.simulation import Simulation, bad_argument
+from sandbox.engine.simulation import Progress, Simulation, bad_argument
 from sandbox.errors import Problem, SceneError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
@@ -177,9 +177,7 @@ class Live(Simulation):
         """The last push, of any hand."""
         return next((one for one in reversed(self.inputs) if isinstance(one, Nudge)), None)
 
-    def run(
-        self, until: int | None = None, *, progress: Callable[[float], None] | None = None,
-    ) -> None:
+    def run(self, until: int | None = None, *, progress: Progress = None) -> None:
         """Continue until so many steps are made in all; as :meth:`Simulation.run`."""
         if self._next_push is not None:
             body, at, force = self._next_push
@@ -219,34 +217,30 @@ class Live(Simulation):
         super().restart()
         self.inputs, self._grasped, self._next_push = [], None, None
 
-    def again(self, steps: int, *, progress: Callable[[float], None] | None = None) -> Live:
+    def again(self, steps: int, *, progress: Progress = None) -> Live:
         """Another simulation after so many steps, with the same inputs before.
 
         It runs from t = 0: the contact search of pymunk starts with the contacts of the last step,
-        which cannot be copied, and changes the last digits.
-
-        Args:
-            steps: from t = 0.
-            progress: as that of :meth:`run`; an exception from it ends the run.
+        which cannot be copied, and changes the last digits. An exception of ``progress`` ends it.
         """
-        return self._repeated(steps, [each for each in self.inputs if each.step < steps], progress)
+        other = Live(Checked(self.scene))
+        other._repeat([each for each in self.inputs if each.step < steps], progress)
+        other.run(steps, progress=progress)
+        return other
 
     def copy(self) -> Live:
         """Another simulation in the same state, as :meth:`again`, with the inputs since."""
-        return self._repeated(self.steps, self.inputs, None)
-
-    def _repeated(
-        self, steps: int, inputs: list[Input], progress: Callable[[float], None] | None,
-    ) -> Live:
-        other = Live(Checked(self.scene))
-        for each in inputs:
-            other.run(each.step, progress=progress)
-            if isinstance(each, Nudge):
-                other.push(each.body, each.at, each.force)
-            else:
-                other.give(each.name, each.value)
-        other.run(steps, progress=progress)
+        other = self.again(self.steps)
+        other._repeat([each for each in self.inputs if each.step == self.steps])
         return other
+
+    def _repeat(self, inputs: list[Input], progress: Progress = None) -> None:
+        for each in inputs:
+            self.run(each.step, progress=progress)
+            if isinstance(each, Nudge):
+                self.push(each.body, each.at, each.force)
+            else:
+                self.give(each.name, each.value)
 
     def played(self) -> Mechanism:
         """The inputs so far as a scene of its own."""
@@ -278,8 +272,7 @@ class Hand:
         self.live = live
         self.model: Model = compile_mechanism(live.scene)
         self.body: str | None = None  # that it holds
-        self.at = self.to = self.force = (0.0, 0.0)
-        """The point in the body's frame, the place in the world [m], the force there [N]."""
+        self.at = self.to = self.force = (0.0, 0.0)  # in the body; in the world [m]; [N]
         self._stiffness = self._damping = self._cap = 0.0
         self._digits = 0
 

@@ -9,23 +9,18 @@ rates l along them, and each is a row J = M^1/2 q
 
     J v + p / (h l) = J u
 
-beside F(u), which is among the known forces. Where l is below 0 the load drives; h l > -1 then says
-that the body keeps some of its inertia, and the matrix its pivots. What is left of L, which turns
-the velocity and does no work, is found by iteration: F is evaluated at the velocities after the
-step; where it differs, the step is solved again with u there.
-
-How a law is integrated follows from its largest rate l at the step's end, slopes by position
-included:
+beside F(u), which is among the known forces. Where l is below 0 the load drives; h l > -1 keeps the
+pivots of the matrix. The rest of L, which does no work, is found by iteration: where F differs at
+the velocities after the step, it is solved again with u there. The largest rate l at the step's
+end, slopes by position included, decides how a law is integrated:
 
     h l below 1    F(x, (v_before + v) / 2, (v - v_before) / h)     (second order)
     above          F(x + h v, v, (v - v_before) / h)                (the step's end)
 
 Buoyancy needs the area of an outline below a level and its moment, by Green's theorem. With d the
-height over the level, of the part of the outline that is below it,
+height over the level, along the part of the outline below it (d = 0 along the level itself),
 
     A = - ∮ d dx          ∬ x dA = - ∮ x d dx
-
-The level itself, which closes that part, has d = 0 and gives nothing.
 """
 
 from __future__ import annotations
@@ -55,9 +50,7 @@ def _set(read: Array, k: int, value: float, by_x: float, by_y: float, by_turn: f
 
 
 @kernel
-def _motion(
-    table: int, load: Any, h: float, after: Array, end: bool, lag: float,
-) -> tuple[float, float, float, float]:
+def _motion(table: int, load: Any, h: float, after: Array, end: bool, lag: float) -> Any:
     """Set the arguments of a law and their slopes; cosine, sine of the angle, arm of the force."""
     body, before, read = at.body(table), at.before(table), at.read_names(table)
     b = load["body"]

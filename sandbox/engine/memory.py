@@ -1,16 +1,14 @@
 """The table of a run: addresses and lengths of all its arrays, for compiled code.
 
-Compiled functions take the address of the table and make the views that they need:
-``memory.body(table)``. A view costs no time, while eighty arguments would cost more than a sample
-and take tens of seconds to compile. Arrays in a table must neither move nor be replaced while it is
-used: :class:`Memory` keeps them alive. Views are made from the fields of
-:mod:`sandbox.engine.state`.
+Compiled functions take the address of the table and make views of the fields of
+:mod:`sandbox.engine.state`: ``memory.body(table)``. Eighty arguments would take tens of seconds to
+compile. Arrays must not be replaced while a table is used: :class:`Memory` keeps them alive.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,8 +26,7 @@ _arrays: Any = arrayobj
 _WORD = ir.IntType(64)
 WIDTH = 4  # numbers of the table for each array: its address and three lengths
 _PARTS: tuple[Any, ...] = (Native, Constants, Elements, State, Result, Pattern, Snapshot)
-TABLE_WORDS = WIDTH * sum(len(part._fields) for part in _PARTS)
-"""Length of the table without the addresses of entry points, which follow."""
+TABLE_WORDS = WIDTH * sum(len(part._fields) for part in _PARTS)  # before the entry points
 
 
 class Memory(NamedTuple):
@@ -89,18 +86,11 @@ def _view(name: str, place: int, dtype: Any, shape: list[str]) -> Any:
     return result
 
 
-def _views() -> Iterator[tuple[str, Any]]:
-    place = 0
-    for part in _PARTS:
-        for field in part._fields:
-            if field in declared(part):
-                item, shape = declared(part)[field]
-                view = f"kept_{field}" if part is Snapshot else field
-                yield view, _view(view, place, item, shape)
-            place += WIDTH
-
-
-globals().update(_views())
+for _place, (_part, _field) in enumerate(
+        (part, field) for part in _PARTS for field in part._fields):
+    if _field in declared(_part):
+        _name = f"kept_{_field}" if _part is Snapshot else _field
+        globals()[_name] = _view(_name, WIDTH * _place, *declared(_part)[_field])
 
 
 def __getattr__(name: str) -> Any:

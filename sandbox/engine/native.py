@@ -1,8 +1,7 @@
 """pymunk's own C functions, called from compiled code.
 
-Going through Python to write velocities and step costs more than a step of a small hand itself. The
-functions behind ``Space.step`` and ``pymunk.batch`` are therefore called by
-address. This is the only module that knows of pymunk's insides.
+Calls through Python would cost more than a step of a small hand. Only this module uses the
+internals of pymunk.
 """
 
 from __future__ import annotations
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
+from sandbox.engine.source_hash import cacheable, cached
 from sandbox.numeric import Array, Integers, Records
 
 _cgutils: Any = cgutils
@@ -86,8 +86,7 @@ class Native(NamedTuple):
     put: int
     write: int
     place: int
-    write_count: NDArray[np.intc]
-    """Fill of the buffer that is written from, [1]; 0 before each call."""
+    write_count: NDArray[np.intc]  # fill of the buffer that is written from, 0 before each call
     place_count: NDArray[np.intc]  # the same of the buffer of poses
     near: Integers  # the table of `Finder`, whose first number is set to 0 before each call, [5]
     raw: Annotated[Records, FOUND]  # [room]
@@ -126,10 +125,7 @@ def make_native(space: pymunk.Space, write: Channel, place: Channel, finder: Fin
 
 
 class Finder:
-    """Lists the pairs of shapes that pymunk finds near one another, instead of solving them.
-
-    The callback is compiled: in Python it would be slow, and cffi drops its exceptions and Ctrl-C.
-    """
+    """Lists the pairs of shapes that pymunk finds near one another, instead of solving them."""
 
     def __init__(self, space: pymunk.Space, room: int) -> None:
         grow = ctypes.pythonapi.PyMem_RawRealloc
@@ -138,8 +134,7 @@ class Finder:
             0, room, grow(None, room * FOUND.itemsize),
             address(ffi.addressof(lib, "cpShapeGetCollisionType")),
             ctypes.cast(grow, ctypes.c_void_p).value], dtype=np.int64)
-        """Points found, points that there is room for, where they are; functions: of the number of
-        a shape, and to make room, which finding does by itself."""
+        """Points found, room, where they are; functions: number of a shape, and to make room."""
         finalize(self, _free, self.table)
         handler = lib.cpSpaceAddGlobalCollisionHandler(space._space)
         handler.userData = ffi.cast("void *", self.table.ctypes.data)
@@ -200,10 +195,5 @@ def _note() -> Any:
             found["ax"], found["ay"] = point["ax"], point["ay"]
             found["bx"], found["by"] = point["bx"], point["by"]
 
-    from sandbox.engine.source_hash import cacheable
-
-    signature, note = "void(intp, intp, CPointer(int64))", cacheable(note)
-    try:
-        return cfunc(signature, cache=True)(note)
-    except (RuntimeError, OSError):  # no place for a cache; no room left
-        return cfunc(signature)(note)
+    return cached(note, cacheable(note), lambda function, cache: cfunc(
+        "void(intp, intp, CPointer(int64))", cache=cache)(function))

@@ -1,24 +1,19 @@
 """The bilateral rows: their pattern, made once, and the factorisation in each step.
 
 Each bilateral row r (a joint's, a damper's, a stiff tendon's) has entries: a body and three
-coefficients J. With W the inverse masses the rows meet in S = sum J W J' over the free bodies
-that they share, which is sparse and, for mechanisms that branch, factors with next to no
-fill when the unknowns go in order of least degree. A body that very many rows act on would
-make all of them meet; such a hub stays in the system instead, by its three velocities:
+coefficients J. With W the inverse masses, S = sum J W J' over the free bodies is sparse, and has
+next to no fill in order of least degree. A body with very many rows, which would couple all of
+them, is a hub: its three velocities stay in the system, as does the slip of a tendon over a guide,
+one unknown without mass:
 
     [ S + c   J_h ] [ p   ]   [ r       ]
     [ J_h'   -M_h ] [ v_h ] = [ -M_h v_f ]
 
-The slip of a cable over a guide (:mod:`sandbox.engine.tendons`) stays in it, too: one unknown
-without mass.
-
-Both kinds of unknown are eliminated alike (the matrix is quasi-definite), but a rigid row has a
-pivot of its own only while other bodies have a freedom left for it: one that acts on nothing but
-hubs, or on a link that other rows hold already, goes after its hubs.
+The matrix is quasi-definite, but a rigid row has a pivot only while other bodies have a freedom
+left for it: one that acts on hubs alone, or on a link that other rows hold, follows its hubs.
 
 The factorisation is L D L^T in this fixed order. ``values`` holds the columns of L below the
-diagonal one after the other, then the diagonal: the matrix before :func:`factor`, L and 1 / D
-after it.
+diagonal, then the diagonal: the matrix before :func:`factor`, L and 1 / D after it.
 """
 
 from __future__ import annotations
@@ -49,26 +44,23 @@ class Pattern(NamedTuple):
     updates: Integers  # slots that products of two slots of a column are subtracted from, in turn
     entry_row: Integers  # the unknown of each entry, [ne]
     entry_body: Integers  # the body of each entry, [ne]
-    pairs: Annotated[Integers, "pairs 3"]
-    """(slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots."""
+    pairs: Annotated[Integers, "pairs 3"]  # (slot, entry, entry) of S; a diagonal follows the slots
     joined: Integers  # the slots of rows that are joined besides
     direct: Annotated[Integers, "direct 3"]  # (slot, entry, axis) of the entries on hubs, [q, 3]
     body_starts: Integers  # where the entries of each free body that is no hub begin, [nb + 1]
     body_entries: Integers  # these entries, body by body
-    branch_starts: Integers
-    """Where the branch of each body, slip and sum begins, [nb + nf + sums + 1]."""
-    branches: Integers
-    """Unknowns that a force on a body reaches in a forward substitution, in order."""
+    branch_starts: Integers  # where the branch of each body, slip and sum begins
+    branches: Integers  # unknowns that a force on a body reaches in a forward substitution
 
 
 def make_pattern(
     rows: Sequence[Sequence[int]], inverse_mass: Array, rigid: int, slips: int,
     sums: Sequence[tuple[int, int]], joined: Sequence[tuple[int, int]],
 ) -> Pattern:
-    """The pattern for bilateral rows, each given by the bodies of its entries, no body twice.
+    """The pattern for bilateral rows, each given by the bodies of its entries, then slips.
 
-    Slips are counted on from the bodies. The first ``rigid`` rows have no compliance; ``sums`` are
-    two rows each, whose unknowns are added up; ``joined`` rows meet besides, as lines at a valve.
+    The first ``rigid`` rows have no compliance; ``sums`` are pairs of rows whose unknowns are added
+    up; ``joined`` rows meet besides, as lines at a valve.
     """
     bodies, count = len(inverse_mass), len(inverse_mass) + slips
     free = np.concatenate([inverse_mass[:, 0] > 0.0, np.ones(slips, dtype=bool)])
@@ -151,31 +143,28 @@ def _meetings(
 
 
 def _left_over(rows: Sequence[Sequence[int]], on: list[list[int]], hubs: list[int]) -> list[int]:
-    """Rows for which the freedoms of the bodies that are no hubs, three each, do not suffice.
-
-    Each row takes a freedom of one of its bodies, others giving way where they can (augmenting
-    paths); rows that no hub could carry choose first.
-    """
+    """Rows without one of the three freedoms of a body that is no hub (by augmenting paths)."""
     taken: dict[int, list[int]] = {
         body: [] for body, own in enumerate(on) if own and body not in hubs}
     own = [[body for body in bodies if body in taken] for bodies in rows]
     where: dict[int, int] = {}
     left = []
+    # rows that no hub could carry choose first
     for row in sorted(range(len(rows)), key=lambda row: len(rows[row]) - len(own[row])):
-        asks, queue, found = dict.fromkeys(own[row], row), list(own[row]), -1
+        claims, queue, found = dict.fromkeys(own[row], row), list(own[row]), -1
         for body in queue:  # grows as it goes
             if len(taken[body]) < 3:
                 found = body
                 break
             for other in taken[body]:
                 for next_body in own[other]:
-                    if next_body not in asks:
-                        asks[next_body] = other
+                    if next_body not in claims:
+                        claims[next_body] = other
                         queue.append(next_body)
         if found < 0:
             left.append(row)
         while found >= 0:
-            moved = asks[found]
+            moved = claims[found]
             last = where.get(moved, -1)
             where[moved] = found
             taken[found].append(moved)
@@ -186,11 +175,10 @@ def _left_over(rows: Sequence[Sequence[int]], on: list[list[int]], hubs: list[in
 
 
 def elimination(
-    groups: list[set[int]], before: list[set[int]] | None = None,
+    groups: list[set[int]], waits: list[set[int]],
 ) -> tuple[list[int], dict[int, set[int]]]:
-    """An order of least degree, and the unknowns that each one still meets in its turn."""
+    """An order of least degree after those waited for; unknowns that each meets in its turn."""
     graph = [set(group) - {i} for i, group in enumerate(groups)]
-    waits = [set(w) for w in before] if before else [set() for _ in groups]
     heap = [(len(graph[i]), i) for i in range(len(graph)) if not waits[i]]
     heapq.heapify(heap)
     order: list[int] = []

@@ -10,45 +10,32 @@ from __future__ import annotations
 import numpy as np
 
 STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
-"""Kinds of tendon and spring: solved at the step's end; of given tension; soft, its tension
-that of the pose; soft with a damper, solved at mid-step. Of spans of a tendon that guides hold by
-friction: soft, solved evenly about the pose; and that tendon as a whole, whose spans pull."""
-SOFT = 1.0
-"""The h^2 k s from which an element is solved at the step's end; a leapfrog needs 4 at most."""
+"""Kinds of tendon and spring: solved at the step's end; of given tension; explicit; with a damper,
+at mid-step; a span, evenly about the pose; a whole tendon with friction, whose spans pull."""
+SOFT = 1.0  # h^2 k s from which an element is solved at the step's end; stable up to 4
 
 ACTION = np.dtype([
-    ("drive", np.int64),    # whose value it takes
-    ("a", np.int64),        # the body of a force; the first body of a hinge
-    ("b", np.int64),        # -1 for a force; the second body of the hinge
-    ("x", float), ("y", float),     # where a force acts [m]
-    ("dx", float), ("dy", float),   # its direction, a unit vector
-    ("turning", np.int64),  # whether that turns with the body
-    ("joint", np.int64),    # the joint that is driven, or -1
-    ("line", np.int64),     # whether that is an actuator, which is pushed
-    ("motor", np.int64),    # -1, or the number of a motor or brake
-    ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
-    ("bond", np.int64),      # BOND of the hinge, or -1
-    ("runs", np.int64),     # whether it drives the surface of a
+    ("drive", np.int64), ("a", np.int64), ("b", np.int64),  # bodies; b is -1 for a force
+    ("x", float), ("y", float), ("dx", float), ("dy", float),   # place of a force, its direction
+    ("turning", np.int64),  # whether the direction turns with the body
+    ("joint", np.int64), ("line", np.int64),    # driven joint, or -1; whether it is an actuator
+    ("motor", np.int64), ("sense", float),  # motor or brake, or -1; sign of the hinge
+    ("bond", np.int64), ("runs", np.int64),     # of the hinge; whether it drives the surface of a
     ("fx", float), ("fy", float),   # of a force, in the world [N]
-    ("work", float),        # done on the bodies since t = 0 [J]
-    ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]; of a driven
-                            # surface its power [W]
-    ("step_work", float),   # of the last step [J]
+    ("work", float),        # on the bodies [J]
+    ("torque", float),      # on a, or on b of a hinge [N m]; of a driven surface its power [W]
+    ("step_work", float),
 ])
 
 SPRING = np.dtype([
-    ("number", np.int64),   # the model's; -1 for the damping of a hinge
-    ("joint", np.int64),    # the hinge about which it acts, or -1
+    ("number", np.int64), ("joint", np.int64),  # the model's, -1 for the damping of a hinge; hinge
     ("turning", np.int64),  # whether its coordinate is an angle; a distance otherwise
     ("kind", np.int64),     # STIFF, ELASTIC or DAMPED
-    ("drive", np.int64),    # that sets its stiffness; -1 for its own
-    ("a", np.int64), ("ax", float), ("ay", float),  # body and point of one end [m]
-    ("b", np.int64), ("bx", float), ("by", float),
-    ("k", float),           # [N/m, N m/rad]
-    ("c", float),           # [N s/m, N m s/rad]
+    ("drive", np.int64),    # that sets its stiffness, or -1
+    ("a", np.int64), ("ax", float), ("ay", float), ("b", np.int64), ("bx", float), ("by", float),
+    ("k", float), ("c", float),     # [N/m, N m/rad], [N s/m, N m s/rad]
     ("sense", float),       # from its coordinate to the stretch that its law takes, 1 or -1
-    ("row", np.int64),      # its unknown, or -1
-    ("entry", np.int64),    # the first of its two entries
+    ("row", np.int64), ("entry", np.int64),     # its unknown, or -1; the first of two entries
     ("code", np.int64), ("code_end", np.int64),     # steps of its law, or -1
     ("of_rate", np.int64),  # whether its law depends on the rate
     ("response", float),    # bound of the response of its ends to a unit effort [1/kg, 1/(kg m^2)]
@@ -56,20 +43,17 @@ SPRING = np.dtype([
     ("rest", float),        # its coordinate at rest [m, rad]
     ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # what its coordinate depends on
     ("stiff", np.int64),    # whether a law is taken at the step's end
-    ("way", float),         # its coordinate [m, rad]
-    ("effort", float),      # positive where it lets the coordinate grow [N, N m]
+    ("way", float), ("effort", float),  # coordinate [m, rad]; positive if it grows by it [N, N m]
     ("work", float), ("step_work", float),  # since t = 0, and of the last step [J]
 ])
 
 POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6  # constraints of joints
-PACED, SPRUNG, PLACED = 0, 1, 2
-"""Motors: with a rate, or none; a spring to a place; rigid to a place."""
+PACED, SPRUNG, PLACED = 0, 1, 2  # motors: with a rate or none; a spring to a place; rigid to it
 STOP, LINE, FLANK = 0, 1, 2  # limits: angle of a hinge; position or distance; play of teeth
 
 JOINT = np.dtype([
     ("keeps", np.int64),    # POINT ... ROLL
-    ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]; of a groove its start
-    ("b", np.int64), ("bx", float), ("by", float),
+    ("a", np.int64), ("ax", float), ("ay", float), ("b", np.int64), ("bx", float), ("by", float),
     ("gx", float), ("gy", float),   # direction of a groove in a, or of a rack in b, a unit vector
     ("reach", float),       # distance kept; length of a groove, or minimum radius of curvature of a
                             # path; what teeth bend about [m]
@@ -77,18 +61,15 @@ JOINT = np.dtype([
     ("ra", float), ("rb", float),   # of teeth the base circles, of what rolls the circles; rb with
                                     # the sign by which it turns with a [m]
     ("push", float),        # of gears: 1 side by side, -1 one inside the other
-    ("tilt_c", float), ("tilt_s", float),   # of a rack: of its pressure angle
-    ("k", float),           # of teeth without play [N/m]
+    ("tilt_c", float), ("tilt_s", float), ("k", float),     # of a rack's pressure angle; of teeth
     ("start", float), ("start_back", float),    # initial gaps of flanks, or slip [m]
     ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1; of what rolls the
                                                 # second is that along the circles
     ("row_turn", np.int64),     # unknown of its couple, or -1
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, two a row; how many
     ("hinge", np.int64), ("stopped", np.int64),     # whether it has an angle; and stops
-    ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
-    ("zero", float),        # subtracted from its angle [rad]
-    ("bond", np.int64),      # its BOND, or -1
-    ("line", np.int64),     # whether its length is recorded: of an actuator, a slot with a path
+    ("sense", float), ("zero", float),  # of a hinge: as in ACTION; subtracted from the angle [rad]
+    ("bond", np.int64), ("line", np.int64),     # or -1; whether its length is recorded
     ("span", np.int64), ("span_end", np.int64),     # SPANs of the path of a slot; -1 without
     ("around", float),      # length of a closed path, else 0 [m]
     ("flank", float),       # which side of the teeth pushes, +1 or -1
@@ -98,186 +79,131 @@ JOINT = np.dtype([
     ("kick_x", float), ("kick_y", float),   # impulse on b besides that of its rows [N s]: impacts
                                             # act in another pose
     ("twist_a", float), ("twist_b", float),     # for the same reason moments on a and b [N m s]
-    ("way", float),         # its free coordinate: along a groove, distance, angle of a pin [m, rad]
-    ("rate", float),        # its rate, in samples only [m/s, rad/s]
-    ("fx", float), ("fy", float),   # its force on b [N]
-    ("couple", float),      # on b [N m]
+    ("way", float), ("rate", float),    # its free coordinate [m, rad]; its rate, in samples only
+    ("fx", float), ("fy", float), ("couple", float),    # on b [N, N m]
 ])
 
 LIMIT = np.dtype([
-    ("joint", np.int64),
-    ("what", np.int64),     # STOP, LINE or FLANK
-    ("side", float),        # +1 for the minimum, -1 for the maximum; which flank
-    ("bound", float),       # [rad, m]
-    ("since", float),       # time since it was hit, at the end of the last step, or 0 [s]
-    ("next", float),        # scratch: the same of this step [s]
+    ("joint", np.int64), ("what", np.int64),    # STOP, LINE or FLANK
+    ("side", float), ("bound", float),  # +1 for the minimum, -1 for the maximum; [rad, m]
+    ("since", float), ("next", float),  # time since it was hit, or 0 [s]; the same of this step
     ("impulse", float),     # of the last step [N s, N m s]
 ])
 
 MOTOR = np.dtype([
     ("drive", np.int64), ("a", np.int64), ("b", np.int64),
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
-    ("maximum", float),        # of a motor [N m]; nan of a brake, whose value that is
+    ("maximum", float),     # of a motor [N m]; nan of a brake, whose value that is
     ("slope", float),       # of a motor with a line [N m s/rad]; nan of others
-    ("bond", np.int64),      # BOND of the hinge, or -1
-    ("law", np.int64),      # PACED, SPRUNG or PLACED
-    ("joint", np.int64),    # that it drives
-    ("line", np.int64),     # whether that is an actuator, which it lengthens [N, m for N m, rad]
-    ("k", float), ("c", float),     # of a servo [N m/rad, N m s/rad]
-    ("stiff", np.int64),    # whether these are taken at the step's end
-    ("fastest", float),     # maximum rate [rad/s]
-    ("zero", float),        # subtracted from the hinge's angle [rad]
-    ("target", float),      # its target after the last step, nan before [rad]
-    ("aim", float),         # its target after this one [rad]
+    ("bond", np.int64), ("law", np.int64),  # of the hinge, or -1; PACED, SPRUNG or PLACED
+    ("joint", np.int64), ("line", np.int64),    # whether the joint is an actuator: [N, m]
+    ("k", float), ("c", float), ("stiff", np.int64),    # of a servo; if taken at the step's end
+    ("fastest", float), ("zero", float),    # maximum rate [rad/s]; subtracted from the angle [rad]
+    ("target", float), ("aim", float),  # after the last step, nan before; after this one [rad]
     ("short", float),       # distance from its target [rad]
-    ("along", float),       # the rate of its target [rad/s]
-    ("seen", float),        # its rate before the step [rad/s]
-    ("command", float),     # rate to be reached [rad/s]
-    ("bend", float),        # rate by which its line grows besides in the step [m/s]
-    ("impulse", float),     # on b, of the last step [N m s]
-    ("mode", np.int64),     # -1 and 1 at its minimum and maximum torque, 0 in between
+    ("along", float), ("seen", float),  # rate of the target; its own before the step [rad/s]
+    ("command", float), ("bend", float),    # rates: to be reached; by which its line grows besides
+    ("impulse", float), ("mode", np.int64),  # on b [N m s]; -1 and 1 at its bounds, else 0
 ])
 
 DRY_FRICTION = np.dtype([
-    ("joint", np.int64),
-    ("sum", np.int64),      # number of the load of its joint, after bodies, slips and sums
-    ("maximum", float),        # friction that does not depend on the load [N m, N]
-    ("share", float),       # friction for 1 N that the joint carries [m, 1], or 0
+    ("joint", np.int64), ("sum", np.int64),     # number of its load, after bodies, slips and sums
+    ("maximum", float), ("share", float),   # friction [N m, N]; for 1 N of load [m, 1], or 0
     ("static", float),      # ratio of static to sliding friction
-    ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
-    ("pressed", float),     # of the joint, on which the friction depends [N s]
-    ("mode", np.int64),     # -1 and 1 where it slipped, 0 where it held
-    ("bound", float),       # static friction where it held, else nan [N s, N m s]
+    ("impulse", float), ("pressed", float),  # on b, along the coordinate; of the load [N s]
+    ("mode", np.int64), ("bound", float),  # -1, 1 where it slipped; static friction where it held
     ("ux", float), ("uy", float),   # where the joint pushed: of rows, not of the world
-    ("kept", np.int64),     # whether it has held since a place along its groove was noted
-    ("place", float),       # that place [m]
-    ("work", float),        # [J]
-    ("force", float),       # on b, in the joint's sense [N m, N]
-    ("sticks", float),      # 1 where it held, else 0
-    ("step_work", float),   # [J]
+    ("kept", np.int64), ("place", float),   # whether it has held since it was noted at a place [m]
+    ("work", float), ("force", float),  # [J]; on b, in the joint's sense [N m, N]
+    ("sticks", float), ("step_work", float),    # 1 where it held, else 0; [J]
 ])
 
 CABLE = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its guides
     ("kind", np.int64),     # STIFF, PULL, ELASTIC, DAMPED, EVEN or GRIPPED
-    ("closed", np.int64),   # whether its last guide is its first
-    ("lifts", np.int64),    # whether it can lift off any of its wheels
-    ("drive", np.int64),    # that pulls it, or -1
-    ("stiffener", np.int64),    # drive that sets its stiffness, or -1
+    ("closed", np.int64), ("lifts", np.int64),  # a loop; whether it can lift off any wheel
+    ("drive", np.int64), ("stiffener", np.int64),   # that pull it, set its stiffness; or -1
     ("c", float),           # [N s/m]; of a span times its length of tendon [N s]
     ("whole", np.int64),    # of a span the tendon that it is of, or -1
     ("spans", np.int64), ("spans_end", np.int64),   # of a tendon that guides grip
-    ("minimum", float),       # minimum length of tendon in a span [m]
-    ("response", float),    # largest J M^-1 J^T in any pose [1/kg]
-    ("row", np.int64),      # its unknown, or -1
-    ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
+    ("minimum", float), ("response", float),    # length in a span [m]; largest J M^-1 J^T [1/kg]
+    ("row", np.int64), ("entry", np.int64), ("entries", np.int64),  # its unknown and entries, or -1
     ("into", np.int64), ("out_of", np.int64),   # entries of what slips into a span and out of it
-    ("bond", np.int64),      # BOND of the tendon, or -1
-    ("active", np.int64),   # whether it pulled in the last solve
-    ("k", float),           # current [N/m]; of a span times its length of tendon [N]
-    ("rest", float),        # rest length; of a span with what its wheels wound up [m]
+    ("bond", np.int64), ("active", np.int64),   # whether it pulled in the last solve
+    ("k", float), ("rest", float),  # [N/m], of a span times its length; with what is wound up [m]
     ("inside", float),      # length of tendon in a span between its wheels [m]
-    ("work", float),        # [J]
-    ("length", float),      # [m]
+    ("work", float), ("length", float),
     ("wound", float),       # share of that which a span's wheels have wound up since t = 0 [m]
-    ("tension", float),     # [N]
-    ("step_work", float),   # [J]
+    ("tension", float), ("step_work", float),
 ])
 
 GUIDE = np.dtype([
     ("body", np.int64), ("x", float), ("y", float),     # place [m]
     ("radius", float),      # of the wheel, positive where its centre lies right of the path [m]
-    ("turns", float),       # whole ones round it at t = 0, besides
-    ("lifts", np.int64),    # whether the tendon can lift off its wheel
+    ("turns", float), ("lifts", np.int64),  # whole ones at t = 0; whether it can lift off its wheel
     ("entry", np.int64),    # where its share of the tendon's row is added, if that has one
-    ("jx", float), ("jy", float),   # dL/dx, dL/dy of the body
-    ("jt", float),          # dL/dangle [m]
+    ("jx", float), ("jy", float), ("jt", float),    # dL/dx, dL/dy, dL/dangle of the body
     ("wrap", float),        # angle round the wheel, or where a wound tendon leaves it [rad]
-    ("wrap0", float),       # the same at t = 0, of a wound tendon
-    ("lifted", np.int64),   # whether the tendon is off its wheel
+    ("wrap0", float), ("lifted", np.int64),     # wrap at t = 0; whether the tendon is off its wheel
 ])
 
 SLIP = np.dtype([
-    ("cable", np.int64),     # whole, that slips
-    ("guide", np.int64),    # its guide at which it does
+    ("cable", np.int64), ("guide", np.int64),   # whole, and where it slips
     ("twin", np.int64),     # the same guide at the end of a loop, or -1
-    ("before", np.int64), ("after", np.int64),      # spans on either side
-    ("friction", float),    # coefficient
+    ("before", np.int64), ("after", np.int64), ("friction", float),     # spans on either side
     ("row", np.int64),      # unknown of its rate
     ("slide", np.int64), ("sum", np.int64),     # where bounded rows find it, and the tensions' sum
-    ("impulse", float),     # of friction in the last step [N s]
-    ("pressed", float),     # sum of both tensions' impulses in the last step [N s]
-    ("mode", np.int64),     # as of BOUND
-    ("rate", float),        # [m/s]
-    ("way", float),         # of tendon from the span before into that after since t = 0 [m]
-    ("force", float),       # by how much the tension behind is larger than that before [N]
+    ("impulse", float), ("pressed", float),     # of friction, sum of both tensions' [N s]
+    ("mode", np.int64), ("rate", float),    # as of BOUND; [m/s]
+    ("way", float), ("force", float),  # of tendon into the span after [m]; drop of the tension [N]
 ])
 
 FLUID = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its chambers
-    ("ahead_min", float),     # minimum k of its law (fluids.py)
-    ("ratio", float),       # its r
+    ("ahead_min", float), ("ratio", float),     # minimum k and r of its law (fluids.py)
     ("drive", np.int64),    # that sets its pressure, or -1
-    ("volume", float),      # at t = 0 [m^3]
-    ("c", float),           # of a liquid [m^3/Pa]
+    ("volume", float), ("c", float),    # at t = 0 [m^3]; of a liquid [m^3/Pa]
     ("gas", float),         # the exponent of a gas, 0 of a liquid
     ("start", float), ("minimum", float), ("maximum", float),   # pressure at t = 0, bounds [Pa]
-    ("response", float),    # largest A M^-1 A^T in any pose [m^4/kg]
-    ("row", np.int64),      # its unknown
+    ("response", float), ("row", np.int64),     # largest A M^-1 A^T in any pose [m^4/kg]; unknown
     ("content", float),     # at 0 Pa; of a liquid beyond that at t = 0 [m^3]
     ("mode", np.int64),     # -1 not full, 0 full, 1 let out by its relief
-    ("spilled", float),     # by the relief [m^3]
-    ("work", float),        # done on the bodies [J]
-    ("grown", float),       # growth of its volume since t = 0 [m^3]
-    ("pressure", float),    # [Pa]
-    ("ahead", float),       # the k of its law: steps from the pose to its instant
-    ("flow", float),        # into it [m^3/s]
+    ("spilled", float), ("work", float),    # by the relief [m^3]; on the bodies [J]
+    ("grown", float), ("pressure", float),  # growth of its volume since t = 0 [m^3]; [Pa]
+    ("ahead", float), ("flow", float),  # steps from the pose to its law's instant; into it [m^3/s]
     ("rigid", float),       # pressure, were the volume to stay [Pa]
-    ("yields", float),      # volume per pressure, there [m^3/Pa]
-    ("swells", float),      # volume per content, at one pressure
-    ("conductance", float),        # how much flow falls with its pressure, over valves [m^3/(s Pa)]
-    ("supply", float),        # flow where all pressures at the ends of valves are 0 [m^3/s]
+    ("yields", float), ("swells", float),  # volume per pressure there [m^3/Pa], per content
+    ("conductance", float), ("supply", float),  # fall of the flow per pressure; flow at 0 Pa
     ("step_work", float),   # [J]
 ])
 
 CHAMBER = np.dtype([
-    ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]
-    ("b", np.int64), ("bx", float), ("by", float),
+    ("a", np.int64), ("ax", float), ("ay", float), ("b", np.int64), ("bx", float), ("by", float),
     ("turns", np.int64),    # whether it is on a hinge
-    ("gain", float),        # volume per distance of the points, or per angle of b against a
-    ("start", float),       # distance or angle at t = 0
+    ("gain", float), ("start", float),  # volume per distance or angle; that at t = 0
     ("entry_a", np.int64), ("entry_b", np.int64),   # where its share of the row is added
-    ("x", float), ("y", float),     # force on b for 1 Pa
-    ("ta", float), ("tb", float),   # moments for 1 Pa
+    ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # force on b, moments for 1 Pa
 ])
 
 VALVE = np.dtype([
     ("a", np.int64), ("b", np.int64),   # lines, -1 for the tank
     ("r", float), ("k", float),     # pressure per flow and per square of it
-    ("one_way", np.int64),
-    ("drive", np.int64),    # that opens it, or -1
+    ("one_way", np.int64), ("drive", np.int64),     # that opens it, or -1
     ("slot", np.int64),     # of the matrix where its lines meet, -1 with the tank
-    ("flow", float),        # from a to b [m^3/s]
-    ("shut", np.int64),     # whether a check valve is
-    ("loss", float),        # [J]
+    ("flow", float), ("shut", np.int64), ("loss", float),   # a to b [m^3/s]; of check valves; [J]
     ("about", float),       # the flow about which its law is linearised [m^3/s]
-    ("conductance", float),        # flow per pressure there [m^3/(s Pa)]
-    ("supply", float),        # flow without pressure there [m^3/s]
-    ("step_loss", float),   # [J]
+    ("conductance", float), ("supply", float),  # flow there per pressure, and without pressure
+    ("step_loss", float),
 ])
 
 PUMP = np.dtype([
     ("drive", np.int64), ("line", np.int64),
-    ("source", np.int64),   # whether its value is a pressure; a flow otherwise
-    ("r", float),           # between source and line
-    ("work", float),        # on the fluid [J]
-    ("flow", float),        # into the line [m^3/s]
-    ("step_work", float),   # [J]
+    ("source", np.int64), ("r", float),     # whether its value is a pressure; between it and line
+    ("work", float), ("flow", float), ("step_work", float),     # on the fluid [J]; into the line
 ])
 
 LOAD = np.dtype([
-    ("number", np.int64),   # the model's
-    ("body", np.int64),
+    ("number", np.int64), ("body", np.int64),   # the model's number
     ("x", float), ("y", float),     # where its force acts, from the centre of mass [m]
     ("turning", np.int64),  # whether its components are along the body's axes
     ("scale", float),       # of its force: the mass where it is an acceleration, else 1
@@ -287,25 +213,19 @@ LOAD = np.dtype([
     ("t_code", np.int64), ("t_end", np.int64),
     ("timed", np.int64),    # whether it depends on time
     ("first", np.int64), ("last", np.int64),    # sides of the outline in a liquid
-    ("level", float),       # of the liquid [m]
-    ("lift", float),        # its force per area below that [N/m^2]
-    ("work", float),        # done on the body [J]
-    ("fx", float), ("fy", float),   # in the world [N]
-    ("torque", float),      # about the centre of mass [N m]
-    ("step_work", float),   # of the last step [J]
+    ("level", float), ("lift", float),  # of the liquid [m]; its force per area below [N/m^2]
+    ("work", float), ("fx", float), ("fy", float),  # [J], in the world [N]
+    ("torque", float), ("step_work", float),    # about the centre of mass [N m]
 ])
 
 LOADED = np.dtype([
-    ("body", np.int64),
-    ("first", np.int64), ("last", np.int64),    # its loads
+    ("body", np.int64), ("first", np.int64), ("last", np.int64),    # its loads
     ("row", np.int64), ("row_y", np.int64), ("row_turn", np.int64),     # unknowns, or -1
-    ("entry", np.int64),    # the first of the three entries of these
-    ("stiff", np.int64),    # whether its loads are taken at the step's end
+    ("entry", np.int64), ("stiff", np.int64),   # first of three; if taken at the step's end
 ])
 SUM, SLOPES, GIVEN, YIELDS, AXES, SCRATCH = 0, 1, 4, 5, 6, 9
-"""Rows of numbers of each loaded body, three a row: the sum of its loads [N, N, N m]; by how much
-that grows with each velocity after the step; what of it is among the known forces; the rates at
-which loads slow motion along each of three axes [1/s]; these axes; scratch."""
+"""Rows of numbers of a loaded body: sum of its loads [N, N, N m]; slopes by velocities after the
+step; part in the known forces; rates at which loads slow motion along axes [1/s]; axes; scratch."""
 NUMBERS = 13  # number of rows
 
 JOINED, SPRINGY, PULLING = 0, 1, 2  # kinds of bonds: a joint, a spring, a tendon
@@ -313,26 +233,20 @@ SETTLED, TAKEN = -1.0, -2.0  # ages of joints: closed; engaged, the gap is not y
 NONE = -1  # no request
 
 BOND = np.dtype([
-    ("what", np.int64),     # JOINED, SPRINGY or PULLING
-    ("index", np.int64),    # in the table of these
-    ("breaks_at", float),   # [N, N m]
-    ("over", float),        # time in which a joint's gap closes [s]
-    ("as_is", np.int64),    # whether it engages with its current length
-    ("drive", np.int64),    # that holds it, or -1
-    ("request", np.int64),     # of an event for the next step: 0 release, 1 engage, NONE
+    ("what", np.int64), ("index", np.int64),    # JOINED, SPRINGY or PULLING; in the table of these
+    ("breaks_at", float), ("over", float),  # [N, N m]; time in which a joint's gap closes [s]
+    ("as_is", np.int64), ("drive", np.int64),   # engages with its current length; holds it, or -1
+    ("request", np.int64),  # of an event for the next step: 0 release, 1 engage, NONE
     ("driven", np.int64),   # as a drive had it last; at first whether it holds
-    ("load", float),        # in this step [N, N m]
-    ("last_load", float),   # of the last step, nan where it did not hold then [N, N m]
+    ("load", float), ("last_load", float),  # nan where it did not hold then [N, N m]
     ("age", float),         # time since a joint engaged [s], SETTLED or TAKEN
     ("x", float), ("y", float), ("t", float),       # its gaps then [m, m, rad]
     ("vx", float), ("vy", float), ("vt", float),    # and their rates
     ("turns", float),       # whole turns that a couple leaves alone [rad]
-    ("broke", np.int64),    # whether it broke in this step
-    ("held", np.int64),
+    ("broke", np.int64), ("held", np.int64),    # in this step
 ])
 BROKEN = np.dtype([
-    ("bond", np.int64),      # that broke
-    ("row", np.int64),      # the step in which it did, counted from 0 among those made in one go
+    ("bond", np.int64), ("row", np.int64),  # the step, counted from 0 among those made in one go
     ("when", float),        # since the middle of the step before it, as a share of the step
 ])
 

@@ -1,18 +1,16 @@
 """Results of a step: impulses as forces of the elements, and the work of all of them.
 
-Over one step a force does the work h F . (v_before + v_after) / 2. With this rule the work of all
-forces and impulses on a body is its increase of kinetic energy, to rounding. Work is summed in each
-step, because an impact lasts one step and samples would miss it.
+A force does the work h F . (v_before + v_after) / 2 in a step: the work on a body is its increase
+of kinetic energy, to rounding. Work is summed in each step; samples would miss impacts.
 
 Breaks: forces of step n hold for the time from (n - 1) h to n h, but follow from the pose in its
 middle. With T' and T > T_b the loads in the last step and in this one, the load reached T_b at
 
     t = (n - 3/2 + s) h,    s = (T_b - T') / (T - T')
 
-So the step is solved again without the element, which gives the impulse (s - 1/2) h T_b instead of
-h T: negative where the last step gave too much. Whatever acts at a joint (dry friction, dampers,
-springs, motors and servos) gives the same share of its impulse. Velocities are then right to second
-order, but for torques and pushes of drives, which end with the joint for the whole step.
+The step is solved again without the element, with its impulse (s - 1/2) h T_b instead of h T. Dry
+friction, dampers, springs, motors and servos at a joint give the same share of theirs. Velocities
+are then of second order, but for torques and pushes of drives, which end for the whole step.
 """
 
 from __future__ import annotations

@@ -65,11 +65,7 @@ def path_row(table: int, h: float, k: int) -> None:
 @kernel
 def beyond(gap: float) -> float:
     """The part of a gap beyond :data:`NOTHING`."""
-    if gap > NOTHING:
-        return gap - NOTHING
-    if gap < -NOTHING:
-        return gap + NOTHING
-    return 0.0
+    return gap - min(max(gap, -NOTHING), NOTHING)
 
 
 @kernel

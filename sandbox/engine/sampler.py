@@ -56,18 +56,18 @@ class Sampler:
         self.kept = make_snapshot(CHUNK, tables, max(MIN_CONTACTS, 2 * world.room.contacts))
         self._arrays = builder.blank(CHUNK)  # values that elements do not have stay nan
         self._entry_points = prepare(tables.constants, tables.elements, advance)
-        self.memory = self._memory()
+        self._renew()
 
-    def _memory(self) -> Memory:
-        return make_memory((self.world.native, *self.tables, self.kept), self.world.h,
-                           self._entry_points)
+    def _renew(self) -> None:
+        self.memory: Memory = make_memory(
+            (self.world.native, *self.tables, self.kept), self.world.h, self._entry_points)
 
     def restart(self, tables: Tables, builder: RecordingBuilder) -> None:
         """Start another recording, with tables of no more room than those so far."""
         self.tables, self.builder = tables, builder
         for counts in (self.kept.taken, self.kept.unfinished, self.kept.sums, self.kept.waiting):
             counts[:] = 0
-        self.memory = self._memory()
+        self._renew()
 
     def enlarge(self, tables: Tables) -> None:
         """Continue with tables of more room, that of the world."""
@@ -80,7 +80,7 @@ class Sampler:
             array = getattr(self.kept, name).copy()
             array.resize(max(count, len(array)), refcheck=False)  # filled with zeros
             self.kept = self.kept._replace(**{name: array})
-        self.memory = self._memory()
+        self._renew()
 
     def make_room(self) -> None:
         """Make the room that the loop lacks, for the next sample or for contacts of a step."""
@@ -107,17 +107,17 @@ class Sampler:
         if n == 0:
             return
         arrays = {key: array[:n] for key, array in self._arrays.items()}
+        of = {name: records[:n] for name, records in kept.copied.items()}
         for name in ("pose", "velocity", "acceleration"):
             arrays[f"body_{name}"][:] = getattr(kept, name)[:n]
         for key, (table, column) in RECORDED.items():
             number = (getattr(elements, table)[NUMBERS[table]] if table in NUMBERS
                       else slice(arrays[key].shape[1]))
-            arrays[key][:, number] = self._column(table, n, column)[:, :arrays[key].shape[1]]
-        self._write_joints(arrays, n)
-        self._write_springs(arrays, n)
-        arrays["guide_lifted"][:] = (
-            self._of("guides", n)["lifted"][:, self.tables.constants.wheels])
-        lines, fluids, loads = self._of("fluids", n), elements.fluids, self._of("loads", n)
+            arrays[key][:, number] = _column(of[table], column)[:, :arrays[key].shape[1]]
+        self._write_joints(arrays, of)
+        self._write_springs(arrays, of)
+        arrays["guide_lifted"][:] = of["guides"]["lifted"][:, self.tables.constants.wheels]
+        lines, fluids, loads = of["fluids"], elements.fluids, of["loads"]
         arrays["line_volume"][:] = lines["grown"] + fluids["volume"]
         # the content of a gas includes the gas at t = 0 without pressure
         arrays["line_content"][:] = lines["content"] - np.where(
@@ -127,16 +127,16 @@ class Sampler:
             [loads["fx"], loads["fy"]], axis=-1)
         arrays["solver_residual"][:, 0] = kept.residual[:n]
         actions, cables, pumps = elements.actions, elements.cables, elements.pumps["drive"]
-        torque, work = self._of("actions", n)["torque"], arrays["drive_work"]
+        torque, work = of["actions"]["torque"], arrays["drive_work"]
         arrays["drive_value"][:] = kept.drive[:n]
         limited, runs, pulled = actions["motor"] >= 0, actions["runs"] == 1, cables["kind"] == PULL
         arrays["drive_torque"][:, actions["drive"][limited]] = (
             actions["sense"][limited] * torque[:, limited])
         arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
         work[:] = 0.0
-        work[:, actions["drive"]] = self._column("actions", n, "work")
-        work[:, pumps] = self._column("pumps", n, "work")
-        work[:, cables["drive"][pulled]] = self._column("cables", n, "work")[:, pulled]
+        work[:, actions["drive"]] = _column(of["actions"], "work")
+        work[:, pumps] = _column(of["pumps"], "work")
+        work[:, cables["drive"][pulled]] = _column(of["cables"], "work")[:, pulled]
         self.builder.put(done, arrays)
         self._write_contacts(done, n)
 
@@ -167,17 +167,8 @@ class Sampler:
                 order[found["b"]], np.stack([found["x"], found["y"]], axis=1),
                 np.stack([found["px"], found["py"]], axis=1))
 
-    def _of(self, table: str, n: int) -> Any:
-        return self.kept.copied[table][:n]
-
-    def _column(self, table: str, n: int, name: str) -> Array:
-        """A column of results; work and losses [J] up to the instants of samples, in mid-step."""
-        found = self._of(table, n)
-        column: Array = found[name]
-        return column - found[f"step_{name}"] / 2 if name in ("work", "loss") else column
-
-    def _write_joints(self, arrays: Arrays, n: int) -> None:
-        elements, results = self.tables.elements, self._of("joints", n)
+    def _write_joints(self, arrays: Arrays, of: dict[str, Records]) -> None:
+        elements, results = self.tables.elements, of["joints"]
         arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
         arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
         arrays["joint_twist"][:] = np.stack(
@@ -190,14 +181,14 @@ class Sampler:
         arrays["joint_speed"][:, line] = results["rate"][:, line]
         arrays["joint_stop"][:, elements.joints["stopped"] == 1] = 0.0
         for i in np.flatnonzero(elements.limits["what"] == STOP).tolist():
-            limit, impulse = elements.limits[i], self._of("limits", n)["impulse"][:, i]
+            limit, impulse = elements.limits[i], of["limits"]["impulse"][:, i]
             sense = elements.joints["sense"][limit["joint"]]
             arrays["joint_stop"][:, limit["joint"]] += (
                 sense * limit["side"] * impulse / self.world.h)
 
-    def _write_springs(self, arrays: Arrays, n: int) -> None:
+    def _write_springs(self, arrays: Arrays, of: dict[str, Records]) -> None:
         joints, springs = self.model.joints, self.tables.elements.springs
-        results, work = self._of("springs", n), self._column("springs", n, "work")
+        results, work = of["springs"], _column(of["springs"], "work")
         damped = springs["number"] < 0
         hinge = springs["joint"][damped]
         for name, values in (("damping", joints.sense[hinge] * results["effort"][:, damped]),
@@ -211,7 +202,7 @@ class Sampler:
         arrays["spring_work"][:, own] = work[:, straight]
         for k in np.flatnonzero(~straight & ~damped).tolist():
             i, j = int(springs["number"][k]), int(springs["joint"][k])
-            holds = held_of(self.model.bonds.joint[j], self._of("bonds", n)["held"])
+            holds = held_of(self.model.bonds.joint[j], of["bonds"]["held"])
             arrays["spring_work"][:, i] = work[:, k]
             arrays["spring_length"][:, i] = arrays["joint_angle"][:, j]
             arrays["spring_force"][:, i] = (
@@ -235,6 +226,12 @@ class Sampler:
         return merge_contacts(
             sample, order[kept["a"]], order[kept["b"]], np.stack([kept["x"], kept["y"]], axis=1),
             force, normal, kept["normal"], kept["gap"].copy(), kept["twist"] / self.world.h)
+
+
+def _column(results: Records, name: str) -> Array:
+    """A column of results; work and losses [J] up to the instants of samples, in mid-step."""
+    column: Array = results[name]
+    return column - results[f"step_{name}"] / 2 if name in ("work", "loss") else column
 
 
 RESULTS: dict[tuple[str, str], tuple[str, str]] = {

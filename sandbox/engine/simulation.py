@@ -18,16 +18,18 @@ import pymunk
 from sandbox import __version__
 from sandbox.elements.controllers.custom import Custom, customs
 from sandbox.engine import inspect_elements as of
-from sandbox.engine.advance import advance
+from sandbox.engine.advance import UNKEPT, advance
 from sandbox.engine.bonds import taken_breaks
 from sandbox.engine.contacts import rows_for
 from sandbox.engine.control import Control
+from sandbox.engine.coordinates import rate
 from sandbox.engine.fluids import FULL
 from sandbox.engine.inputs import Clock, Inputs, make_clock
 from sandbox.engine.inspect_control import Checked, Runnable, checked
 from sandbox.engine.islands import DAMPING, STIFFNESS, TANGENTIAL
+from sandbox.engine.memory import Memory
+from sandbox.engine.records import PACED
 from sandbox.engine.sampler import Readings, Sampler
-from sandbox.engine.start import start
 from sandbox.engine.tables import Tables, enlarged, make_tables
 from sandbox.engine.world import World
 from sandbox.errors import (
@@ -43,22 +45,17 @@ from sandbox.errors import (
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.supports import together
+from sandbox.numeric import Array
 from sandbox.recording.builder import RECORDED_BYTES, Latest, RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import (
-    FAILED,
-    INTERRUPTED,
-    LIMITED,
-    Happened,
-    Outcome,
-    Stop,
-    step_notes,
-)
+from sandbox.samples import outcome
 from sandbox.values.expressions import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 BLOCK = 256  # maximum number of steps between two looks for Ctrl-C and updates of the progress bar
 MIN_SHARE = 0.01  # of the impulses of a jam, in the largest: smaller rows are left out
+TRIALS = 3  # of the first step: each multiplies the error of its acceleration by some h
+Progress = Callable[[float], None] | None
 MAX_CONTACTS = 2000  # in one step; room for twice as many takes up to 4 GB
 
 
@@ -104,8 +101,7 @@ class Simulation:
         self._tables: Tables = make_tables(world)
         self._first_tables = self._tables
         self._first_values = self._tables.saved()
-        self._builder = self._make_builder(
-            self._clock.samples, apart=self._clock.every > 1)
+        self._builder = self._make_builder()
         self._max_bytes = recorded_bytes
         self._sampler = Sampler(world, self._tables, self._builder, self._clock.every)
         self._catalogue = Catalogue(self.mechanism)
@@ -115,9 +111,8 @@ class Simulation:
 
     def _begin(self, began: float) -> None:
         self._control = Control(self._model, self._clock, self._readings, self._customs)
-        self._set: list[tuple[int, str, float | None]] = []
-        """By :meth:`set`: steps before it, the drive, the value."""
-        self._broke: list[Happened] = []
+        self._set: list[tuple[int, str, float | None]] = []  # done, drive, value
+        self._broke: list[outcome.Happened] = []
         self._done = 0
         self._failed: SandboxError | None = None  # the error that ended it
         self._control.moved(0, self._inputs.rows(1, 1)[0])
@@ -139,7 +134,7 @@ class Simulation:
         return self._done >= self._clock.steps or self._ended or self._failed is not None
 
     @property
-    def stopped(self) -> Stop | None:
+    def stopped(self) -> outcome.Stop | None:
         """The event or :class:`sandbox.StopRun` that ended the run early, if any."""
         return self._control.stopped if self._ended else None
 
@@ -183,9 +178,7 @@ class Simulation:
         self.run(before + n)
         return self._done - before
 
-    def run(
-        self, until: int | None = None, *, progress: Callable[[float], None] | None = None,
-    ) -> None:
+    def run(self, until: int | None = None, *, progress: Progress = None) -> None:
         """Continue until so many steps are made in all, by default to the end.
 
         Args:
@@ -222,7 +215,7 @@ class Simulation:
                                         f"{type(error).__name__}: {error}", code="run-ended")
             raise
 
-    def _loop(self, until: int, progress: Callable[[float], None] | None) -> None:
+    def _loop(self, until: int, progress: Progress) -> None:
         clock, inputs, control, sampler = self._clock, self._inputs, self._control, self._sampler
         maximum, every = min(BLOCK, inputs.at_once), clock.every
         controlled, drives, done = bool(control), control.drives, self._done
@@ -330,8 +323,7 @@ class Simulation:
         for array, value in self._first_values:
             array[...] = value
         self._tables = self._first_tables
-        self._builder = self._make_builder(
-            self._clock.samples, apart=self._clock.every > 1)
+        self._builder = self._make_builder()
         self._sampler.restart(self._tables, self._builder)
         self._begin(began)
 
@@ -360,22 +352,19 @@ class Simulation:
     def recording(self) -> Recording:
         """The samples so far, marked incomplete before the end; further steps do not change it."""
         failed = self._failed
-        reason = (INTERRUPTED if isinstance(failed, Interrupted)
-                  else LIMITED if isinstance(failed, RecordingFull)
-                  else f"{FAILED}{failed}" if isinstance(failed, ControllerFailed)
+        reason = (outcome.INTERRUPTED if isinstance(failed, Interrupted)
+                  else outcome.LIMITED if isinstance(failed, RecordingFull)
+                  else f"{outcome.FAILED}{failed}" if isinstance(failed, ControllerFailed)
                   else str(failed) if isinstance(failed, SimulationDiverged) else "")
         return self.finish(reason, copied=not self.finished)
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:
-        """The recording so far, and the reason of an early end.
-
-        Unless it is ``copied`` it shares the memory that further steps are written to.
-        """
+        """The recording so far; unless ``copied`` it shares the memory of further steps."""
         self._sampler.write()
         samples = int(self._sampler.kept.taken[0])
         clock, standing = self._clock, self._tables.state.standing
         steps = clock.sample_step(np.arange(samples))
-        return self._builder.finish(clock.force_time(steps), Outcome(
+        return self._builder.finish(clock.force_time(steps), outcome.Outcome(
             complete=not reason and self.finished and self._failed is None, reason=reason,
             step=clock.step, steps=clock.steps,
             sample_rate=1 / (clock.every * clock.step),
@@ -388,7 +377,8 @@ class Simulation:
             controllers={loop.name: report for loop in self._control.loops
                          if (report := loop.law.report())},
             contact_solver=self._contact_solver(),
-            notes=step_notes(self._done, relaxed=int(standing[0]), unordered=int(standing[5])),
+            notes=outcome.step_notes(
+                self._done, relaxed=int(standing[0]), unordered=int(standing[5])),
         ), copied=copied)
 
     def _contact_solver(self) -> dict[str, float]:
@@ -401,7 +391,7 @@ class Simulation:
         return found | ({"compliant_steps": piled, "stiffness": STIFFNESS, "damping": DAMPING,
                          "tangential": TANGENTIAL} if piled else {})
 
-    def _make_builder(self, samples: int, *, apart: bool = False) -> RecordingBuilder:
+    def _make_builder(self, samples: int | None = None) -> RecordingBuilder:
         bodies = self._model.bodies
         tendons = self._tables.elements.cables[:len(self._model.tendons.name)]
         statics = {"body_centre": bodies.centre, "body_mass": bodies.mass,
@@ -410,7 +400,8 @@ class Simulation:
         if not self._keeps_all:
             return Latest(self.mechanism, 0, statics, model=self._model)
         return RecordingBuilder(
-            self.mechanism, samples, statics, apart=apart, model=self._model)
+            self.mechanism, samples or self._clock.samples, statics,
+            apart=samples is None and self._clock.every > 1, model=self._model)
 
 
 def _whole(number: object, path: str) -> int:
@@ -422,6 +413,43 @@ def _whole(number: object, path: str) -> int:
 def bad_argument(message: str, path: str, allowed: str) -> SceneError:
     """An error about an argument of a Python call."""
     return SceneError([Problem("bad-argument", message, path, allowed=allowed)])
+
+
+def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Array) -> bool:
+    """Put the bodies where the first step begins; False if a trial step lacked room.
+
+    Poses belong to t = (k - 1/2) h and velocities to t = k h. With the pose x0, the velocity v0 and
+    the acceleration a of t = 0 the first pose is
+
+        x = x0 - h/2 v0 + h^2/8 a
+
+    The first step gives a = (v1 - v0) / h; it is repeated, because joints that are still open
+    falsify it. An impact is no acceleration: a body that is hit is not moved, and a motor's speed
+    is reduced by its difference from the hinge's in trials.
+    """
+    first = world.body.copy()
+    free = tables.constants.inverse_mass[:, 0] > 0
+    saved, trial_drive = tables.saved(), drive[:1].copy()
+    joints, motors = tables.elements.joints, tables.elements.motors
+    for trial in range(TRIALS):
+        advance(memory.address, memory.h, trial_drive, speeds, UNKEPT, UNKEPT)
+        if trial == 0:
+            kept_speed = ((motors["mode"] == 0) & np.isfinite(motors["maximum"])
+                          & np.isnan(motors["slope"]) & (motors["law"] == PACED))
+            for motor in motors[kept_speed]:
+                speed = motor["sense"] * rate(joints[motor["joint"]], first[:, 3:])
+                at_start = (2 * drive[0] - drive[-1])[motor["drive"]]
+                trial_drive[0, motor["drive"]] -= at_start - speed
+        enough = not tables.state.touching[1]
+        gained = memory.h / 8 * (world.velocity - first[:, 3:])
+        hit = tables.state.touches["bounce"][:tables.state.touching[0]].any()
+        for array, value in saved:
+            array[...] = value
+        shift = np.where(free[:, None] & np.isfinite(gained) & ~hit, gained, 0.0)
+        world.place(first[:, :3] + shift, first[:, 3:])
+        if not enough:
+            return False
+    return True
 
 
 def diverged(now: float, world: World, tables: Tables, control: Control) -> SimulationDiverged:
@@ -436,13 +464,12 @@ def diverged(now: float, world: World, tables: Tables, control: Control) -> Simu
             now, model.lines.name[burst[0]],
             "its pressure has run away; a relief, or a smaller flow, may help")
     loads = model.loads
-    for row in tables.elements.loads:
-        if not np.isfinite([row["fx"], row["fy"], row["torque"]]).all():
-            load = row["number"]
-            return SimulationDiverged(
-                now, model.bodies.name[loads.body[load]],
-                f"the load {model.mechanism.loads[loads.load[load]].name!r} has no finite "
-                "value there: a division by zero, or out of range")
+    given = tables.elements.loads
+    for load in given["number"][~np.isfinite(given["fx"] + given["fy"] + given["torque"])]:
+        return SimulationDiverged(
+            now, model.bodies.name[loads.body[load]],
+            f"the load {model.mechanism.loads[loads.load[load]].name!r} has no finite "
+            "value there: a division by zero, or out of range")
     body = np.abs(world.body)
     finite = np.isfinite(body).all(axis=1)
     worst = int(np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1)))

@@ -1,99 +1,51 @@
 """The solve of a step: impulses of all joints, dampers, tendons, limits, motors and contacts.
 
-Bodies are in the poses x of the step, and what is near has been found. With W the inverse masses, f
-the forces that follow from the poses, B the bilateral rows and C those with bounds,
+With W the inverse masses, f the forces at the poses x of the step, B the bilateral rows and C those
+with bounds,
 
     v = v_before + h W f + W B^T p_b + W C^T p_c
 
-gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.plan`), the
-rows C are solved on what it leaves (:mod:`sandbox.engine.bounded`); only those come in that carry
-something or would be broken without. Then groups of elements may change their active sets and
-linearisations (:mod:`sandbox.engine.groups`), and the step is solved again.
-
-Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impacts`).
+gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.plan`). Rows C
+that carry something or would be violated are solved on what it leaves
+(:mod:`sandbox.engine.bounded`). Then groups of elements may change their active sets and
+linearisations (:mod:`sandbox.engine.groups`), and the step is solved again. Restitution acts before
+all forces (:mod:`sandbox.engine.impacts`).
 """
 
 from __future__ import annotations
 
 import math
 
+from sandbox.engine import bounded, groups, impacts
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import release_rows
-from sandbox.engine.bounded import (
-    SEARCHED,
-    columns,
-    couple,
-    push,
-    rate,
-    relax,
-    residual,
-    search_modes,
-    solve_modes,
-    wipe,
-    y_of,
-)
 from sandbox.engine.bounded_rows import RETURN, broken_rows, kept_rows
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.groups import (
-    change,
-    couple_rows,
-    is_changing,
-    limit_rates,
-    set_rows,
-    update_rows,
-)
-from sandbox.engine.impacts import (
-    displaced_gaps,
-    foresee_impacts,
-    impacts,
-    land,
-    late_hits,
-    lead_back,
-    leave,
-    take_impacts,
-)
 from sandbox.engine.islands import SLOW, SLOW_TURNING, list_piles, stretch_skin
 from sandbox.engine.joint_friction import break_away
 from sandbox.engine.kernel import kernel
 from sandbox.engine.piles import LAST, solve_piles
 from sandbox.engine.plan import assemble, backward, factor, forward, put
 from sandbox.engine.report import breaks, report
-from sandbox.engine.rows import (
-    apply_impulses,
-    closed,
-    joint_rows,
-    right_side,
-)
+from sandbox.engine.rows import apply_impulses, closed, joint_rows, right_side
 from sandbox.engine.state import COARSE, STILL, STILL_TURNING
 from sandbox.numeric import Array, Records
 
-HARD = 1e-12
-"""Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
-LAW_ROUNDS = 12
-"""Maximum number of times in one step that tendons turn slack or taut, or laws are linearised."""
-PRESSED = 60
-"""The same of loads: a drag that grows with the square of the speed, and stops what is fast in one
-step, halves the speed each time."""
-CLOSINGS = 3
-"""Most times in a step that joints are solved again to be closed."""
-GROWN = 100.0
-"""How many times the kinetic energy of the closing before it one may take. What is nearly singular
-has other rows at the end of a step than at its beginning, and there each would take 10^4 times as
-much; less than 100 may be an end that is light to turn."""
-SETTLED = 20
-"""Steps at rest before that, in which the shares in loads come to what they tend to."""
-ATTEMPTS = 2
-"""How often in a step modes are looked for in vain; after that it has to do with relaxation."""
-HOPELESS = 1e4
-"""An impulse that alone would make its bodies so fast [m/s, rad/s] undoes no overlap."""
-EXACT = 1e-10
-"""Rates that count as none, as a share of the largest that the rows see."""
+HARD = 1e-12  # compliance of rigid rows, relative to that of the masses: redundant ones share
+LAW_ROUNDS = 12  # maximum number of changes of tendons and linearisations of laws in a step
+PRESSED = 60  # the same of loads: quadratic drag on a fast body halves its speed each time
+CLOSINGS = 3  # maximum number of times in a step that joints are solved again to be closed
+GROWN = 100.0  # maximum kinetic energy of a closing over that of the one before: 10^4 if singular
+SETTLED = 20  # steps at rest before it, in which the shares of loads converge
+ATTEMPTS = 2  # maximum number of searches for modes in a step; after them relaxation has to do
+HOPELESS = 1e4  # speed [m/s, rad/s] by an impulse alone from which it undoes no overlap
+EXACT = 1e-10  # rates that count as zero, as a share of the largest of the rows
 SOFTER, SOFT_SHARE = 1e3, 0.1
-"""How much more strongly impulses are held to the last, to see whether anything else limits them;
-of one that nothing does 1 / SOFTER is left, of others more than the second."""
+"""Factor by which impulses are held to the last more strongly, and the share of an impulse left
+above which something else limits it."""
 AGROUND, ALMOST = 1e-6, 1e-3
-"""An approach [m/s, rad/s] by which joints drive overlapping bodies on into each other; its share
-in the speeds of both. Less is left where they meet in a common hinge: they do not part there."""
+"""Minimum approach [m/s, rad/s], and its share of the speeds of both bodies, by which joints drive
+overlapping bodies into each other; at a common hinge it is less."""
 
 
 @kernel
@@ -103,7 +55,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     starts, below = at.starts(table), at.below(table)
     Y, reached = at.columns(table), at.reached(table)
     at.standing(table)[2] = 0
-    set_rows(table, h, drive)
+    groups.set_rows(table, h, drive)
     list_piles(table)
     n = kept_rows(table, h, drive)
     hit = struck = True
@@ -116,11 +68,11 @@ def solve(table: int, h: float, drive: Array) -> bool:
         forward(starts, below, values, solved)
         done, closings, taken, again = 0, 0, math.inf, False
         while True:  # rows only grow in number, and joints are closed so often at most
-            columns(table, 0, done, n)
-            couple(table, 0, done, n)
+            bounded.columns(table, 0, done, n)
+            bounded.couple(table, 0, done, n)
             if done == 0:
-                limit_rates(table, h, n)
-                leave(table, h, n)
+                groups.limit_rates(table, h, n)
+                impacts.leave(table, h, n)
             done = n
             slack = solve_bounded(table, n, again)
             find_velocities(table, n)
@@ -134,10 +86,10 @@ def solve(table: int, h: float, drive: Array) -> bool:
                     break
                 closings += 1
         if struck:
-            lead_back(table, h, n)
-        wipe(rows, n, Y, reached)
-        hit = late_hits(table, n)
-        changed, converging = change(table, h, drive, attempt, n, hit)
+            impacts.lead_back(table, h, n)
+        bounded.wipe(rows, n, Y, reached)
+        hit = impacts.late_hits(table, n)
+        changed, converging = groups.change(table, h, drive, attempt, n, hit)
         if not (converging or (changed and attempt < LAW_ROUNDS - 1)):
             if attempt + 1 == PRESSED:
                 break
@@ -147,7 +99,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
                 break
             n = kept_rows(table, h, drive)
     at.standing(table)[3], at.standing(table)[4] = jammed(table, n, slack), n
-    land(table, h, n)
+    impacts.land(table, h, n)
     report(table, h, drive, n)
     stretch_skin(table, h, n)
     _note_accuracy(table, n, slack, max(piles, solve_piles(table, h, LAST)))
@@ -158,16 +110,16 @@ def solve(table: int, h: float, drive: Array) -> bool:
 @entry_point("bounces")
 def strike(table: int, h: float, drive: Array, n: int) -> bool:
     """Find the impacts of the step, joints in the pose of the first one; whether there are any."""
-    struck = foresee_impacts(table, h, n)
+    struck = impacts.foresee_impacts(table, h, n)
     if struck:
         if len(at.joints(table)) > 0:
             factor_matrix(table, h, drive)
-        struck = impacts(table, h, n)
+        struck = impacts.impacts(table, h, n)
         if len(at.joints(table)) > 0:
             joint_rows(table, h)
             release_rows(table, h)
             factor_matrix(table, h, drive)
-        take_impacts(table, h, struck)
+        impacts.take_impacts(table, h, struck)
     return struck
 
 
@@ -177,14 +129,14 @@ def factor_matrix(table: int, h: float, drive: Array) -> None:
     unknowns, values = at.unknowns(table), at.values(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
     entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
-    update_rows(table, h, drive)
+    groups.update_rows(table, h, drive)
     for e in range(len(entry_body)):
         b = entry_body[e]
         if b < len(inverse_mass):  # else a slip, which has no mass
             w, wt = inverse_mass[b, 0], inverse_mass[b, 1]
             WJ[e, 0], WJ[e, 1], WJ[e, 2] = w * J[e, 0], w * J[e, 1], wt * J[e, 2]
     assemble(at.pairs(table), at.direct(table), J, WJ, values)
-    couple_rows(table, h)
+    groups.couple_rows(table, h)
     count = unknowns.shape[1]
     diagonal = len(values) - count
     for i in range(count):
@@ -198,15 +150,12 @@ def factor_matrix(table: int, h: float, drive: Array) -> None:
 
 @entry_point()
 def close_joints(table: int, h: float, n: int, most: float) -> float:
-    """Ask for what leaves joints open where the velocities lead.
-
-    Twice the kinetic energy [J] of the change, 0 if it is not worth a solve or above ``most``.
-    """
+    """Close the gaps of joints; twice the energy [J] of that. 0: small, or it is above ``most``."""
     unknowns, values, rows = at.unknowns(table), at.values(table), at.rows(table)
     Y, reached = at.columns(table), at.reached(table)
     count = unknowns.shape[1]
     diagonal = len(values) - count
-    if displaced_gaps(table, h) < closed(h):
+    if impacts.displaced_gaps(table, h) < closed(h):
         return 0.0
     forward(at.starts(table), at.below(table), values, unknowns[4])
     taken = 0.0
@@ -235,7 +184,7 @@ def solve_bounded(table: int, n: int, again: bool) -> float:
     if n == 0 or (at.standing(table)[1] >= SETTLED and _as_before(rows, n, G)):
         return slack
     hopeless = True
-    while hopeless:  # wedged overlaps, which have no way to go, are no longer asked back
+    while hopeless:  # wedged overlaps are no longer undone
         _impulses(table, n, slack, again)
         hopeless = False
         for k in range(n):
@@ -251,12 +200,12 @@ def _impulses(table: int, n: int, slack: float, again: bool) -> None:
     rows, G, A, chosen = at.rows(table), at.delassus(table), at.system(table), at.chosen(table)
     given_up = at.standing(table)
     if given_up[2] >= ATTEMPTS:
-        relax(rows, n, G)
-    elif solve_modes(rows, n, G, A, chosen, slack, again) < 0:
-        relax(rows, n, G)
-        if solve_modes(rows, n, G, A, chosen, slack, True) < 0 and not (
-                n <= SEARCHED and search_modes(rows, n, G, A, chosen, slack)):
-            relax(rows, n, G)
+        bounded.relax(rows, n, G)
+    elif bounded.solve_modes(rows, n, G, A, chosen, slack, again) < 0:
+        bounded.relax(rows, n, G)
+        if bounded.solve_modes(rows, n, G, A, chosen, slack, True) < 0 and not (
+                n <= bounded.SEARCHED and bounded.search_modes(rows, n, G, A, chosen, slack)):
+            bounded.relax(rows, n, G)
             given_up[0] += 1 if given_up[2] == 0 else 0
             given_up[2] += 1
 
@@ -265,10 +214,9 @@ def _impulses(table: int, n: int, slack: float, again: bool) -> None:
 def jammed(table: int, n: int, slack: float) -> int:
     """The number, from 1, of a bounded row that has no solution; 0 if all have one.
 
-    What a schedule drives against something fixed has no way to go. Then nothing limits the row's
-    impulse but the small multiple of its change that holds it to the last; or, where joints leave
-    the row no freedom at all, it is left out, and its bodies go on into each other. What overlaps
-    otherwise, as links about a common hinge do, is no jam.
+    A schedule may drive bodies against something fixed. Then nothing but its hold to the last one
+    limits the row's impulse; or joints leave the row no freedom, and its bodies move into each
+    other. Other overlaps, as of links about a common hinge, are no jam.
     """
     rows, which, most = at.rows(table), -1, HOPELESS
     scheduled, velocity, moving = at.scheduled(table), at.velocity(table), False
@@ -283,7 +231,7 @@ def jammed(table: int, n: int, slack: float) -> int:
             speeds = (
                 abs(row["ax"] * v[a, 0]) + abs(row["ay"] * v[a, 1]) + abs(row["at"] * v[a, 2])
                 + abs(row["bx"] * v[b, 0]) + abs(row["by"] * v[b, 1]) + abs(row["bt"] * v[b, 2]))
-            if rate(row, v) < -max(AGROUND, ALMOST * speeds):
+            if bounded.rate(row, v) < -max(AGROUND, ALMOST * speeds):
                 return k + 1
         elif row["a"] < len(velocity) and not (row["out"] or overlaps) and (
                 abs(row["p"] - row["last"]) * row["base"] > most):
@@ -310,7 +258,7 @@ def _note_accuracy(table: int, n: int, slack: float, piles: float) -> None:
         worst = max(worst, slack if n > 0 else 0.0)
     else:
         for k in range(n):
-            worst = max(worst, residual(rows, n, G, k))
+            worst = max(worst, bounded.residual(rows, n, G, k))
     accuracy[0], accuracy[5] = worst, max(accuracy[5], worst)
     if worst > accuracy[1]:
         accuracy[1], accuracy[2] = worst, at.made(table)[0]
@@ -327,7 +275,7 @@ def _as_before(rows: Records, n: int, G: Array) -> bool:
         row = rows[k]
         if row["normal"] < 0 and not row["low"] <= row["p"] <= row["high"]:
             return False
-        if abs(y_of(rows, n, G, k)) > STILL:
+        if abs(bounded.y_of(rows, n, G, k)) > STILL:
             return False
     return True
 
@@ -343,7 +291,7 @@ def _rest(table: int) -> None:
         if not (abs(velocity[b, 0]) < slow and abs(velocity[b, 1]) < slow
                 and abs(velocity[b, 2]) < turning):
             return
-    belts, changing = at.belts(table), is_changing(table)
+    belts, changing = at.belts(table), groups.is_changing(table)
     for b in range(len(velocity)):
         velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
         changing |= belts[b] != 0.0  # friction on a surface that runs does work
@@ -369,4 +317,4 @@ def find_velocities(table: int, n: int) -> None:
     put(velocity, free)
     apply_impulses(table, unknowns[3], velocity)
     for k in range(n):
-        push(inverse_mass, rows[k], rows[k]["p"], velocity)
+        bounded.push(inverse_mass, rows[k], rows[k]["p"], velocity)

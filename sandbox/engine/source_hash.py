@@ -1,8 +1,7 @@
 """Cache keys: a hash of all sources of a compiled function.
 
-Numba finds a cached function again as long as the file of that one function is unchanged. It does
-not look at the functions, constants and record types that the function takes from elsewhere. The
-hash covers these, so old machine code is never loaded after a change.
+Numba looks for changes only in the file of the function itself. The hash covers the functions,
+constants and record types that it uses, too.
 """
 
 from __future__ import annotations
@@ -19,6 +18,7 @@ import llvmlite
 import numba
 import numpy as np
 from llvmlite import binding
+from numba.core.errors import NumbaError
 
 from sandbox.engine.kernel import Kernel
 
@@ -55,6 +55,17 @@ def cacheable(function: Callable[..., Any]) -> Any:
     copy.__qualname__ = f"{function.__name__}_{source_hash(function)}"
     copy.__module__, copy.__annotations__ = function.__module__, function.__annotations__
     return copy
+
+
+def cached(function: Source, source: Any, compiled: Callable[[Source, bool], Any]) -> Any:
+    """Compile with a cache, found by the name of ``source``, if one can be written to."""
+    try:
+        return compiled(source, True)
+    except NumbaError:
+        compiled(function, False)  # raises the error with the place in the source
+        raise
+    except (RuntimeError, OSError):  # no place for a cache; no room left
+        return compiled(source, False)
 
 
 @cache
@@ -98,12 +109,9 @@ def _value(value: Any, calls: list[Source]) -> str:
         return str(entry_point.source_key)
     if view := getattr(value, "view_of_table", None):
         return str(view)
-    if isinstance(value, Kernel):
-        calls.append(value.py_func)
-        return f"{value.__module__}.{value.__qualname__}"
-    if isinstance(value, types.FunctionType):
+    if isinstance(value, Kernel | types.FunctionType):
         if not value.__module__.startswith("numba."):
-            calls.append(value)
+            calls.append(getattr(value, "py_func", value))
         return f"{value.__module__}.{value.__qualname__}"
     if isinstance(value, int | float | str | np.generic | tuple | type(None)):
         return f"{type(value).__name__} {value!r}"

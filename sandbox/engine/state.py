@@ -1,11 +1,8 @@
 """Arrays of a run: constants, elements, the state that the next step needs, results of the last.
 
-A run is its constants, its elements, its state and pymunk's space. The records of elements stand in
-:mod:`sandbox.engine.records`.
-
-:func:`allocate` makes arrays of zeros with the declared shapes. ``unknowns`` and ``entries`` are
-those of the bilateral rows (:mod:`sandbox.engine.plan`), ``rows`` bounded ones, ``piles`` bodies of
-piles. Guides are first those of tendons, then those of spans.
+The records of elements are in :mod:`sandbox.engine.records`. In shapes, ``unknowns`` and
+``entries`` are those of the bilateral rows (:mod:`sandbox.engine.plan`), ``rows`` bounded ones,
+``piles`` bodies of piles. Guides are first those of tendons, then those of spans.
 """
 
 from __future__ import annotations
@@ -30,41 +27,31 @@ CABLE_FRICTION, CABLE_LOAD, JOINT_FRICTION, JOINT_LOAD = 4, 5, 6, 7
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
 guide and its tendon, and what that is measured by: the sum of the tensions on either side; friction
 in a joint, and its measure: what the joint carries."""
-SLIDES, HOLDS, TRIED = 0, 1, 2
-"""Phases of a row with static friction: sliding; holding; slipped, sliding is tried."""
+SLIDES, HOLDS, TRIED = 0, 1, 2  # phases of a row with static friction; slipped, sliding is tried
 
 BOUND = np.dtype([
     ("source", np.int64), ("index", np.int64),  # NORMAL ... DRIVEN, and which one
     ("a", np.int64), ("b", np.int64),
     ("ax", float), ("ay", float), ("at", float),    # y = these times the velocities of a and b
     ("bx", float), ("by", float), ("bt", float),
-    ("bias", float),        # added to y [m/s, rad/s]
-    ("trend", float),       # of impacts: how y, "bias" at the pose, changes in the step [m/s^2]
+    ("bias", float), ("trend", float),  # added to y; of impacts: its change in the step [m/s^2]
     ("gap", float), ("closing", float), ("bend", float),    # gap there, its rate, how that changes
     ("soft", float),        # compliance: added to y for an impulse of 1
     ("measure", np.int64),  # whether the row acts on nothing: others are bounded by its impulse
-    ("gentle", np.int64),   # whether an overlap is undone slowly
-    ("hold", float),        # weight of its last impulse, as a share of base
+    ("gentle", np.int64), ("hold", float),  # undo overlaps slowly; weight of its last impulse
     ("passive", np.int64),  # whether it is friction that must not drive where its measure is < 0
     ("tight", float),       # share of its measure by which it may exceed its bound; 0 for any
-    ("normal", np.int64),   # of a tangential row the normal one; -1 of others
-    ("friction", float),
+    ("normal", np.int64), ("friction", float),  # of a tangential row the normal one; else -1
     ("low", float), ("high", float),    # of the impulse, of rows that are not tangential
-    ("static", float),      # static over sliding friction, of rows in joints and of contacts
-    ("phase", np.int64),    # of these: SLIDES, HOLDS or TRIED
+    ("static", float), ("phase", np.int64),     # over sliding friction; SLIDES, HOLDS or TRIED
     ("reserve", float),       # bound in the last step, then what was left of it; nan if unknown
-    ("p_static", float),        # impulse of the last step, then that with static friction
-    ("slip", float),        # mode of the last step, then rate of slip with static friction
-    ("mode", np.int64),     # -1, 0, 1: at low, in between (y = 0), at high
-    ("factored", np.int64),     # its mode in the system that is factored
-    ("last", float),        # impulse of the last step, which fades where it moves
-    ("p", float),           # impulse
-    ("free", float),        # y without bounded rows
-    ("base", float),        # y for an impulse of 1, bilateral rows left out
-    ("back", float),        # part of free that undoes an overlap, at most 0
-    ("out", np.int64),      # whether joints hold both bodies, so that it has no effect
-    ("branch", np.int64),   # how many unknowns its column has
-    ("violation", float),   # of its mode, as a rate
+    ("p_static", float), ("slip", float),  # impulse and mode of the last step, then of holding
+    ("mode", np.int64), ("factored", np.int64),     # -1 at low, 0 between (y = 0), 1 at high; the
+                            # same in the system that is factored
+    ("last", float), ("p", float),  # impulses: of the last step, which fades where it moves; this
+    ("free", float), ("base", float),   # y without bounded rows; for an impulse of 1, alone
+    ("back", float), ("out", np.int64),  # of free, undoes an overlap; joints hold both bodies
+    ("branch", np.int64), ("violation", float),     # unknowns of its column; of its mode, as a rate
 ])
 
 BODY = np.dtype([
@@ -73,14 +60,12 @@ BODY = np.dtype([
 ])
 
 SHAPE = np.dtype([
-    ("body", np.int64),
-    ("margin", float),      # by which it stands out in pymunk, so that contacts are seen coming [m]
+    ("body", np.int64), ("margin", float),  # by which it is larger in pymunk, to find gaps [m]
     ("first", np.int64), ("last", np.int64),    # its FACEs, -1 where all of it is surface
     ("vertex", np.int64), ("vertex_end", np.int64),     # of its core: a point, a line, a polygon
     ("radius", float),      # of the surface about the core [m]; that of a circle may change
     ("span", np.int64), ("span_end", np.int64),     # its SPANs; -1 if the core is no curve
-    ("closed", np.int64),   # whether its curve is closed, counter-clockwise about the material
-    ("leader", np.int64),   # the first shape of the same outline
+    ("closed", np.int64), ("leader", np.int64),     # a closed curve; first shape of the outline
 ])
 FACE = np.dtype([
     ("x0", float), ("y0", float), ("x1", float), ("y1", float),     # ends, counter-clockwise
@@ -96,8 +81,7 @@ TOUCH = np.dtype([
     ("a", np.int64), ("b", np.int64),       # bodies, a < b
     ("nx", float), ("ny", float),           # normal from a to b
     ("ax", float), ("ay", float), ("bx", float), ("by", float),     # arms of the point [m]
-    ("gap", float),         # [m]
-    ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
+    ("gap", float), ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k/d
     ("acceleration", float),    # of the gap while the bodies keep their velocities [m/s^2]
     ("friction", float), ("static", float), ("restitution", float),
     ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
@@ -106,33 +90,26 @@ TOUCH = np.dtype([
     ("listed", np.int64),   # whether its rows are among those solved
     ("late", np.int64),     # whether it is hit only because of the forces of this step
     ("belt", float),        # velocity of driven surfaces along it [m/s]
-    ("gap_shift", float),         # change of its gap at the pose by impacts of the step [m]
-    ("instant", float),     # of its last impact in the step, after the pose [s]
-    ("phase", np.int64),    # AWAY, CLOSING or RESTING
-    ("sums", np.int64),     # its CONTACT_SUMS in this sample interval, or -1
+    ("gap_shift", float), ("instant", float),   # by impacts [m]; of the last one, from the pose [s]
+    ("phase", np.int64), ("sums", np.int64),    # AWAY, CLOSING or RESTING; CONTACT_SUMS, or -1
     ("stretch", float),     # of the spring along a compliant contact [m]
     ("bias", float), ("soft", float),   # of its normal row, where its skin is soft, else 0
     ("bias_along", float), ("soft_along", float),   # of its tangential row, the same
 ])
 PILE_BODY = np.dtype([
-    ("number", np.int64),   # of the body
-    ("island", np.int64),   # another body of its island, the lowest one's is itself
+    ("number", np.int64), ("island", np.int64),     # body; another of its island, first: itself
     ("rows", np.int64),     # of the lowest: rows of the island's contacts, negative: never a pile
-    ("piled", np.int64), ("awake", np.int64),
-    ("still", np.int64),    # for how many steps it has been still
+    ("piled", np.int64), ("awake", np.int64), ("still", np.int64),  # steps for which it is still
     ("cluster", np.int64),  # the first body of those that joints connect with it, itself or -1
-    ("linked", np.int64),   # of the lowest: whether there are joints in the island
-    ("carried", np.int64),  # of the lowest: rows of its contacts that carry
+    ("linked", np.int64), ("carried", np.int64),    # of the lowest: has joints; rows that carry
     ("x", float), ("y", float), ("t", float),   # change of its velocity without contacts
     ("fastest", float),     # of the lowest: the largest free rate of the island's contacts [m/s]
 ])  # a free body that may be in a pile (islands)
 PILED = np.dtype([
     ("source", np.int64),   # NORMAL, LIMITED, DRIVEN or JOINT_FRICTION
     ("index", np.int64),    # its TOUCH, LIMIT, MOTOR or DRY_FRICTION
-    ("a", np.int64), ("b", np.int64),   # PILE_BODY or -1
-    ("slot", np.int64),     # block of the two
-    ("mode", np.int64),
-    ("factored", np.int64),     # its mode in the factor of the matrix, -1 if it is in none
+    ("a", np.int64), ("b", np.int64), ("slot", np.int64),   # PILE_BODY or -1; block of the two
+    ("mode", np.int64), ("factored", np.int64),     # its mode in the factor of the matrix, or -1
     *((name, float) for name in (
         "friction", "tolerance",
         "R_factored",           # its Rn in the factor
@@ -192,13 +169,10 @@ class Constants(NamedTuple):
     friction: Annotated[Array, "bodies bodies"]  # of every pair, below 0 if they may not touch
     static: Annotated[Array, "bodies bodies"]  # static over sliding friction of every pair
     restitution: Annotated[Array, "bodies bodies"]  # of every pair
-    skin: Annotated[Array, "2 bodies bodies"]
-    """Stiffness [N/m], damping [N s/m] of contacts of every pair, 0 of rigid ones; or [2, 0, 0]."""
-    neighbors: Annotated[Integers, "neighbors 2"]
-    """Pairs of bodies whose shapes may touch, :data:`CHECKED` and one at most."""
+    skin: Annotated[Array, "2 bodies bodies"]  # [N/m], [N s/m] of soft contacts; or [2, 0, 0]
+    neighbors: Annotated[Integers, "neighbors 2"]  # bodies that may touch, at most CHECKED + 1
     loose: Integers  # the PILE_BODY of each body, or -1
-    pile_nodes: Annotated[Integers, "pile_nodes 3"]
-    """This and the next two: bilateral rows between these (:mod:`sandbox.engine.pile_rows`)."""
+    pile_nodes: Annotated[Integers, "pile_nodes 3"]  # with the next two: rows, see pile_rows
     pile_blocks: Annotated[Integers, "pile_blocks 2"]
     pile_entries: Annotated[Integers, "pile_entries 3"]
 
@@ -229,23 +203,18 @@ class State(NamedTuple):
 
     body: Annotated[Array, "bodies 6"]  # positions and velocities of the centres of mass
     placed: Annotated[Array, "bodies 3"]  # poses that the step moves on: impacts displace them
-    made: Annotated[Integers, "4"]
-    """Steps made, without those at rest; index of this one in the call; rows of broken, impacts."""
+    made: Annotated[Integers, "4"]  # steps but at rest; index in the call; broken; impacts
     broken: Annotated[Records, records.BROKEN]  # what broke in the steps made in one go
     impacts: Annotated[Records, IMPACT, "impacts"]  # of the steps made in one go
     touches: Annotated[Records, TOUCH, "contacts"]  # of the last step
-    touching: Annotated[Integers, "3"]
-    """Their number; whether a step waits for more room, whether pymunk lacks the poses of it."""
+    touching: Annotated[Integers, "3"]  # number; step waits for room; pymunk lacks poses
     last_drive: Annotated[Array, "drives"]  # values of the drives in the last step
     standing: Annotated[Integers, "6"]
     """Steps without modes, steps at rest, failures now, jammed row, rows, unordered steps."""
     pile_bodies: Annotated[Records, PILE_BODY, "piles"]
-    pile_place: Annotated[Integers, "nodes"]
-    """Place in the order of elimination of bodies of piles and of their nodes of rows, -1 without
-    an order."""
+    pile_place: Annotated[Integers, "nodes"]  # in the order of elimination, or -1
     accuracy: Annotated[Array, "6"]
-    """Residual of the last step [m/s, rad/s], maximum, its step; steps with piles, above COARSE;
-    maximum since the last sample."""
+    """Residual [m/s, rad/s], maximum, its step; steps with piles, above COARSE; since a sample."""
 
 
 class Result(NamedTuple):
@@ -253,10 +222,8 @@ class Result(NamedTuple):
 
     velocity: Annotated[Array, "bodies 3"]  # after the step; pymunk takes it from here
     before: Annotated[Array, "bodies 3"]  # velocities before the step
-    force: Annotated[Array, "bodies 3"]
-    """Forces and torques at the poses [N, N m]."""
-    free: Annotated[Array, "bodies 3"]
-    """Velocities by these forces and impacts; after the step the mean of before and after."""
+    force: Annotated[Array, "bodies 3"]  # forces and torques at the poses [N, N m]
+    free: Annotated[Array, "bodies 3"]  # velocities by force and kick; then means over the step
     kick: Annotated[Array, "bodies 3"]  # velocities that impacts add, in ``free`` already
     delayed: Annotated[Array, "bodies 3"]  # the same, times their instants after the pose
     shift: Annotated[Array, "bodies 3"]  # displacement of the pose by later impacts
@@ -272,6 +239,12 @@ class Result(NamedTuple):
     values: Annotated[Array, "values"]  # the matrix and its factor
     unknowns: Annotated[Array, "6 unknowns"]
     """Right sides; compliances; substituted right sides; solution; scratch; allowed gaps."""
+    pile_counts: Annotated[Integers, "2"]  # whether rows connect piled bodies; rows in piles
+    pile_starts: Annotated[Integers, "nodes+1"]  # and the next two: pattern of the matrix (blocks)
+    pile_below: Annotated[Integers, "slots"]
+    pile_slots: Annotated[Integers, "pile_blocks"]  # of the blocks of rows
+    pile_held: Annotated[Array, "pile_nodes 3"]  # compliance of the rows of springs and tendons
+    pile_answer: Annotated[Array, "2 unknowns"]  # impulses of rows; 0
     found: Annotated[Records, TOUCH, "contacts"]  # as pymunk found them in this step
     order: Annotated[Integers, "contacts"]  # scratch
     rows: Annotated[Records, BOUND, "rows"]  # the rows that are solved for
@@ -280,30 +253,18 @@ class Result(NamedTuple):
     delassus: Annotated[Array, "rows rows"]  # coupling of the rows, G
     system: Annotated[Array, "rows rows+1"]  # scratch
     chosen: Annotated[Integers, "rows"]  # scratch
-    pile_counts: Annotated[Integers, "2"]
-    """Whether rows connect bodies of piles in this step; contacts and limits in piles."""
-    pile_starts: Annotated[Integers, "nodes+1"]
-    """This and the next two: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`); a
-    step keeps it if it has all that meets in it."""
-    pile_below: Annotated[Integers, "slots"]
-    pile_slots: Annotated[Integers, "pile_blocks"]  # of the blocks of rows
     pile_adjacent: Annotated[Integers, "nodes words"]  # scratch of its order
     pile_work: Annotated[Integers, "3 nodes"]  # the same
     pile_coefficients: Annotated[Array, "pile_blocks 3 3"]  # blocks of the rows
     pile_compliance: Annotated[Array, "pile_nodes 3"]  # of the rows
-    pile_held: Annotated[Array, "pile_nodes 3"]  # the same, as springs and tendons have it
-    pile_answer: Annotated[Array, "2 unknowns"]  # impulses of rows; 0
     pile_vectors: Annotated[Array, "7 nodes 3"]
-    """Velocities of the bodies of piles, then - impulses of rows besides those without contacts:
-    the result, a trial, those without contacts; inverse
-    masses; forces, a right side, a change."""
+    """Velocities of piled bodies, - impulses of rows: result, trial, those without contacts;
+    inverse masses; forces, a right side, a change."""
     pile_diagonal: Annotated[Array, "nodes 3 3"]  # blocks of the matrix
     pile_lower: Annotated[Array, "slots 3 3"]  # those below the diagonal
     pile_upper: Annotated[Array, "slots 3 3"]  # and above
     piled: Annotated[Records, PILED, "rows"]
-    pile_jacobian: Annotated[Array, "rows 4 3"]
-    """Of the normal and the tangential rate of each with respect to both bodies: normal a, b,
-    tangential a, b."""
+    pile_jacobian: Annotated[Array, "rows 4 3"]  # normal a, b, tangential a, b of each
 
 
 class Snapshot(NamedTuple):
@@ -313,24 +274,18 @@ class Snapshot(NamedTuple):
     velocity: Annotated[Array, "samples bodies 3"]  # of the centres of mass, when they are there
     acceleration: Annotated[Array, "samples bodies 3"]
     copied: Mapping[str, Records]  # samples of the tables in `SAMPLED`
-    copies: Annotated[Integers, "copies 5"]
-    """Addresses of the first record and sample; records; words of a record, words to copy."""
+    copies: Annotated[Integers, "copies 5"]  # source and target; records; words of one, to copy
     residual: Annotated[Array, "samples"]  # maximum since the sample before [m/s, rad/s]
     drive: Annotated[Array, "samples drives"]  # values of the drives in the step of each sample
     contacts: Annotated[Records, CONTACT, "contacts"]  # of all samples, one after the other
     fill: Annotated[Integers, "samples"]  # how many contacts there are up to the end of each sample
-    taken: Annotated[Integers, "4"]
-    """Samples kept, samples written, missing room (1: sample, 2: contacts), means kept."""
-    sums: Annotated[Array, "forces"]
-    """Sums of forces over a sample interval, in the columns of `mean_force` [N, N m]."""
+    taken: Annotated[Integers, "4"]  # samples kept, written; missing: 1 sample, 2 contacts; means
+    sums: Annotated[Array, "forces"]  # of forces in an interval, as in `mean_force` [N, N m]
     means: Annotated[Array, "samples forces"]  # means of these around each sample
-    steady: Annotated[Integers, "samples"]
-    """1 if the means are the forces of the sample: equal steps, or an unfinished interval."""
-    waiting: Annotated[Array, "2"]
-    """Steps not yet in the sums, with the last forces; whether the sums have any."""
+    steady: Annotated[Integers, "samples"]  # 1 if forces are means: equal, or unfinished
+    waiting: Annotated[Array, "2"]  # steps not in the sums; whether these have any
     mean_contacts: Annotated[Records, CONTACT_SUMS, "mean_contacts"]  # by intervals
-    mean_fill: Annotated[Integers, "samples"]
-    """Their number up to the end of each sample's interval."""
+    mean_fill: Annotated[Integers, "samples"]  # their number up to the end of each interval
     unfinished: Annotated[Integers, "2"]  # first of the unfinished interval; their number
 
 

@@ -17,10 +17,7 @@ from sandbox.engine.records import BROKEN, NUMBERS
 from sandbox.engine.world import Room, World
 from sandbox.model.programs import curve_tables
 
-WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen",
-             "pile_adjacent", "pile_work", "pile_vectors", "pile_diagonal", "pile_lower",
-             "pile_upper", "piled", "pile_jacobian", "pile_coefficients",
-             "pile_compliance")  # scratch fields of a Result
+WORKSPACE = st.Result._fields[st.Result._fields.index("found"):]  # scratch
 MAX_NAMES = 16  # that a law reads
 BREAKS_EACH, MIN_BREAKS = 8, 1024  # room for breaks in a call of the loop, per element and total
 

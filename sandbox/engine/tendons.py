@@ -3,8 +3,7 @@
 A guide is a circle of radius 0 or more. Along the direction u with the left normal n, a circle with
 its centre right of the path has the sign s = +1, left of it -1; the tendon touches it at p = c + s
 r n, and n . (c2 - c1) = s1 r1 - s2 r2 for a piece between two circles. Every piece pulls its two
-bodies at these points, which also gives the torque s r T of a wheel that winds the tendon up. A
-wheel whose angle of contact would be negative is left out: there the tendon is off it.
+bodies at these points. The tendon is off a wheel whose angle of contact would be negative.
 
 Rows of cables, with D v the rate at which a cable shortens and p / h its tension:
 
@@ -12,21 +11,19 @@ Rows of cables, with D v the rate at which a cable shortens and p / h its tensio
     stiff        D v + p / (h (c + h k)) = k (L - L0) / (c + h k)           (the step's end)
     soft span    D v + p / (h e)         = (k (L - L0) - (c - e) D v_before) / e
 
-A span of a cable that guides hold by friction is solved evenly about the pose where it is soft, e =
-c / 2 + h k / 4. Between such guides a tendon is cut into spans, of which each has a tension of its
-own and holds a length M of the tendon. A span ends wound on its guides: as a wheel turns, tendon
-goes with it, and both its length and M count what was wound up. What slips over guide j besides,
-out of the span before and into the one after, at the rate s, adds to the rows of both and has no
-mass, so that the tensions differ by the friction f alone:
+Between guides with friction a tendon is cut into spans, each with a tension of its own and a length
+M of the tendon. Soft spans are solved evenly about the pose, e = c / 2 + h k / 4. As a wheel turns,
+tendon goes with it: the length of a span and M count what was wound up. Tendon that slips over
+guide j at the rate s adds to the rows of the spans on both sides; without mass, their tensions
+differ by the friction f alone:
 
     span i       D v + s_i - s_(i+1) + c p_i = r                  M_i += h (s_i - s_(i+1))
     guide j      p_j - p_(j-1) = h f_j,   |f_j| <= tanh(mu phi / 2) (T_j + T_(j-1)),   f s >= 0
 
 The bound is that of Euler and Eytelwein, T_(j-1) e^(-mu phi) <= T_j <= T_(j-1) e^(mu phi), over the
 angle phi that the tendon bends by. It is affine in the unknowns, and friction one more row with
-bounds (:mod:`sandbox.engine.bounded`). A loop could go round freely where no guide holds it: a
-negligible drag keeps its speed a number. By friction no span can be slack alone: a tendon pulls
-as a whole or not at all, and where it does not its material spreads evenly.
+bounds (:mod:`sandbox.engine.bounded`). A negligible drag keeps the speed of a free loop finite. No
+span can be slack alone: a slack tendon spreads evenly over its spans.
 """
 
 from __future__ import annotations
@@ -107,9 +104,7 @@ def _along(cable: Any, guides: Records, pose: Array, turn: Array, start: bool) -
 
 
 @kernel
-def _stretch(
-    a: Any, b: Any, pose: Array, turn: Array,
-) -> tuple[float, float, float, float, float, float, float]:
+def _stretch(a: Any, b: Any, pose: Array, turn: Array) -> Any:
     """Length of the tendon between two guides [m], its direction; the guides from their centres."""
     i, j = a["body"], b["body"]
     ca, sa, cb, sb = turn[i, 0], turn[i, 1], turn[j, 0], turn[j, 1]

@@ -28,18 +28,15 @@ from sandbox.scene.outlines.curves import spans_of
 
 POSE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE
 PUSH = batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
-MARGIN, MAX_MARGIN = 0.05, 1e-3
-"""Of shapes in pymunk: a share of their smallest extent, maximum [m]."""
+MARGIN, MAX_MARGIN = 0.05, 1e-3  # of shapes in pymunk: share of their smallest extent, maximum [m]
 _LISTED = ("dynamic", "scheduled", "fixed")
 
 
 class World:
     """A pymunk space for one run, which finds the bodies that are near one another.
 
-    Bodies stand at their centres of mass and are numbered as pymunk lists them: dynamic, scheduled,
-    fixed. They start half a step before t = 0, as the leapfrog has it. ``body`` [nb, 6] (x, y,
-    angle, vx, vy, omega), ``velocity`` [nb, 3] and ``placed`` [nb, 3] are memory of the run
-    (:mod:`sandbox.engine.state`).
+    Bodies stand at their centres of mass, half a step before t = 0, and are numbered as pymunk
+    lists them: dynamic, scheduled, fixed. Arrays are those of :mod:`sandbox.engine.state`.
     """
 
     def __init__(self, model: Model) -> None:
@@ -49,8 +46,7 @@ class World:
         motions = [_LISTED.index(body.motion) for body in model.mechanism.bodies]
         self.order: Integers = np.argsort(motions, kind="stable").astype(np.int64)
         """The model's numbers of the bodies in pymunk's order, [nb]."""
-        self.number: Integers = np.argsort(self.order)
-        """Pymunk's numbers of the bodies in the model's order, [nb]."""
+        self.number: Integers = np.argsort(self.order)  # pymunk's numbers in the model's order
         self.filters = make_filters(model)
         count = len(self.order)
         self.body: Array = np.zeros((count, 6))
@@ -139,8 +135,7 @@ class ShapeTables(NamedTuple):
 
 
 Pieces = dict[int, list[list[tuple[kinds.Solid, float, int]]]]
-"""Of each body, by the model's number, and of each of its shapes: convex shapes with their margins
-[m] and numbers from 1."""
+"""Of each body and shape of the model: convex shapes with margins [m] and numbers from 1."""
 
 
 def _shape_tables(model: Model, order: Integers, number: Integers) -> tuple[ShapeTables, Pieces]:

@@ -311,7 +311,7 @@ class Session:
         for name in map(str, names):
             if "/" not in name or is_expression(name):
                 found.append(name)
-            elif known.fits(name):  # the quantities of pairs that match a name or a pattern
+            elif known.match(name):  # the quantities of pairs that match a name or a pattern
                 found += itertools.islice(known.match(name), MAX_METERS + 1)
             else:
                 raise UnknownQuantityError(name, known.near(name))

@@ -298,36 +298,20 @@ def idle_warnings(**parts: Any) -> list[tuple[str, str]]:
     return [(problem.path, problem.message) for problem in inspect(expand(load_scene(scene)))]
 
 
-def released(*joints: str) -> list[dict[str, Any]]:
-    return [{**joint, "released": joint["name"] in joints} for joint in ARM_SCENE["joints"]]
-
-
 @pytest.mark.parametrize(("parts", "path", "words"), [
-    ({"events": [{"name": "catch", "at": 0.05, "take_up": "axle"}]}, "$.events[0].take_up[0]",
-     "takes up axle, which no event releases"),
-    ({"joints": released("axle"), "drives": [
-        {"type": "motor", "name": "spin", "joint": "axle", "value": 1, "torque": 1}]},
-     "$.drives[0]", "acts on axle, which is released from the start and never taken up"),
     ({"drives": [{"type": "surface", "name": "belt", "body": "frame", "value": 1}]},
      "$.drives[0].body", "frame has no shapes"),
     ({"drives": [{**LIFT, "value": {"ramp": {"from": 0.5, "to": 0.7, "over": 0.1}}}]},
      "$.drives[0].value", "sets cylinder to 700 mm, but it is 600 mm long at most"),
 ])
-def test_idle_drives_and_events_are_reported(parts: dict[str, Any], path: str, words: str) -> None:
+def test_idle_drives_are_reported(parts: dict[str, Any], path: str, words: str) -> None:
     [found] = idle_warnings(**parts)
     assert found[0] == path
     assert words in found[1]
 
 
-@pytest.mark.parametrize("parts", [
-    {"events": [{"name": "catch", "at": 0.05, "take_up": "axle"}], "joints": released("axle"),
-     "drives": [{"type": "motor", "name": "spin", "joint": "axle", "value": 1, "torque": 1}]},
-    {"events": [{"name": "drop", "at": 0.05, "release": "axle"},
-                {"name": "catch", "at": 0.07, "take_up": "axle"}]},
-    {"drives": [{**LIFT, "value": 0.6}]},
-])
-def test_effective_drives_and_events_are_not_reported(parts: dict[str, Any]) -> None:
-    assert idle_warnings(**parts) == []
+def test_effective_drives_are_not_reported() -> None:
+    assert idle_warnings(drives=[{**LIFT, "value": 0.6}]) == []
 
 
 APART = [{"between": ["*", "*"], "collide": False}]
