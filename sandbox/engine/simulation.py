@@ -388,7 +388,8 @@ class Simulation:
             controllers={loop.name: report for loop in self._control.loops
                          if (report := loop.law.report())},
             contact_solver=self._contact_solver(),
-            notes=step_notes(self._done, relaxed=int(standing[0]), unordered=int(standing[5])),
+            notes=step_notes(self._done, relaxed=int(standing[0]), unordered=int(standing[5]),
+                             overlapping=int(standing[6])),
         ), copied=copied)
 
     def _contact_solver(self) -> dict[str, float]:
