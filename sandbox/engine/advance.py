@@ -15,7 +15,14 @@ import numpy as np
 from sandbox.elements.arrays import FORCES
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import release_and_engage
-from sandbox.engine.contacts import apart, list_contacts_of_step, short
+from sandbox.engine.contacts import (
+    PASSING,
+    find_ahead,
+    list_contacts_of_step,
+    overlapped,
+    search,
+    short,
+)
 from sandbox.engine.entry_points import CalledFromPython, entry_point
 from sandbox.engine.groups import apply_forces, is_valid
 from sandbox.engine.impacts import REBOUND
@@ -136,7 +143,7 @@ def list_contacts(touches: Records, count: int, body: Array, out: Records, m: in
             c["nx"], c["ny"] = t["nx"], t["ny"]
             c["normal"], c["tangent"] = normal, t["tangent"] + t["drag"]
             c["twist"] = 0.0
-            if t["bounce"] != 0.0:  # an impact is where both surfaces will be when it happens
+            if t["bounce"] != 0.0 or t["ahead"] > 0.0:  # it is where both surfaces will be then
                 x = body[t["b"], 0] + t["bx"] - body[t["a"], 0] - t["ax"]
                 y = body[t["b"], 1] + t["by"] - body[t["a"], 1] - t["ay"]
                 tangent = t["tangent"] + t["drag"]
@@ -340,9 +347,8 @@ def _move(table: int, h: float) -> bool:
                 body[i, 3 + j] = velocity[i, j] + 0.0  # as pymunk: without negative zeros
                 body[i, j] = placed[i, j] + h * body[i, 3 + j]
             turn[i, 0], turn[i, 1] = turned(at.ahead(table), i, body[i, 2])
-        at.near(table)[0] = 0
-        if len(at.neighbors(table)) > 0:
-            _find_contacts(table, h)
+    if len(at.neighbors(table)) > 0 and (not touching[1] or touching[2] == 2):
+        _find_contacts(table, h)
     touching[1] = short(table)
     return not touching[1]
 
@@ -351,16 +357,31 @@ def _move(table: int, h: float) -> bool:
 def _find_contacts(table: int, h: float) -> None:
     """Move pymunk's bodies likewise, if any may touch; it finds the points that are near."""
     touching = at.touching(table)
-    if apart(table):
+    at.near(table)[0] = 0
+    near, parts = search(table, h)
+    if not near:
         touching[2] = 1
         return
-    if touching[2]:
+    _lead(table)
+    if parts > PASSING:
+        at.standing(table)[6] += overlapped(table, h, parts) and not touching[1]
+        touching[2] = 1
+        _lead(table)
+        at.near(table)[0] = 0
+    call_step(at.step(table), at.space(table), h)
+    if parts > 1:
+        find_ahead(table, h, parts)
+
+
+@kernel
+def _lead(table: int) -> None:
+    """Give pymunk's bodies their velocities, and the last poses unless they have them."""
+    if at.touching(table)[2]:
         at.place_count(table)[0] = 0
         call_each(at.each_body(table), at.space(table), at.put(table), at.place(table))
-        touching[2] = 0
+        at.touching(table)[2] = 0
     at.write_count(table)[0] = 0
     call_each(at.each_body(table), at.space(table), at.put(table), at.write(table))
-    call_step(at.step(table), at.space(table), h)
 
 
 @kernel

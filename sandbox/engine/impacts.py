@@ -113,7 +113,7 @@ def _carry(table: int, h: float, i: int, s: float) -> None:
     """Take normal and arms of contact ``i`` from the pose to the instant ``s``."""
     t, now = at.found(table)[i], at.touches(table)[i]
     ka, da, kb, db = t["ka"], t["da"], t["kb"], t["db"]
-    a, b, nx, ny, gap = t["a"], t["b"], t["nx"], t["ny"], t["gap"]
+    a, b, nx, ny, gap, s = t["a"], t["b"], t["nx"], t["ny"], t["distance"], s - t["ahead"]
     wa, wb = mean(table, h, s, a, 2), mean(table, h, s, b, 2)
     # arms of the surfaces' points, half a gap from the middle
     ax, ay = t["ax"] - gap / 2 * nx, t["ay"] - gap / 2 * ny

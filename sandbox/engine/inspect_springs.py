@@ -33,7 +33,7 @@ from sandbox.model.model import NONE, Model
 from sandbox.model.programs import STRETCH
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import lengths_at_start, pulls_at_start, rest_lengths
-from sandbox.samples.yielding import null_space
+from sandbox.samples.stiffness import null_space
 
 COARSE = 0.5  # h w at which the frequency is 1 % off: (0.5)^2 / 24
 OVERDAMPED = 5.0  # step over a damper's settling time beyond which the step hides the motion

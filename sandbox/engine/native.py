@@ -74,6 +74,7 @@ FOUND = np.dtype([
     ("ax", float), ("ay", float),   # places on both surfaces, from the bodies' centres of
     ("bx", float), ("by", float),   # mass [m]
     ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
+    ("ahead", float),       # when the bodies are there, after the pose [s]
 ])  # a point in which two shapes meet, as pymunk has it, and curvatures for the engine's use
 
 
@@ -194,6 +195,7 @@ def _note() -> Any:
             found["nx"], found["ny"] = arbiter["nx"], arbiter["ny"]
             found["ax"], found["ay"] = point["ax"], point["ay"]
             found["bx"], found["by"] = point["bx"], point["by"]
+            found["ahead"] = 0.0
 
     return cached(note, cacheable(note), lambda function, cache: cfunc(
         "void(intp, intp, CPointer(int64))", cache=cache)(function))

@@ -378,7 +378,8 @@ class Simulation:
                          if (report := loop.law.report())},
             contact_solver=self._contact_solver(),
             notes=outcome.step_notes(
-                self._done, relaxed=int(standing[0]), unordered=int(standing[5])),
+                self._done, relaxed=int(standing[0]), unordered=int(standing[5]),
+                overlapping=int(standing[6])),
         ), copied=copied)
 
     def _contact_solver(self) -> dict[str, float]:

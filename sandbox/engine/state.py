@@ -82,6 +82,7 @@ TOUCH = np.dtype([
     ("nx", float), ("ny", float),           # normal from a to b
     ("ax", float), ("ay", float), ("bx", float), ("by", float),     # arms of the point [m]
     ("gap", float), ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k/d
+    ("ahead", float), ("distance", float),  # when it was located, after the pose [s]; its gap then
     ("acceleration", float),    # of the gap while the bodies keep their velocities [m/s^2]
     ("friction", float), ("static", float), ("restitution", float),
     ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
@@ -207,10 +208,11 @@ class State(NamedTuple):
     broken: Annotated[Records, records.BROKEN]  # what broke in the steps made in one go
     impacts: Annotated[Records, IMPACT, "impacts"]  # of the steps made in one go
     touches: Annotated[Records, TOUCH, "contacts"]  # of the last step
-    touching: Annotated[Integers, "3"]  # number; step waits for room; pymunk lacks poses
+    touching: Annotated[Integers, "3"]
+    """Number; whether a step waits for room; whether pymunk lacks poses, 2: and their path."""
     last_drive: Annotated[Array, "drives"]  # values of the drives in the last step
-    standing: Annotated[Integers, "6"]
-    """Steps without modes, steps at rest, failures now, jammed row, rows, unordered steps."""
+    standing: Annotated[Integers, "7"]
+    """Steps without modes, at rest; failures now, jammed row, rows; steps unordered, overlaps."""
     pile_bodies: Annotated[Records, PILE_BODY, "piles"]
     pile_place: Annotated[Integers, "nodes"]  # in the order of elimination, or -1
     accuracy: Annotated[Array, "6"]
@@ -231,7 +233,9 @@ class Result(NamedTuple):
     ahead: Annotated[Array, "bodies 3"]  # the same of other angles, and these: of one step on
     pressing: Annotated[Array, "loaded numbers 3"]  # NUMBERS of the loaded bodies
     load_terms: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
-    boxes: Annotated[Array, "bodies 4"]  # bounds of the bodies' shapes: least x, y, largest x, y
+    boxes: Annotated[Array, "bodies 7"]
+    """Bounds of shapes: least x, y, largest x, y; smallest margin; how much farther than that a
+    point moves in the step; reach from the centre of mass."""
     belts: Annotated[Array, "bodies"]  # speeds of surfaces, counter-clockwise [m/s]
     stack: Annotated[Array, "stack 4"]  # scratch of laws: values with their slopes
     read_names: Annotated[Array, "names 4"]  # scratch: arguments of a law with slopes

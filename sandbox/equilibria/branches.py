@@ -198,8 +198,9 @@ class _Follower:
                 rows = np.abs(system).max(axis=1)
                 rows[rows == 0] = 1.0
                 columns = np.append(np.ones(k), self._span / size)
-                *z, dp = columns * solve(system / rows[:, None] * columns, right / rows)
-                motion = balance.free @ z + balance.closing() + closing * dp
+                change = columns * solve(system / rows[:, None] * columns, right / rows)
+                dp = float(change[-1])
+                motion = balance.free @ change[:-1] + balance.closing() + closing * dp
             if max(np.abs(motion).max(initial=0.0) / size, abs(dp) / self._span) <= 10 * EXACT:
                 settler.start(pose)
                 return self._point(value, settler.look(), point.way)

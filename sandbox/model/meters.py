@@ -15,7 +15,13 @@ from sandbox.model.catalogue import PAIR, Catalogue, pair_parts
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Expect, ShownMeter, View
-from sandbox.values.expressions import RESERVED, names_in, parse_expression, rings
+from sandbox.values.expressions import (
+    RESERVED,
+    is_expression,
+    names_in,
+    parse_expression,
+    rings,
+)
 from sandbox.values.units import UNITS, Measured, factor_of
 from sandbox.wording import MAX_HINTED, WrongValueError, is_pattern, listed, quoted
 
@@ -66,11 +72,6 @@ def evaluate(mechanism: Mechanism, *, read: Read, time: Array) -> tuple[Array, l
 
 
 MAX_CURVES = 6  # largest number of curves of a meter
-
-
-def is_expression(word: str) -> bool:
-    """Whether a curve is an expression, not a quantity."""
-    return word.lstrip().startswith("=")
 
 
 def curves(meter: ShownMeter, known: Catalogue) -> list[str]:

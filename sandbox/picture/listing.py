@@ -76,11 +76,12 @@ import numpy as np
 
 from sandbox.elements.arrays import Arrays
 from sandbox.model.joints import placed
-from sandbox.model.meters import is_expression, worked_out
+from sandbox.model.meters import worked_out
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.samples import Samples
 from sandbox.scene.mechanism import Mechanism
+from sandbox.values.expressions import is_expression
 
 Item = dict[str, Any]
 Number = float | list[int]  # a number, or the index of a column in a list

@@ -10,7 +10,7 @@ import numpy as np
 import pygame
 
 from sandbox.figure.style import COLOURS, shown_as
-from sandbox.model.meters import curves, is_expression
+from sandbox.model.meters import curves
 from sandbox.numeric import Array
 from sandbox.picture import palette
 from sandbox.picture.listing import read_curve
@@ -19,6 +19,7 @@ from sandbox.picture.scales import pressure_unit, round_length, round_up
 from sandbox.picture.typesetter import Typesetter, ellipsis
 from sandbox.samples.samples import Samples
 from sandbox.scene.settings import ShownMeter, View
+from sandbox.values.expressions import is_expression
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Width of a meter, height of its curve (min., max.) [points]."""

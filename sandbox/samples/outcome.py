@@ -112,13 +112,15 @@ class Outcome:
                                        for one in self.broke)], key=lambda one: one.time)
 
 
-def step_notes(made: int, *, relaxed: int, unordered: int) -> tuple[str, ...]:
-    """Notes on steps of those made with approximate forces, or with too many impacts to order."""
+def step_notes(made: int, *, relaxed: int, unordered: int, overlapping: int) -> tuple[str, ...]:
+    """Notes on steps of those made that are approximate or were too long for the motion."""
     notes = {
         f"the forces of contacts, friction and motors are approximate in {relaxed} of {made} "
         "steps: sticking and sliding were not resolved": relaxed,
         f"{unordered} of {made} steps have more than 100 impacts in sequence; the rest was solved "
-        "at one instant. Reduce `run.step` to have fewer impacts in each step": unordered}
+        "at one instant. Reduce `run.step` to have fewer impacts in each step": unordered,
+        f"in {overlapping} of {made} steps bodies moved so fast that they overlapped, and may have "
+        "passed through each other. Reduce `run.step`": overlapping}
     return tuple(note for note, steps in notes.items() if steps)
 
 

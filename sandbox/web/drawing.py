@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.model.catalogue import Catalogue
-from sandbox.model.meters import curves, is_expression
+from sandbox.model.meters import curves
 from sandbox.numeric import Integers
 from sandbox.picture.bounds import Stage, body_box, place_camera, whole_box, width_shown
 from sandbox.picture.build import ELEMENTS, RAMPS, add_legend, subject_of
@@ -20,6 +20,7 @@ from sandbox.picture.scales import Tensions, bars_of, tensions_of
 from sandbox.picture.subject import Subject, visible_layers
 from sandbox.scene.layers import EVERY, LAYERS, shown
 from sandbox.scene.settings import View
+from sandbox.values.expressions import is_expression
 
 WIDTH, POINT, TYPE = 800, 1.0, 13
 """Size that labels are placed for: width of a drawing, pixels per point, font size [pixels]."""

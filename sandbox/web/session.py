@@ -20,9 +20,9 @@ from sandbox.engine.live import Hand, Live
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.model.catalogue import UnknownQuantityError
-from sandbox.model.meters import is_expression
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded
+from sandbox.values.expressions import is_expression
 from sandbox.values.units import dimension_of, units_of
 from sandbox.web.controls import PARAMETER, Spans, changes, controls, read_value
 from sandbox.web.frames import LOOK, LiveFrames, Stride, looked_at
