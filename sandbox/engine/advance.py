@@ -13,25 +13,20 @@ from typing import Any
 import numpy as np
 
 from sandbox.elements.arrays import FORCES
+from sandbox.engine import fluids, loads, springs, tendons
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import release_and_engage
-from sandbox.engine.contacts import (
-    PASSING,
-    find_ahead,
-    list_contacts_of_step,
-    overlapped,
-    search,
-    short,
-)
+from sandbox.engine.contacts import gap_rate, list_contacts_of_step, short
 from sandbox.engine.entry_points import CalledFromPython, entry_point
-from sandbox.engine.groups import apply_forces, is_valid
 from sandbox.engine.impacts import REBOUND
 from sandbox.engine.islands import skin_compliance
 from sandbox.engine.kernel import kernel
+from sandbox.engine.motors import drive_forces
 from sandbox.engine.native import call_each, call_step, copy_words
 from sandbox.engine.records import SAMPLED, STOP
 from sandbox.engine.report import add_work
 from sandbox.engine.rows import turned
+from sandbox.engine.search import PASSING, find_ahead, overlapped, search
 from sandbox.engine.solve import SETTLED, solve
 from sandbox.engine.state import AWAY, CLOSING, RESTING, Snapshot, allocate
 from sandbox.engine.tables import Tables
@@ -283,8 +278,8 @@ def note_impacts(table: int) -> None:
         t["phase"] = RESTING if t["normal"] + t["bounce"] > 0.0 else AWAY
         if t["phase"] == AWAY:
             continue
-        fast = last == AWAY and _approach(at.before(table), t) > REBOUND
-        if fast and _approach(at.velocity(table), t) > REBOUND:
+        fast = last == AWAY and gap_rate(at.before(table), t) < -REBOUND
+        if fast and gap_rate(at.velocity(table), t) < -REBOUND:
             t["phase"] = CLOSING
         if fast or last == CLOSING or t["bounce"] > 0.0:
             one = at.impacts(table)[made[3]]
@@ -293,17 +288,6 @@ def note_impacts(table: int) -> None:
             one["x"], one["y"] = body[t["a"], 0] + t["ax"], body[t["a"], 1] + t["ay"]
             one["px"], one["py"] = _impulse(t)
             one["after"] = t["instant"] if t["bounce"] > 0.0 else 0.0
-
-
-@kernel
-def _approach(velocity: Array, touch: Any) -> float:
-    """Rate at which two bodies approach at a contact [m/s]."""
-    a, b = touch["a"], touch["b"]
-    x = (velocity[b, 0] - velocity[b, 2] * touch["by"]
-         - velocity[a, 0] + velocity[a, 2] * touch["ay"])
-    y = (velocity[b, 1] + velocity[b, 2] * touch["bx"]
-         - velocity[a, 1] - velocity[a, 2] * touch["ax"])
-    return float(-touch["nx"] * x - touch["ny"] * y)
 
 
 FAR = 1e6  # limit of valid positions and speeds [m, rad, m/s, rad/s]
@@ -391,8 +375,12 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
         at.body(table), at.velocity(table), at.placed(table), at.shift(table))
     release_and_engage(table, drive)
     begin(table)
-    apply_forces(table, h, drive)
-    let_go(table, h, speeds)
+    drive_forces(table, drive)
+    springs.stretch(table, drive)
+    tendons.pull(table, drive)
+    fluids.measure_volumes(table, drive)
+    loads.press(table, h)
+    free_velocities(table, h, speeds)
     actions, belts = at.actions(table), at.belts(table)
     for i in range(len(actions)):
         if actions[i]["runs"]:
@@ -408,7 +396,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     at.touching(table)[2] |= struck
     add_work(table, h)
     note_impacts(table)
-    return bool(sound(h, body)) and bool(is_valid(table)) and at.standing(table)[3] == 0
+    return bool(sound(h, body)) and bool(fluids.contained(table)) and at.standing(table)[3] == 0
 
 
 @CalledFromPython
@@ -453,7 +441,7 @@ def begin(table: int) -> None:
 
 
 @kernel
-def let_go(table: int, h: float, speeds: Array) -> None:
+def free_velocities(table: int, h: float, speeds: Array) -> None:
     """Velocities after the step without constraints; ``speeds`` [ns, 3] are of scheduled bodies."""
     before, free, force = at.before(table), at.free(table), at.force(table)
     inverse_mass, gravity = at.inverse_mass(table), at.gravity(table)

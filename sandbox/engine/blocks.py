@@ -10,8 +10,7 @@ from __future__ import annotations
 from sandbox.engine.kernel import kernel
 from sandbox.numeric import Integers, Matrix, Stack
 
-BITS = 62
-"""Bits used of a word of an adjacency set; more would need an unsigned type."""
+BITS = 62  # bits used of a word of an adjacency set; more would need an unsigned type
 
 
 @kernel
