@@ -71,7 +71,18 @@ def take(table: int, h: float, drive: Array) -> None:
     """Copy the step just made, with its drives [nd], into the next row that samples are kept in."""
     taken = at.kept_taken(table)
     n = taken[0] - taken[1]
-    _take_bodies(table, h, n)
+    body, before, turn, bodies = at.body(table), at.before(table), at.turn(table), at.bodies(table)
+    pose, velocity, acceleration = (
+        at.kept_pose(table), at.kept_velocity(table), at.kept_acceleration(table))
+    for i in range(len(body)):
+        b, c, s = bodies[i], turn[i, 0], turn[i, 1]
+        m = b["number"]
+        pose[n, m, 0] = body[i, 0] - (c * b["x"] - s * b["y"])
+        pose[n, m, 1] = body[i, 1] - (s * b["x"] + c * b["y"])
+        pose[n, m, 2] = body[i, 2]
+        for j in range(3):  # an assignment of arrays would compile its error messages
+            velocity[n, m, j] = (before[i, j] + body[i, 3 + j]) / 2
+            acceleration[n, m, j] = (body[i, 3 + j] - before[i, j]) / h
     _note_rates(table)
     copies = at.kept_copies(table)
     for i in range(len(copies)):
@@ -88,25 +99,9 @@ def take(table: int, h: float, drive: Array) -> None:
     fill = at.kept_fill(table)
     first = fill[n - 1] if n > 0 else 0
     fill[n] = list_contacts(
-        at.touches(table), at.touching(table)[0], at.body(table), at.kept_contacts(table), first)
+        at.touches(table), at.touching(table)[0], body, at.kept_contacts(table), first)
     at.kept_steady(table)[n] = 1
     taken[0] += 1
-
-
-@kernel
-def _take_bodies(table: int, h: float, n: int) -> None:
-    body, before, turn, bodies = at.body(table), at.before(table), at.turn(table), at.bodies(table)
-    pose, velocity, acceleration = (
-        at.kept_pose(table), at.kept_velocity(table), at.kept_acceleration(table))
-    for i in range(len(body)):
-        b, c, s = bodies[i], turn[i, 0], turn[i, 1]
-        m = b["number"]
-        pose[n, m, 0] = body[i, 0] - (c * b["x"] - s * b["y"])
-        pose[n, m, 1] = body[i, 1] - (s * b["x"] + c * b["y"])
-        pose[n, m, 2] = body[i, 2]
-        for j in range(3):  # an assignment of arrays would compile its error messages
-            velocity[n, m, j] = (before[i, j] + body[i, 3 + j]) / 2
-            acceleration[n, m, j] = (body[i, 3 + j] - before[i, j]) / h
 
 
 @kernel
@@ -373,8 +368,13 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     """Find the velocities after the step; whether they are valid."""
     body, velocity, placed, shift = (
         at.body(table), at.velocity(table), at.placed(table), at.shift(table))
+    before, force, kick = at.before(table), at.force(table), at.kick(table)
     release_and_engage(table, drive)
-    begin(table)
+    at.made(table)[0] += 1
+    for b in range(len(body)):
+        for j in range(3):
+            before[b, j] = body[b, 3 + j]
+            force[b, j] = kick[b, j] = shift[b, j] = 0.0
     drive_forces(table, drive)
     springs.stretch(table, drive)
     tendons.pull(table, drive)
@@ -426,18 +426,6 @@ def advance(table: int, h: float, drive: Matrix, speeds: Stack, due: int, every:
             take(table, h, drive[i])
             due = every
     return len(drive)
-
-
-@kernel
-def begin(table: int) -> None:
-    """Note how the bodies move before the step."""
-    body, before, force, kick, shift = (
-        at.body(table), at.before(table), at.force(table), at.kick(table), at.shift(table))
-    at.made(table)[0] += 1
-    for i in range(len(body)):
-        for j in range(3):
-            before[i, j] = body[i, 3 + j]
-            force[i, j] = kick[i, j] = shift[i, j] = 0.0
 
 
 @kernel

@@ -156,7 +156,6 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
 
 @kernel
 def _with_touch(h: float, body: Array, touches: Records, rows: Records, i: int, n: int) -> int:
-    """Add the rows of a contact."""
     normal_row(h, touches, i, rows[n])
     touches[i]["listed"] = 1
     if touches[i]["friction"] > 0.0:

@@ -282,7 +282,6 @@ def _gather_row(table: int, k: int) -> int:
 
 @kernel
 def _gather(table: int, h: float, i: int, k: int) -> None:
-    """Make contact ``i`` the ``k``-th to solve."""
     t, one, J = at.touches(table)[i], at.piled(table)[k], at.pile_jacobian(table)[k]
     loose, rows, free = at.loose(table), at.rows(table), at.velocity(table)
     normal, tangent = rows[len(rows) - 1], rows[len(rows) - 2]

@@ -191,7 +191,6 @@ def _new_overlap(table: int, kept: int, now: float) -> int:
 
 @kernel
 def _of(found: Any, a: int, b: int) -> bool:
-    """Whether a FOUND is of these two shapes."""
     return bool((found["shape_a"] == a and found["shape_b"] == b)
                 or (found["shape_a"] == b and found["shape_b"] == a))
 
