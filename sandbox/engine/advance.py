@@ -13,25 +13,20 @@ from typing import Any
 import numpy as np
 
 from sandbox.elements.arrays import FORCES
+from sandbox.engine import fluids, loads, springs, tendons
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import release_and_engage
-from sandbox.engine.contacts import (
-    PASSING,
-    find_ahead,
-    list_contacts_of_step,
-    overlapped,
-    search,
-    short,
-)
+from sandbox.engine.contacts import gap_rate, list_contacts_of_step, short
 from sandbox.engine.entry_points import CalledFromPython, entry_point
-from sandbox.engine.groups import apply_forces, is_valid
 from sandbox.engine.impacts import REBOUND
 from sandbox.engine.islands import skin_compliance
 from sandbox.engine.kernel import kernel
+from sandbox.engine.motors import drive_forces
 from sandbox.engine.native import call_each, call_step, copy_words
 from sandbox.engine.records import SAMPLED, STOP
 from sandbox.engine.report import add_work
 from sandbox.engine.rows import turned
+from sandbox.engine.search import PASSING, find_ahead, overlapped, search
 from sandbox.engine.solve import SETTLED, solve
 from sandbox.engine.state import AWAY, CLOSING, RESTING, Snapshot, allocate
 from sandbox.engine.tables import Tables
@@ -76,7 +71,18 @@ def take(table: int, h: float, drive: Array) -> None:
     """Copy the step just made, with its drives [nd], into the next row that samples are kept in."""
     taken = at.kept_taken(table)
     n = taken[0] - taken[1]
-    _take_bodies(table, h, n)
+    body, before, turn, bodies = at.body(table), at.before(table), at.turn(table), at.bodies(table)
+    pose, velocity, acceleration = (
+        at.kept_pose(table), at.kept_velocity(table), at.kept_acceleration(table))
+    for i in range(len(body)):
+        b, c, s = bodies[i], turn[i, 0], turn[i, 1]
+        m = b["number"]
+        pose[n, m, 0] = body[i, 0] - (c * b["x"] - s * b["y"])
+        pose[n, m, 1] = body[i, 1] - (s * b["x"] + c * b["y"])
+        pose[n, m, 2] = body[i, 2]
+        for j in range(3):  # an assignment of arrays would compile its error messages
+            velocity[n, m, j] = (before[i, j] + body[i, 3 + j]) / 2
+            acceleration[n, m, j] = (body[i, 3 + j] - before[i, j]) / h
     _note_rates(table)
     copies = at.kept_copies(table)
     for i in range(len(copies)):
@@ -93,25 +99,9 @@ def take(table: int, h: float, drive: Array) -> None:
     fill = at.kept_fill(table)
     first = fill[n - 1] if n > 0 else 0
     fill[n] = list_contacts(
-        at.touches(table), at.touching(table)[0], at.body(table), at.kept_contacts(table), first)
+        at.touches(table), at.touching(table)[0], body, at.kept_contacts(table), first)
     at.kept_steady(table)[n] = 1
     taken[0] += 1
-
-
-@kernel
-def _take_bodies(table: int, h: float, n: int) -> None:
-    body, before, turn, bodies = at.body(table), at.before(table), at.turn(table), at.bodies(table)
-    pose, velocity, acceleration = (
-        at.kept_pose(table), at.kept_velocity(table), at.kept_acceleration(table))
-    for i in range(len(body)):
-        b, c, s = bodies[i], turn[i, 0], turn[i, 1]
-        m = b["number"]
-        pose[n, m, 0] = body[i, 0] - (c * b["x"] - s * b["y"])
-        pose[n, m, 1] = body[i, 1] - (s * b["x"] + c * b["y"])
-        pose[n, m, 2] = body[i, 2]
-        for j in range(3):  # an assignment of arrays would compile its error messages
-            velocity[n, m, j] = (before[i, j] + body[i, 3 + j]) / 2
-            acceleration[n, m, j] = (body[i, 3 + j] - before[i, j]) / h
 
 
 @kernel
@@ -283,8 +273,8 @@ def note_impacts(table: int) -> None:
         t["phase"] = RESTING if t["normal"] + t["bounce"] > 0.0 else AWAY
         if t["phase"] == AWAY:
             continue
-        fast = last == AWAY and _approach(at.before(table), t) > REBOUND
-        if fast and _approach(at.velocity(table), t) > REBOUND:
+        fast = last == AWAY and gap_rate(at.before(table), t) < -REBOUND
+        if fast and gap_rate(at.velocity(table), t) < -REBOUND:
             t["phase"] = CLOSING
         if fast or last == CLOSING or t["bounce"] > 0.0:
             one = at.impacts(table)[made[3]]
@@ -293,17 +283,6 @@ def note_impacts(table: int) -> None:
             one["x"], one["y"] = body[t["a"], 0] + t["ax"], body[t["a"], 1] + t["ay"]
             one["px"], one["py"] = _impulse(t)
             one["after"] = t["instant"] if t["bounce"] > 0.0 else 0.0
-
-
-@kernel
-def _approach(velocity: Array, touch: Any) -> float:
-    """Rate at which two bodies approach at a contact [m/s]."""
-    a, b = touch["a"], touch["b"]
-    x = (velocity[b, 0] - velocity[b, 2] * touch["by"]
-         - velocity[a, 0] + velocity[a, 2] * touch["ay"])
-    y = (velocity[b, 1] + velocity[b, 2] * touch["bx"]
-         - velocity[a, 1] - velocity[a, 2] * touch["ax"])
-    return float(-touch["nx"] * x - touch["ny"] * y)
 
 
 FAR = 1e6  # limit of valid positions and speeds [m, rad, m/s, rad/s]
@@ -389,10 +368,19 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     """Find the velocities after the step; whether they are valid."""
     body, velocity, placed, shift = (
         at.body(table), at.velocity(table), at.placed(table), at.shift(table))
+    before, force, kick = at.before(table), at.force(table), at.kick(table)
     release_and_engage(table, drive)
-    begin(table)
-    apply_forces(table, h, drive)
-    let_go(table, h, speeds)
+    at.made(table)[0] += 1
+    for b in range(len(body)):
+        for j in range(3):
+            before[b, j] = body[b, 3 + j]
+            force[b, j] = kick[b, j] = shift[b, j] = 0.0
+    drive_forces(table, drive)
+    springs.stretch(table, drive)
+    tendons.pull(table, drive)
+    fluids.measure_volumes(table, drive)
+    loads.press(table, h)
+    free_velocities(table, h, speeds)
     actions, belts = at.actions(table), at.belts(table)
     for i in range(len(actions)):
         if actions[i]["runs"]:
@@ -408,7 +396,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     at.touching(table)[2] |= struck
     add_work(table, h)
     note_impacts(table)
-    return bool(sound(h, body)) and bool(is_valid(table)) and at.standing(table)[3] == 0
+    return bool(sound(h, body)) and bool(fluids.contained(table)) and at.standing(table)[3] == 0
 
 
 @CalledFromPython
@@ -441,19 +429,7 @@ def advance(table: int, h: float, drive: Matrix, speeds: Stack, due: int, every:
 
 
 @kernel
-def begin(table: int) -> None:
-    """Note how the bodies move before the step."""
-    body, before, force, kick, shift = (
-        at.body(table), at.before(table), at.force(table), at.kick(table), at.shift(table))
-    at.made(table)[0] += 1
-    for i in range(len(body)):
-        for j in range(3):
-            before[i, j] = body[i, 3 + j]
-            force[i, j] = kick[i, j] = shift[i, j] = 0.0
-
-
-@kernel
-def let_go(table: int, h: float, speeds: Array) -> None:
+def free_velocities(table: int, h: float, speeds: Array) -> None:
     """Velocities after the step without constraints; ``speeds`` [ns, 3] are of scheduled bodies."""
     before, free, force = at.before(table), at.free(table), at.force(table)
     inverse_mass, gravity = at.inverse_mass(table), at.gravity(table)

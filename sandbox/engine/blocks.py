@@ -10,8 +10,7 @@ from __future__ import annotations
 from sandbox.engine.kernel import kernel
 from sandbox.numeric import Integers, Matrix, Stack
 
-BITS = 62
-"""Bits used of a word of an adjacency set; more would need an unsigned type."""
+BITS = 62  # bits used of a word of an adjacency set; more would need an unsigned type
 
 
 @kernel
@@ -101,7 +100,6 @@ def find_slot(starts: Integers, below: Integers, column: int, row: int) -> int:
 
 @kernel
 def _invert(A: Matrix) -> None:
-    """Invert a 3 x 3 matrix in place."""
     a, b, c = A[0, 0], A[0, 1], A[0, 2]
     d, e, f = A[1, 0], A[1, 1], A[1, 2]
     g, h, i = A[2, 0], A[2, 1], A[2, 2]

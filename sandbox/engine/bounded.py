@@ -35,24 +35,17 @@ from sandbox.numeric import Array, Integers, Records
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
 """How strongly normal and tangential impulses are held to the last, as a share of y for 1 N s."""
 FADE, MOVING = 0.01, 1e-3
-"""How much of a row's last impulse fades in a step; its rate [m/s, rad/s] up to which it is less.
-"""
-UNBOUNDED = 1e300
-"""As the bound of an impulse that has none [N s, N m s]."""
+"""Share of its last impulse that a row loses in a step; rate [m/s, rad/s] below which less."""
+UNBOUNDED = 1e300  # as the bound of an impulse that has none [N s, N m s]
 LEVER = 0.1
 """Where joints leave less than this share of what an impulse does to the bodies alone, overlaps are
 undone the more slowly: by a short lever they would throw them."""
-FIRST, MODE_ROUNDS, SWEEPS = 4, 40, 60
-"""Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
-SEARCHED, TRIES = 100, 6
-"""Rows up to which modes are searched in random order; how often from the start."""
-LARGE, MIN_ROUNDS = 600, 8
-"""Of more rows than this each round takes so long that there are fewer, down to the second."""
-UNFACTORED = 2
-"""As the mode in which a row was factored: none."""
+FIRST, MODE_ROUNDS, SWEEPS = 4, 40, 60  # rounds in which all rows change; all; of relaxation
+SEARCHED, TRIES = 100, 6  # rows up to which modes are searched in random order; attempts
+LARGE, MIN_ROUNDS = 600, 8  # rows beyond which there are fewer rounds; minimum of these
+UNFACTORED = 2  # as the mode in which a row was factored: none
 SHARE, ALONE = 0.3, 3
-"""Later rows change from this share of the largest violation on; every so many rounds that alone.
-"""
+"""Later rows change from this share of the largest violation on; every so many rounds it alone."""
 
 
 @kernel
@@ -120,9 +113,10 @@ def columns(table: int, begin: int, first: int, count: int) -> None:
 
 
 @kernel
-def wipe(rows: Records, count: int, Y: Array, reached: Integers) -> None:
-    """Make the columns of all rows 0 again."""
-    for k in range(count):
+def wipe(table: int, begin: int, count: int) -> None:
+    """Make the columns of so many rows from ``begin`` on 0 again."""
+    rows, Y, reached = at.rows(table), at.columns(table), at.reached(table)
+    for k in range(begin, begin + count):
         for q in range(rows[k]["branch"]):
             Y[k, reached[k, q]] = 0.0
         rows[k]["branch"] = 0
@@ -293,21 +287,6 @@ def make_system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: 
 
 
 @kernel
-def _right_sides(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int) -> None:
-    """Right sides of these equations, into the last column."""
-    for r in range(m):
-        i = chosen[r]
-        f = rows[i]["free"]
-        for k in range(n):
-            other = rows[k]
-            if other["normal"] < 0 and other["mode"] != 0:
-                bound = other["low"] if other["mode"] < 0 else other["high"]
-                if bound != 0.0:
-                    f += G[i, k] * bound
-        A[r, m] = held(rows[i]) * rows[i]["last"] - f
-
-
-@kernel
 def factor_system(A: Array, m: int, swaps: Integers) -> None:
     """Factor in place; ``swaps`` are the rows that are exchanged with each column's."""
     for c in range(m):
@@ -345,15 +324,7 @@ def solve_system(A: Array, m: int, swaps: Integers) -> None:
 
 
 @kernel
-def eliminate(A: Array, m: int, swaps: Integers) -> None:
-    """Solve a system in place; the solution stands in the last column."""
-    factor_system(A, m, swaps)
-    solve_system(A, m, swaps)
-
-
-@kernel
 def _impulses(rows: Records, n: int, G: Array, A: Array, chosen: Integers) -> None:
-    """Impulses for the modes."""
     m, swaps, same = choose(rows, n, chosen), chosen[n:], True
     for k in range(n):
         same &= rows[k]["factored"] == rows[k]["mode"]
@@ -361,7 +332,16 @@ def _impulses(rows: Records, n: int, G: Array, A: Array, chosen: Integers) -> No
     if not same:
         make_system(rows, n, G, A, chosen, m)
         factor_system(A, m, swaps)
-    _right_sides(rows, n, G, A, chosen, m)
+    for r in range(m):
+        i = chosen[r]
+        f = rows[i]["free"]
+        for k in range(n):
+            other = rows[k]
+            if other["normal"] < 0 and other["mode"] != 0:
+                bound = other["low"] if other["mode"] < 0 else other["high"]
+                if bound != 0.0:
+                    f += G[i, k] * bound
+        A[r, m] = held(rows[i]) * rows[i]["last"] - f
     solve_system(A, m, swaps)
     for k in range(n):
         row = rows[k]

@@ -1,21 +1,19 @@
-"""Which bounded rows a step has: contacts, limits, motors; those that carry and those in danger."""
+"""Which bounded rows a step has: contacts, limits, motors; those that carry and those in danger.
+
+A motion that reaches a limit at the instant t of a step is stopped in two steps: the first one
+leads to the limit, the second one leaves no speed. Their mean instant is t, so positions are right
+to second order. But an acceleration a > 0 away from the limit acts from t on. A third step, which
+begins at rest and gives a, adds the speed gained since then.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
+from sandbox.engine import bounded
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import holds, joint_holds
-from sandbox.engine.bounded import (
-    FADE,
-    HOLD_TANGENT,
-    MOVING,
-    UNBOUNDED,
-    begin_row,
-    put_coordinate,
-    rate,
-)
 from sandbox.engine.coordinates import flank
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.joint_friction import friction_rows
@@ -42,8 +40,8 @@ def normal_row(h: float, touches: Records, i: int, out: Any) -> None:
     """The normal row of contact ``i``, a TOUCH, into a BOUND."""
     t = touches[i]
     nx, ny = t["nx"], t["ny"]
-    begin_row(out, NORMAL, i, t["a"], t["b"], t["normal"], 0)
-    out["gentle"], out["high"] = 1, UNBOUNDED
+    bounded.begin_row(out, NORMAL, i, t["a"], t["b"], t["normal"], 0)
+    out["gentle"], out["high"] = 1, bounded.UNBOUNDED
     out["ax"], out["ay"], out["bx"], out["by"] = -nx, -ny, nx, ny
     out["at"], out["bt"] = t["ay"] * nx - t["ax"] * ny, t["bx"] * ny - t["by"] * nx
     out["bias"] = closing_rate(h, t["gap"] + t["gap_shift"], RETURN) + 0.5 * h * t["acceleration"]
@@ -63,8 +61,8 @@ def tangent_row(h: float, body: Array, touches: Records, i: int, normal: int, ou
     x, y = -t["ny"], t["nx"]
     wa, wb = body[t["a"], 5], body[t["b"], 5]
     arm_a, arm_b = t["ax"] * x + t["ay"] * y, t["bx"] * x + t["by"] * y
-    begin_row(out, TANGENT, i, t["a"], t["b"], t["tangent"], t["mode"])
-    out["normal"], out["friction"], out["hold"] = normal, t["friction"], HOLD_TANGENT
+    bounded.begin_row(out, TANGENT, i, t["a"], t["b"], t["tangent"], t["mode"])
+    out["normal"], out["friction"], out["hold"] = normal, t["friction"], bounded.HOLD_TANGENT
     out["ax"], out["ay"], out["bx"], out["by"] = -x, -y, x, y
     out["at"], out["bt"] = t["ay"] * x - t["ax"] * y, t["bx"] * y - t["by"] * x
     out["bias"] = 0.5 * h * (wa * wa * arm_a - wb * wb * arm_b) + t["belt"]
@@ -92,15 +90,15 @@ def limit_row(table: int, h: float, i: int, out: Any) -> None:
     """The row of limit ``i``, a LIMIT, into a BOUND."""
     limit = at.limits(table)[i]
     joint, side = at.joints(table)[limit["joint"]], limit["side"]
-    begin_row(out, LIMITED, i, joint["a"], joint["b"], limit["impulse"], 0)
-    out["gentle"], out["high"] = 1, UNBOUNDED
+    bounded.begin_row(out, LIMITED, i, joint["a"], joint["b"], limit["impulse"], 0)
+    out["gentle"], out["high"] = 1, bounded.UNBOUNDED
     if limit["what"] == FLANK:
         gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), at.before(table))
         out["ax"], out["ay"], out["at"] = -ux, -uy, on_a
         out["bx"], out["by"], out["bt"] = ux, uy, on_b
         out["bias"] = closing_rate(h, gap - limit["bound"], RETURN)
         return
-    put_coordinate(out, joint, side)
+    bounded.put_coordinate(out, joint, side)
     out["bias"] = _gap_rate(h, limit, joint)
 
 
@@ -149,16 +147,15 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
             n = _with_touch(h, at.body(table), touches, rows, i, n)
     for k in range(n):
         if rows[k]["a"] < len(at.before(table)):
-            own = rate(rows[k], at.before(table))
+            own = bounded.rate(rows[k], at.before(table))
             if rows[k]["source"] == TANGENT:
                 own += touches[rows[k]["index"]]["belt"]
-            rows[k]["last"] *= 1.0 - FADE * min(1.0, abs(own) / MOVING)
+            rows[k]["last"] *= 1.0 - bounded.FADE * min(1.0, abs(own) / bounded.MOVING)
     return n
 
 
 @kernel
 def _with_touch(h: float, body: Array, touches: Records, rows: Records, i: int, n: int) -> int:
-    """Add the rows of a contact."""
     normal_row(h, touches, i, rows[n])
     touches[i]["listed"] = 1
     if touches[i]["friction"] > 0.0:
@@ -178,7 +175,7 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
                 not joint_holds(table, j) or piled(table, j)):
             continue
         limit_row(table, h, i, rows[n])
-        new = rate(rows[n], velocity) + rows[n]["bias"] < -slack
+        new = bounded.rate(rows[n], velocity) + rows[n]["bias"] < -slack
         for k in range(first):
             new &= rows[k]["source"] != LIMITED or rows[k]["index"] != i
         if new:
@@ -186,6 +183,54 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
     for i in range(at.touching(table)[0]):
         if not touches[i]["listed"]:
             normal_row(h, touches, i, rows[n])
-            if rate(rows[n], velocity) + rows[n]["bias"] < -slack:
+            if bounded.rate(rows[n], velocity) + rows[n]["bias"] < -slack:
                 n = _with_touch(h, at.body(table), touches, rows, i, n)
     return n
+
+
+@kernel
+def time_to_close(gap: float, speed: float, trend: float) -> float:
+    """The instant at which gap + speed s + trend s² / 2 falls to 0; inf if it does not."""
+    square = speed * speed - 2.0 * trend * gap
+    if square >= 0.0 and speed < 0.0:
+        return float(2.0 * gap / (math.sqrt(square) - speed))
+    if square >= 0.0 and trend < 0.0:
+        return float((speed + math.sqrt(square)) / -trend)
+    return math.inf
+
+
+@entry_point("bounded")
+def leave(table: int, h: float, n: int) -> None:
+    """In their third step, give limits that are driven back the speed gained since the hit."""
+    rows, before, limits = at.rows(table), at.before(table), at.limits(table)
+    for k in range(n):
+        row = rows[k]
+        if row["source"] == LIMITED and limits[row["index"]]["since"] >= h:
+            gain = (row["free"] - row["bias"] - bounded.rate(row, before)) / h
+            row["free"] -= max(gain, 0.0) * (limits[row["index"]]["since"] + h / 2)
+
+
+@entry_point("bounded")
+def land(table: int, h: float, n: int) -> None:
+    """Note how long ago, at the end of the step, limits were hit."""
+    rows, limits = at.rows(table), at.limits(table)
+    for k in range(n):
+        if rows[k]["source"] == LIMITED:
+            state = limits[rows[k]["index"]]
+            state["next"] = _since(table, h, rows[k], state["impulse"], state["since"])
+    for i in range(len(limits)):
+        limits[i]["since"], limits[i]["next"] = limits[i]["next"], 0.0
+
+
+@kernel
+def _since(table: int, h: float, row: Any, last: float, since: float) -> float:
+    """The time since a limit was hit [s]; 0 if that was not in this step or the one before."""
+    if row["p"] <= 0.0:
+        return 0.0
+    if last > 0.0:
+        return since + h if 0.0 < since < h else 0.0
+    start, free = bounded.rate(row, at.before(table)), row["free"] - row["bias"]
+    if row["bias"] <= 0.0 or start >= 0.0:
+        return 0.0
+    t = time_to_close(h * row["bias"], (start + free) / 2, (free - start) / h)
+    return max(h - t, 0.0)

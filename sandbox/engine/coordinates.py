@@ -20,7 +20,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.contacts import descend, on_span
+from sandbox.engine.curves import descend, on_span
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.plan import add_to

@@ -14,11 +14,6 @@ with v_free those at the end of a step without impacts. Joints respond to an imp
 directions at s. An impact that changes the velocities by Δv leads the pose x back along the new
 path: the next pose is x - s Δv + h v. At x - s Δv joints are open by some s²; the step leaves that,
 so that its velocities are right, and the pose is then displaced further to close the joints.
-
-A motion that reaches a limit at the instant t of a step is stopped in two steps: the first one
-leads to the limit, the second one leaves no speed. Their mean instant is t, so positions are right
-to second order. But an acceleration a > 0 away from the limit acts from t on. A third step, which
-begins at rest and gives a, adds the speed gained since then.
 """
 
 from __future__ import annotations
@@ -30,30 +25,19 @@ from sandbox.engine import bounded
 from sandbox.engine import memory as at
 from sandbox.engine import rows as bilateral
 from sandbox.engine.bonds import release_rows
-from sandbox.engine.bounded_rows import normal_row, tangent_row
-from sandbox.engine.contacts import rotated
+from sandbox.engine.bounded_rows import normal_row, tangent_row, time_to_close
 from sandbox.engine.coordinates import ends
+from sandbox.engine.curves import rotated
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import add, backward, clear, forward, put
+from sandbox.engine.plan import add, clear, put
 from sandbox.engine.records import GEAR, GROOVE, ROLL
-from sandbox.engine.state import LIMITED, NORMAL, TANGENT
+from sandbox.engine.state import NORMAL, TANGENT
 from sandbox.numeric import Array, Records
 
 FLAT = 1e3  # a radius of curvature [m] from which a surface counts as flat
 ITERATIONS = 3
 TIME_TOLERANCE = 1e-6  # instants nearer to the pose are that of the pose, as a share of the step
-
-
-@kernel
-def time_to_close(gap: float, speed: float, trend: float) -> float:
-    """The instant at which gap + speed s + trend s² / 2 falls to 0; inf if it does not."""
-    square = speed * speed - 2.0 * trend * gap
-    if square >= 0.0 and speed < 0.0:
-        return float(2.0 * gap / (math.sqrt(square) - speed))
-    if square >= 0.0 and trend < 0.0:
-        return float((speed + math.sqrt(square)) / -trend)
-    return math.inf
 
 
 @kernel
@@ -181,31 +165,16 @@ def displaced_gaps(table: int, h: float) -> float:
 
 
 @kernel
-def answer_of_joints(table: int, velocity: Array) -> None:
-    """Impulses with which bilateral rows answer a change of velocities, into ``unknowns``."""
-    clear(at.unknowns(table)[4])
-    bilateral.answer(table, velocity, at.unknowns(table)[4], at.unknowns(table)[5])
-
-
-@kernel
-def add_joints(table: int, velocity: Array, times: float) -> None:
-    """Add the changes of velocities by these impulses of joints alone."""
+def add_joints(table: int, velocity: Array, times: float, noted: bool) -> None:
+    """Add changes of velocities by impulses of joints alone; note these as carried if ``noted``."""
     joints, impulses, entry_row = at.joints(table), at.unknowns(table)[5], at.entry_row(table)
-    entry_body, WJ = at.entry_body(table), at.entries(table)[1]
-    for k in range(len(joints)):
-        for e in range(joints[k]["entry"], joints[k]["entry"] + joints[k]["entries"]):
-            for j in range(3):
-                velocity[entry_body[e], j] += times * WJ[e, j] * impulses[entry_row[e]]
-
-
-@kernel
-def note_joints(table: int, times: float) -> None:
-    """Add these impulses to what joints carry besides the impulses of their rows."""
-    joints, impulses = at.joints(table), at.unknowns(table)[5]
-    J, entry_row = at.entries(table)[0], at.entry_row(table)
+    entry_body, J, WJ = at.entry_body(table), at.entries(table)[0], at.entries(table)[1]
     for k in range(len(joints)):
         joint, first = joints[k], joints[k]["entry"]
-        for e in range(first, first + joint["entries"], 2):
+        for e in range(first, first + joint["entries"]):
+            for j in range(3):
+                velocity[entry_body[e], j] += times * WJ[e, j] * impulses[entry_row[e]]
+        for e in range(first, first + joint["entries"] if noted else first, 2):
             p = times * impulses[entry_row[e]]
             joint["kick_x"] += p * J[e + 1, 0]
             joint["kick_y"] += p * J[e + 1, 1]
@@ -219,8 +188,7 @@ def take_impacts(table: int, h: float, struck: bool) -> None:
     shift, delayed, velocity, unknowns = (
         at.shift(table), at.delayed(table), at.velocity(table), at.unknowns(table))
     if struck and len(at.joints(table)) > 0:
-        add_joints(table, at.kick(table), -1.0)
-        note_joints(table, -1.0)
+        add_joints(table, at.kick(table), -1.0, True)
         body, turn = at.body(table), at.turn(table)
         for k in range(len(at.joints(table))):  # twists keep what forces at the points do not do
             joint = at.joints(table)[k]
@@ -257,7 +225,7 @@ def lead_back(table: int, h: float, n: int) -> None:
             shift[b, j] = -delayed[b, j]
     clear(unknowns[4])
     bilateral.right_side(table, shift, unknowns[4], unknowns[2])
-    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
+    bilateral.forward(table, unknowns[2])
     m = 0
     for q in range(bounded.choose(rows, n, chosen)):
         row = rows[chosen[q]]  # active before the impacts; not a contact that closes in the step
@@ -270,7 +238,8 @@ def lead_back(table: int, h: float, n: int) -> None:
         k = chosen[q]
         A[q, m] = 0.0 if rows[k]["out"] else -bounded.free_rate(
             table, rows[k], Y[k], reached[k], shift, 0.0)
-    bounded.eliminate(A, m, chosen[n:])
+    bounded.factor_system(A, m, chosen[n:])
+    bounded.solve_system(A, m, chosen[n:])
     for r in range(unknowns.shape[1]):
         unknowns[4, r] = unknowns[2, r]
     for q in range(m):
@@ -278,14 +247,14 @@ def lead_back(table: int, h: float, n: int) -> None:
         _answer(table, k, A[q, m])
         if k + 1 < n and rows[k + 1]["normal"] == k and rows[k + 1]["mode"] != 0:
             _answer(table, k + 1, rows[k + 1]["mode"] * rows[k + 1]["friction"] * A[q, m])
-    backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+    bilateral.backward(table, unknowns[4])
     bilateral.apply_impulses(table, unknowns[4], shift)
     clear(unknowns[5])
     for _ in range(CLOSINGS):  # joints are to be closed where the velocities lead from there
         if displaced_gaps(table, h) < bilateral.closed(h):
             break
-        forward(at.starts(table), at.below(table), at.values(table), unknowns[4])
-        backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+        bilateral.forward(table, unknowns[4])
+        bilateral.backward(table, unknowns[4])
         for r in range(unknowns.shape[1]):
             unknowns[4, r] *= h
         bilateral.apply_impulses(table, unknowns[4], shift)
@@ -481,8 +450,7 @@ def impacts(table: int, h: float, kept: int) -> bool:
     kick, delayed, touches, body = (
         at.kick(table), at.delayed(table), at.touches(table), at.body(table))
     begin = len(at.rows(table)) // 2
-    rows, Y, reached = (
-        at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
+    rows = at.rows(table)[begin:]
     n, now = _list(table, h, rows)
     bounded.columns(table, begin, 0, n)
     bounded.couple(table, begin, 0, n)
@@ -507,48 +475,11 @@ def impacts(table: int, h: float, kept: int) -> bool:
         elif row["source"] == TANGENT:
             tangent_row(h, body, touches, row["index"], row["normal"], row)
         row["last"], row["mode"] = last, mode
-    bounded.wipe(rows, n, Y, reached)
+    bounded.wipe(table, begin, n)
     if struck and len(at.joints(table)) > 0:
-        answer_of_joints(table, delayed)
-        add_joints(table, delayed, 1.0)
-        answer_of_joints(table, kick)
-        add_joints(table, kick, 1.0)
-        note_joints(table, 1.0)
+        clear(at.unknowns(table)[4])
+        bilateral.answer(table, delayed, at.unknowns(table)[4], at.unknowns(table)[5])
+        add_joints(table, delayed, 1.0, False)
+        bilateral.answer(table, kick, at.unknowns(table)[4], at.unknowns(table)[5])
+        add_joints(table, kick, 1.0, True)
     return struck
-
-
-@entry_point("bounded")
-def leave(table: int, h: float, n: int) -> None:
-    """In their third step, give limits that are driven back the speed gained since the hit."""
-    rows, before, limits = at.rows(table), at.before(table), at.limits(table)
-    for k in range(n):
-        row = rows[k]
-        if row["source"] == LIMITED and limits[row["index"]]["since"] >= h:
-            gain = (row["free"] - row["bias"] - bounded.rate(row, before)) / h
-            row["free"] -= max(gain, 0.0) * (limits[row["index"]]["since"] + h / 2)
-
-
-@entry_point("bounded")
-def land(table: int, h: float, n: int) -> None:
-    """Note how long ago, at the end of the step, limits were hit."""
-    rows, limits = at.rows(table), at.limits(table)
-    for k in range(n):
-        if rows[k]["source"] == LIMITED:
-            state = limits[rows[k]["index"]]
-            state["next"] = _since(table, h, rows[k], state["impulse"], state["since"])
-    for i in range(len(limits)):
-        limits[i]["since"], limits[i]["next"] = limits[i]["next"], 0.0
-
-
-@kernel
-def _since(table: int, h: float, row: Any, last: float, since: float) -> float:
-    """The time since a limit was hit [s]; 0 if that was not in this step or the one before."""
-    if row["p"] <= 0.0:
-        return 0.0
-    if last > 0.0:
-        return since + h if 0.0 < since < h else 0.0
-    start, free = bounded.rate(row, at.before(table)), row["free"] - row["bias"]
-    if row["bias"] <= 0.0 or start >= 0.0:
-        return 0.0
-    t = time_to_close(h * row["bias"], (start + free) / 2, (free - start) / h)
-    return max(h - t, 0.0)

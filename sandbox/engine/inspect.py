@@ -19,7 +19,7 @@ from sandbox.elements.arrays import MEAN, MEAN_CONTACT, PER_SAMPLE, row_bytes
 from sandbox.elements.controllers.controller import every
 from sandbox.engine import inspect_elements as of
 from sandbox.engine.inputs import make_clock
-from sandbox.engine.inspect_control import control_problems
+from sandbox.engine.inspect_control import beyond_stops, control_problems, idle_problems
 from sandbox.engine.inspect_elements import NEGLIGIBLE, deg, look, mm
 from sandbox.engine.inspect_hands import hand_problems
 from sandbox.engine.inspect_springs import against_step, ringing_problems, without_arm
@@ -65,7 +65,7 @@ def look_over(mechanism: Mechanism) -> Inspection:
         *(problem for problem in ringing_problems(model) if problem.path not in astray),
         *without_arm(model), *_of_scene(mechanism),
         *check_quantities(mechanism), *check_shown(mechanism), *control_problems(mechanism),
-        *of.beyond_stops(model), *of.idle_problems(model), *of.grasp_problems(model, allowed),
+        *beyond_stops(model), *idle_problems(model), *of.grasp_problems(model, allowed),
         *_of_run(mechanism)]
     return Inspection(sorted(problems, key=lambda problem: problem.severity != "error"),
                       estimate(model, allowed, near=near))

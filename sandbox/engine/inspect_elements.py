@@ -1,4 +1,4 @@
-"""Checks of joints, overlaps, tendons, fluid lines, loads, masses, drives and events at t = 0.
+"""Checks of joints, overlaps, tendons, fluid lines, loads and masses at t = 0.
 
 Involute teeth mesh at other distances of the centres, too, with the pressure angle a' given by
 cos a' = (r_a + r_b) cos a / distance. Beyond cos a' = 1 the base circles have no common tangent,
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from fnmatch import fnmatchcase
@@ -39,8 +38,7 @@ from sandbox.samples.cables import (
 from sandbox.samples.grasps import OF_HANDS, of_hand
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import Vec, outline, pose_of, solids, to_body
-from sandbox.values.expressions import names_in, parse_expression
-from sandbox.values.signals import Constant, Ramp, Table, values
+from sandbox.values.expressions import names_in
 from sandbox.wording import listed, quoted
 
 NEGLIGIBLE = 1e-5  # accepted gaps and overlaps [m]: scenes may be written in hundredths of a mm
@@ -480,71 +478,3 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
             yield look("no-effect", path, each, f"measures the grasp of {each}, but no part of a "
                        "hand can touch it", "a body that moves, or one with a role such as "
                        f"{listed(OF_HANDS[:2])}, and contact rules that let it")
-
-
-INSTANTS = 257  # instants of a run at which the target of a drive is checked
-
-
-def idle_problems(model: Model) -> Iterator[Problem]:
-    """Drives without effect, or outside of limits."""
-    drives, joints, tendons = model.drives, model.joints, model.tendons
-    for i, (kind, name) in enumerate(zip(drives.kind, drives.name, strict=True)):
-        path, target = f"$.drives[{i}]", int(drives.target[i])
-        moved = ([target] if kind.gives == "force" else
-                 joints.bodies[target].tolist() if kind.gives == "torque" else
-                 tendons.guide_body[tendons.guides(target)].tolist() if kind.gives == "tension"
-                 else [])
-        if moved and not kind.limited and not model.bodies.free[moved].any():
-            yield look("no-effect", path, name,
-                       f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely")
-        if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
-            yield look("no-effect", f"{path}.body", name, f"{model.bodies.name[target]} has no "
-                       "shapes, so it has no surface to drive", "a shape of that body")
-        if not kind.places:
-            continue
-        set_to = values(model.mechanism.drives[i].signal(model.mechanism), np.linspace(
-            0.0, model.mechanism.run.duration, INSTANTS), model.mechanism.functions)
-        turns = bool(joints.angle[target])
-        low, high = (joints.stops if turns else joints.reach)[target].tolist()
-        for value, over, bound, end in ((set_to.max(), set_to.max() - high, high, "most"),
-                                        (set_to.min(), low - set_to.min(), low, "least")):
-            if not over > NEGLIGIBLE:
-                continue
-            fault, advice = f"it is {mm(bound)} long at {end}", "a length within its stroke"
-            if turns:
-                fault, advice = f"its limits are [{deg(low)}, {deg(high)}]", "an angle within them"
-                if abs(value) > math.tau:
-                    advice += f"; numbers are in rad: for degrees write \"{value:.4g} deg\""
-            yield look("outside-limits", f"{path}.value", name, f"sets {joints.name[target]} to "
-                       f"{deg(value) if turns else mm(value)}, but {fault}", advice)
-
-
-def beyond_stops(model: Model) -> Iterator[Problem]:
-    """Events that wait for a hinge to pass its stop, controllers that lead one there: warnings."""
-    joints, mechanism = model.joints, model.mechanism
-    stops = {f"{joints.name[i]}.angle": joints.stops[i].tolist() for i in joints.stopped}
-    free = (-math.inf, math.inf)
-    for i, event in enumerate(mechanism.events):
-        compared = re.fullmatch(r"=?\s*([^<>=]+?)\s*([<>])=?\s*([^<>=]+?)\s*", event.when or "")
-        if compared is None:
-            continue
-        name, symbol, value = compared.groups()
-        if name not in stops:
-            name, symbol, value = value, "<" if symbol == ">" else ">", name
-        low, high = stops.get(name, free)
-        with suppress(ValueError):  # no number
-            number = parse_expression(value).evaluate({})
-            if number >= high if symbol == ">" else number <= low:
-                yield look("outside-limits", f"$.events[{i}].when", event.name,
-                           f"waits for {name} {symbol} {number:.4g} rad, but its stops are at "
-                           f"{low:.4g} and {high:.4g} rad", "it will probably never happen")
-    for i, controller in enumerate(mechanism.controllers):
-        for name, target in zip(controller.readings, controller.signals, strict=False):
-            low, high = stops.get(name, free)
-            goal = (target.constant if isinstance(target, Constant) else
-                    target.to if isinstance(target, Ramp) else
-                    target.table[-1][1] if isinstance(target, Table) else math.nan)
-            if goal < low or goal > high:
-                yield look("outside-limits", f"$.controllers[{i}]", controller.name,
-                           f"leads {name} to {goal:.4g} rad, but its stops are at {low:.4g} and "
-                           f"{high:.4g} rad", "it cannot reach this")

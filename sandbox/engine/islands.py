@@ -54,10 +54,8 @@ Of islands with joints only the rows that carry count."""
 STIFFNESS, DAMPING, TANGENTIAL = 40.0, 0.3, 2.0 / 3.0
 """Of contacts in piles: h^2 k G, the damping ratio, tangential over normal stiffness (Mindlin, of
 an incompressible material)."""
-SLEEP_STEPS, SLOW, SLOW_TURNING = 22, 1e-10, 1e-8
-"""Steps after which an island sleeps whose bodies are slower than this [m/s, rad/s]."""
-ABSOLUTE, RELATIVE = 1e-11, 1e-10
-"""Tolerance of residuals [m/s], and as a share of the largest free rate of the island."""
+SLEEP_STEPS, SLOW, SLOW_TURNING = 22, 1e-10, 1e-8  # steps until it sleeps; speeds [m/s, rad/s]
+ABSOLUTE, RELATIVE = 1e-11, 1e-10  # tolerances [m/s]; as a share of the largest free rate
 
 
 @kernel
@@ -153,7 +151,8 @@ def list_piles(table: int) -> None:
 def gather_piles(table: int, h: float) -> int:
     """List the contacts and limits of piles that are awake; how many there are."""
     touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
-    c, limits = at.piled(table), at.limits(table)
+    c, limits, free = at.piled(table), at.limits(table), len(at.rows(table)) - 1
+    motors, frictions = at.motors(table), at.dry_friction(table)
     for i in range(len(bodies)):
         bodies[i]["fastest"] = 0.0
     begin_piles(table)
@@ -170,28 +169,21 @@ def gather_piles(table: int, h: float) -> int:
         root = bodies[_root(table, max(c[k]["a"], c[k]["b"]))]
         c[k]["tolerance"] = ABSOLUTE + RELATIVE * root["fastest"]
     if at.pile_counts(table)[0]:
-        n = _gather_drives(table, h, n)
+        for i in range(len(motors)):
+            if piled(table, motors[i]["joint"]) and holds(table, motors[i]["bond"]):
+                motor_row(table, h, at.last_drive(table), i, free)
+                n = _gather_row(table, n)
+        for i in range(len(frictions)):
+            joint = frictions[i]["joint"]
+            if piled(table, joint) and joint_holds(table, joint):
+                friction_rows(table, h, i, free)
+                n = _gather_row(table, n)
         for i in range(len(limits)):
             joint = limits[i]["joint"]
             if limits[i]["impulse"] > 0.0 and piled(table, joint) and joint_holds(table, joint):
-                limit_row(table, h, i, at.rows(table)[len(at.rows(table)) - 1])
+                limit_row(table, h, i, at.rows(table)[free])
                 n = _gather_row(table, n)
     _find_order(table, n)
-    return n
-
-
-@kernel
-def _gather_drives(table: int, h: float, n: int) -> int:
-    """Add the motors and the dry friction of joints in piles to the ``n`` rows; how many then."""
-    motors, frictions, free = at.motors(table), at.dry_friction(table), len(at.rows(table)) - 1
-    for i in range(len(motors)):
-        if piled(table, motors[i]["joint"]) and holds(table, motors[i]["bond"]):
-            motor_row(table, h, at.last_drive(table), i, free)
-            n = _gather_row(table, n)
-    for i in range(len(frictions)):
-        if piled(table, frictions[i]["joint"]) and joint_holds(table, frictions[i]["joint"]):
-            friction_rows(table, h, i, free)
-            n = _gather_row(table, n)
     return n
 
 
@@ -290,7 +282,6 @@ def _gather_row(table: int, k: int) -> int:
 
 @kernel
 def _gather(table: int, h: float, i: int, k: int) -> None:
-    """Make contact ``i`` the ``k``-th to solve."""
     t, one, J = at.touches(table)[i], at.piled(table)[k], at.pile_jacobian(table)[k]
     loose, rows, free = at.loose(table), at.rows(table), at.velocity(table)
     normal, tangent = rows[len(rows) - 1], rows[len(rows) - 2]
@@ -390,13 +381,12 @@ def finish_piles(table: int, h: float, n: int) -> None:
             limit_row(table, h, i, rows[len(rows) - 1])
             rows[len(rows) - 1]["p"] = one["pn"]
             add_limit(table, h, len(rows) - 1)
-            continue
-        if one["source"] == DRIVEN:
+        elif one["source"] == DRIVEN:
             motor = at.motors(table)[i]
             motor["impulse"], motor["mode"], motor["target"] = p, slides, motor["aim"]
-            continue
-        if one["source"] == JOINT_FRICTION:
+        elif one["source"] == JOINT_FRICTION:
             report_friction(table, h, i, p, slides, math.nan)
+        if one["source"] != NORMAL:
             continue
         touch = touches[i]
         touch["normal"], touch["tangent"] = one["pn"], p

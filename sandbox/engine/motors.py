@@ -20,9 +20,9 @@ from __future__ import annotations
 
 import math
 
+from sandbox.engine import bounded
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import holds
-from sandbox.engine.bounded import HOLD, UNBOUNDED, begin_row, eliminate, put_coordinate, rate
 from sandbox.engine.coordinates import ahead, ends, vector_ahead
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
@@ -72,11 +72,12 @@ def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
         row = rows[chosen[r]]
         for c in range(m):
             A[r, c] = G[chosen[r], chosen[c]]
-        A[r, r] += HOLD * row["base"]
+        A[r, r] += bounded.HOLD * row["base"]
         A[r, m] = 1.0 if r == q else 0.0
         if loads:
             A[r, m] = (row["free"] - row["bias"] - states[row["index"]]["seen"]) / h
-    eliminate(A, m, chosen[m:])
+    bounded.factor_system(A, m, chosen[m:])
+    bounded.solve_system(A, m, chosen[m:])
     return float(A[q, m])
 
 
@@ -87,9 +88,9 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
     motor, before = at.motors(table)[i], at.before(table)
     value = drive[motor["drive"]]
     brake = motor["maximum"] != motor["maximum"]
-    limit = h * min(value if brake else motor["maximum"], UNBOUNDED)
-    begin_row(out, DRIVEN, i, motor["a"], motor["b"], motor["impulse"], motor["mode"])
-    put_coordinate(out, at.joints(table)[motor["joint"]], 1.0)
+    limit = h * min(value if brake else motor["maximum"], bounded.UNBOUNDED)
+    bounded.begin_row(out, DRIVEN, i, motor["a"], motor["b"], motor["impulse"], motor["mode"])
+    bounded.put_coordinate(out, at.joints(table)[motor["joint"]], 1.0)
     out["low"], out["high"] = -limit, limit
     out["bias"] = 0.0 if brake else -motor["sense"] * value
     if motor["slope"] > 0.0:  # at mid-step, as dampers are
@@ -98,7 +99,7 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
         out["soft"] = 2.0 / (h * motor["slope"])
     if motor["law"] == PACED and not motor["line"]:
         return
-    place, seen = at.joints(table)[motor["joint"]]["way"], rate(out, before)
+    place, seen = at.joints(table)[motor["joint"]]["way"], bounded.rate(out, before)
     motor["bend"] = 0.0
     if motor["line"]:
         line, body = at.joints(table)[motor["joint"]], at.body(table)

@@ -19,9 +19,9 @@ import numpy as np
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import Pattern, backward, clear, forward
+from sandbox.engine.plan import Pattern, clear
 from sandbox.engine.records import PLACED
-from sandbox.engine.rows import apply_impulses, right_side
+from sandbox.engine.rows import apply_impulses, backward, forward, right_side
 from sandbox.engine.state import Elements
 from sandbox.numeric import Array, Flags, Integers, Matrix, Records
 
@@ -156,8 +156,8 @@ def answer_of_rows(table: int, v: Matrix) -> None:
         velocity[b, 0], velocity[b, 1] = inverse_mass[b, 0] * v[i, 0], inverse_mass[b, 0] * v[i, 1]
         velocity[b, 2] = inverse_mass[b, 1] * v[i, 2]
     right_side(table, velocity, zero, dp)
-    forward(at.starts(table), at.below(table), at.values(table), dp)
-    backward(at.starts(table), at.below(table), at.values(table), dp)
+    forward(table, dp)
+    backward(table, dp)
     apply_impulses(table, dp, velocity)
     for i in range(len(bodies)):
         for r in range(3):
@@ -165,25 +165,6 @@ def answer_of_rows(table: int, v: Matrix) -> None:
     for j in range(len(nodes)):
         for r in range(3):
             v[len(bodies) + j, r] = -dp[nodes[j, r]] if nodes[j, r] >= 0 else 0.0
-
-
-@kernel
-def add_row_impulses(table: int) -> None:
-    """Add the last changes of the impulses of rows to the solution."""
-    dp, solution = at.pile_answer(table)[0], at.unknowns(table)[3]
-    for r in range(len(solution)):
-        solution[r] += dp[r]
-
-
-@kernel
-def add_row_forces(table: int, x: Matrix, F: Matrix) -> None:
-    """Add B^T times the values at the nodes of the rows in ``x``."""
-    blocks, B, first = at.pile_blocks(table), at.pile_coefficients(table), len(
-        at.pile_bodies(table))
-    for k in range(len(blocks)):
-        j, i = first + blocks[k, 0], blocks[k, 1]
-        for s in range(3):
-            F[i, s] += B[k, 0, s] * x[j, 0] + B[k, 1, s] * x[j, 1] + B[k, 2, s] * x[j, 2]
 
 
 @kernel

@@ -32,34 +32,22 @@ from sandbox.engine.blocks import factor_blocks, solve_blocks
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.islands import begin_piles, broken_limits, finish_piles, gather_piles
 from sandbox.engine.kernel import kernel
-from sandbox.engine.pile_rows import (
-    add_row_forces,
-    add_row_impulses,
-    add_rows,
-    answer_of_rows,
-)
+from sandbox.engine.pile_rows import add_rows, answer_of_rows
 from sandbox.engine.plan import put
 from sandbox.numeric import Matrix, Records, Stack
 
-FIRST_SHARE, MAX_SHARE, MIN_SHARE = 1e-5, 1e-2, 1e-9
-"""Initial, largest and smallest share e."""
+FIRST_SHARE, MAX_SHARE, MIN_SHARE = 1e-5, 1e-2, 1e-9  # initial, largest and smallest share e
 MAX_LINKED, ENOUGH = 0.1, 0.01
 """Where joints connect bodies: the largest share; the residual, over its tolerance, with which the
 impulses of the last step are kept. Rates fall below those at which a mechanism rests."""
 PROXIMAL_ROUNDS, NEWTON_STEPS, HALVINGS, SWEEPS = 100, 12, 4, 50
 """Proximal rounds, Newton steps in each, halvings of a step, sweeps after a failed round."""
-CYCLE = 16
-"""Number of rounds after which e changes by smaller factors: rounds may repeat in a cycle."""
-LAST = -1
-"""As the number of a solve: the one at the end of a step."""
-LIMIT_ROUNDS = 10
-"""Maximum number of times that limits which the velocities violate are added."""
-FASTEST = 1e6
-"""A change of rate [m/s] that only a singular matrix gives."""
-BOUNDARY = 1e-9
-"""Nearer to its friction limit than this share, a contact is first taken to slide."""
-OPEN, STICKS, SLIDES_UP, SLIDES_DOWN = 0, 1, 2, 3
-"""Modes: the tangential impulse is 0, between its limits, at the upper or the lower one."""
+CYCLE = 16  # rounds after which e changes by smaller factors: they may repeat in a cycle
+LAST = -1  # as the number of a solve: the one at the end of a step
+LIMIT_ROUNDS = 10  # maximum number of times that limits which the velocities violate are added
+FASTEST = 1e6  # a change of rate [m/s] that only a singular matrix gives
+BOUNDARY = 1e-9  # nearer to its friction limit than this share, a contact is first taken to slide
+OPEN, STICKS, SLIDES_UP, SLIDES_DOWN = 0, 1, 2, 3  # p_t 0, within its limits, at +limit, -limit
 
 
 @entry_point("piles")
@@ -101,8 +89,9 @@ def _solve_all(table: int, h: float, number: int) -> float:
         if n == counts[1]:
             break
         counts[1] = n
-    if counts[0] and counts[1]:
-        add_row_impulses(table)
+    solution = at.unknowns(table)[3]
+    for r in range(len(solution) if counts[0] and counts[1] else 0):
+        solution[r] += at.pile_answer(table)[0, r]
     return residual
 
 
@@ -189,13 +178,9 @@ def _restart(table: int, n: int, v: Matrix, round: int) -> float:
         for k in range(n):
             c[k]["n0"] = c[k]["n_last"] if round == 0 else c[k]["n_best"]
             c[k]["t0"] = c[k]["t_last"] if round == 0 else c[k]["t_best"]
-    if not at.pile_counts(table)[0] or round % 2 != 0:
-        return _sweep(table, n, v)
-    for k in range(n):  # sweeps leave rows of joints out
-        c[k]["pn"], c[k]["pt"] = c[k]["n0"], c[k]["t0"]
-    _momentum(table, n, v)
-    _rates(c, at.pile_jacobian(table), n, v, True)
-    return _residual(c, n)
+        if at.pile_counts(table)[0]:  # sweeps leave rows of joints out
+            return _sweep(table, n, v, 0)
+    return _sweep(table, n, v, SWEEPS)
 
 
 @kernel
@@ -261,7 +246,6 @@ def _residual_at(c: Records, J: Stack, n: int, v: Matrix) -> tuple[float, float]
 
 @kernel
 def _add_impulses(c: Records, J: Stack, n: int, sign: float, v: Matrix) -> None:
-    """Add the impulses on the bodies."""
     for k in range(n):
         a, b, pn, pt = c[k]["a"], c[k]["b"], sign * c[k]["pn"], sign * c[k]["pt"]
         if pn == 0.0 and pt == 0.0:
@@ -340,8 +324,11 @@ def _force(table: int, n: int, v: Matrix) -> float:
         for r in range(3):
             F[i, r] = (v[i, r] - free[i, r]) / weights[i, r]
     _add_impulses(c, J, n, -1.0, F)
-    if at.pile_counts(table)[0]:
-        add_row_forces(table, v, F)
+    blocks, B = at.pile_blocks(table), at.pile_coefficients(table)
+    for k in range(len(blocks) if at.pile_counts(table)[0] else 0):  # B^T times impulses of rows
+        j, i = bodies + blocks[k, 0], blocks[k, 1]
+        for r in range(3):
+            F[i, r] += B[k, 0, r] * v[j, 0] + B[k, 1, r] * v[j, 1] + B[k, 2, r] * v[j, 2]
     s = 0.0
     for i in range(bodies):
         for r in range(3):
@@ -454,13 +441,13 @@ def _add_block(
 
 
 @kernel
-def _sweep(table: int, n: int, v: Matrix) -> float:
+def _sweep(table: int, n: int, v: Matrix, sweeps: int) -> float:
     """Projected Gauss-Seidel sweeps from n0, t0, which they change; the residual after them."""
     c, J, weights = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)[3]
     for k in range(n):
         c[k]["pn"], c[k]["pt"] = c[k]["n0"], c[k]["t0"]
     _momentum(table, n, v)
-    for _ in range(SWEEPS):
+    for _ in range(sweeps):
         for k in range(n):
             one = c[k]
             a, b = one["a"], one["b"]

@@ -13,7 +13,7 @@ The matrix is quasi-definite, but a rigid row has a pivot only while other bodie
 left for it: one that acts on hubs alone, or on a link that other rows hold, follows its hubs.
 
 The factorisation is L D L^T in this fixed order. ``values`` holds the columns of L below the
-diagonal, then the diagonal: the matrix before :func:`factor`, L and 1 / D after it.
+diagonal, then the diagonal: the matrix before the factorisation, L and 1 / D after it.
 """
 
 from __future__ import annotations
@@ -213,46 +213,6 @@ def _flat(lists: list[list[int]]) -> Integers:
 
 
 @kernel
-def assemble(pairs: Integers, direct: Integers, J: Array, WJ: Array, values: Array) -> None:
-    """Add up the matrix, compliances and masses of hubs left out."""
-    for i in range(len(values)):
-        values[i] = 0.0
-    slot, x = 0, 0.0
-    for k in range(len(pairs)):  # those of a slot one after the other
-        a, b = pairs[k, 1], pairs[k, 2]
-        if pairs[k, 0] != slot:
-            values[slot] = x
-            slot, x = pairs[k, 0], 0.0
-        x += J[a, 0] * WJ[b, 0] + J[a, 1] * WJ[b, 1] + J[a, 2] * WJ[b, 2]
-    if len(pairs) > 0:
-        values[slot] = x
-    for k in range(len(direct)):
-        values[direct[k, 0]] += J[direct[k, 1], direct[k, 2]]
-
-
-@kernel
-def factor(
-    starts: Integers, below: Integers, updates: Integers, values: Array, column: Array,
-) -> None:
-    """Turn ``values`` into the factor; ``column`` [m] is scratch."""
-    t, n = 0, len(starts) - 1
-    diagonal = starts[n]
-    for j in range(n):
-        first, last = starts[j], starts[j + 1]
-        inverse = 1.0 / values[diagonal + j]
-        values[diagonal + j] = inverse
-        for p in range(first, last):
-            x = values[p]
-            scaled = x * inverse
-            column[p - first] = x
-            values[p] = scaled
-            values[diagonal + below[p]] -= scaled * x
-            for q in range(p - first):
-                values[updates[t + q]] -= scaled * column[q]
-            t += p - first
-
-
-@kernel
 def clear(x: Array) -> None:
     """Set all of a vector to 0."""
     for i in range(len(x)):
@@ -281,25 +241,3 @@ def add_to(x: Array, i: int, one: float, two: float, three: float) -> None:
     x[i, 0] += one
     x[i, 1] += two
     x[i, 2] += three
-
-
-@kernel
-def forward(starts: Integers, below: Integers, values: Array, y: Array) -> None:
-    """L^-1 y in place."""
-    for j in range(len(starts) - 1):
-        x = y[j]
-        if x != 0.0:
-            for p in range(starts[j], starts[j + 1]):
-                y[below[p]] -= values[p] * x
-
-
-@kernel
-def backward(starts: Integers, below: Integers, values: Array, y: Array) -> None:
-    """L^-T D^-1 y in place."""
-    n = len(starts) - 1
-    diagonal = starts[n]
-    for j in range(n - 1, -1, -1):
-        x = y[j] * values[diagonal + j]
-        for p in range(starts[j], starts[j + 1]):
-            x -= values[p] * y[below[p]]
-        y[j] = x

@@ -17,10 +17,10 @@ from typing import Any
 from sandbox.engine import coordinates as q
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import holds, remaining_gap
-from sandbox.engine.contacts import CONFORMING, nearest_start
+from sandbox.engine.curves import CONFORMING, nearest_start
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import backward, forward
+from sandbox.engine.plan import clear
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.numeric import Array, Records
 
@@ -282,13 +282,12 @@ def right_side(table: int, free: Array, targets: Array, rhs: Array) -> None:
 @kernel
 def answer(table: int, free: Array, targets: Array, impulses: Array) -> None:
     """Impulses [m] of bilateral rows with right sides ``targets`` at free velocities [nb, 3]."""
-    solved, starts, below, values = (
-        at.unknowns(table)[2], at.starts(table), at.below(table), at.values(table))
+    solved = at.unknowns(table)[2]
     right_side(table, free, targets, solved)
-    forward(starts, below, values, solved)
+    forward(table, solved)
     for r in range(len(solved)):
         impulses[r] = solved[r]
-    backward(starts, below, values, impulses)
+    backward(table, impulses)
 
 
 @kernel
@@ -307,3 +306,68 @@ def apply_impulses(table: int, impulses: Array, velocity: Array) -> None:
         e, axis = direct[k, 1], direct[k, 2]
         if entry_body[e] < len(velocity):
             velocity[entry_body[e], axis] += WJ[e, axis] * impulses[entry_row[e]]
+
+
+@kernel
+def assemble(table: int) -> None:
+    """Add up the matrix, compliances and masses of hubs left out."""
+    J, WJ, values = at.entries(table)[0], at.entries(table)[1], at.values(table)
+    pairs, direct = at.pairs(table), at.direct(table)
+    clear(values)
+    slot, x = 0, 0.0
+    for k in range(len(pairs)):  # those of a slot one after the other
+        a, b = pairs[k, 1], pairs[k, 2]
+        if pairs[k, 0] != slot:
+            values[slot] = x
+            slot, x = pairs[k, 0], 0.0
+        x += J[a, 0] * WJ[b, 0] + J[a, 1] * WJ[b, 1] + J[a, 2] * WJ[b, 2]
+    if len(pairs) > 0:
+        values[slot] = x
+    for k in range(len(direct)):
+        values[direct[k, 0]] += J[direct[k, 1], direct[k, 2]]
+
+
+@kernel
+def factor(table: int) -> None:
+    """Turn the matrix into its factor."""
+    starts, below, updates = at.starts(table), at.below(table), at.updates(table)
+    values, column = at.values(table), at.unknowns(table)[4]
+    t, n = 0, len(starts) - 1
+    diagonal = starts[n]
+    for j in range(n):
+        first, last = starts[j], starts[j + 1]
+        inverse = 1.0 / values[diagonal + j]
+        values[diagonal + j] = inverse
+        for p in range(first, last):
+            x = values[p]
+            scaled = x * inverse
+            column[p - first] = x
+            values[p] = scaled
+            values[diagonal + below[p]] -= scaled * x
+            for m in range(p - first):
+                values[updates[t + m]] -= scaled * column[m]
+            t += p - first
+
+
+@kernel
+def forward(table: int, y: Array) -> None:
+    """L^-1 y in place."""
+    starts, below, values = at.starts(table), at.below(table), at.values(table)
+    for j in range(len(starts) - 1):
+        x = y[j]
+        if x != 0.0:
+            for p in range(starts[j], starts[j + 1]):
+                y[below[p]] -= values[p] * x
+
+
+@kernel
+def backward(table: int, y: Array) -> None:
+    """L^-T D^-1 y in place."""
+    starts, below, values = at.starts(table), at.below(table), at.values(table)
+    n = len(starts) - 1
+    diagonal = starts[n]
+    for j in range(n - 1, -1, -1):
+        x = y[j] * values[diagonal + j]
+        for p in range(starts[j], starts[j + 1]):
+            x -= values[p] * y[below[p]]
+        y[j] = x

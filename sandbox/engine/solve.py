@@ -8,26 +8,28 @@ with bounds,
 gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.plan`). Rows C
 that carry something or would be violated are solved on what it leaves
 (:mod:`sandbox.engine.bounded`). Then groups of elements may change their active sets and
-linearisations (:mod:`sandbox.engine.groups`), and the step is solved again. Restitution acts before
+linearisations (:func:`_change`), and the step is solved again. Restitution acts before
 all forces (:mod:`sandbox.engine.impacts`).
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
-from sandbox.engine import bounded, groups, impacts
+from sandbox.engine import bounded, fluids, impacts, loads, springs, tendons
 from sandbox.engine import memory as at
+from sandbox.engine import rows as bilateral
 from sandbox.engine.bonds import release_rows
-from sandbox.engine.bounded_rows import RETURN, broken_rows, kept_rows
+from sandbox.engine.bounded_rows import RETURN, broken_rows, kept_rows, land, leave
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.islands import SLOW, SLOW_TURNING, list_piles, stretch_skin
-from sandbox.engine.joint_friction import break_away
+from sandbox.engine.joint_friction import break_away, change_friction
 from sandbox.engine.kernel import kernel
+from sandbox.engine.motors import brake_in_time
 from sandbox.engine.piles import LAST, solve_piles
-from sandbox.engine.plan import assemble, backward, factor, forward, put
+from sandbox.engine.plan import put
 from sandbox.engine.report import breaks, report
-from sandbox.engine.rows import apply_impulses, closed, joint_rows, right_side
 from sandbox.engine.state import COARSE, STILL, STILL_TURNING
 from sandbox.numeric import Array, Records
 
@@ -51,11 +53,14 @@ overlapping bodies into each other; at a common hinge it is less."""
 @kernel
 def solve(table: int, h: float, drive: Array) -> bool:
     """Find the velocities after a step; whether there was an impact. ``drive`` [nd]: its values."""
-    rows, solved, values = at.rows(table), at.unknowns(table)[2], at.values(table)
-    starts, below = at.starts(table), at.below(table)
-    Y, reached = at.columns(table), at.reached(table)
+    solved = at.unknowns(table)[2]
     at.standing(table)[2] = 0
-    groups.set_rows(table, h, drive)
+    bilateral.joint_rows(table, h)
+    springs.spring_rows(table, h, drive)
+    springs.law_rows(table, h, drive)
+    loads.load_rows(table, h)
+    release_rows(table, h)
+    tendons.slacken(table)
     list_piles(table)
     n = kept_rows(table, h, drive)
     hit = struck = True
@@ -64,15 +69,15 @@ def solve(table: int, h: float, drive: Array) -> bool:
         factor_matrix(table, h, drive)
         if hit:
             struck = strike(table, h, drive, n)
-        right_side(table, at.free(table), at.unknowns(table)[0], solved)
-        forward(starts, below, values, solved)
+        bilateral.right_side(table, at.free(table), at.unknowns(table)[0], solved)
+        bilateral.forward(table, solved)
         done, closings, taken, again = 0, 0, math.inf, False
         while True:  # rows only grow in number, and joints are closed so often at most
             bounded.columns(table, 0, done, n)
             bounded.couple(table, 0, done, n)
             if done == 0:
-                groups.limit_rates(table, h, n)
-                impacts.leave(table, h, n)
+                brake_in_time(table, h, n)
+                leave(table, h, n)
             done = n
             slack = solve_bounded(table, n, again)
             find_velocities(table, n)
@@ -87,9 +92,9 @@ def solve(table: int, h: float, drive: Array) -> bool:
                 closings += 1
         if struck:
             impacts.lead_back(table, h, n)
-        bounded.wipe(rows, n, Y, reached)
+        bounded.wipe(table, 0, n)
         hit = impacts.late_hits(table, n)
-        changed, converging = groups.change(table, h, drive, attempt, n, hit)
+        changed, converging = _change(table, h, drive, attempt, n, hit)
         if not (converging or (changed and attempt < LAW_ROUNDS - 1)):
             if attempt + 1 == PRESSED:
                 break
@@ -99,12 +104,22 @@ def solve(table: int, h: float, drive: Array) -> bool:
                 break
             n = kept_rows(table, h, drive)
     at.standing(table)[3], at.standing(table)[4] = jammed(table, n, slack), n
-    impacts.land(table, h, n)
+    land(table, h, n)
     report(table, h, drive, n)
     stretch_skin(table, h, n)
     _note_accuracy(table, n, slack, max(piles, solve_piles(table, h, LAST)))
     _rest(table)
     return struck
+
+
+@kernel
+def _change(table: int, h: float, drive: Array, attempt: int, n: int, again: bool) -> Any:
+    """Change contradicted active sets and linearisations: whether any; whether it converges."""
+    changed, converging = springs.change_laws(table, h, drive), loads.change_loads(table, h)
+    changed |= change_friction(table, n)
+    changed |= (again or tendons.change_cables(table, h, attempt)
+                or fluids.change_lines(table, h, drive, attempt))
+    return changed, converging
 
 
 @entry_point("bounces")
@@ -116,7 +131,7 @@ def strike(table: int, h: float, drive: Array, n: int) -> bool:
             factor_matrix(table, h, drive)
         struck = impacts.impacts(table, h, n)
         if len(at.joints(table)) > 0:
-            joint_rows(table, h)
+            bilateral.joint_rows(table, h)
             release_rows(table, h)
             factor_matrix(table, h, drive)
         impacts.take_impacts(table, h, struck)
@@ -129,14 +144,15 @@ def factor_matrix(table: int, h: float, drive: Array) -> None:
     unknowns, values = at.unknowns(table), at.values(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
     entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
-    groups.update_rows(table, h, drive)
+    tendons.cable_rows(table, h)
+    fluids.fluid_rows(table, h, drive)
     for e in range(len(entry_body)):
         b = entry_body[e]
         if b < len(inverse_mass):  # else a slip, which has no mass
             w, wt = inverse_mass[b, 0], inverse_mass[b, 1]
             WJ[e, 0], WJ[e, 1], WJ[e, 2] = w * J[e, 0], w * J[e, 1], wt * J[e, 2]
-    assemble(at.pairs(table), at.direct(table), J, WJ, values)
-    groups.couple_rows(table, h)
+    bilateral.assemble(table)
+    fluids.join_lines(table, h)
     count = unknowns.shape[1]
     diagonal = len(values) - count
     for i in range(count):
@@ -145,7 +161,7 @@ def factor_matrix(table: int, h: float, drive: Array) -> None:
     for k in range(len(direct)):  # what hubs give
         e, axis = direct[k, 1], direct[k, 2]
         values[diagonal + entry_row[e]] += HARD * J[e, axis] * WJ[e, axis]
-    factor(at.starts(table), at.below(table), at.updates(table), values, unknowns[4])
+    bilateral.factor(table)
 
 
 @entry_point()
@@ -155,9 +171,9 @@ def close_joints(table: int, h: float, n: int, most: float) -> float:
     Y, reached = at.columns(table), at.reached(table)
     count = unknowns.shape[1]
     diagonal = len(values) - count
-    if impacts.displaced_gaps(table, h) < closed(h):
+    if impacts.displaced_gaps(table, h) < bilateral.closed(h):
         return 0.0
-    forward(at.starts(table), at.below(table), values, unknowns[4])
+    bilateral.forward(table, unknowns[4])
     taken = 0.0
     for i in range(count):
         taken += unknowns[4, i] * unknowns[4, i] * values[diagonal + i]
@@ -291,7 +307,7 @@ def _rest(table: int) -> None:
         if not (abs(velocity[b, 0]) < slow and abs(velocity[b, 1]) < slow
                 and abs(velocity[b, 2]) < turning):
             return
-    belts, changing = at.belts(table), groups.is_changing(table)
+    belts, changing = at.belts(table), fluids.flowing(table) or loads.timed(table)
     for b in range(len(velocity)):
         velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
         changing |= belts[b] != 0.0  # friction on a surface that runs does work
@@ -302,9 +318,8 @@ def _rest(table: int) -> None:
 @entry_point()
 def find_velocities(table: int, n: int) -> None:
     """The unknowns and the velocities that the impulses of the rows lead to."""
-    unknowns, rows, Y, reached = (
-        at.unknowns(table), at.rows(table), at.columns(table), at.reached(table))
-    free, velocity, inverse_mass = at.free(table), at.velocity(table), at.inverse_mass(table)
+    unknowns, rows, velocity = at.unknowns(table), at.rows(table), at.velocity(table)
+    Y, reached = at.columns(table), at.reached(table)
     for i in range(unknowns.shape[1]):
         unknowns[3, i] = unknowns[2, i]
     for k in range(n):
@@ -313,8 +328,8 @@ def find_velocities(table: int, n: int) -> None:
             for q in range(rows[k]["branch"]):
                 i = reached[k, q]
                 unknowns[3, i] -= Y[k, i] * p
-    backward(at.starts(table), at.below(table), at.values(table), unknowns[3])
-    put(velocity, free)
-    apply_impulses(table, unknowns[3], velocity)
+    bilateral.backward(table, unknowns[3])
+    put(velocity, at.free(table))
+    bilateral.apply_impulses(table, unknowns[3], velocity)
     for k in range(n):
-        bounded.push(inverse_mass, rows[k], rows[k]["p"], velocity)
+        bounded.push(at.inverse_mass(table), rows[k], rows[k]["p"], velocity)

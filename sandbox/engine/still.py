@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from sandbox.engine.advance import UNKEPT, advance
+from sandbox.engine.divergence import diverged
 from sandbox.engine.inspect_control import Checked
-from sandbox.engine.simulation import Simulation, diverged
+from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
 from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording

@@ -10,10 +10,10 @@ import numpy as np
 from sandbox.engine import element_tables as et
 from sandbox.engine import state as st
 from sandbox.engine.blocks import BITS
-from sandbox.engine.contacts import CHECKED
 from sandbox.engine.pile_rows import pile_tables
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
+from sandbox.engine.search import CHECKED
 from sandbox.engine.world import Room, World
 from sandbox.model.programs import curve_tables
 

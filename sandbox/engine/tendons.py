@@ -166,14 +166,6 @@ def _unwound(angle: float, guide: Any, start: bool) -> float:
     return float(psi - guide["wrap0"])
 
 
-@kernel
-def wound_up(cable: Any, guides: Records) -> float:
-    """The length of a tendon that the wheels at its ends have wound up since t = 0 [m]."""
-    first, last = cable["first"], cable["last"] - 1
-    return float(guides[last]["radius"] * (guides[last]["wrap"] - guides[last]["wrap0"])
-                 - guides[first]["radius"] * (guides[first]["wrap"] - guides[first]["wrap0"]))
-
-
 EXCESS = 1e-10  # accepted excess of friction, as a share of both tensions: stiff cables hardly slip
 
 
@@ -428,7 +420,9 @@ def pull(table: int, drive: Array) -> None:
             cable["k"] = drive[cable["stiffener"]]
         cable["length"] = measure(cable, guides, body, at.turn(table), False)
         if cable["whole"] >= 0:
-            cable["wound"] = wound_up(cable, guides)
+            one, two = guides[cable["first"]], guides[cable["last"] - 1]
+            cable["wound"] = (two["radius"] * (two["wrap"] - two["wrap0"])
+                              - one["radius"] * (one["wrap"] - one["wrap0"]))
             cable["inside"] = max(cable["minimum"], cable["rest"] - cable["wound"])
         if cable["row"] >= 0 or cable["kind"] == GRIPPED:
             continue
