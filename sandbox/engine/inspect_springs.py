@@ -247,7 +247,7 @@ def _spring(model: Model, spring: int) -> Array:
     """What a unit force of a spring does at t = 0; along x if its ends coincide."""
     pose, springs = model.bodies.pose, model.springs
     if not springs.straight[spring]:
-        return supports.turning_row(model, int(springs.joint[spring]))[0]
+        return np.asarray(supports.turning_row(model, int(springs.joint[spring]))[0])
     bodies = springs.bodies[spring].tolist()
     at = np.array([*map(model.at_start, bodies, springs.anchor[spring])])
     way = at[1] - at[0]
@@ -257,4 +257,4 @@ def _spring(model: Model, spring: int) -> Array:
     for body, point, sign in zip(bodies, at, (1.0, -1.0), strict=True):
         arm = point - pose[body, :2]
         found[0, body] += sign * np.array([*u, arm[0] * u[1] - arm[1] * u[0]])
-    return supports.about_centres(model, pose, found)[0]
+    return np.asarray(supports.about_centres(model, pose, found)[0])
