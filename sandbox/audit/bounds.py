@@ -23,7 +23,7 @@ from sandbox.mechanics.linear_program import LinearProgram
 from sandbox.model.joints import flank_of, slot_length
 from sandbox.model.model import NONE
 from sandbox.model.pairs import static_friction_of
-from sandbox.model.supports import RANK, about_centre, components, joint_rows
+from sandbox.model.supports import RANK, about_centres, components, joint_rows
 from sandbox.numeric import Array
 
 MANY = 60  # Contacts at the end above which the audit leaves their bounds out
@@ -79,10 +79,7 @@ class Unknowns:
                 one, other = (flank_of(model, j, pose, side) for side in (1, -1))
                 flank = 1 if (one.x - other.x) * force[0] + (
                     one.y - other.y) * force[1] >= 0 else -1
-            for row in joint_rows(model, pose, j, flank=flank):
-                wrench = np.zeros((len(pose), 3))
-                for body, part in row:
-                    wrench[body] = about_centre(model, pose, body, part)
+            for wrench in about_centres(model, pose, joint_rows(model, pose, j, flank=flank)):
                 yield Unknown(wrench, free=True)
 
     def _pair(self, one: int, two: int, at: Array, force: Array, couple: float = 0.0) -> Array:

@@ -18,7 +18,7 @@ pulls; contacts and gravity are left out. They are computed again with all tendo
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -54,7 +54,7 @@ def against_step(model: Model) -> Iterator[Problem]:
                                 float(bounds[i]))
     for j in joints.hinges.tolist():
         yield from _against(model, f"$.joints[{j}]", joints.name[j], 0.0, float(joints.damping[j]),
-                            _about(model, j), j, stiffnesses.turning(model, j))
+                            supports.turning_row(model, j)[0], j, stiffnesses.turning(model, j))
     for i, law in enumerate(springs.law):
         if law is not None:
             tried = stiffnesses.range_of_stretch(model, i)
@@ -68,17 +68,17 @@ def against_step(model: Model) -> Iterator[Problem]:
 
 
 def _against(
-    model: Model, path: str, name: str, k: float, c: float, parts: supports.Parts, hinge: int,
+    model: Model, path: str, name: str, k: float, c: float, wrench: Array, hinge: int,
     bound: float,
 ) -> Iterator[Problem]:
     h = model.mechanism.run.step
     if 1.01 * bound * h * max(k * h / COARSE**2, c / OVERDAMPED) < 1:
         return  # its response is no larger than the bound
-    bodies = np.unique([body for body, _ in parts])
-    weight, place = _weight(model, bodies), supports.places(bodies)
-    motions = _motions(model, place, weight, () if hinge == NONE else (hinge,))
+    bodies = np.flatnonzero(wrench.any(axis=1))
+    weight = _weight(model, bodies)
+    motions = _motions(model, bodies, weight, () if hinge == NONE else (hinge,))
     # response of two bodies, which a hinge may join, to unit pushes [1/kg, 1/(kg m^2)]
-    softness = float(np.sum((supports.row_of(place, parts) / weight @ motions)**2))
+    softness = float(np.sum((wrench[bodies].ravel() / weight @ motions)**2))
     pace, rate = math.sqrt(k * softness), c * softness
     if h * h * k * bound > SOFT:
         fine = min(COARSE / pace if pace else math.inf, math.sqrt(SOFT / (k * bound)))
@@ -148,7 +148,7 @@ class _Mode(NamedTuple):
 
 
 class _Element(NamedTuple):
-    parts: supports.Parts  # forces and moments about the centres of mass of 1 N or 1 N m of it
+    wrench: Array  # forces and moments about centres of mass of 1 N or 1 N m of it, [nb, 3]
     stiffness: float
     damping: float  # with h k added if it is solved at the end of a step h
     cable: int = NONE
@@ -162,13 +162,13 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
     now = free & ~np.asarray(lengths_at_start(model) < rest_lengths(model) - STRAIGHT)
     h, springs, tendons = model.mechanism.run.step, model.springs, model.tendons
     damping = tendons.damping + h * tendons.stiffness * stiffnesses.stiff_cables(model, h)
-    elements = [_Element(list(pulls.items()), float(k), float(damping[i]), i) for i, (pulls, k)
+    elements = [_Element(pulls, float(k), float(damping[i]), i) for i, (pulls, k)
                 in enumerate(zip(pulls_at_start(model), tendons.stiffness, strict=True))]
     largest = stiffnesses.largest_stiffness(model)
     damping = springs.damping + np.where(stiffnesses.too_stiff(model, h), h * largest, 0.0)
     elements += [_Element(_spring(model, i), float(k), float(damping[i]))
                  for i, k in enumerate(largest)]
-    elements += [_Element(_about(model, j), 0.0, float(model.joints.damping[j]))
+    elements += [_Element(supports.turning_row(model, j)[0], 0.0, float(model.joints.damping[j]))
                  for j in np.flatnonzero(model.joints.damping > 0).tolist()]
     ringing = _ringing(model, elements, now)
     later = {} if (now == free).all() else _ringing(model, elements, free)
@@ -188,7 +188,7 @@ def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _
     at: dict[int, dict[int, _Element]] = {}
     for i, element in enumerate(elements):
         if element.cable == NONE or taut[element.cable]:
-            for body, _ in element.parts:
+            for body in np.flatnonzero(element.wrench.any(axis=1)).tolist():
                 at.setdefault(body, {})[i] = element
     worst: dict[int, _Mode] = {}
     for bodies in groups(model, springs=True) if rigid.any() else ():
@@ -207,10 +207,10 @@ def _modes(model: Model, bodies: Integers, own: list[_Element], rigid: Flags) ->
         return
     stiffness = np.array([each.stiffness for each in own])
     damping = np.array([each.damping for each in own])
-    weight, place = _weight(model, bodies), supports.places(bodies)
-    joints = sorted({joint for body in place for joint, _ in model.neighbours[body]})
-    rows = np.array([supports.row_of(place, each.parts) for each in own]) / weight
-    rows = rows @ _motions(model, place, weight, joints)
+    weight = _weight(model, bodies)
+    joints = sorted({joint for body in bodies.tolist() for joint, _ in model.neighbours[body]})
+    rows = np.array([each.wrench[bodies].ravel() for each in own]) / weight
+    rows = rows @ _motions(model, bodies, weight, joints)
     squares, shapes = np.linalg.eigh((rows * stiffness[:, None]).T @ rows)
     negligible = supports.RANK * max(float(squares.max(initial=0.0)), 1e-300)
     for square, shape in zip(squares, shapes.T, strict=True):
@@ -233,35 +233,28 @@ def _weight(model: Model, bodies: Integers) -> Array:
     return weight
 
 
-def _motions(model: Model, place: Mapping[int, int], weight: Array, joints: Sequence[int]) -> Array:
+def _motions(model: Model, bodies: Integers, weight: Array, joints: Sequence[int]) -> Array:
     """A basis of the motions that joints allow, times the roots of the masses, [3 n, freedoms]."""
     pose = model.bodies.pose
-    found = [supports.row_of(place, [(body, supports.about_centre(model, pose, body, each))
-                            for body, each in row if body in place])
-             for joint in joints for row in supports.joint_rows(
-                 model, pose, joint, flank=int(model.joints.play[joint] == 0))]
-    return null_space(np.array(found).reshape(-1, len(weight)) / weight)
+    rows = [supports.about_centres(model, pose, supports.joint_rows(
+        model, pose, joint, flank=int(model.joints.play[joint] == 0)))[:, bodies]
+        for joint in joints]
+    found = np.concatenate([np.zeros((0, len(bodies), 3)), *rows])
+    return null_space(found.reshape(-1, len(weight)) / weight)
 
 
-def _spring(model: Model, spring: int) -> supports.Parts:
+def _spring(model: Model, spring: int) -> Array:
     """What a unit force of a spring does at t = 0; along x if its ends coincide."""
     pose, springs = model.bodies.pose, model.springs
     if not springs.straight[spring]:
-        return _about(model, int(springs.joint[spring]))
+        return np.asarray(supports.turning_row(model, int(springs.joint[spring]))[0])
     bodies = springs.bodies[spring].tolist()
     at = np.array([*map(model.at_start, bodies, springs.anchor[spring])])
     way = at[1] - at[0]
     length = float(np.hypot(*way))
     u = way / length if length > STRAIGHT else np.array([1.0, 0.0])
-    found = []
+    found = np.zeros((1, len(pose), 3))
     for body, point, sign in zip(bodies, at, (1.0, -1.0), strict=True):
         arm = point - pose[body, :2]
-        wrench = sign * np.array([*u, arm[0] * u[1] - arm[1] * u[0]])
-        found.append((body, supports.about_centre(model, pose, body, wrench)))
-    return found
-
-
-def _about(model: Model, joint: int) -> supports.Parts:
-    a, b = model.joints.bodies[joint].tolist()
-    turn = np.array([0.0, 0.0, 1.0])
-    return [(a, -turn), (b, turn)]
+        found[0, body] += sign * np.array([*u, arm[0] * u[1] - arm[1] * u[0]])
+    return np.asarray(supports.about_centres(model, pose, found)[0])

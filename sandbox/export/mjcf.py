@@ -558,11 +558,10 @@ def add_tendons(draft: Draft) -> float:
                 law["range"] = (0.0, rest)
                 draft.sense("tendonlimitfrc", f"{name}.tension", tendon=name)
             else:
-                bodies = draft.model.bodies
-                mobility = sum(  # J M^-1 J^T of the free bodies [1/kg]
-                    float((x * x + y * y) / bodies.mass[body] + moment**2 / bodies.inertia[body])
-                    for body, (x, y, moment) in pulls[tendon].items() if bodies.free[body]
-                    ) or 1e-12
+                bodies, (x, y, moment) = draft.model.bodies, pulls[tendon].T
+                mobility = float(np.sum(  # J M^-1 J^T of the free bodies [1/kg]
+                    (x * x + y * y) / bodies.mass + moment**2 / bodies.inertia,
+                    where=bodies.free)) or 1e-12
                 step = min(step, FRACTION / math.sqrt(stiffness * mobility))
                 if tendons.damping[tendon]:
                     # T = max(k (L - L0) + c L', 0), which a tendon's own law cannot have: the

@@ -7,7 +7,7 @@ in one of them are not unique; the engine finds the minimum sum of squares, weig
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -20,8 +20,6 @@ from sandbox.scene.geometry import Vec
 LARGEST_GROUP = 300  # largest number of connected rows that are examined
 RANK = 1e-9  # singular values below this share of the largest count as none
 PART = 1e-6  # minimum component of a joint in a unit vector of the null space
-# bodies with coefficients of x, y and angle, or a force x, y and a moment, [3]
-Parts = Sequence[tuple[int, Array]]
 
 
 class Shared(NamedTuple):
@@ -36,14 +34,16 @@ def shared_joints(model: Model, pose: Array) -> Shared:
     found: set[int] = set()
     examined = False
     for joints in together(model):
-        rows = [(joint, row) for joint in joints for row in joint_rows(model, pose, joint)]
-        if not rows or len(rows) > LARGEST_GROUP:
+        if len(joints) > LARGEST_GROUP:
+            continue
+        rows = [joint_rows(model, pose, joint) for joint in joints]
+        of = np.repeat(joints, [len(each) for each in rows])
+        if not 0 < len(of) <= LARGEST_GROUP:
             continue
         examined = True
-        left, values, _ = np.linalg.svd(_matrix(model, joints, [row for _, row in rows]))
+        left, values, _ = np.linalg.svd(_matrix(model, joints, np.concatenate(rows)))
         rank = int(np.count_nonzero(values > RANK * values[0]))
-        part = np.linalg.norm(left[:, rank:], axis=1) > PART
-        found |= {joint for (joint, _), has in zip(rows, part, strict=True) if has}
+        found.update(of[np.linalg.norm(left[:, rank:], axis=1) > PART].tolist())
     return Shared(found, examined)
 
 
@@ -52,16 +52,18 @@ def parting_wheels(model: Model, pose: Array) -> set[int]:
     found: set[int] = set()
     for joints in together(model):
         toothed = [j for j in joints if model.joints.kind[j].teeth]
-        rows = [row for joint in joints for row in joint_rows(model, pose, joint, flank=1)]
-        if not toothed or len(rows) > LARGEST_GROUP:
+        if not toothed or len(joints) > LARGEST_GROUP:
             continue
+        rows = [joint_rows(model, pose, joint, flank=1) for joint in joints]
         for joint in toothed:  # the row of the distance of two wheels, or of a gear from its rack
             a, b = model.joints.bodies[joint].tolist()
             x, y = (float(v) for v in outward(model, joint, pose))
             ax, ay = _arm(pose[a], model.joints.anchor[joint, 0])
             bx, by = pose[a, 0] + ax - pose[b, 0], pose[a, 1] + ay - pose[b, 1]
-            rows.append(_row(a, b, x, y, (ax, ay), (bx, by)))
-        J = _matrix(model, joints, rows)
+            rows.append(_rows(pose, a, b, [(x, y)], (ax, ay), (bx, by)))
+        J = _matrix(model, joints, np.concatenate(rows))
+        if len(J) - len(toothed) > LARGEST_GROUP:
+            continue
         kept, parting = J[:-len(toothed)], J[-len(toothed):]
         _, values, right = np.linalg.svd(kept, full_matrices=False)
         held = right[values > RANK * values[0]]
@@ -71,33 +73,23 @@ def parting_wheels(model: Model, pose: Array) -> set[int]:
     return found
 
 
-def _row(a: int, b: int, x: float, y: float, on_a: Vec, on_b: Vec) -> Parts:
-    """The row of a direction x, y at points of two bodies relative to their frames."""
-    (ax, ay), (bx, by) = on_a, on_b
-    return [(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
+def _rows(
+    pose: Array, a: int, b: int, directions: Sequence[Vec], on_a: Vec, on_b: Vec,
+) -> Array:
+    """Rows [m, nb, 3] of directions at points of two bodies relative to their frames."""
+    rows = np.zeros((len(directions), len(pose), 3))
+    for row, (x, y) in zip(rows, directions, strict=True):
+        row[a] = -x, -y, -(on_a[0] * y - on_a[1] * x)
+        row[b] = x, y, on_b[0] * y - on_b[1] * x
+    return rows
 
 
-def _matrix(model: Model, joints: list[int], rows: Sequence[Parts]) -> Array:
+def _matrix(model: Model, joints: list[int], rows: Array) -> Array:
     """Rows of the free bodies of some joints, [m, 3 n]; moments by the longest arm of each."""
     bodies = np.unique(model.joints.bodies[joints])
-    place = places(bodies[model.bodies.free[bodies]])
-    J = np.array([row_of(place, row) for row in rows])
+    J = rows[:, bodies[model.bodies.free[bodies]]].reshape(len(rows), -1)
     J[:, 2::3] /= np.maximum(np.abs(J[:, 2::3]).max(axis=0), 1e-300)
     return J
-
-
-def places(bodies: Integers) -> dict[int, int]:
-    """The place of each of some bodies among them."""
-    return {body: k for k, body in enumerate(bodies.tolist())}
-
-
-def row_of(place: Mapping[int, int], parts: Parts) -> Array:
-    """Coefficients of some bodies, by their ``place``, [3 n]; those of others are left out."""
-    row = np.zeros((len(place), 3))
-    for body, coefficients in parts:
-        if body in place:
-            row[place[body]] += coefficients
-    return row.ravel()
 
 
 def components(count: int, pairs: Sequence[Sequence[int]] | Array | Integers) -> list[int]:
@@ -122,8 +114,8 @@ def together(model: Model) -> list[list[int]]:
     return list(found.values())
 
 
-def joint_rows(model: Model, pose: Array, joint: int, *, flank: int = 0) -> list[Parts]:
-    """Rows of a joint: its two bodies with coefficients about their frames' origins.
+def joint_rows(model: Model, pose: Array, joint: int, *, flank: int = 0) -> Array:
+    """Rows of a joint: coefficients of bodies about their frames' origins, [m, nb, 3].
 
     Teeth are elastic: they have a row only for a given ``flank``, +1 or -1.
     """
@@ -151,16 +143,22 @@ def joint_rows(model: Model, pose: Array, joint: int, *, flank: int = 0) -> list
     if kind.wheels:
         x, y = (float(v) for v in meeting(model, joint, pose))
         ax, ay, bx, by = x - pose[a, 0], y - pose[a, 1], x - pose[b, 0], y - pose[b, 1]
-    rows = [_row(a, b, x, y, (ax, ay), (bx, by)) for x, y in along]
-    if not joints.turns[joint]:
-        rows.append([(a, np.array([0.0, 0.0, -1.0])), (b, np.array([0.0, 0.0, 1.0]))])
-    return rows
+    rows = _rows(pose, a, b, along, (ax, ay), (bx, by))
+    return rows if joints.turns[joint] else np.concatenate([rows, turning_row(model, joint)])
 
 
-def about_centre(model: Model, pose: Array, body: int, wrench: Array) -> Array:
-    """A force x, y and a moment about a body's frame, [3], with the moment about its centre."""
-    x, y = _arm(pose[body], model.bodies.centre[body])
-    return np.subtract(wrench, [0.0, 0.0, x * wrench[1] - y * wrench[0]])
+def turning_row(model: Model, joint: int) -> Array:
+    """The rotation of ``b`` against ``a``, or a couple on them, [1, nb, 3]."""
+    row = np.zeros((1, len(model.bodies.name), 3))
+    row[0, model.joints.bodies[joint], 2] = -1.0, 1.0
+    return row
+
+
+def about_centres(model: Model, pose: Array, wrenches: Array) -> Array:
+    """Forces x, y and moments about the bodies' frames, [m, nb, 3], as moments about centres."""
+    (x, y), found = rotated(model.bodies.centre, pose[:, 2]).T, wrenches.copy()
+    found[..., 2] -= x * wrenches[..., 1] - y * wrenches[..., 0]
+    return found
 
 
 def _arm(pose: Array, point: Array) -> Vec:

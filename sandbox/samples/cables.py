@@ -159,10 +159,10 @@ def _tangent(dx: Array, dy: Array, offset: Array | float) -> tuple[Array, Array,
     return length, (length * dx + offset * dy) / square, (length * dy - offset * dx) / square
 
 
-def pulls_at_start(model: Model) -> list[dict[int, Array]]:
-    """Force x, y and moment [3] of 1 N in every tendon at t = 0, by body."""
+def pulls_at_start(model: Model) -> Array:
+    """Wrenches about the centres of mass of 1 N in every tendon at t = 0, [nt, nb, 3]."""
     tendons, first = model.tendons, stretches_at_start(model)
-    does: list[dict[int, Array]] = [{} for _ in tendons.name]
+    pulls = np.zeros((len(tendons.name), len(model.bodies.name), 3))
     for row, tendon in enumerate(tendons.stretch_tendon.tolist()):
         u = np.array([first.x[row, 0], first.y[row, 0]])
         one = int(tendons.stretch_first[row])
@@ -171,8 +171,8 @@ def pulls_at_start(model: Model) -> list[dict[int, Array]]:
             arm = np.subtract(model.at_start(body, tendons.guide_at[node]),
                               model.at_start(body, model.bodies.centre[body]))
             moment = arm[0] * u[1] - arm[1] * u[0] - tendons.guide_radius[node]  # n x u = -1
-            does[tendon][body] = does[tendon].get(body, np.zeros(3)) + sign * np.array([*u, moment])
-    return does
+            pulls[tendon, body] += sign * np.array([*u, moment])
+    return pulls
 
 
 def stretches_at_start(model: Model) -> Stretches:
