@@ -317,9 +317,7 @@ class Evidence:
         stiffness = np.where(a["contact_merged"] == 1, stiffness, stiffness / 8)
         return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal), where=stiffness > 0)
 
-    def contact_rate(
-        self, velocity: Array, along: Array, arms: Sequence[Array] | None = None,
-    ) -> Array:
+    def contact_rate(self, velocity: Array, along: Array, arms: Sequence[Array] = ()) -> Array:
         """Relative velocity of the first body ``along`` [m, 2] at contact rows, [m]."""
         a, total = self.arrays, np.zeros(len(along))
         for sign, key, arm in zip((1.0, -1.0), ("contact_body", "contact_other"),
