@@ -171,35 +171,29 @@ def _stops(evidence: Evidence, worst: Worst) -> None:
                 "inclination of the strings is allowed",
        none="there is no tree of rockers or pulleys")
 def _differential(evidence: Evidence, worst: Worst) -> None:
-    worst.left_out += [
-        f"{name}: {reason}" for group in evidence.model.mechanism.groups if group.tree
-        for name in group.bodies if (reason := _compare_rocker(evidence, name, worst))]
-
-
-def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
-    """Add one rocker or wheel; a reason if it cannot be compared."""
-    model, frames = evidence.model, evidence.frames
-    joints, tendons, body = model.joints, model.tendons, model.names.body[name]
-    slots = [j for j in joints.keeping("groove") if joints.bodies[j, 1] == body]
-    if not slots:
-        return "its pivot does not slide on a slot"
-    along = complex(*(joints.groove[slots[0], 1] - joints.groove[slots[0], 0]))
-    pull = along / abs(along) * np.exp(1j * frames.pose[2, joints.bodies[slots[0], 0], 0])
-    ends = [tendon for tendon, end in enumerate(tendons.first[1:] - 1)
-            if tendons.guide_body[end] == body]
-    if len(ends) != 2:
-        return f"it has {len(ends)} strings that are tendons, not 2"
-    place = complex(*model.bodies.pose[body, :2])
-    (arm, one, allowed), (other, two, more) = (
-        _string(evidence, tendon, place, pull) for tendon in ends)
-    # arms count to either side: the pivot's displacement is the mean, weighted by the other's arm
-    if abs(arm - other) < 1e-12:
-        return "its strings pull at the same point"
-    own = ((frames.pose[0, body] + 1j * frames.pose[1, body] - place) * pull.conjugate()).real
-    mean = (arm * two - other * one) / (arm - other)
-    worst.add(name, np.abs(own - mean),
-              np.maximum(allowed, more) + 2 * (evidence.closed + ROUNDING))
-    return ""
+    model, frames, left = evidence.model, evidence.frames, worst.left_out
+    joints, tendons = model.joints, model.tendons
+    for name in (name for group in model.mechanism.groups if group.tree for name in group.bodies):
+        body = model.names.body[name]
+        slots = [j for j in joints.keeping("groove") if joints.bodies[j, 1] == body]
+        ends = np.flatnonzero(tendons.guide_body[tendons.first[1:] - 1] == body).tolist()
+        if not slots or len(ends) != 2:
+            left.append(f"{name}: it has {len(ends)} strings that are tendons, not 2" if slots
+                        else f"{name}: its pivot does not slide on a slot")
+            continue
+        along = complex(*(joints.groove[slots[0], 1] - joints.groove[slots[0], 0]))
+        pull = along / abs(along) * np.exp(1j * frames.pose[2, joints.bodies[slots[0], 0], 0])
+        place = complex(*model.bodies.pose[body, :2])
+        (arm, one, allowed), (other, two, more) = (
+            _string(evidence, tendon, place, pull) for tendon in ends)
+        # arms count to either side: the pivot moves by the mean, weighted by the other's arm
+        if abs(arm - other) < 1e-12:
+            left.append(f"{name}: its strings pull at the same point")
+            continue
+        own = ((frames.pose[0, body] + 1j * frames.pose[1, body] - place) * pull.conjugate()).real
+        mean = (arm * two - other * one) / (arm - other)
+        worst.add(name, np.abs(own - mean),
+                  np.maximum(allowed, more) + 2 * (evidence.closed + ROUNDING))
 
 
 def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> tuple[
