@@ -24,7 +24,7 @@ from PIL import Image
 import sandbox
 from sandbox.cli.commands import invoke
 from sandbox.picture.palette import PUSH, TENSION
-from sandbox.scene.library import shipped_scenes, wholes
+from sandbox.scene.library import shipped_scenes
 
 FOLDER = Path(__file__).parent.parent / "renders" / "gallery"
 HOW: dict[str, dict[str, Any]] = tomllib.loads(
@@ -157,6 +157,8 @@ def sketched(draw: Callable[[Path], None]) -> Draw:
 
 SKETCHES: dict[str, Callable[[Path], None]] = runpy.run_path(
     str(Path(__file__).with_name("sketches.py")))["SKETCHES"]
+wholes: Callable[[str], list[str]] = runpy.run_path(
+    str(Path(__file__).with_name("make_reference.py")))["wholes"]
 """What shows no run, by its file."""
 TUTORIAL = {"hinge": 1.1, "four_bar": 1.9, "finger": "end", "differential": "end", "hand": "end"}
 """Of the last scenes of the pages in ``docs/tutorial``: the instant that is shown."""

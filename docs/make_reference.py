@@ -23,7 +23,7 @@ from sandbox.elements.quantities import BOND_QUANTITIES, LIVE
 from sandbox.scene import settings
 from sandbox.scene.document import Scene
 from sandbox.scene.layers import LAYERS
-from sandbox.scene.library import folder_of, scene_topics, shipped_scenes, wholes
+from sandbox.scene.library import folder_of, scene_topics, shipped_scenes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.reference import (
     ELEMENTS,
@@ -157,6 +157,13 @@ def hands() -> Iterator[str]:
     for name, scene in scenes.items():
         if name not in whole:
             yield f"| `{name}` | {_cell(scene['about'])} |"
+
+
+def wholes(folder: str) -> list[str]:
+    """The shipped scenes of a folder that no other of them includes."""
+    scenes = _scenes(folder)
+    included = set(re.findall(r'"include": "([^"]+)"', json.dumps(scenes)))
+    return [name for name in scenes if name not in included]
 
 
 def _figure(about: str) -> str:

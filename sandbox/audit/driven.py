@@ -108,23 +108,16 @@ def _pressures(evidence: Evidence, worst: Worst) -> None:
         laws = []
         for ratio in (1.5, 2.0):
             more = ahead[i] * rate[i] + ((ahead[i] + 0.5) / ratio - ahead[i]) * change[i]
-            holds, straight = _holds(evidence, i, volume[i] + more, p, (ahead[i] + 0.5) * came)
+            holds, straight = volume[i] + more + lines.compliance[i] * p, np.zeros(len(p))
+            if not np.isnan(n := float(lines.gas[i])):
+                total = lines.volume[i] + (volume[i] + more)
+                gas = total * np.maximum(p / ATMOSPHERE + 1.0, 0.0) ** (1.0 / n)
+                moved = np.abs(total - a["line_volume"][:, i]) / total + np.abs(
+                    (ahead[i] + 0.5) * came) / gas
+                holds, straight = gas - lines.volume[i], gas * n * moved**2
             off = np.where(void & (content < holds), 0.0, np.abs(content - holds))
             laws.append((off, slack + straight))
         worst.add_nearest(name, laws)
-
-
-def _holds(
-    evidence: Evidence, line: int, volume: Array, p: Array, came: Array,
-) -> tuple[Array, Array | float]:
-    """Content of a line at ``p`` [m^3], [n], and error of linearisation; ``came`` flowed in."""
-    lines, n = evidence.model.lines, float(evidence.model.lines.gas[line])
-    if np.isnan(n):
-        return volume + lines.compliance[line] * p, 0.0
-    before, whole_volume = evidence.arrays["line_volume"][:, line], lines.volume[line] + volume
-    content = whole_volume * np.maximum(p / ATMOSPHERE + 1.0, 0.0) ** (1.0 / n)
-    change = np.abs(whole_volume - before) / whole_volume + np.abs(came) / content
-    return content - lines.volume[line], content * n * change**2
 
 
 @Check("valve.law", source="Δp = R Q + ρ/2 (Q / Cd A)²",
@@ -395,15 +388,24 @@ def _places(evidence: Evidence, worst: Worst) -> None:
     drives, a, h = evidence.model.drives, evidence.arrays, evidence.h
     shared = _limited_drives(evidence)
     for i, kind in enumerate(drives.kind):
-        j = int(drives.target[i])
         if not kind.places:
             continue
+        j = int(drives.target[i])
+        place, rate, after = evidence.angles[j], evidence.rates[j], evidence.rates_after[j]
         if not np.isfinite(drives.stiffness[i]):
             if evidence.every_step and shared[j] == 1:
-                worst.add(drives.name[i], *_approach(evidence, i))
+                value, holds = a["drive_value"][:, i], evidence.holds["joint"][j]
+                short = np.abs(value[:-1] - place[1:])
+                away = np.maximum(short - np.append(np.inf, short[:-1]), 0.0)
+                moved = np.diff(value[:-1], prepend=value[0])
+                spare = holds[:-1] & holds[1:] & ((moved == 0) | np.isinf(drives.fastest[i])) & (
+                    np.abs(a["drive_torque"][:-1, i]) < float(drives.most[i]) * (1 - EXACT))
+                span = float(np.ptp(place)) + peak(short) + ROUNDING
+                slack = evidence.joint_slack[j, 1:] + ROUNDING * (1 + np.abs(place[1:])) + 2 * h * (
+                    STILL[1] + held_off(evidence, i) + SOLVED * (1 + peak(after)))
+                worst.add(drives.name[i], np.where(spare, away, 0.0) / span, slack / span)
             continue
         k, c, most = (float(part[i]) for part in (drives.stiffness, drives.damping, drives.most))
-        place, rate, after = evidence.angles[j], evidence.rates[j], evidence.rates_after[j]
         off = evidence.rate_error(after, turning=True) + held_off(evidence, i)
         follow(worst, drives.name[i], a["drive_torque"][:, i],
                lambda q, v, k=k, c=c, most=most, u=a["drive_value"][:, i]: np.clip(
@@ -411,18 +413,3 @@ def _places(evidence: Evidence, worst: Worst) -> None:
                [((place + h / 2 * (after - rate), rate), (ROUNDING * (1 + np.abs(place)), off)),
                 ((place + h * after, after), (ROUNDING * (1 + np.abs(place)) + h * off, off))],
                evidence.holds["joint"][j], size=most)
-
-
-def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
-    """Motion of a rigid servo away from its target, and tolerance, by its travel, [n - 1]."""
-    drives, a, h = evidence.model.drives, evidence.arrays, evidence.h
-    j, value = int(drives.target[drive]), a["drive_value"][:, drive]
-    place, holds = evidence.angles[j], evidence.holds["joint"][j]
-    short = np.abs(value[:-1] - place[1:])
-    before, moved = np.append(np.inf, short[:-1]), np.diff(value[:-1], prepend=value[0])
-    spare = holds[:-1] & holds[1:] & ((moved == 0) | np.isinf(drives.fastest[drive])) & (
-        np.abs(a["drive_torque"][:-1, drive]) < float(drives.most[drive]) * (1 - EXACT))
-    span = float(np.ptp(place)) + peak(short) + ROUNDING
-    slack = evidence.joint_slack[j, 1:] + ROUNDING * (1 + np.abs(place[1:])) + 2 * h * (
-        STILL[1] + held_off(evidence, drive) + SOLVED * (1 + peak(evidence.rates_after[j])))
-    return np.where(spare, np.maximum(short - before, 0.0), 0.0) / span, slack / span

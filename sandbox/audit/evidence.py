@@ -20,6 +20,7 @@ from sandbox.scene.geometry import count_solids
 from sandbox.wording import Count
 
 T = TypeVar("T")
+Values = Array | float  # [n], or one for all samples
 GAP, CLOSES = 1e-10, 1e-6  # Gap that a step may leave in a joint [m], and per h^2 [m/s^2]
 LEFT = 1e-9  # Unevenness of a flat contact [m]: gaps close to 1e-13 / h of speed
 FALLS = 10.0
@@ -81,9 +82,7 @@ class Worst:
     count: int = 0
     left_out: list[str] = field(default_factory=list)  # Elements not compared, with the reason
 
-    def add(
-        self, where: str, error: Array, tolerance: Array | float, among: Flags | None = None,
-    ) -> None:
+    def add(self, where: str, error: Array, tolerance: Values, among: Flags | None = None) -> None:
         """Add errors [n] of one element and their tolerances; nan is the worst."""
         error, tolerance = np.broadcast_arrays(error, tolerance)
         if among is not None:
@@ -98,7 +97,7 @@ class Worst:
             self.value, self.tolerance = float(error[at]), float(tolerance[at])
 
     def add_nearest(
-        self, where: str, laws: Sequence[tuple[Array, Array | float]],
+        self, where: str, laws: Sequence[tuple[Array, Values]],
         among: Flags | None = None, *, throughout: bool = True,
     ) -> None:
         """Add the nearest of several laws (error, tolerance), one ``throughout`` or per sample."""
@@ -114,7 +113,7 @@ class Worst:
 
     def add_law(
         self, where: str, force: Array, rate: Array, limit: Array,
-        floors: tuple[Array | float, float], tolerance: Array | float, among: Flags | None = None,
+        floors: tuple[Values, float], tolerance: Values, among: Flags | None = None,
     ) -> None:
         """Add the distance of forces and rates [n] from a law of friction or of a limited drive.
 
@@ -317,9 +316,7 @@ class Evidence:
         stiffness = np.where(a["contact_merged"] == 1, stiffness, stiffness / 8)
         return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal), where=stiffness > 0)
 
-    def contact_rate(
-        self, velocity: Array, along: Array, arms: Sequence[Array] | None = None,
-    ) -> Array:
+    def contact_rate(self, velocity: Array, along: Array, arms: Sequence[Array] = ()) -> Array:
         """Relative velocity of the first body ``along`` [m, 2] at contact rows, [m]."""
         a, total = self.arrays, np.zeros(len(along))
         for sign, key, arm in zip((1.0, -1.0), ("contact_body", "contact_other"),
@@ -333,10 +330,9 @@ class Evidence:
         """Rates of elements at mid-step and at the step's end, [count, n] each."""
         return [efforts.rates(count, v) for v in (self.velocity, self.velocity_after)]
 
-    def rate_error(self, rates: Array, response: Array | float = 0.0, *, turning: bool) -> Any:
+    def rate_error(self, rates: Array, response: Values = 0.0, *, turning: bool) -> Any:
         """Error of rates of bounded rows; ``response`` is that to a change of impulses."""
-        solved = SOLVED * (1 + peak(rates)) + STILL[turning] + DIGITS / self.h
-        return solved + HELD * response
+        return SOLVED * (1 + peak(rates)) + STILL[turning] + DIGITS / self.h + HELD * response
 
     def answer(self, efforts: Batch, element: int) -> Array:
         """Change of an element's rate by an effort of 1 N s or 1 N m s on separate bodies, [n]."""

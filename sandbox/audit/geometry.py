@@ -26,7 +26,7 @@ def _poses(evidence: Evidence, worst: Worst) -> None:
     at, angle, joints = frames.pose[0] + 1j * frames.pose[1], frames.pose[2], model.joints
     placed: dict[int, tuple[Point, Array, Array | float]] = {
         i: (at[i], angle[i], 0.0) for i in np.flatnonzero(~model.bodies.free).tolist()}
-    waiting = _kept_pivots(evidence)
+    waiting = [j for j in joints.hinges.tolist() if evidence.joints_hold[j].all()]
     while ready := [j for j in waiting
                     if sum(int(body) in placed for body in joints.bodies[j]) == 1]:
         waiting.remove(j := ready[0])
@@ -43,11 +43,6 @@ def _poses(evidence: Evidence, worst: Worst) -> None:
         placed[far] = found, own, allowed
 
 
-def _kept_pivots(evidence: Evidence) -> list[int]:
-    """Hinges that were never released."""
-    return [j for j in evidence.model.joints.hinges.tolist() if evidence.joints_hold[j].all()]
-
-
 def _turned(evidence: Evidence, hinge: int) -> Array:
     """Angle of the second body against the first, from a hinge's recorded angle [rad], [n]."""
     joints = evidence.model.joints
@@ -58,8 +53,8 @@ def _turned(evidence: Evidence, hinge: int) -> Array:
 def _across(evidence: Evidence, bodies: Array, points: Array) -> tuple[Array, int] | None:
     """Distance of two points [2, 2] on two bodies with a hinge, from its angle, and its number."""
     joints = evidence.model.joints
-    for j in _kept_pivots(evidence):
-        if set(joints.bodies[j].tolist()) == set(bodies.tolist()) and bodies[0] != bodies[1]:
+    for j in joints.hinges.tolist() if bodies[0] != bodies[1] else ():
+        if evidence.joints_hold[j].all() and set(joints.bodies[j].tolist()) == {*bodies.tolist()}:
             same = 1 if bodies[0] == joints.bodies[j, 0] else -1
             one, two = (complex(*arm) for arm in points[::same] - joints.anchor[j])
             return np.abs(one - np.exp(1j * _turned(evidence, j)) * two), j
@@ -134,34 +129,29 @@ def _spring_triangles(evidence: Evidence, worst: Worst) -> None:
                 "step: {where}",
        none="no joint can drift")
 def _drift(evidence: Evidence, worst: Worst) -> None:
-    joints, free = evidence.model.joints, evidence.model.bodies.free
-    for j in joints.keeping("point", "groove", "distance", "gear", "rack", "roll"):
-        if free[joints.bodies[j]].any():
-            worst.add(joints.name[j], *_gap(evidence, j), evidence.joints_hold[j])
-
-
-def _gap(evidence: Evidence, j: int) -> tuple[Array, Array]:
-    """Distance of the points of a joint from where it keeps them [m], [n], and its tolerance."""
     joints, pose = evidence.model.joints, evidence.arrays["body_pose"]
-    gap, allowed = evidence.frames.gaps[j], evidence.joint_slack[j] + ROUNDING
-    match joints.kind[j].keeps:
-        case "groove":
-            gap = evidence.frames.place_in_slot(j).off
-        case "distance":
-            gap = np.abs(gap - joints.reach[j, 0])
-        case "roll":
-            ra, rb = joints.radii[j].tolist()
-            apart = gap - (abs(ra - rb) if joints.inside[j] else ra + rb)
-            gap = np.maximum(np.abs(apart), np.abs(slipped(evidence.model, j, pose)))
-        case "gear" | "rack":  # gap of the flanks that push; with backlash their overlap
-            play = float(joints.play[j] * np.cos(joints.pressure[j]) / 2)
-            gaps = flank_gaps(evidence.model, j, pose)
-            gap = (np.maximum(-gaps.min(axis=0) - play, 0.0) if play > 0
-                   else np.abs(gaps).min(axis=0))
-            if play == 0 and joints.stiffness[j] > 0:
-                reaction = np.nan_to_num(evidence.arrays["joint_reaction"][:, j])
-                allowed = allowed + peak(reaction) / float(joints.stiffness[j])
-    return np.asarray(gap), np.asarray(allowed)
+    for j in joints.keeping("point", "groove", "distance", "gear", "rack", "roll").tolist():
+        gap, allowed = evidence.frames.gaps[j], evidence.joint_slack[j] + ROUNDING
+        if not evidence.model.bodies.free[joints.bodies[j]].any():
+            continue
+        match joints.kind[j].keeps:
+            case "groove":
+                gap = evidence.frames.place_in_slot(j).off
+            case "distance":
+                gap = np.abs(gap - joints.reach[j, 0])
+            case "roll":
+                ra, rb = joints.radii[j].tolist()
+                apart = gap - (abs(ra - rb) if joints.inside[j] else ra + rb)
+                gap = np.maximum(np.abs(apart), np.abs(slipped(evidence.model, j, pose)))
+            case "gear" | "rack":  # gap of the flanks that push; with backlash their overlap
+                play = float(joints.play[j] * np.cos(joints.pressure[j]) / 2)
+                gaps = flank_gaps(evidence.model, j, pose)
+                gap = (np.maximum(-gaps.min(axis=0) - play, 0.0) if play > 0
+                       else np.abs(gaps).min(axis=0))
+                if play == 0 and joints.stiffness[j] > 0:
+                    reaction = np.nan_to_num(evidence.arrays["joint_reaction"][:, j])
+                    allowed = allowed + peak(reaction) / float(joints.stiffness[j])
+        worst.add(joints.name[j], gap, allowed, evidence.joints_hold[j])
 
 
 @Check("stop.overrun", "rad", "q <= qmax", asks="does every hinge stay within its stops?",
@@ -181,35 +171,29 @@ def _stops(evidence: Evidence, worst: Worst) -> None:
                 "inclination of the strings is allowed",
        none="there is no tree of rockers or pulleys")
 def _differential(evidence: Evidence, worst: Worst) -> None:
-    worst.left_out += [
-        f"{name}: {reason}" for group in evidence.model.mechanism.groups if group.tree
-        for name in group.bodies if (reason := _compare_rocker(evidence, name, worst))]
-
-
-def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
-    """Add one rocker or wheel; a reason if it cannot be compared."""
-    model, frames = evidence.model, evidence.frames
-    joints, tendons, body = model.joints, model.tendons, model.names.body[name]
-    slots = [j for j in joints.keeping("groove") if joints.bodies[j, 1] == body]
-    if not slots:
-        return "its pivot does not slide on a slot"
-    along = complex(*(joints.groove[slots[0], 1] - joints.groove[slots[0], 0]))
-    pull = along / abs(along) * np.exp(1j * frames.pose[2, joints.bodies[slots[0], 0], 0])
-    ends = [tendon for tendon, end in enumerate(tendons.first[1:] - 1)
-            if tendons.guide_body[end] == body]
-    if len(ends) != 2:
-        return f"it has {len(ends)} strings that are tendons, not 2"
-    place = complex(*model.bodies.pose[body, :2])
-    (arm, one, allowed), (other, two, more) = (
-        _string(evidence, tendon, place, pull) for tendon in ends)
-    # arms count to either side: the pivot's displacement is the mean, weighted by the other's arm
-    if abs(arm - other) < 1e-12:
-        return "its strings pull at the same point"
-    own = ((frames.pose[0, body] + 1j * frames.pose[1, body] - place) * pull.conjugate()).real
-    mean = (arm * two - other * one) / (arm - other)
-    worst.add(name, np.abs(own - mean),
-              np.maximum(allowed, more) + 2 * (evidence.closed + ROUNDING))
-    return ""
+    model, frames, left = evidence.model, evidence.frames, worst.left_out
+    joints, tendons = model.joints, model.tendons
+    for name in (name for group in model.mechanism.groups if group.tree for name in group.bodies):
+        body = model.names.body[name]
+        slots = [j for j in joints.keeping("groove") if joints.bodies[j, 1] == body]
+        ends = np.flatnonzero(tendons.guide_body[tendons.first[1:] - 1] == body).tolist()
+        if not slots or len(ends) != 2:
+            left.append(f"{name}: it has {len(ends)} strings that are tendons, not 2" if slots
+                        else f"{name}: its pivot does not slide on a slot")
+            continue
+        along = complex(*(joints.groove[slots[0], 1] - joints.groove[slots[0], 0]))
+        pull = along / abs(along) * np.exp(1j * frames.pose[2, joints.bodies[slots[0], 0], 0])
+        place = complex(*model.bodies.pose[body, :2])
+        (arm, one, allowed), (other, two, more) = (
+            _string(evidence, tendon, place, pull) for tendon in ends)
+        # arms count to either side: the pivot moves by the mean, weighted by the other's arm
+        if abs(arm - other) < 1e-12:
+            left.append(f"{name}: its strings pull at the same point")
+            continue
+        own = ((frames.pose[0, body] + 1j * frames.pose[1, body] - place) * pull.conjugate()).real
+        mean = (arm * two - other * one) / (arm - other)
+        worst.add(name, np.abs(own - mean),
+                  np.maximum(allowed, more) + 2 * (evidence.closed + ROUNDING))
 
 
 def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> tuple[

@@ -184,13 +184,21 @@ def _loads(evidence: Evidence, worst: Worst) -> None:
                 "{count:comparison}, worst: {where}",
        none="no guide has friction")
 def _bounds(evidence: Evidence, worst: Worst) -> None:
-    tendons, a, held = evidence.model.tendons, evidence.arrays, evidence.holds["tendon"]
+    tendons, a, h = evidence.model.tendons, evidence.arrays, evidence.h
     spans = [span for k in range(len(tendons.name)) for span in spans_of(tendons, k)]
     behind = {span.into: span for span in spans}
     for k, guide in enumerate(tendons.grips.tolist()):
         span, friction = behind[k], a["guide_friction"][:, k]
         after = _tension(evidence, span)
-        most, floor = whole(after), GRIP * whole(after) + _drag(evidence, span, k)
+        most, floor, slip = whole(after), GRIP * whole(after), a["guide_slip"][:, k]
+        if tendons.closed[span.tendon]:  # the damping of a loop
+            slid = np.diff(slip, prepend=0.0)
+            apart = h if evidence.every_step else float(np.diff(evidence.run.time[:2]).sum()) or h
+            rest = cables.rest_lengths(evidence.model)[span.tendon]
+            stiffness = float(tendons.stiffness[span.tendon] * rest)
+            shortest = min(float(cables.span_length(evidence.frames, each)[1].min())
+                           for each in spans_of(tendons, span.tendon))
+            floor += 5 * DRAG * h * stiffness / max(shortest, ROUNDING) * peak(slid) / apart
         phi = np.maximum(cables.bends(evidence.frames, k), 0.0)
         # the absolute value, since a tendon that breaks may reverse the sign
         bound = np.tanh(0.5 * float(tendons.friction[k]) * phi) * np.abs(2 * after - friction)
@@ -198,23 +206,9 @@ def _bounds(evidence: Evidence, worst: Worst) -> None:
         name = f"{tendons.name[span.tendon]} at {place}"
         worst.add(name, np.maximum(np.abs(friction) - bound, 0.0) / most, floor / most)
         if evidence.every_step:
-            slid = np.diff(a["guide_slip"][:, k], prepend=a["guide_slip"][0, k])
+            slid = np.diff(slip, prepend=slip[0])
             worst.add_law(f"sliding of {name}", friction, -slid, bound,
-                          (floor, ROUNDING), floor / most, held[span.tendon])
-
-
-def _drag(evidence: Evidence, span: CableSpan, grip: int) -> float:
-    """Largest force of the damping of a loop [N]; 0 of other tendons."""
-    tendons, h = evidence.model.tendons, evidence.h
-    if not tendons.closed[span.tendon]:
-        return 0.0
-    slid = np.diff(evidence.arrays["guide_slip"][:, grip], prepend=0.0)
-    apart = h if evidence.every_step else float(np.diff(evidence.run.time[:2]).sum()) or h
-    rest = cables.rest_lengths(evidence.model)[span.tendon]
-    stiffness = float(tendons.stiffness[span.tendon] * rest)
-    shortest = min(float(cables.span_length(evidence.frames, each)[1].min())
-                   for each in spans_of(tendons, span.tendon))
-    return 5 * DRAG * h * stiffness / max(shortest, ROUNDING) * float(np.abs(slid).max()) / apart
+                          (floor, ROUNDING), floor / most, evidence.holds["tendon"][span.tendon])
 
 
 def _tension(evidence: Evidence, span: CableSpan) -> Array:
@@ -236,19 +230,17 @@ def _spans(evidence: Evidence, worst: Worst) -> None:
         measured = spans[:-1] if spans and spans[-1].out_of < 0 and (
             tendons.drive[tendon] != NONE) else spans
         tension = np.array([_tension(evidence, span) for span in measured])
-        slack = (tension == 0.0).all(axis=0)
         if spans and evidence.holds["tendon"][tendon].all() and (
-                evidence.every_step or not slack.any()):
-            _add_laws(evidence, spans, tension, slack, worst)
+                evidence.every_step or not (tension == 0.0).all(axis=0).any()):
+            _add_laws(evidence, worst, spans, tension)
 
 
-def _add_laws(
-    evidence: Evidence, spans: list[CableSpan], tension: Array, slack: Flags, worst: Worst,
-) -> None:
+def _add_laws(evidence: Evidence, worst: Worst, spans: list[CableSpan], tension: Array) -> None:
     """Compare spans with the law at the step's end or at mid-step; M is that at its end."""
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
     tendon, count, slip = spans[0].tendon, len(tension), evidence.arrays["guide_slip"]
     damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])
+    slack = (tension == 0.0).all(axis=0)
     measured = [cables.span_length(evidence.frames, span) for span in spans]
     length, free = (np.array(each) for each in zip(*measured, strict=True))
     wound = (length - free)[:count, 1:]
@@ -295,7 +287,7 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
     Where sliding begins, friction is up to half way to the static bound.
     """
     model, a, h = evidence.model, evidence.arrays, evidence.h
-    joints, pushes = model.joints, evidence.loads.friction_efforts
+    joints, frames, pushes = model.joints, evidence.frames, evidence.loads.friction_efforts
     rates = pushes.rates(len(joints.name), evidence.velocity_after)
     for j in joints.frictional.tolist():
         if not model.bodies.free[joints.bodies[j]].any():
@@ -313,9 +305,15 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
         worst.add(f"slip of {name}", np.maximum(beyond, 0.0) / largest, unsure,
                   evidence.holds["joint"][j])
         slip = np.where(sticks, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
-        floor = evidence.rate_error(
-            rate, alone * h * 2 * peak(friction),
-            turning=joints.kind[j].friction_unit == "N m") + h * _bend(evidence, j)
+        floor = evidence.rate_error(rate, alone * h * 2 * peak(friction),
+                                    turning=joints.kind[j].friction_unit == "N m")
+        if joints.kind[j].keeps == "groove":  # acceleration off its tangent as bodies turn
+            (one, two), at, v = joints.bodies[j].tolist(), frames.anchors[1], evidence.velocity
+            reach = np.hypot(at.x[j] - frames.centre[0, one], at.y[j] - frames.centre[1, one])
+            speed = np.hypot(v[0, two] - v[0, one], v[1, two] - v[1, one])
+            turn = (np.abs(v[2]) + h * np.abs(frames.acceleration[2]))[[one, two]].sum(axis=0)
+            arm = np.hypot(at.arm_x[j], at.arm_y[j])
+            floor = floor + h * (turn * (turn * (reach + arm) + 2 * speed))
         worst.add(name, slip / fast, floor / fast, evidence.holds["joint"][j])
 
 
@@ -324,17 +322,3 @@ def carried(evidence: Evidence, joint: int) -> Array:
     if evidence.model.joints.kind[joint].keeps == "groove":
         return np.abs(normal_in_slot(evidence.model, evidence.arrays, joint))
     return np.asarray(np.hypot(*evidence.arrays["joint_force"][:, joint].T))
-
-
-def _bend(evidence: Evidence, joint: int) -> Array | float:
-    """Acceleration off the tangent of a groove as bodies turn [m/s^2], [n]."""
-    joints, frames = evidence.model.joints, evidence.frames
-    if joints.kind[joint].keeps != "groove":
-        return 0.0
-    a, b = joints.bodies[joint].tolist()
-    at, v = frames.anchors[1], evidence.velocity
-    reach = np.hypot(at.x[joint] - frames.centre[0, a], at.y[joint] - frames.centre[1, a])
-    speed = np.hypot(v[0, b] - v[0, a], v[1, b] - v[1, a])
-    arm = np.hypot(at.arm_x[joint], at.arm_y[joint])
-    turn = (np.abs(v[2]) + evidence.h * np.abs(frames.acceleration[2]))[[a, b]].sum(axis=0)
-    return np.asarray(turn * (turn * (reach + arm) + 2 * speed))

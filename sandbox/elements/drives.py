@@ -146,7 +146,7 @@ class ForceDrive(DriveSpec):
         return float(x), float(y)
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
-        return {"direction": mover.placement.vector(self.direction) if self.frame == "world"
+        return {"direction": mover.vector(self.direction) if self.frame == "world"
                 else mover.direction(self.body, self.direction)}
 
     def write_mujoco(self, draft: Draft, index: int) -> None:

@@ -219,7 +219,7 @@ class Pin(FrictionJoint):
         if all(inner) or not any(inner):
             return {}
         body = mover.outer_body(self.a if inner[1] else self.b, "")
-        s, turn = mover.placement.sign, mover.placement.angle
+        s, turn = mover.sign, mover.angle
         moved = s * self.sense * (turn - body.angle) + self.sense * body.angle
         return {"zero": self.zero + (moved if inner[1] else -moved)}
 

@@ -14,7 +14,7 @@ from sandbox.elements.element import Placed, Reference
 from sandbox.errors import SceneError
 from sandbox.scene.outlines.cams import DiscCam, cam_nodes
 from sandbox.scene.outlines.curves import SmoothCurve, flattened, turned
-from sandbox.scene.outlines.drawings import Drawing, curves_of, own_file
+from sandbox.scene.outlines.drawings import Drawing
 from sandbox.scene.outlines.rings import (
     PIECE_CORNERS,
     Ring,
@@ -188,9 +188,7 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     elif isinstance(shape, SmoothCurve):
         rings, turn = [shape.curve()], shape.angle
     else:
-        text = own_file((info.context or {}).get("folder"), shape.file)
-        rings, turn = curves_of(shape.file, text, unit=shape.unit, layer=shape.layer,
-                                tolerance=shape.tolerance), shape.angle
+        rings, turn = shape.curves((info.context or {}).get("folder")), shape.angle
     rings = [turned(nodes, turn, shape.at) for nodes in rings]
     closed = not isinstance(shape, SmoothCurve) or shape.closed
     flat = [flattened(each, shape.tolerance, closed=closed) for each in rings]

@@ -22,7 +22,7 @@ from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import ElementLists, Mechanism
 from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec, expand_parts
 from sandbox.scene.parts.finger import Finger
-from sandbox.scene.parts.placement import Mirror, Placement, placed
+from sandbox.scene.parts.placement import Mirror, Mover, placed
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
 from sandbox.values.numbers import POSITIVE, Angle, Items, Name, Number, Point, Quantity
@@ -76,8 +76,8 @@ class Assembly(ElementLists, PlacedPart):
         pulled = frozenset(name.removeprefix(begin) for name in known.pulled
                            if name.startswith(begin))
         inner = expand_parts(self, Known(pulled=pulled, outside=outside, near=known.near))
-        placement = Placement(self.at, self.angle, self.mirror, self.scale)
-        return before + placed(self.name, inner, placement, outside)
+        return before + placed(Mover(
+            self.name, inner, outside, self.at, self.angle, self.mirror, self.scale))
 
 
 Part = Annotated[Finger | RockerTree | PulleyTree | Section | Assembly, Field(discriminator="type")]
@@ -210,7 +210,15 @@ def load_elements(path: Path, source: bytes | None = None) -> Callable[[], None]
             raise SandboxError("it registers no element; write @sandbox.register above its class")
     except Exception as error:  # whatever the file raises
         _restore(before, files)
-        raise SandboxError(_message(error, path), code="bad-elements") from None
+        lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__)
+                 if frame.filename == str(path)]
+        said = " ".join(str(error).split())
+        if isinstance(error, SyntaxError):
+            lines, said = [error.lineno], error.msg
+        if not isinstance(error, SandboxError):
+            said = f"{type(error).__name__}: {said}"
+        place = f"{path}:{lines[-1]}" if lines else str(path)
+        raise SandboxError(f"{place}: {said}", code="bad-elements") from None
     _files[str(path)] = source
     return partial(_restore, before, files)
 
@@ -219,15 +227,3 @@ def _restore(types: dict[str, type[Composite]], files: dict[str, bytes]) -> None
     global _registered, _files
     _registered, _files = types, files
     _set_types()
-
-
-def _message(error: Exception, path: Path) -> str:
-    """The message of an exception that the file at a path raised, with its line."""
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__)
-             if frame.filename == str(path)]
-    said = " ".join(str(error).split())
-    if isinstance(error, SyntaxError):
-        lines, said = [error.lineno], error.msg
-    place = f"{path}:{lines[-1]}" if lines else str(path)
-    return f"{place}: {said}" if isinstance(error, SandboxError) else \
-        f"{place}: {type(error).__name__}: {said}"

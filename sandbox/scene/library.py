@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from functools import cache
 from importlib.resources import files
@@ -49,14 +48,6 @@ def folder_of(path: Path) -> str:
     """The folder of a shipped scene's file, such as ``mechanisms``; empty if it lies in none."""
     name = path.parent.name
     return "" if name in ("_scenes", "scenes") else name
-
-
-def wholes(folder: str) -> list[str]:
-    """The shipped scenes of a folder that no other of them includes."""
-    scenes = {name: path.read_text(encoding="utf-8")
-              for name, path in shipped_scenes().items() if folder_of(path) == folder}
-    included = set(re.findall(r'"include":\s*"([^"]+)"', "".join(scenes.values())))
-    return [name for name in scenes if name not in included]
 
 
 def find_scene(name_or_path: str | Path) -> Path:

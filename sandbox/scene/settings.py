@@ -296,10 +296,6 @@ class Trace(Spec):
     """The point in the body's frame [m], also outside the body."""
 
 
-def _bound_words(words: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
-    return tuple(_bound_text(word, info) if is_expression(word) else word for word in words)
-
-
 class ShownMeter(Spec):
     """A meter in the picture: the curve of a quantity with a time cursor, or its value alone.
 
@@ -307,7 +303,9 @@ class ShownMeter(Spec):
     """
 
     of: Annotated[
-        Items[str], BeforeValidator(_listed), AfterValidator(_bound_words), WithJsonSchema(
+        Items[str], BeforeValidator(_listed), AfterValidator(
+            lambda words, info: tuple(_bound_text(word, info) if is_expression(word) else word
+                                      for word in words)), WithJsonSchema(
             {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"},
                                             "minItems": 1, "maxItems": 32}]}),
     ] = Field(min_length=1, max_length=32)

@@ -142,14 +142,12 @@ class Expression:
                   "division by zero, or out of range)", "bad-expression")
         return float(result) if result.ndim == 0 else result
 
-    def bind(
-        self, values: Mapping[str, float], tables: Mapping[str, str] | None = None,
-    ) -> Expression:
+    def bind(self, values: Mapping[str, float], tables: Mapping[str, str] = {}) -> Expression:
         """The same expression with names replaced by their values, tables by others' names."""
         def bound(found: re.Match[str]) -> str:
             name, call = found.groups(default="")
             if call:
-                return (tables or {}).get(name, name) + call
+                return tables.get(name, name) + call
             return f"({float(values[name])!r})" if name in values else name
 
         tree = _tree_of(_NAME.sub(bound, self.text))

@@ -18,18 +18,17 @@ from sandbox.values.paths import JsonPath, holds, path_text
 from sandbox.wording import MAX_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
 
 Model = type[BaseModel]
+MAX_EXPLAINED = 5_000  # number of invalid values that are explained
 COMPOSING = ("like", "repeat", "include", "parameters")
 """Keys of an entry that composition removes: suggested for similar unknown keys."""
 _QUOTED = re.compile(r"'([^']*)'")
 OWN = "; for one of your own give its file with --elements"  # added to the types of parts
 
 
-def explain(
-    error: ValidationError, data: Any, model: Model, count: int | None = None,
-) -> list[Problem]:
-    """The first ``count`` problems of a validation of ``data`` by ``model``, with their paths."""
+def explain(error: ValidationError, data: Any, model: Model) -> list[Problem]:
+    """The problems of a validation of ``data`` by ``model``, with their paths."""
     near, found = NearMisses(), []
-    for each in error.errors(include_url=False)[:count]:
+    for each in error.errors(include_url=False)[:MAX_EXPLAINED]:
         minimum, value = each.get("ctx", {}).get("min_length", 0), each["input"]
         if each["type"] == "too_short" and isinstance(value, list) and len(value) >= minimum:
             continue  # a consequence of invalid entries, which have their own messages
@@ -170,20 +169,15 @@ def fields_page(model: Model) -> str:
 
 def fields_at(model: Model, data: Any, path: JsonPath) -> str:
     """The section with the fields of the data at a path; empty for a missing or unknown type."""
-    found, loc = "", tuple[str | int, ...]()
-    for step in (*path, ""):
-        here = type_at(model, loc)
-        kind = data.get("type") if isinstance(data, dict) else None
-        if isinstance(kind, str) and not _is_model(here):
-            loc = (*loc, kind)
-            here = type_at(model, loc)
-        if _is_model(here):
-            found = fields_page(here)
-        elif len(loc) == 1 and here is not None:  # a list of the scene
-            found = ""
+    found, here = "", type_at(model, ())
+    for depth, step in enumerate((*path, "")):
+        if isinstance(data, dict) and isinstance(data.get("type"), str) and not _is_model(here):
+            here = type_at(here, (data["type"],))
+        if _is_model(here) or (depth == 1 and here is not None):  # a list of the scene has none
+            found = fields_page(here) if _is_model(here) else ""
         if not holds(data, step):
             break
-        loc, data = (*loc, step), data[step]
+        here, data = type_at(here, (step,)), data[step]
     return found
 
 

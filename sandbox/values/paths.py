@@ -18,15 +18,9 @@ _STEP = re.compile(
 
 def path_text(path: Sequence[str | int]) -> str:
     """``$.parts[2].lengths[0]`` for ``("parts", 2, "lengths", 0)``."""
-    text = "$"
-    for step in path:
-        if isinstance(step, int):
-            text += f"[{step}]"
-        elif _PLAIN_KEY.fullmatch(step):
-            text += f".{step}"
-        else:
-            text += f"[{json.dumps(step)}]"
-    return text
+    return "$" + "".join(
+        f"[{step}]" if isinstance(step, int) else
+        f".{step}" if _PLAIN_KEY.fullmatch(step) else f"[{json.dumps(step)}]" for step in path)
 
 
 def parse_path(text: str) -> JsonPath:

@@ -21,7 +21,8 @@ from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.outlines.cams import DiscCam
 from sandbox.scene.outlines.curves import SmoothCurve
 from sandbox.scene.outlines.drawings import Drawing
-from sandbox.scene.parts.placement import Placement
+from sandbox.scene.parts.expansion import Elements
+from sandbox.scene.parts.placement import Mover
 from sandbox.scene.read.load import load_scene
 from sandbox.values.numbers import Dimension
 from sandbox.values.signals import values
@@ -82,8 +83,8 @@ def still() -> Any:
 def test_a_placed_mechanism_moves_like_the_original(still: Any, placing: dict[str, Any]):
     """Newton's laws know no place, direction or side: tips go where the placement takes them."""
     run = recording(**placing)
-    placement = Placement(
-        tuple(placing.get("at", (0.0, 0.0))),
+    placement = Mover(
+        "m", Elements(), lambda _: None, tuple(placing.get("at", (0.0, 0.0))),
         {"90 deg": math.pi / 2, "-50 deg": math.radians(-50)}.get(
             placing.get("angle"), placing.get("angle", 0.0)), placing.get("mirror"))
     for body in ("arm", "tip", "wiper"):

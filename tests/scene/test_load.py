@@ -80,9 +80,10 @@ def test_mistakes_in_several_elements_are_reported_together() -> None:
               {"name": "wall", "motion": "fixed"}]
     joints = [{"type": "pin", "name": "p", "a": "wal", "b": "disc", "on_a": [0, 0]}]
     scene = {"bodies": bodies, "joints": joints, "expect": [
-        {"max": "wall.x", "below": 1}, {"max": "wal.x", "below": 1}]}
+        {"max": "wall.x", "below": 1}, {"max": "wal.x", "below": 1},
+        {"max": "wall.angel", "below": 1}, {"max": "solver.residual", "below": 1}]}
     assert {(each.code, each.path) for each in _problems(scene)} == {
-        ("unknown-quantity", "$.expect[1].max"),
+        ("unknown-quantity", "$.expect[1].max"), ("unknown-quantity", "$.expect[2].max"),
         ("wrong-unit", "$.bodies[0].mass"), ("name-not-found", "$.joints[0].a")}
 
 

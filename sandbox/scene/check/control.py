@@ -131,8 +131,10 @@ def _measured(mechanism: Mechanism) -> Iterator[Place]:
         if drive.value is not None:  # only those of stiffnesses are not checked by their models
             yield from _values(f"$.drives[{i}].value", drive.value, drive.dimension(mechanism))
     for i, law in enumerate(mechanism.controllers):
+        # of an expression, a pair or a meter the dimension is not known
         wanted = [drives.get(name) for name in law.written] if law.sets_target else [
-            _of_reading(text, meters) for text in law.readings]
+            READINGS.get(text.rpartition(".")[2]) if "." in text and text not in meters
+            and re.fullmatch(NAME, text) else None for text in law.readings]
         path, alone = f"$.controllers[{i}]", isinstance(law.writes, str)
         targets.setdefault(law.name, wanted)
         for key in ("limits", *law.of_drive):  # one entry for each drive
@@ -153,13 +155,6 @@ def _measured(mechanism: Mechanism) -> Iterator[Place]:
             if name not in drives and key == "target":
                 dimension = next(iter(targets.get(controller, ())), None)
             yield path_text(("events", i, "set", name)), value, dimension
-
-
-def _of_reading(text: str, meters: set[str]) -> str | None:
-    """The dimension of a quantity; of an expression, a pair or a meter it is not known."""
-    element, _, last = text.rpartition(".")
-    plain = element and text not in meters and re.fullmatch(NAME, text)
-    return READINGS.get(last) if plain else None
 
 
 def _values(path: str, value: Any, dimension: str | None) -> Iterator[Place]:

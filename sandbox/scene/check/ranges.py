@@ -69,15 +69,13 @@ def _weight(body: Body, path: str) -> Iterator[Problem]:
     try:
         weight = mass_properties(body)
     except ArithmeticError:
-        yield Problem("out-of-range",
-                      "mass and inertia cannot be computed from shapes so large or so small", path)
-        return
-    for what, value in (("mass", weight.mass), ("inertia", weight.inertia)):
-        if fault := size_fault(value, what):
-            yield Problem("out-of-range", f"its {what} is {fault}", path)
-            return
-    if not all(abs(c) <= RANGES["length"].maximum for c in weight.centre):
-        yield Problem("out-of-range", "its centre of mass is far from its shapes", path)
+        faults = ["mass and inertia cannot be computed from shapes so large or so small"]
+    else:
+        faults = [f"its {what} is {fault}" for what in ("mass", "inertia")
+                  if (fault := size_fault(getattr(weight, what), what))]
+        if not all(abs(c) <= RANGES["length"].maximum for c in weight.centre):
+            faults.append("its centre of mass is far from its shapes")
+    yield from (Problem("out-of-range", fault, path) for fault in faults[:1])
 
 
 def _signal(

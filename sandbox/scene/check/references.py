@@ -33,7 +33,7 @@ def check_references(
 
     Names in ``assumed``, also followed by a dot and more, count as known: they belong to elements
     that could not be read. ``"*"`` matches any name. Quantities are checked when the mechanism is
-    complete; of a ``faulty`` one only those of unknown elements are reported.
+    complete; of a ``faulty`` one only those that its elements exclude are reported.
     """
     names = _References(mechanism, assumed)
     found = [*names.names(), *names.elements(), *names.others(),
@@ -56,17 +56,15 @@ class _References:
         return bool(self.assumed) and ("*" in self.assumed or any(
             begin in self.assumed for begin in accumulate(name.split("."), "{}.{}".format)))
 
-    def target(
-        self, model: type[Spec], reference: Reference, name: str, path: str,
-    ) -> Iterator[Problem]:
+    def target(self, model: type[Spec], mark: Reference, name: str, path: str) -> Iterator[Problem]:
         """An element that a field names; a pull may name the group of its tendon."""
-        known, also = self.known[reference.among], list[str]()
+        known, also = self.known[mark.among], list[str]()
         what = {"materials": "material", RELEASABLES: "joint, spring or tendon"}.get(
-            reference.among) or NAMED[reference.among].one
-        if reference.hinge or reference.line:
+            mark.among) or NAMED[mark.among].one
+        if mark.hinge or mark.line:
             known, what, others, one, acts = \
                 (self.hinges, "pin joint", self.actuators, "an actuator", "a hinge") \
-                if reference.hinge else \
+                if mark.hinge else \
                 (self.actuators, "actuator", self.hinges, "a hinge", "an actuator")
             if (tag := tag_of(model)) and name in others:
                 twin = getattr(getattr(model, "facts", None), "twin", "")
@@ -75,13 +73,13 @@ class _References:
                     allowed=listed(known) or f"none: there is no {acts.split()[1]}",
                     hint=f"a drive of type '{twin}', which acts on {one}" if twin else "")
                 return
-        elif reference.among == "tendons":
+        elif mark.among == "tendons":
             also = [group.name for group in self.mechanism.groups
                     if group.tree or group.kind == "finger"]
         if name in known or self.is_assumed(name):
             return
         kind = next((kind for kind in NAMED if name in self.known[kind]), "")
-        if kind and reference.among == RELEASABLES:
+        if kind and mark.among == RELEASABLES:
             yield Problem("not-releasable", f"{quoted(name)} is a {NAMED[kind].one}, which cannot "
                           "be released", path, allowed=listed(known))
             return
@@ -159,15 +157,20 @@ class _References:
                 yield from self._seen(pattern, f"$.view.show.{layer}")
 
     def expected(self) -> Iterator[Problem]:
-        """Expectations on quantities of unknown elements."""
-        known = {name for names in self.known.values() for name in names}
+        """Expectations on unknown elements, or on quantities that one element does not have."""
+        words = {"solver": ["residual"]} | {name: found for kind in NAMED for found in [
+            [*reserved(kind), *(GRASP if kind == "bodies" else ())]] for name in self.known[kind]}
         for i, expect in enumerate(self.mechanism.expect):
             for name in expect.quantity.split("/"):
-                heads = accumulate(name.split("."), "{}.{}".format)
-                if known.isdisjoint(heads) and not is_pattern(name) and not self.is_assumed(name):
+                heads = [each for each in accumulate(name.split("."), "{}.{}".format)
+                         if each in words]
+                whole = [f"{head}.{word}" for head in heads for word in words[head]]
+                # pairs, and quantities of guides by their number, are left out
+                fits = name in whole or not whole or name[-1:].isdigit() or "/" in expect.quantity
+                if not ((heads and fits) or is_pattern(name) or self.is_assumed(name)):
                     yield Problem("unknown-quantity", f"unknown quantity {quoted(expect.quantity)}",
-                                  f"$.expect[{i}].{expect.key}",
-                                  hint=self.near(name.split(".")[0], known))
+                                  f"$.expect[{i}].{expect.key}", hint=self.near(name, whole)
+                                  if whole else self.near(name.split(".")[0], words))
 
     def _seen(self, pattern: str, path: str) -> Iterator[Problem]:
         if not pattern.startswith(BY_ROLE):

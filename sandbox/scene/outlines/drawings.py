@@ -41,6 +41,7 @@ ARCS = 16  # cubic curves of a whole turn: within 1e-8 of the radius
 CURVES = frozenset({"LINE", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ARC", "ELLIPSE", "SPLINE"})
 """Entities of a DXF file that are read; others, such as dimensions and texts, are no outline."""
 PIXEL = 0.0254 / 96  # of an SVG file without a unit of its own [m]
+CODE = "bad-drawing"  # of a drawing without a usable outline
 
 
 class Drawing(Spec):
@@ -64,8 +65,40 @@ class Drawing(Spec):
     angle: Angle = 0.0
     """Rotation of the drawing about its origin, in the body's frame."""
 
-
-CODE = "bad-drawing"  # of a drawing without a usable outline
+    def curves(self, folder: Path | None) -> list[Array]:
+        """Nodes [k, 4] of its outline, then of its holes, from the file in the scene's folder."""
+        text, name = own_file(folder, self.file), quoted(self.file)
+        ending = PurePosixPath(self.file).suffix.lower()
+        refuse_if(ending not in READERS, f"{name} is neither an SVG nor a DXF file", CODE,
+                  allowed=".svg, .dxf")
+        try:
+            curves, own = READERS[ending](text, self.layer)
+        except WrongValueError as error:
+            raise WrongValueError(CODE, f"{name}: {error.message}", allowed=error.allowed,
+                                  hint=error.hint) from None
+        except Exception as error:  # parsers raise many types of errors
+            reason = " ".join(str(error).split())[:100] or type(error).__name__
+            raise WrongValueError(
+                CODE, f"{name} cannot be read as {ending[1:].upper()}: {reason}",
+                allowed="a sound file, such as a drawing program writes it") from None
+        scale = own if self.unit is None else self.unit
+        if scale is None:
+            raise WrongValueError(CODE, f"{name}: it has no unit",
+                                  allowed="'unit', such as \"unit\": \"1 mm\"")
+        scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves]
+        curves = [_closed(nodes, self.tolerance, name)
+                  for nodes in _chained(scaled, self.tolerance)]
+        refuse_if(not curves, f"{name} has no outline", CODE,
+                  allowed="closed paths, circles, rectangles or polylines, or lines that join")
+        size = max(float(np.ptp(nodes[:, :2], axis=0).max()) for nodes in curves)
+        flat = [flattened(nodes, 1e-4 * size, closed=True) for nodes in curves]
+        order = sorted(range(len(curves)), key=lambda k: -abs(signed_area(flat[k])))
+        beside = [flat[k][0] for k in order[1:] if not inside(flat[k][0], flat[order[0]])]
+        for x, y in beside[:1]:
+            refuse_if(beside, f"{name} holds {1 + len(beside)} outlines that are not one in the "
+                      f"other, one through [{x:.6g}, {y:.6g}] m", CODE,
+                      allowed="one outline and its holes: select it by 'layer'")
+        return [curves[k] for k in order]
 
 
 def own_file(folder: Path | None, name: str) -> bytes:
@@ -96,58 +129,16 @@ def own_file(folder: Path | None, name: str) -> bytes:
     return found
 
 
-def curves_of(
-    name: str, text: bytes, *, unit: float | None, layer: str | None, tolerance: float,
-) -> list[Array]:
-    """Nodes [k, 4] of a drawing's outline, then of its holes; see :class:`Drawing`."""
-    ending = PurePosixPath(name).suffix.lower()
-    refuse_if(ending not in READERS, f"{quoted(name)} is neither an SVG nor a DXF file", CODE,
-              allowed=".svg, .dxf")
-    try:
-        curves, own = READERS[ending](text, layer)
-    except WrongValueError as error:
-        raise WrongValueError(CODE, f"{quoted(name)}: {error.message}", allowed=error.allowed,
-                              hint=error.hint) from None
-    except Exception as error:  # parsers raise many types of errors
-        reason = " ".join(str(error).split())[:100] or type(error).__name__
-        raise WrongValueError(
-            CODE, f"{quoted(name)} cannot be read as {ending[1:].upper()}: {reason}",
-            allowed="a sound file, such as a drawing program writes it") from None
-    scale = own if unit is None else unit
-    if scale is None:
-        raise WrongValueError(CODE, f"{quoted(name)}: it has no unit",
-                              allowed="'unit', such as \"unit\": \"1 mm\"")
-    scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves]
-    return _outline_first([_closed(nodes, tolerance, name)
-                           for nodes in _chained(scaled, tolerance)], name)
-
-
 def _closed(nodes: Array, tolerance: float, name: str) -> Array:
     apart = math.dist(nodes[0, :2], nodes[-1, :2])
     (x0, y0), (x1, y1) = nodes[0, :2].tolist(), nodes[-1, :2].tolist()
-    refuse_if(apart > tolerance, f"{quoted(name)}: an outline is open, from [{x0:.6g}, {y0:.6g}] "
+    refuse_if(apart > tolerance, f"{name}: an outline is open, from [{x0:.6g}, {y0:.6g}] "
               f"to [{x1:.6g}, {y1:.6g}] m", CODE, allowed="ends that meet within the tolerance of "
               f"{tolerance:g} m; their distance is {apart:.4g} m")
     refuse_if(len(flattened(nodes, tolerance, closed=False)) < 4,
-              f"{quoted(name)}: an outline at [{x0:.6g}, {y0:.6g}] m has no area", CODE)
+              f"{name}: an outline at [{x0:.6g}, {y0:.6g}] m has no area", CODE)
     nodes[-1, :2] = nodes[0, :2]
     return nodes[:-1] if is_smooth(nodes[-1], nodes[0]) else nodes
-
-
-def _outline_first(curves: list[Array], name: str) -> list[Array]:
-    refuse_if(not curves, f"{quoted(name)} has no outline", CODE,
-              allowed="closed paths, circles, rectangles or polylines, or lines that join")
-    size = max(float(np.ptp(nodes[:, :2], axis=0).max()) for nodes in curves)
-    flat = [flattened(nodes, 1e-4 * size, closed=True) for nodes in curves]
-    order = sorted(range(len(curves)), key=lambda k: -abs(signed_area(flat[k])))
-    beside = [flat[k] for k in order[1:] if not inside(flat[k][0], flat[order[0]])]
-    if beside:
-        x, y = beside[0][0]
-        raise WrongValueError(
-            CODE, f"{quoted(name)} holds {1 + len(beside)} outlines that are not one in the other, "
-            f"one through [{x:.6g}, {y:.6g}] m",
-            allowed="one outline and its holes: select it by 'layer'")
-    return [curves[k] for k in order]
 
 
 def _chained(curves: list[Array], tolerance: float) -> Iterator[Array]:

@@ -9,7 +9,7 @@ and 21). Positive rotation closes the finger.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal, TypeVar
@@ -204,7 +204,7 @@ class _Builder:
         free = (everything, *([] if self.given_palm is None else [self.palm]))
         joints, springs = self._joints()
         return Elements(
-            bodies=(*([self._own_palm()] if self.given_palm is None else []), *self._phalanges()),
+            bodies=tuple(self._bodies()),
             joints=joints, springs=springs, tendons=(self._tendon(pulled),),
             contacts=tuple(ContactRule(between=(everything, other), collide=False)
                            for other in free),
@@ -216,23 +216,20 @@ class _Builder:
     def _on_palm(self, point: Vec) -> Vec:
         return to_world(self.on_body, self._mirrored(point))
 
-    def _own_palm(self) -> Body:
-        """A fixed block behind the first hinge that carries V_0 and M''."""
-        finger = self.finger
+    def _bodies(self) -> Iterator[Body]:
+        """The palm, a fixed block with V_0 and M'', if none is given, and the phalanges."""
+        finger, (x, y, angle) = self.finger, self.world
         points = [finger.guides[0], (0.0, finger.radii[0]), (0.0, -finger.radii[0])]
         if finger.springs is not None:
             points.append(finger.springs.on_previous[0])
         left = min(x for x, _ in points) - PALM_MARGIN
         low = min(y for _, y in points) - PALM_MARGIN
         high = max(y for _, y in points) + PALM_MARGIN
-        return Body(
-            name=self.palm, at=finger.at, angle=finger.angle, motion="fixed", role="palm",
-            material=finger.material, plane=finger.plane, shapes=(Box(
-                size=(-left, high - low), at=(left / 2, self.side * (low + high) / 2)),))
-
-    def _phalanges(self) -> list[Body]:
-        finger, (x, y, angle) = self.finger, self.world
-        bodies = []
+        if self.given_palm is None:
+            yield Body(
+                name=self.palm, at=finger.at, angle=finger.angle, motion="fixed", role="palm",
+                material=finger.material, plane=finger.plane, shapes=(Box(
+                    size=(-left, high - low), at=(left / 2, self.side * (low + high) / 2)),))
         for i, (name, length, radius) in enumerate(zip(
                 self.names, finger.lengths, finger.radii, strict=True)):
             angle -= self.side * entry(finger.start, i)
@@ -240,12 +237,11 @@ class _Builder:
             if finger.masses is not None:
                 mass = finger.masses[i]
                 weight = {"mass": mass, "inertia": mass * (length**2 / 12 + radius**2 / 4)}
-            bodies.append(Body(
+            yield Body(
                 name=name, at=(x, y), angle=angle, role="phalanx",
                 shapes=(Capsule(end=(length, 0.0), radius=radius),),
-                centre=(length / 2, 0.0), material=finger.material, plane=finger.plane, **weight))
+                centre=(length / 2, 0.0), material=finger.material, plane=finger.plane, **weight)
             x, y = to_world((x, y, angle), (length, 0.0))
-        return bodies
 
     def _joints(self) -> tuple[tuple[Joint, ...], tuple[Spring, ...]]:
         """Hinges and the springs over them, from M'' to M' by equations (20) and (21)."""

@@ -23,6 +23,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import cached_property
 from itertools import accumulate
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
@@ -56,14 +57,29 @@ _DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*(?!\w|\s*\()")
 SpecType = TypeVar("SpecType", bound=Spec)
 
 
-@dataclass(frozen=True)
-class Placement:
-    """Position, angle, mirror and scale of an assembly."""
+@dataclass
+class Mover:
+    """Places and renames the elements of an assembly."""
 
+    prefix: str
+    inner: Elements
+    outside: Callable[[str], Body | None]
     at: Vec = (0.0, 0.0)
     angle: float = 0.0
     mirror: Mirror | None = None
     scale: float = 1.0
+
+    @cached_property
+    def own(self) -> dict[str, Body]:
+        """Its bodies by name."""
+        return {body.name: body for body in self.inner["bodies"]}
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """Names of all its elements."""
+        return frozenset(name for name, _ in self.inner["materials"]).union(
+            each.name for kind, elements in self.inner.items()
+            if kind not in ("materials", "contacts") for each in elements)
 
     @property
     def sign(self) -> float:
@@ -102,21 +118,6 @@ class Placement:
         """A point of a body that stays where it is."""
         return to_body(pose, self.point(to_world(pose, point)))
 
-
-class Mover:
-    """Places and renames the elements of an assembly."""
-
-    def __init__(
-        self, prefix: str, inner: Elements, placement: Placement,
-        outside: Callable[[str], Body | None],
-    ) -> None:
-        self.prefix, self.placement, self.outside = prefix, placement, outside
-        self.own = {body.name: body for body in inner["bodies"]}
-        self.names = frozenset(
-            [name for name, _ in inner["materials"]]
-            + [each.name for kind, elements in inner.items()
-               if kind not in ("materials", "contacts") for each in elements])
-
     def element(self, element: Spec, path: str) -> Spec:
         """An element of the assembly at a path of it."""
         moved, changed = self.spec(element, path), {}
@@ -145,7 +146,7 @@ class Mover:
                 new = self._marked(mark.how, value)
             elif isinstance(holder, str) and holder not in self.own:
                 body = self.outer_body(holder, f"{path}.{HOLDERS[name]}")
-                new = self.placement.on(pose_of(body), value)
+                new = self.on(pose_of(body), value)
             else:
                 new = self._value(value, field.annotation, tuple(field.metadata),
                                   f"{path}.{field.alias or name}")
@@ -180,32 +181,30 @@ class Mover:
         return body
 
     def _marked(self, how: str, value: Any) -> Any:
-        place = self.placement
-
         def node(node: Node) -> Node:
             x, y, direction, bend = node
-            if place.mirror:
-                direction = (math.pi if place.mirror == "left-right" else 0.0) - direction
-            return *place.within((x, y)), direction, place.sign * bend / place.scale
+            if self.mirror:
+                direction = (math.pi if self.mirror == "left-right" else 0.0) - direction
+            return *self.within((x, y)), direction, self.sign * bend / self.scale
 
         if how == "place":
-            return place.point(value)
+            return self.point(value)
         if how == "turn":
-            return place.sign * value + place.angle
+            return self.sign * value + self.angle
         if how == "sign":
-            return place.sign * value if value else value
+            return self.sign * value if value else value
         if how == "vector":
-            x, y = place.vector(value)
-            return place.scale * x, place.scale * y
+            x, y = self.vector(value)
+            return self.scale * x, self.scale * y
         if how == "nodes":
             return tuple(tuple(map(node, curve)) for curve in value)
-        return OTHER[value] if place.mirror else value
+        return OTHER[value] if self.mirror else value
 
     def _value(self, value: Any, annotation: Any, metadata: tuple[Any, ...], path: str) -> Any:
         if value is None:
             return None
         if (signal := mark_of(metadata, OverTime)) is not None:
-            return scaled(value, self.placement.scale ** POWERS.get(signal.dimension or "", 0))
+            return scaled(value, self.scale ** POWERS.get(signal.dimension or "", 0))
         if get_origin(annotation) is Annotated:
             inner, *more = get_args(annotation)
             return self._value(value, inner, (*more, *metadata), path)
@@ -219,7 +218,7 @@ class Mover:
                 return value
             annotation, kinds = None, [None, ...]
         if annotation == Point:
-            return self.placement.within(value)
+            return self.within(value)
         if isinstance(value, str):
             return value if get_origin(annotation) is Literal else self._text(value)
         if isinstance(value, dict):
@@ -230,19 +229,19 @@ class Mover:
                          for i, (entry, kind) in enumerate(zip(value, kinds, strict=True)))
         number = mark_of(metadata, Dimension)
         power = POWERS.get(number.name or "", 0) if number is not None else 0
-        return value * self.placement.scale**power if power else value
+        return value * self.scale**power if power else value
 
     def direction(self, body: str, direction: Vec) -> Vec:
         """A direction in a body's frame, placed."""
         if body in self.own:
-            return self.placement.flip(direction)
+            return self.flip(direction)
         turn = (0.0, 0.0, self.outer_body(body, "").angle)
-        return to_body(turn, self.placement.vector(to_world(turn, direction)))
+        return to_body(turn, self.vector(to_world(turn, direction)))
 
     def _path(self, body: Body) -> Any:
-        path, place = body.path, self.placement
+        path = body.path
         assert path is not None
-        (a, b), (c, d) = ((place.scale * x, place.scale * y) for x, y in place.linear())
+        (a, b), (c, d) = ((self.scale * x, self.scale * y) for x, y in self.linear())
         x = path.x or Constant(constant=body.at[0])
         y = path.y or Constant(constant=body.at[1])
 
@@ -252,25 +251,22 @@ class Mover:
 
         moves = path.x is not None or path.y is not None
         return path.model_copy(update={
-            "x": along(a, b, place.at[0]) if moves else None,
-            "y": along(c, d, place.at[1]) if moves else None,
-            "angle": scaled(path.angle, place.sign, place.angle) if path.angle else None})
+            "x": along(a, b, self.at[0]) if moves else None,
+            "y": along(c, d, self.at[1]) if moves else None,
+            "angle": scaled(path.angle, self.sign, self.angle) if path.angle else None})
 
 
-def placed(
-    name: str, inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
-) -> Elements:
-    """The elements ``inner`` of the assembly ``name``, placed and under their names outside."""
-    place = Mover(name, inner, placement, outside)
-    resized = Mover(name, inner, Placement(scale=placement.scale), outside)
-    problems: list[Problem] = []
+def placed(mover: Mover) -> Elements:
+    """The elements of an assembly, placed and under their names outside."""
+    name, inner, problems = mover.prefix, mover.inner, list[Problem]()
+    resizer = Mover(name, inner, mover.outside, scale=mover.scale)
     found: dict[str, Any] = {"materials": tuple(
         (f"{name}.{key}", each) for key, each in inner["materials"])}
     for kind in (kind for kind in inner if kind != "materials"):
         moved = []
         for i, element in enumerate(inner[kind]):
             try:
-                moved.append((place if kind in PLACED else resized).element(
+                moved.append((mover if kind in PLACED else resizer).element(
                     element, f".{kind}[{i}]"))
             except PartError as error:
                 problems += error.problems

@@ -127,7 +127,6 @@ class _Builder:
         self.axes = ((c, s), (-s, c))
         """Unit vectors along the pull and to its left; exact for right angles."""
         self.leaves = self._found(known)
-        self._spread()
         self.rearmost = max(leaf.along for leaf in self.leaves)
         self.root = self._planned()
         self.frame = Body(
@@ -135,7 +134,7 @@ class _Builder:
             angle=tree.direction, motion="fixed", role="ground")
 
     def _found(self, known: Known) -> list[Node]:
-        """The leaves, with their strings straight behind them."""
+        """The leaves, with strings straight behind them or, if these coincide, equally apart."""
         tree = self.tree
         tendons = {tendon.name: tendon for tendon in reversed(known.elements["tendons"])}
         bodies = {body.name: body for body in reversed(known.elements["bodies"])}
@@ -157,18 +156,13 @@ class _Builder:
                     hint=near(leaf.name, [*known.tendon_of, *tendons, *bodies])))
         if len(found) < len(tree.pulls):
             raise PartError(problems)
+        order = sorted(found, key=lambda leaf: leaf.across)
+        if tree.pitch or any(b.across - a.across < MIN_DISTANCE for a, b in pairwise(order)):
+            pitch = tree.pitch or tree.travel
+            first = (order[0].across + order[-1].across - pitch * (len(order) - 1)) / 2
+            for rank, node in enumerate(order):
+                node.across = first + pitch * rank
         return found
-
-    def _spread(self) -> None:
-        """Set strings equally apart, with a ``pitch`` or if leaves lie in one line."""
-        order = sorted(self.leaves, key=lambda leaf: leaf.across)
-        if self.tree.pitch is None and all(
-                b.across - a.across >= MIN_DISTANCE for a, b in pairwise(order)):
-            return
-        pitch = self.tree.pitch or self.tree.travel
-        first = (order[0].across + order[-1].across - pitch * (len(order) - 1)) / 2
-        for rank, leaf in enumerate(order):
-            leaf.across = first + pitch * rank
 
     def _planned(self) -> Node:
         """The root over the leaves, with the rockers or wheels of all levels."""

@@ -22,7 +22,7 @@ from sandbox.scene.read.scopes import Scope, resolved_tables
 from sandbox.scene.read.source import Library, SceneSource
 from sandbox.values.numbers import number_from
 from sandbox.values.paths import JsonPath, parse_path
-from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted, refuse_if
+from sandbox.wording import WrongValueError, kind_of, listed, near, quoted, refuse_if
 
 WORDS = ("like", "repeat", "include")
 ENTRY_WORDS = ("like", "repeat")  # keys that no composed entry has
@@ -76,9 +76,7 @@ def _has_words(value: Any) -> bool:
     return isinstance(value, list) and any(map(_has_words, value))
 
 
-def merged(
-    entry: Any, at: Context, places: Composed, near: NearMisses, inside: tuple[str, ...] = (),
-) -> Any:
+def merged(entry: Any, at: Context, places: Composed, inside: tuple[str, ...] = ()) -> Any:
     """An entry with the keys of the templates that it is like.
 
     Objects are merged key by key; lists and numbers are replaced as a whole. A template may itself
@@ -96,13 +94,14 @@ def merged(
                                   f"{' → '.join([*inside, name])}")
         if name not in known:
             raise WrongValueError(
-                "bad-template", f"there is no template {quoted(name)}", hint=near(name, known),
-                allowed=listed(known) or "none: the scene has no templates")
+                "bad-template", f"there is no template {quoted(name)}",
+                allowed=listed(known) or "none: the scene has no templates",
+                hint=places.near(name, known))
     home = at.home.to(name).copied(at.place)
     with home.refusing():
         refuse_if(not isinstance(known[name], dict), f"the template {quoted(name)} is "
                   f"{kind_of(known[name])}, not an object {{…}}", "bad-template")
-    below = merged(known[name], replace(at, place=home), places, near, (*inside, name))
+    below = merged(known[name], replace(at, place=home), places, (*inside, name))
     return _over(entry, at.place, below, home, places)
 
 
@@ -137,7 +136,6 @@ class _Composer:
     tables: dict[str, Any]  # tables of the scene, and of included files under names of their own
     shared: dict[str, str] = field(default_factory=dict)
     """Names of included tables by their content."""
-    near: NearMisses = field(default_factory=NearMisses)
     size: int = 0  # characters of the result, approximately
 
     def scene(self, data: Mapping[str, Any], at: Context) -> None:
@@ -193,7 +191,7 @@ class _Composer:
                     with inner.place.refusing(key=True):
                         inner = at.to(at.scope.text(key), inner.place)
                 if at.trail[-1] == "materials":
-                    entry = merged(entry, inner, self.made, self.near)
+                    entry = merged(entry, inner, self.made)
                 self.put(out, entry, inner)
             except RefusedError as error:
                 self.refuse(error, inner.trail)
@@ -209,7 +207,7 @@ class _Composer:
                 self.top = here.place
             try:
                 if isinstance(item, dict):
-                    self.copies(out, merged(item, here, self.made, self.near), here)
+                    self.copies(out, merged(item, here, self.made), here)
                 else:
                     if len(out) != number:
                         self.made.put(out, len(out), here.place)

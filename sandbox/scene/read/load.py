@@ -41,7 +41,6 @@ from sandbox.values.paths import JsonPath, parse_path, path_text
 from sandbox.values.spec import Spec
 from sandbox.wording import kind_of, quoted
 
-MAX_EXPLAINED = 5_000  # number of invalid values that are explained
 LISTS = (*MECHANISM_LISTS, "parts")
 STAND_INS: dict[str, Any] = {"materials": {}, "tables": {"points": [[0, 1], [1, 1]]}}
 """Replace invalid entries, so that the rest of the scene can be checked."""
@@ -211,7 +210,7 @@ class _Loading:
         try:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
-            problems = explain(error, data, Scene, MAX_EXPLAINED)
+            problems = explain(error, data, Scene)
             paths = [parse_path(problem.path) for problem in problems]
             causes = [problem for problem, path in zip(problems, paths, strict=True)
                       if path[:2] not in self.ignored and not self.parameters.reads_failed(

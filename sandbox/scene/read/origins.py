@@ -21,7 +21,7 @@ from sandbox.scene.read.source import SceneSource
 from sandbox.scene.settings import ContactRule
 from sandbox.values.messages import fields_at
 from sandbox.values.paths import JsonPath, holds, parse_path, path_text
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import NearMisses, WrongValueError, quoted
 
 LAST = ("contacts", "groups")
 """Lists of a mechanism in which the scene's own elements come last; in the others, first."""
@@ -94,6 +94,7 @@ class Composed:
     files: tuple[Path, ...] = ()  # included files
     moved: dict[int, tuple[Any, dict[str | int, Origin]]] = field(default_factory=dict)
     """Containers by their id, with the children that were written elsewhere than them."""
+    near: NearMisses = field(default_factory=NearMisses)  # suggestions of templates
     reported: dict[tuple[str, JsonPath], Origin] = field(default_factory=dict)
     """For each place, the copy of which a problem was reported first."""
 

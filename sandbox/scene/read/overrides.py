@@ -15,7 +15,7 @@ from sandbox.scene.read.scopes import Scope
 from sandbox.scene.read.source import SceneSource
 from sandbox.values.paths import JsonPath, holds, parse_path
 from sandbox.values.units import dimension_of, unit_in, units_of
-from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted, refuse_if
+from sandbox.wording import WrongValueError, kind_of, listed, near, quoted, refuse_if
 
 CLOSED = ("parameters", "templates")
 """Objects whose keys are the author's own, so that a new one is a slip."""
@@ -79,7 +79,7 @@ def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
         if depth == 1 and isinstance(value, dict):
             context = Context(nowhere, (), Scope(), data.get("templates"), nowhere)
             with contextlib.suppress(RefusedError):  # reading the scene reports it
-                value = merged(value, context, Composed({}, nowhere), NearMisses())
+                value = merged(value, context, Composed({}, nowhere))
     refuse_if(not isinstance(value, list), f"there is no list {quoted(taken[-1])} there",
               "bad-override")
     return copy.deepcopy(value)

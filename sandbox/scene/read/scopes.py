@@ -84,7 +84,7 @@ class Scope:
         if not (expression.names & set(self.numbers) or
                 (self.renamed is not None and expression.tables)):
             return text
-        return f"={expression.bind(self.numbers, self.renamed).text}"
+        return f"={expression.bind(self.numbers, self.renamed or {}).text}"
 
     def _filled(self, match: re.Match[str]) -> str:
         inner = match.group(1)

@@ -142,10 +142,6 @@ class Library:
 
     main: SceneSource
     read: dict[Path, SceneSource] = field(default_factory=dict)
-    size: int = 0  # of all files together [characters]
-
-    def __post_init__(self) -> None:
-        self.size = len(self.main.text)
 
     def find(self, name: Any) -> Path:
         """The file that an ``include`` names."""
@@ -188,9 +184,9 @@ class Library:
         except SceneError as error:
             raise SceneError([replace(problem, file=name)
                               for problem in error.problems], name) from None
-        self.size += len(found.text)
         maximum = self.main.limits.file_bytes
-        refuse_if(self.size > maximum, f"with {quoted(path.name)} the files of this scene are "
+        size = sum(len(each.text) for each in (self.main, found, *self.read.values()))
+        refuse_if(size > maximum, f"with {quoted(path.name)} the files of this scene are "
                   f"larger than the limit 'file_bytes' of {maximum} bytes",
                   "limit-exceeded", allowed="larger ones when the limit is raised")
         self.read[path] = found
