@@ -19,7 +19,6 @@ from sandbox.engine.inspect_control import Checked
 from sandbox.equilibria.branches import rest_along
 from sandbox.equilibria.rest import AtRest, known_body, places, quantities, rest, verdict
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
-from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
 MAX_COLUMNS = 5  # equilibria side by side in the terminal; files have all
@@ -75,13 +74,12 @@ def _find(
     pictures, data, lines, stiffnesses = [], [], list[str](), list[str]()
     for i, each in enumerate(rests, 1):
         pictures.append(folder / (f"rest_{i}.png" if several else "rest.png"))
-        render(_titled(each, i if several else 0), pictures[-1])
+        render(each.recording, pictures[-1])
         lines.append(f"{f'rest {i}' if several else 'at rest'}"
                      f"{f' (from {each.start})' if each.start else ''}: {verdict(each)}")
         if each.sticking:
-            why = "it stuck from there" if each.start else "a slow load leads"
-            lines.append(f"  friction holds {first_of(each.sticking, MAX_STICKING)}, so nearby "
-                         f"poses are at rest, too; this is where {why}")
+            lines.append(f"  friction holds {first_of(each.sticking, MAX_STICKING)}: nearby poses "
+                         "are at rest, too")
         data.append({**_data(each), "stiffness": None})
         with contextlib.suppress(ArithmeticError):  # it is unknown
             if body and not each.untold:
@@ -121,17 +119,6 @@ def _data(rest: AtRest) -> dict[str, Any]:
             "left": rest.left, "steps": rest.steps,
             "quantities": {name: {"value": rest[name], "unit": unit}
                            for name, unit in _units([rest]).items()}}
-
-
-def _titled(rest: AtRest, number: int) -> Recording:
-    """A recording whose title has the number of several equilibria, and the stability."""
-    run, mechanism = rest.recording, rest.recording.mechanism
-    stability = "" if rest.stability == "unknown" else rest.stability
-    if not number and stability != "unstable":
-        return run
-    words = ", ".join(filter(None, (f"rest {number}" if number else "", stability))).capitalize()
-    title = f"{words}: {mechanism.title or mechanism.name}"
-    return type(run)(mechanism.model_copy(update={"title": title}), run.arrays, run.info)
 
 
 def _shown(value: float) -> str:

@@ -25,7 +25,7 @@ from sandbox.scene.read.source import SceneSource
 from sandbox.search.fitting import COMPARED
 from sandbox.search.searches import FINDERS, run_search
 from sandbox.search.session import FIGURE as SEARCH_FIGURE
-from sandbox.search.session import FOUND, RESULT, Session, make_session
+from sandbox.search.session import FOUND, RESULT, Session
 from sandbox.sweeps import CSV, FIGURE, PARQUET, SPEC
 from sandbox.sweeps.job import DONE, ROWS
 from sandbox.sweeps.plan import plan_of, study_file
@@ -183,9 +183,8 @@ def search(
         progress.note(f"{new} runs, {new / (time.perf_counter() - began):.3g} a second")
 
     with nullcontext() if own else _problems_at_options():
-        session = Session(scene.word, scene.limits, kind, given) if study else make_session(
-            scene.word, kind, given, vary=vary, keep=list(keep) or None, set=scene.overrides,
-            limits=scene.limits)
+        session = Session(study_data(scene.word, vary=vary or None, keep=keep,
+                                     set=scene.overrides), scene.limits, kind, given)
         folder = out or _own_directory(session)
         prepare(folder)
         with monitored(console, kept=folder) as progress:

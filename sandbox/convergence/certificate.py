@@ -246,11 +246,6 @@ def at_instants(time: Array, values: Array, wanted: Array) -> Array:
 
 PEAKS = ("max", "min")
 OF_THE_MECHANISM = ("contact.shared", "tendon.slack")  # figures not about accuracy
-DIMENSIONS = {
-    "1": (0, 0, 0), "": (0, 0, 0), "rad": (0, 0, 0), "rad/s": (0, 0, -1), "rad/s^2": (0, 0, -2),
-    "m": (0, 1, 0), "m/s": (0, 1, -1), "m/s^2": (0, 1, -2), "N": (1, 1, -2),
-    "N m": (1, 2, -2), "J": (1, 2, -2), "N/m": (1, 0, -2), "N m/rad": (1, 2, -2),
-}  # exponents of mass, length and time of a unit
 CAUSES = ("light bodies that carry heavy ones, springs too stiff for their masses, or chaotic "
           "motion ('sandbox check' finds some causes)")
 
@@ -340,11 +335,6 @@ class Certificate:
             yield f"At these orders h/{finer} is sufficient: {_at(self.steps[0] / finer)}."
         elif unsettled:
             yield f"These three steps do not show which step would do. Start from h/4, {finest}."
-        if any(t.kind is Kind.STEP for t in valued):
-            yield ("Where a quantity tends to a value outside its range, no step helps: the range "
-                   "or the mechanism has to change.")
-        if self.objections and not self.diverged:
-            yield "docs/audit.md explains the warnings."
 
 
 def _at(step: float) -> str:
@@ -452,19 +442,9 @@ def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
 
 
 def scene_size(runs: Sequence[Recording], unit: str) -> float:
-    """Size of the largest quantity of a unit in a scene: mean over time, minimum of the runs.
-
-    At least what masses, lengths and the duration of the scene give, such as M L / T^2 for a force.
-    """
-    def measured(unit: str) -> float:
-        return min((max((mean_size(run[name]) for name in run.names() if run.unit(name) == unit),
-                        default=0.0) for run in runs), default=0.0)
-
-    if unit not in DIMENSIONS or not runs:
-        return measured(unit)
-    masses, (mass, length, time) = runs[0].arrays["body_mass"], DIMENSIONS[unit]
-    return max(measured(unit), float(masses[np.isfinite(masses)].max(initial=0.0)) ** mass
-               * measured("m") ** length * runs[0].mechanism.run.duration ** time)
+    """Size of the largest quantity of a unit in a scene: mean over time, minimum of the runs."""
+    return min((max((mean_size(run[name]) for name in run.names() if run.unit(name) == unit),
+                    default=0.0) for run in runs), default=0.0)
 
 
 def mean_size(values: Array) -> float:

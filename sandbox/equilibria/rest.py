@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,7 +23,6 @@ from sandbox.wording import listed, near, quoted
 SAME = 1e-6  # difference, relative to the size, of poses that count as one
 MOVED = 1e-3  # part in a motion below which a body does not move in it
 MAX_STAGES = 100_000
-LATE = 0.01  # fraction of the run before its end in which changing drives are reported
 STABLE, UNSTABLE, NEUTRAL, UNKNOWN = "stable", "unstable", "neutral", "unknown"
 
 
@@ -178,7 +177,10 @@ def rest(
     if not rests:
         raise SceneError([Problem("no-rest", f"it does not come to rest{words}: {reason}", "rest")
                           for words, reason in failed])
-    return RestFound(tuple(rests), tuple(failed), tuple(_remarks(mechanism, settler, at)))
+    remarks = [f"the event {quoted(event.name)} is ignored: it depends on time"
+               for event in mechanism.events if event.when is not None
+               and (event.set or event.release or event.take_up)]
+    return RestFound(tuple(rests), tuple(failed), (*remarks, *filter(None, [settler.remark])))
 
 
 def settle(settler: Settler, start: str, before: int) -> AtRest:
@@ -222,23 +224,6 @@ def check_options(mechanism: Mechanism, at: float | None, stages: int | None) ->
                              allowed=f"1 to {MAX_STAGES}"))
     if found:
         raise SceneError(found)
-
-
-def _remarks(mechanism: Mechanism, settler: Settler, at: float | None) -> Iterator[str]:
-    for event in mechanism.events:
-        if event.when is not None and (event.set or event.release or event.take_up):
-            yield f"the event {quoted(event.name)} is ignored: it depends on time"
-    if settler.remark:
-        yield settler.remark
-    if at is not None or not settler.time:
-        return
-    before, places = settler.still.driven((1 - LATE) * settler.time)
-    for i in np.flatnonzero(before != settler.drive).tolist():
-        yield (f"the drive {quoted(mechanism.drives[i].name)} still changes at the end: it is held "
-               f"at its value at t = {settler.time:g} s")
-    for body in settler.still.scheduled[np.any(places != settler.places, axis=1)].tolist():
-        yield (f"{quoted(mechanism.bodies[body].name)} still moves at the end: it is held where it "
-               f"is at t = {settler.time:g} s")
 
 
 def verdict(rest: AtRest) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -74,8 +74,6 @@ class SweepDrawing:
     held: Array | None = None
     """1 for runs that meet the condition, 0 for those that do not, NaN for others, [n]."""
     condition: str = ""
-    meanings: Mapping[str, str] = field(default_factory=dict)
-    """Definitions of quantities by name: ``{"ratio": "tip / pull"}``."""
     found: FoundLine | None = None
 
     @property
@@ -116,9 +114,6 @@ def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
 
 
 def _notes(drawing: SweepDrawing) -> list[str]:
-    shown = {column.name for column in drawing.shown}
-    meanings = "; ".join(f"{name} = {meaning}" for name, meaning in drawing.meanings.items()
-                         if name in shown)
     count, more = len(drawing.failed), len(drawing.kept) - MAX_QUANTITIES
     missed, failed, doubtful = (int(np.count_nonzero(each)) for each in (
         drawing.missed, drawing.failed, drawing.doubtful))
@@ -129,8 +124,8 @@ def _notes(drawing: SweepDrawing) -> list[str]:
         f"{doubtful} runs have a warning of the audit: rings.": doubtful,
         f"{more} further quantities are in the table only.": more > 0,
     }
-    text = " ".join(note for note, said in notes.items() if said)
-    return [note for note in (meanings, text) if note]
+    text = " ".join(note for note, applies in notes.items() if applies)
+    return [text] if text else []
 
 
 def _over_one(drawing: SweepDrawing, column: SweepColumn) -> list[Panel]:

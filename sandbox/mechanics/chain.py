@@ -17,14 +17,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import finite, not_negative, per_phalanx, positive, together
+from sandbox.mechanics.checks import finite, not_negative, per_phalanx, positive
 from sandbox.numeric import Array
 
 
 def pose(x: ArrayLike = 0.0, y: ArrayLike = 0.0, angle: ArrayLike = 0.0) -> Array:
     """Frames at (x, y) [m], turned counter-clockwise [rad], as matrices, [...] to [..., 3, 3]."""
     at_x, at_y, turned = finite("x", x, "m"), finite("y", y, "m"), finite("angle", angle, "rad")
-    matrix = np.zeros((*together(x=at_x, y=at_y, angle=turned), 3, 3))
+    matrix = np.zeros((*np.broadcast_shapes(at_x.shape, at_y.shape, turned.shape), 3, 3))
     matrix[..., 0, 0] = matrix[..., 1, 1] = np.cos(turned)
     matrix[..., 1, 0] = np.sin(turned)
     matrix[..., 0, 1] = -matrix[..., 1, 0]

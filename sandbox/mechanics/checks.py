@@ -52,16 +52,6 @@ def matrix(name: str, value: ArrayLike, unit: str) -> Array:
     return array
 
 
-def together(**arrays: Array) -> tuple[int, ...]:
-    """The shape that arrays broadcast to; the error names each with its shape."""
-    try:
-        return np.broadcast_shapes(*(array.shape for array in arrays.values()))
-    except ValueError:
-        names = " and ".join(arrays)
-        shapes = " and ".join(str(array.shape) for array in arrays.values())
-        raise ValueError(f"{names} must be of equal length, got shapes {shapes}") from None
-
-
 def _require(name: str, array: Array, unit: str, good: Flags, wanted: str) -> Array:
     if not good.all():
         raise ValueError(f"{name} must be {wanted}, got {array[~good].flat[0]:.6g} {unit}".rstrip())

@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import finite, not_negative, per_phalanx, positive, together
+from sandbox.mechanics.checks import finite, not_negative, per_phalanx, positive
 from sandbox.mechanics.springs import SpringSet
 from sandbox.mechanics.statics import joint_torques
 from sandbox.mechanics.tendon import TendonRoute
@@ -93,7 +93,6 @@ def tendon_torques(
     n = len(tendon.rt)
     if springs is None:
         return lambda theta: np.asarray(pull * tendon.arms(theta))
-    together(tendon=tendon.rt, springs=springs.rm)
     k = np.broadcast_to(not_negative("stiffness", stiffness, "N/m"), (n,))
     return lambda theta: joint_torques(
         pull, tendon.arms(theta), k, springs.elongations(theta), springs.arms(theta))
@@ -127,7 +126,7 @@ def grasp_states(
         if (out := np.asarray(at > length)).any():
             raise ValueError(f"{name} must lie on its phalanx of {length:.6g} m, "
                              f"got {at[out].flat[0]:.6g} m")
-    shape = together(theta=angles[..., 0], k_1=near, k_2=far)
+    shape = np.broadcast_shapes(angles.shape[:-1], near.shape, far.shape)
     angles, far = np.broadcast_to(angles, (*shape, 2)), np.broadcast_to(far, shape)
     tau = finger.torques(np.asarray(angles))
     forces = two_phalanx_forces(
@@ -217,7 +216,6 @@ class _Slide:
 
 def _poses(finger: TwoPhalanges, theta_1: ArrayLike, theta_2: ArrayLike) -> Array:
     first, second = finite("theta_1", theta_1, "rad"), finite("theta_2", theta_2, "rad")
-    together(theta_1=first, theta_2=second)
     for joint, turned in enumerate((first, second)):
         low, high = finger.lower[joint], finger.upper[joint]
         if (out := np.asarray((turned < low) | (turned > high))).any():

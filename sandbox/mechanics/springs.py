@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import finite, per_phalanx, points, positive, together
+from sandbox.mechanics.checks import finite, per_phalanx, points, positive
 from sandbox.mechanics.tendon import corner, third_side
 from sandbox.numeric import Array
 
@@ -38,7 +38,6 @@ def spring_length(dm: ArrayLike, rm: ArrayLike, delta: ArrayLike) -> Array:
     """
     before, after = positive("dm", dm, "m"), positive("rm", rm, "m")
     angle = finite("delta", delta, "rad")
-    together(dm=before, rm=after, delta=angle)
     return positive("lm", third_side(before, after, angle), "m")
 
 

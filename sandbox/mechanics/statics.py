@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import matrix, not_negative, per_phalanx, points, positive, together
+from sandbox.mechanics.checks import matrix, not_negative, per_phalanx, points, positive
 from sandbox.numeric import Array, Flags
 
 
@@ -43,7 +43,6 @@ def joint_torques(
     stretch = per_phalanx("elongations", elongations, n, "m")
     hm = per_phalanx("spring_arms", spring_arms, n, "m")
     pulled = not_negative("tension", tension, "N")[..., None]
-    together(tension=pulled, tendon_arms=h, stiffness=k, elongations=stretch, spring_arms=hm)
     return np.asarray(pulled * h - k * stretch * hm)
 
 
@@ -59,7 +58,6 @@ def contact_jacobian(theta: ArrayLike, lengths: ArrayLike, distances: ArrayLike)
     n = len(phalanges)
     turned = np.cumsum(per_phalanx("theta", theta, n, "rad"), axis=-1)
     k = per_phalanx("distances", distances, n, "m")
-    together(theta=turned, distances=k)
     # reach[i, m]: of phalanx m along phalanx i, L_m cos(theta_(m+1) + ... + theta_i), m < i
     reach = phalanges * np.cos(turned[..., :, None] - turned[..., None, :])
     reach = reach * np.tril(np.ones((n, n)), -1)
@@ -104,7 +102,6 @@ def contact_forces(jacobian: ArrayLike, torques: ArrayLike) -> Array:
     if J.ndim < 2 or J.shape[-1] != J.shape[-2]:
         raise ValueError(f"jacobian must be as many contacts as joints, got shape {J.shape}")
     tau = per_phalanx("torques", torques, J.shape[-1], "N m")
-    together(jacobian=J[..., 0], torques=tau)
     try:
         return np.asarray(np.linalg.solve(np.swapaxes(J, -1, -2), tau[..., None])[..., 0])
     except np.linalg.LinAlgError:

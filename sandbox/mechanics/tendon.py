@@ -33,7 +33,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import finite, not_negative, per_phalanx, points, positive, together
+from sandbox.mechanics.checks import finite, not_negative, per_phalanx, points, positive
 from sandbox.numeric import Array
 
 IN_LINE = 1e-12  # A sine of beta below this [1] is rounding: guides and hinge are in line
@@ -66,7 +66,6 @@ def segment_length(dt: ArrayLike, rt: ArrayLike, beta: ArrayLike) -> Array:
     """
     before, after = positive("dt", dt, "m"), positive("rt", rt, "m")
     angle = finite("beta", beta, "rad")
-    together(dt=before, rt=after, beta=angle)
     folded = np.asarray((angle <= 0) | (angle >= 2 * np.pi) | (np.abs(np.sin(angle)) < IN_LINE))
     if folded.any():
         raise ValueError("beta must lie between 0 and 2 pi rad and not at pi, where the segment "
@@ -81,7 +80,6 @@ def guide_tension(tension: ArrayLike, friction: ArrayLike, wrap: ArrayLike) -> A
     """
     mu, phi = not_negative("friction", friction, ""), not_negative("wrap", wrap, "rad")
     pull = not_negative("tension", tension, "N")
-    together(tension=pull, friction=mu, wrap=phi)
     return np.asarray(pull * np.exp(-mu * phi))
 
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import finite, not_negative, positive, together
+from sandbox.mechanics.checks import finite, not_negative, positive
 from sandbox.mechanics.statics import contact_jacobian
 from sandbox.numeric import Array
 
@@ -39,7 +39,6 @@ def force_transfer_ratio(forces: ArrayLike, tension: ArrayLike) -> Array:
     """
     pulled = positive("tension", tension, "N")
     total = not_negative("forces", forces, "N").sum(axis=-1)
-    together(forces=total, tension=pulled)
     return np.asarray(total / pulled)
 
 
@@ -67,7 +66,6 @@ def two_phalanx_forces(
     turned = finite("theta_2", theta_2, "rad")
     near, far = positive("k_1", k_1, "m"), positive("k_2", k_2, "m")
     first, second = finite("torque_1", torque_1, "N m"), finite("torque_2", torque_2, "N m")
-    together(theta_2=turned, k_1=near, k_2=far, torque_1=first, torque_2=second)
     distal = second / far
     reach = far + positive("length_1", length_1, "m") * np.cos(turned)
     return TwoPhalanxForces(*np.broadcast_arrays((first - reach * distal) / near, distal))
@@ -85,7 +83,6 @@ def equilibrium_distance(theta_2: ArrayLike, length_1: float, ratio: ArrayLike) 
             1 on no distance lets both phalanges push while cos(theta_2) > 0.
     """
     turned, X = finite("theta_2", theta_2, "rad"), positive("ratio", ratio, "")
-    together(theta_2=turned, ratio=X)
     if (high := np.asarray(X >= 1)).any():
         raise ValueError(f"ratio must be below 1, got {X[high].flat[0]:.6g}")
     return np.asarray(X * positive("length_1", length_1, "m") * np.cos(turned) / (1 - X))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from PIL import GifImagePlugin, Image
 
 from sandbox.atomic_files import atomic_file, output_path, remove_stale
-from sandbox.errors import OutputError
+from sandbox.errors import OutputError, optional
 from sandbox.picture import options
 from sandbox.picture.frame import PRINT_UNIT, Picture, Strip
 from sandbox.picture.frames import Frames
@@ -365,11 +365,7 @@ def _write_frames(frames: Iterator[NDArray[Any]], directory: Path, count: int) -
 
 
 def _write_mp4(frames: Iterator[Words], fps: int, path: Path) -> None:
-    try:
-        import av  # noqa: F401
-    except ImportError:
-        raise OutputError("an .mp4 needs the package 'av': pip install 'sandbox-mechanics[mp4]', "
-                          "or write a .gif", code="missing-package") from None
+    optional("av", "'sandbox-mechanics[mp4]'")
     import imageio.v3 as iio
 
     with iio.imopen(path, "w", plugin="pyav") as file:

@@ -6,12 +6,11 @@ import math
 import os
 from collections.abc import Mapping
 from functools import cached_property
-from importlib import import_module
 from typing import Any, Self
 
 from sandbox.atomic_files import output_path
 from sandbox.audit.audit import Figure, audit
-from sandbox.errors import OutputError, SandboxError
+from sandbox.errors import OutputError, optional
 from sandbox.recording import store
 from sandbox.recording.new_run import writing
 from sandbox.samples.expectations import Verdict, verdicts
@@ -74,7 +73,7 @@ class Recording(Samples):
             SandboxError: pandas is not installed.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        pandas, names = _library("pandas"), self._chosen(quantities)
+        pandas, names = optional("pandas", "pandas"), self._chosen(quantities)
         table = pandas.DataFrame({name: self[name] for name in names},
                                  index=pandas.Index(self.time, name="time"))
         table.attrs["units"] = {name: self.unit(name) for name in names}
@@ -85,7 +84,7 @@ class Recording(Samples):
 
         Arguments and errors are those of :meth:`to_pandas`.
         """
-        return _library("xarray").Dataset(
+        return optional("xarray", "xarray").Dataset(
             {name: ("time", self[name], {"units": self.unit(name)})
              for name in self._chosen(quantities)},
             coords={"time": ("time", self.time, {"units": "s"})},
@@ -177,13 +176,3 @@ class Recording(Samples):
         from sandbox.notebook import card_of_run
 
         return card_of_run(self)
-
-
-def _library(name: str) -> Any:
-    """The module of pandas or xarray."""
-    try:
-        return import_module(name)
-    except ImportError:
-        raise SandboxError(f"to_{name}() needs the package {name!r}, which is not installed: "
-                           f"pip install {name}; run[name] gives plain arrays without it",
-                           code="missing-package") from None

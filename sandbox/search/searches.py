@@ -11,10 +11,11 @@ from sandbox.scene.read.limits import Limits
 from sandbox.search.fitting import Fitted, find_fit
 from sandbox.search.influences import Sensitivity, find_sensitivity
 from sandbox.search.optimum import Chosen, find_best
-from sandbox.search.session import RefusedError, Session, make_session
+from sandbox.search.session import RefusedError, Session
 from sandbox.search.thresholds import ThresholdFound, find_threshold
 from sandbox.sweeps.job import SweepRow
 from sandbox.sweeps.plan import Study
+from sandbox.sweeps.sweep import study_data
 
 Found = ThresholdFound | Fitted | Chosen | Sensitivity
 FINDERS: Mapping[str, Callable[[Session, Any], Found]] = {
@@ -163,8 +164,8 @@ def sensitivity(
 
 def _run(scene: Study, kind: str, shared: Shared, **options: Any) -> Found:
     words: dict[str, Any] = dict(shared)
-    out, workers = words.pop("out", None), words.pop("workers", 0)
-    session = make_session(scene, kind, options, **words)
+    out, workers, limits = (words.pop(name, None) for name in ("out", "workers", "limits"))
+    session = Session(study_data(scene, **words), limits, kind, options)
     if "search" in session.source.data:
         raise RefusedError("the study already defines its search: use sandbox.search.study")
-    return run_search(session, out, workers)
+    return run_search(session, out, workers or 0)

@@ -24,7 +24,6 @@ from sandbox.sweeps.job import DONE, STEP, Log, Point, SweepRow, run_id
 from sandbox.sweeps.plan import Checks, Study, read_study
 from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import Range, number_of, points_of, values_at
-from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.table import draw_table, make_table
 from sandbox.sweeps.workers import make_workers
 from sandbox.values.paths import JsonPath, path_text
@@ -119,6 +118,11 @@ class Session:
         self.spec = getattr(self.plan.spec.search, self.kind)
         self.job = self.plan.job
         self.over = self.plan.spec.over
+        for path, each in self.over.items() if not (source.path or "search" in data) else ():
+            if isinstance(each, Range) and each.count:
+                raise SceneError([Problem(
+                    "bad-study", f"{quoted(path)} has a count, {each.count}, and a search chooses "
+                    "its points itself", allowed="the range without its count")])
         self.paths = tuple(self.over)
         self.units = self.plan.units  # SI, of paths and results; empty for none
         self.out: Path | None = None  # of the rows, which are not run again, and of the table
@@ -237,21 +241,6 @@ class Session:
             "study": {**self.plan.written, "search": {self.kind: given}},
             "versions": {"sandbox": __version__}, "units": plan.units,
             "found": asdict(found)}, indent=2) + "\n")
-
-
-def make_session(
-    scene: Study, kind: str, options: Mapping[str, Any], *, vary: Mapping[str, Any] | None = None,
-    keep: Mapping[str, Any] | list[str] | None = None, set: Mapping[str, Any] | None = None,
-    limits: Limits | None = None,
-) -> Session:
-    """The session of a scene and the arguments of a sweep; without ``vary``, of a study file."""
-    found = Session(study_data(scene, vary=vary, keep=keep, set=set), limits, kind, options)
-    for path, each in found.over.items() if vary else ():
-        if isinstance(each, Range) and each.count:
-            raise SceneError([Problem(
-                "bad-study", f"{quoted(path)} has a count, {each.count}, and a search chooses its "
-                "points itself", allowed="the range without its count")])
-    return found
 
 
 def results(rows: Sequence[SweepRow], names: Iterable[str]) -> Array:

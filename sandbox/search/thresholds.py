@@ -29,14 +29,12 @@ class ThresholdFound(Result):
     high: float
     holds_below: bool  #: whether the condition holds below the threshold
     condition: str
-    remarks: tuple[str, ...] = ()
 
     def _lines(self) -> list[str]:
         side = "below" if self.holds_below else "above"
         unit = f" {self.unit}" if self.unit else ""
         return [f"{self.condition} holds {side} {self.path} = {self.middle:.6g}{unit} "
-                f"(between {self.low:.8g} and {self.high:.8g}{unit}; {self.runs} runs)",
-                *self.remarks]
+                f"(between {self.low:.8g} and {self.high:.8g}{unit}; {self.runs} runs)"]
 
 
 def bisect(
@@ -107,11 +105,8 @@ def find_threshold(session: Session, options: ThresholdSearch) -> ThresholdFound
             f"there it is between {one:.8g} and {two:.8g} {unit}".rstrip()
             if answers[again] != answers[other] else "there it "
             f"{'holds' if answers[again] else 'does not hold'} at both ends of the range")
-    turns = int(np.diff([known[at] for at in sorted(known)]).sum())
-    remarks = (f"the answer changes {turns} times along the range: this is one of several "
-               "thresholds",) if turns > 1 else ()
     middle, side = (low + high) / 2, "below" if below else "above"
-    found = ThresholdFound(path, unit, low, middle, high, below, condition, remarks,
+    found = ThresholdFound(path, unit, low, middle, high, below, condition,
                            runs=len(known), certified=same, certificate=detail)
     session.write(found, wanted, FoundLine(
         path, low, middle, high,

@@ -130,7 +130,7 @@ def sweep(
 
 
 def study_data(
-    scene: Study, *, vary: Any, keep: Any = None,
+    scene: Study, *, vary: Any = None, keep: Any = None,
     set: Any = None, design: str | None = None, count: int | None = None, **settings: Any,
 ) -> Study:
     """The study of the arguments of :func:`sweep`: its data, or a file where nothing is varied."""

@@ -184,20 +184,12 @@ def draw_table(
     map_of_holds = grid and len(over) == 2 and {0.0, 1.0} <= {*table.holds.tolist()}
     if not kept or map_of_holds:
         kept.insert(0, SweepColumn("expectations passed", "", np.nan_to_num(table.holds)[here]))
-    meanings = {}
-    for name, keep in plan.job.keep.items():
-        if isinstance(keep, str):
-            meanings[name] = keep.lstrip().removeprefix("=").strip()
-        elif keep.quantity not in name:
-            (begin, end), meanings[name] = keep.over, f"{keep.statistic} {keep.quantity}"
-            if keep.over != (0.0, None):
-                meanings[name] += f" over {begin:g}:{'end' if end is None else f'{end:g}'} s"
     draw_sweep(path, SweepDrawing(
         [_varied_column(table, name, over[name], here) for name in table.varied], kept,
         failed=~table.done[here], doubtful=table.doubtful[here], grid=grid,
         title=plan.spec.title or f"{plan.name}: {len(table)} runs",
         held=(table.holds if table.met is None else table.met)[here],
-        condition=condition or "the scene's expectations", meanings=meanings, found=found))
+        condition=condition or "the scene's expectations", found=found))
 
 
 def _varied_column(table: SweepTable, name: str, over: Values, here: Flags) -> SweepColumn:

@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sandbox.errors import OutputError, SandboxError
+from sandbox.errors import OutputError, SandboxError, optional
 from sandbox.web.page import html_page, policy, script
 from sandbox.web.session import FRAME, Answer, Session
 
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from websockets.sync.server import ServerConnection
 
 HOST = "127.0.0.1"
-INSTALL = "pip install 'sandbox-mechanics[view]'"
 MAX_UNSEEN = 6
 """Frames that the page has not drawn yet: enough for a line with a round trip of 0.1 s."""
 LATE = 0.1  # a page that is this far behind the clock [s] skips the time that it missed
@@ -269,10 +268,5 @@ def page(title: str) -> str:
 
 
 def needed() -> Any:
-    """The function that serves; OutputError with the command that installs it, if it is missing."""
-    try:
-        from websockets.sync.server import serve
-    except ImportError:
-        raise OutputError(f"the live view needs websockets 14 or newer: {INSTALL}",
-                          code="missing-package") from None
-    return serve
+    """The function that serves; an error with the command that installs it, if it is missing."""
+    return optional("websockets.sync.server", "'sandbox-mechanics[view]'").serve

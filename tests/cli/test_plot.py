@@ -125,3 +125,13 @@ def test_a_pattern_leaves_out_pairs_that_never_touched(sandbox):
     output = sandbox("plot", "block", "block/*.normal", "--json")
     shown = [each["quantity"] for each in json.loads(output.out)["runs"][0]["quantities"]]
     assert shown == ["block/floor.normal"]
+
+
+def test_a_run_of_one_sample_is_not_plotted(sandbox):
+    Path("short.json").write_text(json.dumps(
+        {"run": {"duration": "1 ms", "step": "1 ms"}, "bodies": [
+            {"name": "ball", "shapes": [{"type": "circle", "radius": 1}], "mass": 1}]}))
+    assert sandbox("run", "short.json", "--no-render", "--quiet").code == 0
+    output = sandbox("plot", "short", "ball.x", "--with", "short", "--target", "ball.x=1mm")
+    assert output.code == 2
+    assert "holds 1 samples, at least 2 are needed" in output.err

@@ -39,8 +39,6 @@ def fixed(tau_1: float, tau_2: float, **changes: object) -> grasp_state.TwoPhala
      "theta of joint 2 must lie between .* rad, .* got 2.6 rad"),
     (lambda: tendon.guide_tension(1.0, -0.1, 1.0), "friction must be 0 or more, got -0.1"),
     (lambda: springs.spring_set([(-0.01, 0.01)], [(0, 0)]), "after distance .* got 0 m"),
-    (lambda: springs.spring_length([0.01] * 2, [0.02] * 3, 1.0),
-     "dm and rm and delta must be of equal length"),
     (lambda: statics.joint_torques(-1.0, [0.01], [1.0], [0.0], [0.0]), "tension .* got -1 N"),
     (lambda: statics.contact_forces(np.ones((2, 3)), [1, 1, 1]), "as many contacts as joints"),
     (lambda: statics.contact_forces(np.zeros((2, 2)), [1, 1]), "must not be singular"),

@@ -20,7 +20,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.errors import OutputError
+from sandbox.errors import OutputError, SandboxError
 from sandbox.scene.read.load import read_scene
 from sandbox.web import server as served
 from sandbox.web.server import Server, page
@@ -213,7 +213,7 @@ def test_a_port_that_is_taken_and_a_library_that_is_missing_are_said(
     with pytest.raises(OutputError, match=f"port {server.port}"), second.listening():
         pass
     monkeypatch.setitem(sys.modules, "websockets.sync.server", None)
-    with pytest.raises(OutputError, match=r"pip install 'sandbox-mechanics\[view\]'"):
+    with pytest.raises(SandboxError, match=r"pip install 'sandbox-mechanics\[view\]'"):
         served.needed()
 
 
