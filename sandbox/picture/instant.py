@@ -35,12 +35,7 @@ class Label(NamedTuple):
 
 
 class Instant:
-    """A display list for one camera: for each item a function that paints it.
-
-    ``camera`` is that of the painted picture, at the first sample if it follows a body; ``point``
-    is its pixels per point, ``size`` its width and height [pixels]. It is ``enlarge`` times as
-    large as the finished picture. ``small`` leaves out details.
-    """
+    """A display list for one camera: a function that paints each item; lengths are in pixels."""
 
     def __init__(self, out: Listing, camera: Camera, point: float, size: tuple[int, int], *,
                  enlarge: int = 1, small: bool = False) -> None:
