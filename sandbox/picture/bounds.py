@@ -124,11 +124,7 @@ class _Motion:
                              -1, len(self.pose), 2).swapaxes(0, 1)
 
     def boxes(self, *, scenery: bool = True, outlines: bool = False) -> Array:
-        """Left, bottom, right and top of every body with its anchors and guides, [n, nb, 4] m.
-
-        Without ``scenery``, fixed links and grounds have no shapes: a floor may be very large. With
-        ``outlines``, bodies with shapes have no anchors and guides: tendons may end far away.
-        """
+        """Left, bottom, right and top of every body with its anchors and guides, [n, nb, 4] m."""
         run, drives, tendons = self.run, self.run.model.drives, self.run.model.tendons
         largest = {(int(drives.target[k]), int(drives.shape[k])):
                    float(run.arrays["drive_value"][:, k].max())
@@ -181,12 +177,7 @@ def _samples(run: RunData, moments: Sequence[float] | None) -> Integers:
 
 def body_box(run: RunData, view: View | None = None,
              moments: Sequence[float] | None = None) -> Rectangle:
-    """The box [m] that a picture has to show: all bodies, anchors, guides and traced points.
-
-    Bodies that leave the mechanism count until then, and far larger scenery near the rest. If the
-    view follows a body, positions are relative to it; only bodies connected to it count if it moves
-    far. If the view names bodies, only these count, in the ``moments`` [s] or in all of the run.
-    """
+    """The box [m] that a picture has to show: bodies with anchors and guides, traced points."""
     view = view or run.mechanism.view
     if (few := chosen(run, view)) is not None:
         motion = _Motion(run, view, _samples(run, moments))
@@ -244,12 +235,7 @@ def whole_box(out: Listing, run: RunData, bodies: Rectangle, view: View,
 
 
 def groups_of(run: RunData) -> tuple[list[int], Flags]:
-    """The number of each body's group, and which bodies are anchored, [nb].
-
-    A group is dynamic bodies that are connected at the end of the run; each other body is a group
-    of its own. Fixed bodies are anchored, and groups that are connected to a body that is not
-    dynamic. A scheduled body without connections, such as a shelf that moves away, is not.
-    """
+    """Each body's group (dynamic bodies connected at the end) and whether it is anchored, [nb]."""
     model, held = run.model, run.arrays["held"]
     bonds, tendons, lines = model.bonds, model.tendons, model.lines
     still = np.array([body.motion != "dynamic" for body in run.mechanism.bodies], dtype=bool)
@@ -266,12 +252,7 @@ def groups_of(run: RunData) -> tuple[list[int], Flags]:
 
 
 def with_it(boxes: Array, stays: Flags) -> Flags:
-    """In which samples each body is with the mechanism, [n, nb].
-
-    Anchored bodies (``stays``) always are. Another one has left after the last sample in which its
-    box (left, bottom, right, top [n, nb, 4] m) is within :data:`ROOM` of these and of where all
-    bodies began, or within :data:`FLIGHT` if nothing is anchored.
-    """
+    """The samples in which each body is with the mechanism [n, nb]; ``boxes`` [n, nb, 4] m."""
     home = Rectangle.around(boxes[:, stays], boxes[0])
     room = (ROOM if np.isfinite(boxes[:, stays]).any() else FLIGHT) * max(home.size)
     low, high = home.corners + np.array([[-room], [room]])

@@ -118,11 +118,7 @@ def _seen(s: Subject) -> set[str]:
 def subject_of(run: RunData, view: View, *, width: float, point: float,
                beside: Sequence[RunData] = (), moments: Sequence[float] | None = None,
                fixed_columns: bool = False) -> Subject:
-    """The display list of a run, which shares its scales with the runs ``beside``.
-
-    ``width`` of the picture [m] is the measure of arrows, ``point`` is metres per point. Only some
-    ``moments`` [s] may be painted. For ``fixed_columns`` see :class:`Listing`.
-    """
+    """The display list of a run; ``width`` [m] and metres per ``point`` as in :class:`Subject`."""
     runs = (run, *beside)
     layers = [visible_layers(each, view) for each in runs]
     own, *others = (scales.tensions_of(each, scales.bars_of(each, shown.get("bars", ())))

@@ -48,10 +48,7 @@ MAX_FRAMES = Limits.frames  # default limit of a film
 def shared_palette(
     frames: Sequence[Words], keep: Sequence[tuple[int, int, int]] = (),
 ) -> NDArray[np.uint8]:
-    """At most 255 colours [n, 3] for all ``frames``; ``keep`` (at most 100) are among them.
-
-    Colours of more than 1 in 2000 pixels are exact; mixed ones at edges share the rest.
-    """
+    """At most 255 colours [n, 3] for all ``frames``; ``keep`` (at most 100) are among them."""
     words, counts = np.unique(np.concatenate([f.ravel() for f in frames]), return_counts=True)
     kept = packed(np.array(keep, dtype=np.uint8).reshape(-1, 3))
     order = np.argsort(-counts, kind="stable")
@@ -93,11 +90,7 @@ class GifWriter:
         file.write(b"!\xff\x0bNETSCAPE2.0\x03\x01" + struct.pack("<H", 0) + b"\x00")
 
     def add(self, frame: NDArray[Any], hundredths: int) -> None:
-        """Write the box that differs from the last frame, shown for ``hundredths`` of a second.
-
-        A frame is words [h, w], or red, green, blue and opacity [h, w, 4] that replace the last
-        frame.
-        """
+        """Write the box of words [h, w] that differs from the last frame, or an RGBA frame."""
         if frame.ndim == 3:
             words, new, disposal = packed(frame), frame[..., 3] >= COVERED, CLEAN
         else:
@@ -208,11 +201,7 @@ def render(
 
 def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
              size: tuple[int, int] | str | None) -> bool:
-    """Whether the file's ending, or ``at`` and ``strip``, select stills.
-
-    Raises:
-        OutputError: an unknown ending, or a film with options of stills, such as a size on paper.
-    """
+    """Whether the file's ending, or ``at`` and ``strip``, select stills; check that they agree."""
     ending, problem = "" if path.is_dir() else path.suffix.lower(), ""
     stills = ending in STILLS or at or strip
     if ending not in ("", *FILMS, *STILLS):
@@ -233,11 +222,7 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
 
 def frame_times(run: Samples, *, fps: int, speed: float, start: float = 0.0,
                 most: int = MAX_FRAMES) -> list[float]:
-    """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end.
-
-    Raises:
-        OutputError: more than allowed.
-    """
+    """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end."""
     end = float(run.time[-1])
     frames = (end - start) / speed * fps
     if not frames <= most:

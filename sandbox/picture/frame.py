@@ -63,10 +63,7 @@ class Entry(NamedTuple):
 
 def arrange(legend: Sequence[Item], scale: float, type_: Typesetter, unit: float, width: float,
             max_rows: int, *, scales: bool) -> list[list[Entry]]:
-    """The legend in lines no wider than ``width``; entries without room are left out.
-
-    ``scale`` is the camera's [pixels per metre]; ``scales`` leaves glyphs out.
-    """
+    """The legend in lines no wider than ``width``; ``scale`` is pixels per metre."""
     lines: list[list[Entry]] = []
     used = width + 1.0
     for row, following in zip(legend, [*legend[1:], {}], strict=False):
@@ -265,10 +262,7 @@ class Picture:
                           self.type.size, FAINT_INK)
 
     def write_labels(self, painter: Painter, instant: Instant) -> None:
-        """Write the numbers of the grid, and the labels that have a place.
-
-        A label that stands off has a line to its point.
-        """
+        """Write the numbers of the grid, and the labels that have a place."""
         left, top, _, high = self.stage
         for item, at in instant.texts:
             if "edge" in item:
@@ -309,15 +303,7 @@ class Picture:
 
 
 class Strip:
-    """Pictures at ``times`` [s] in rows, each above its time; title, meters and legend.
-
-    Meters stand below all pictures, with a cursor for each. The size is ``size`` [pixels], or that
-    of ``paper``, else each picture has about :data:`MIN_WIDTH` of the view's width. ``bare`` leaves
-    title and legend out, ``scales`` keeps the scales of the legend.
-
-    Raises:
-        OutputError: the size has no room for so many pictures.
-    """
+    """Pictures at ``times`` [s] in rows above their times, with title, meters and legend."""
 
     def __init__(self, run: Samples, times: Sequence[float], view: View, *, bare: bool = False,
                  scales: bool = False, size: tuple[int, int] | None = None,
@@ -369,10 +355,7 @@ class Strip:
 
     def _fitted(self, width: float, height: float, size: tuple[int, int],
                 rows: int) -> tuple[int, tuple[int, int]]:
-        """Pictures in a row, and the size of one, for which a width and height [m] are largest.
-
-        The legend has a number of ``rows``.
-        """
+        """Pictures in a row, and the size of one, for which a width and height [m] are largest."""
         best, found, count = 0.0, None, len(self.times)
         free = size[1] - self.head - self.panel.below - (
             rows * self.line + self.pad if self.keyed else 0)

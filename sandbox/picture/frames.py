@@ -43,11 +43,7 @@ class Pixels:
 
     def area(self, rings: Sequence[Rings], fill: Ink, edge: Ink, width: float, *,
              union: bool = False, hatch: float = 0.0) -> None:
-        """Paint rings, each as its line and that line moved by half the width outwards, inwards.
-
-        With ``union`` they are one area with one outline, otherwise the later ones are holes.
-        ``hatch`` is the pitch of slanted lines.
-        """
+        """Paint rings (line, outer, inner edge) as one area, or the later ones as holes."""
         if fill is not None and (union or len(rings) == 1):
             for _, outer, _ in rings if width else ():
                 self._polygon(edge or fill, outer)

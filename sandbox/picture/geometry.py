@@ -72,10 +72,7 @@ def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
 
 
 def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
-    """The convex shapes of a body that lie in no other of them, if there are several.
-
-    Shapes inside others, such as hubs, keep their outline, and so do circles that a drive changes.
-    """
+    """The convex shapes of a body that lie in no other of them, if there are several."""
     rings = {k: shape_outline(shape) for k, shape in enumerate(shapes)
              if k not in changing and not isinstance(shape, Polyline)
              and (not isinstance(shape, Polygon) or shape.whole)}
@@ -174,10 +171,7 @@ def cut_line(start: XY, end: XY, edges: Edges) -> tuple[XY, XY] | None:
 
 
 def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
-    """The visible part of a far larger circle as a polygon; none if a number is NaN.
-
-    It is cut from the sector that spans the picture.
-    """
+    """The visible part of a far larger circle as a polygon; none if a number is NaN."""
     left, top, right, bottom = edges
     x, y = np.clip(centre, -FAR, FAR).tolist()
     way = (left + right) / 2 - x, (top + bottom) / 2 - y

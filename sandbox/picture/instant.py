@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -16,7 +17,7 @@ from sandbox.picture.geometry import XY, Edges
 from sandbox.picture.listing import Item, Listing
 from sandbox.picture.palette import Colour, Ink, Painter, from_css
 
-Plan = Callable[[Painter], object]
+Plan = tuple[Any, Callable[[Painter], object]]  # where it is shown, and the function that paints
 STEPS = 1e3  # steps of a number, from 0 to its maximum, that look different
 FINEST, MARKS_APART, MAX_PIECES = 3.0, 9.0, 5000  # trails: pieces, marks [points]; number
 
@@ -34,12 +35,7 @@ class Label(NamedTuple):
 
 
 class Instant:
-    """A display list for one camera: for each item a function that paints it.
-
-    ``camera`` is that of the painted picture, at the first sample if it follows a body; ``point``
-    is its pixels per point, ``size`` its width and height [pixels]. It is ``enlarge`` times as
-    large as the finished picture. ``small`` leaves out details.
-    """
+    """A display list for one camera: a function that paints each item; lengths are in pixels."""
 
     def __init__(self, out: Listing, camera: Camera, point: float, size: tuple[int, int], *,
                  enlarge: int = 1, small: bool = False) -> None:
@@ -58,6 +54,7 @@ class Instant:
         self._inks = {token: from_css(pair[0]) for token, pair in out.inks.items()}
         self._ramps = {name: [[from_css(c) for c in side] for side in sides]
                        for name, sides in out.ramps.items()}
+        self._glyphs = {name: self.glyph(name) for name in out.glyphs}
         self._moves = np.ptp(np.nan_to_num(out.pose), axis=0).any(axis=1)
         self.px: Any = np.zeros((0, 2))  # all points [pixels]
         self.points: list[XY] = []  # the same, made when they are painted
@@ -87,24 +84,28 @@ class Instant:
         return int(self._pool(point[0], [point[1:3]], offset).start)
 
     def _plan(self, item: Item) -> None:
-        plan: Plan | None = getattr(self, f"_{item['k']}")(item)
-        if plan is None:
-            return
-        if not self._plans and self._stays(item):
-            self._still.append(plan)
-            return
-        shown = item.get("if", 1.0)
-        self._plans.append(lambda painter: self.value(shown) > 0.5 and plan(painter))
-
-    def _stays(self, item: Item) -> bool:
-        if self.out.drift is not None or item["k"] not in ("path", "line", "mark", "span"):
-            return False
+        kind = item["k"]
         points = item.get("p", [item[key] for key in ("at", "a", "b") if key in item])
+        if self.small and item.get("g") in ("dot", "eye"):
+            return
+        at: list[Any] = [self._place(point) for point in points]
+        if kind == "text":
+            self.texts.append((item, at[0]))
+            return
+        if kind == "path":
+            kind, at = self._outline(item)
+        elif kind == "trail":
+            at += self._trail_marks(item)
+        plan = item.get("if", 1.0), partial(getattr(self, f"_{kind}"), item, at)
         frames = [item["f"]] if "f" in item else [point[0] for point in points]
+        (self._plans if self._plans or not self._stays(item, frames) else self._still).append(plan)
+
+    def _stays(self, item: Item, frames: Sequence[int]) -> bool:
         numbers = [item.get(key) for key in ("if", "by", "state", "wide", "turn")]
         numbers += [d["c"][4] for d in item.get("d", ()) if isinstance(d, dict)]
-        return not (any(isinstance(number, list) for number in numbers)
-                    or any(self._moves[frame] for frame in frames))
+        return (self.out.drift is None and item["k"] in ("path", "line", "mark", "span")
+                and not any(isinstance(number, list) for number in numbers)
+                and not self._moves[frames].any())
 
     def go_to(self, t: float) -> None:
         """Set the time [s]: interpolate poses and columns, and project all points."""
@@ -178,14 +179,15 @@ class Instant:
     def paint(self, painter: Painter, *, still: bool = False) -> None:
         """Paint moving items, or the ``still`` ones, which lie behind all others."""
         self.points = self.points or self.px.tolist()
-        for plan in self._still if still else self._plans:
-            plan(painter)
+        for shown, plan in self._still if still else self._plans:
+            if self.value(shown) > 0.5:
+                plan(painter)
 
-    def _path(self, item: Item) -> Plan:
-        if len(item["d"]) == 1 and isinstance(item["d"][0], dict):
-            x0, y0, x1, y1, radius = item["d"][0]["c"]
-            if (x0, y0) == (x1, y1):
-                return self._circle(item, (x0, y0), radius)
+    def _outline(self, item: Item) -> tuple[str, list[Any]]:
+        """The kind of a path, a circle or an area, and the places of its points."""
+        first = item["d"][0]
+        if len(item["d"]) == 1 and isinstance(first, dict) and first["c"][:2] == first["c"][2:4]:
+            return "circle", [self._place([item["f"], *first["c"][:2]])]
         union, width = bool(item.get("m")), self.out.styles[item["s"]][2]
         half = width / 2 * self.point * self.thin / self.scale
         rings = []
@@ -197,31 +199,27 @@ class Instant:
                 if not union:
                     inner = self._pool(item["f"], geometry.polygon_grown(ring, -half))
             rings.append((line, outer, inner))
+        return "area", rings
 
-        def paint(painter: Painter) -> None:
-            fill, edge, now, _, hatch = self.look(item)
-            found: list[Any] = [[self.points[part] for part in ring] for ring in rings]
-            if self.wild:
-                cut = ([geometry.cut_polygon(part, self.edges) for part in ring] for ring in found)
-                found = [ring for ring in cut if all(len(part) > 2 for part in ring)]
-            if found:
-                painter.area(found, fill, edge, now, union=union, hatch=hatch)
-        return paint
+    def _area(self, item: Item, rings: Any, painter: Painter) -> None:
+        fill, edge, now, _, hatch = self.look(item)
+        found: list[Any] = [[self.points[part] for part in ring] for ring in rings]
+        if self.wild:
+            cut = ([geometry.cut_polygon(part, self.edges) for part in ring] for ring in found)
+            found = [ring for ring in cut if all(len(part) > 2 for part in ring)]
+        if found:
+            painter.area(found, fill, edge, now, union=bool(item.get("m")), hatch=hatch)
 
-    def _circle(self, item: Item, centre: XY, radius: Any) -> Plan:
-        at = self._place([item["f"], *centre])
-
-        def paint(painter: Painter) -> None:
-            fill, edge, width, _, hatch = self.look(item)
-            size, (x, y) = self.value(radius) * self.scale, self.points[at]
-            left, top, right, bottom = self.edges
-            if size < 4 * math.hypot(right - left, bottom - top):
-                if math.isfinite(x + y) and (left - size <= x <= right + size
-                                             and top - size <= y <= bottom + size):
-                    painter.disc((x, y), size, fill, edge, width, hatch=hatch)
-            elif len(ring := geometry.large_circle((x, y), size, self.edges)) > 2:
-                painter.area([[ring, ring, ring]], fill, edge, width, hatch=hatch)
-        return paint
+    def _circle(self, item: Item, at: Sequence[int], painter: Painter) -> None:
+        fill, edge, width, _, hatch = self.look(item)
+        size, (x, y) = self.value(item["d"][0]["c"][4]) * self.scale, self.points[at[0]]
+        left, top, right, bottom = self.edges
+        if size < 4 * math.hypot(right - left, bottom - top):
+            if math.isfinite(x + y) and (left - size <= x <= right + size
+                                         and top - size <= y <= bottom + size):
+                painter.disc((x, y), size, fill, edge, width, hatch=hatch)
+        elif len(ring := geometry.large_circle((x, y), size, self.edges)) > 2:
+            painter.area([[ring, ring, ring]], fill, edge, width, hatch=hatch)
 
     def _rings(self, subpaths: Sequence[Any]) -> Iterator[Array]:
         """Corners of closed subpaths, without repeated ones."""
@@ -250,103 +248,79 @@ class Instant:
             for part in geometry.dashes(one, dash, 0.8 * dash) if dash else (one,):
                 painter.line(part, ink, width)
 
-    def _stroke(self, item: Item, paths: Callable[[], Iterable[Sequence[XY]]]) -> Plan:
-        def paint(painter: Painter) -> None:
-            _, edge, width, dash, _ = self.look(item)
-            for path in paths():
-                self._draw_line(painter, path, edge, width, dash)
-        return paint
+    def _stroke(self, painter: Painter, item: Item, paths: Iterable[Sequence[XY]]) -> None:
+        _, edge, width, dash, _ = self.look(item)
+        for path in paths:
+            self._draw_line(painter, path, edge, width, dash)
 
-    def _line(self, item: Item) -> Plan:
-        at = [self._place(point) for point in item["p"]]
-        return self._stroke(item, lambda: [[self.points[i] for i in at]])
+    def _line(self, item: Item, at: Sequence[int], painter: Painter) -> None:
+        self._stroke(painter, item, [[self.points[i] for i in at]])
 
-    def _sag(self, item: Item) -> Plan:
-        a, b, share = self._place(item["a"]), self._place(item["b"]), np.linspace(0, 1, 13)
+    def _sag(self, item: Item, at: Sequence[int], painter: Painter) -> None:
+        (a, b), share = self.px[at], np.linspace(0, 1, 13)
+        path = a + share[:, None] * (b - a)
+        path[:, 1] += 4 * self.value(item["depth"]) * self.scale * share * (1 - share)
+        self._stroke(painter, item, [path.tolist()])
 
-        def paths() -> Iterator[Any]:
-            path = self.px[a] + share[:, None] * (self.px[b] - self.px[a])
-            path[:, 1] += 4 * self.value(item["depth"]) * self.scale * share * (1 - share)
-            yield path.tolist()
-        return self._stroke(item, paths)
+    def _taut(self, item: Item, at: Sequence[int], painter: Painter) -> None:
+        path: list[XY] = []
+        for i, (_, _, _, r, _, *turn) in zip(at, item["p"], strict=True):
+            x, y = self.points[i]
+            if not turn:
+                path.append((x, y))
+                continue
+            meets, leaves = self.value(turn[0]), self.value(turn[1])
+            if math.isfinite(meets + leaves):
+                size = r * self.scale
+                count = max(1, math.ceil(abs(leaves - meets) / 0.15)) if size else 0
+                for k in range(count + 1):
+                    angle = meets + (leaves - meets) * k / max(count, 1)
+                    path.append((x + size * math.cos(angle), y - size * math.sin(angle)))
+        self._stroke(painter, item, [[*path, path[0]] if item.get("c") else path])
 
-    def _taut(self, item: Item) -> Plan:
-        at = [self._place(point) for point in item["p"]]
-
-        def paths() -> Iterator[Any]:
-            path: list[XY] = []
-            for i, (_, _, _, r, _, *turn) in zip(at, item["p"], strict=True):
-                x, y = self.points[i]
-                if not turn:
-                    path.append((x, y))
-                    continue
-                meets, leaves = self.value(turn[0]), self.value(turn[1])
-                if math.isfinite(meets + leaves):
-                    size = r * self.scale
-                    count = max(1, math.ceil(abs(leaves - meets) / 0.15)) if size else 0
-                    for k in range(count + 1):
-                        angle = meets + (leaves - meets) * k / max(count, 1)
-                        path.append((x + size * math.cos(angle), y - size * math.sin(angle)))
-            yield [*path, path[0]] if item.get("c") else path
-        return self._stroke(item, paths)
-
-    def _span(self, item: Item) -> Plan:
-        a, b = self._place(item["a"]), self._place(item["b"])
+    def _span(self, item: Item, at: Sequence[int], painter: Painter) -> None:
+        piece: tuple[XY, XY] | None = (self.points[at[0]], self.points[at[1]])
+        if self.wild and piece is not None and not geometry.within(piece, self.edges):
+            piece = geometry.cut_line(*piece, self.edges)
+        if piece is None:
+            return
         pattern = np.array(item["t"], dtype=float).reshape(-1, 2)
-
-        def paths() -> Iterator[Any]:
-            piece: tuple[XY, XY] | None = (self.points[a], self.points[b])
-            if self.wild and not geometry.within((self.points[a], self.points[b]), self.edges):
-                piece = geometry.cut_line(self.points[a], self.points[b], self.edges)
-            if piece is None:
-                return
-            start, way = np.array(piece[0]), np.array(piece[1]) - np.array(piece[0])
-            length = max(math.hypot(*way), 1e-9)
-            along, side = way / length, np.array((way[1], -way[0])) / length  # side: left, y up
-            if "every" in item:
-                step = item["every"] * self.point
-                stroke = self.point * (pattern[:, :1] * along + pattern[:, 1:] * side)
-                for k in range(1, math.ceil(length / step)):
-                    yield (start + k * step * along + stroke).tolist()
-                return
+        start, way = np.array(piece[0]), np.array(piece[1]) - np.array(piece[0])
+        length = max(math.hypot(*way), 1e-9)
+        along, side = way / length, np.array((way[1], -way[0])) / length  # side: left, y up
+        if "every" in item:
+            step = item["every"] * self.point
+            stroke = self.point * (pattern[:, :1] * along + pattern[:, 1:] * side)
+            paths = [start + k * step * along + stroke for k in range(1, math.ceil(length / step))]
+        else:
             share, low, high = item["w"]
             half = min(max(share * length, low * self.point), high * self.point)
-            yield (start + pattern[:, :1] * way + half * pattern[:, 1:] * side).tolist()
-        return self._stroke(item, paths)
+            paths = [start + pattern[:, :1] * way + half * pattern[:, 1:] * side]
+        self._stroke(painter, item, [path.tolist() for path in paths])
 
-    def _spiral(self, item: Item) -> Plan:
-        at, share = self._place(item["at"]), np.linspace(0, 1, 30)
+    def _spiral(self, item: Item, at: Sequence[int], painter: Painter) -> None:
+        _, edge, width, _, _ = self.look(item)
+        if edge is None or not geometry.within([self.points[at[0]]], self.edges):
+            return
+        share, sweep = np.linspace(0, 1, 30), self.value(item["sweep"])
         radius = item["r"][0] + (item["r"][1] - item["r"][0]) * share
+        angle = self.value(item["start"]) + sweep * share
+        path: list[XY] = (self.px[at[0]] + self.point * radius[:, None] * np.column_stack(
+            (np.cos(angle), -np.sin(angle)))).tolist()
+        keep, head = len(path), item.get("head", 0.0) * self.point
+        if head:
+            back = min(0.8 * abs(sweep), head / (radius[-1] * self.point))
+            keep = max(2, round(len(path) * (1 - back / max(abs(sweep), 1e-9))))
+        self._draw_line(painter, path[:keep], edge, width)
+        if head:
+            painter.simple(geometry.arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
 
-        def paint(painter: Painter) -> None:
-            _, edge, width, _, _ = self.look(item)
-            if edge is None or not geometry.within([self.points[at]], self.edges):
-                return
-            sweep = self.value(item["sweep"])
-            angle = self.value(item["start"]) + sweep * share
-            path: list[XY] = (self.px[at] + self.point * radius[:, None] * np.column_stack(
-                (np.cos(angle), -np.sin(angle)))).tolist()
-            keep, head = len(path), item.get("head", 0.0) * self.point
-            if head:
-                back = min(0.8 * abs(sweep), head / (radius[-1] * self.point))
-                keep = max(2, round(len(path) * (1 - back / max(abs(sweep), 1e-9))))
-            self._draw_line(painter, path[:keep], edge, width)
-            if head:
-                painter.simple(geometry.arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
-        return paint
-
-    def _mark(self, item: Item) -> Plan | None:
+    def _mark(self, item: Item, at: Sequence[int], painter: Painter) -> None:
         names = item["g"] if isinstance(item["g"], list) else [item["g"]]
-        if self.small and {"dot", "eye"} & set(names):
-            return None
-        at, made = self._place(item["at"]), [self.glyph(name) for name in names]
-
-        def paint(painter: Painter) -> None:
-            state = round(self.value(item.get("state", 0.0)))
-            if not self.wild or geometry.within([self.points[at]], self.edges):
-                self.stamp(painter, made[min(len(made) - 1, max(0, state))], self.points[at],
-                           self.value(item.get("turn", 0.0)))
-        return paint
+        name = names[min(len(names) - 1, max(0, round(self.value(item.get("state", 0.0)))))]
+        if not self.wild or geometry.within([self.points[at[0]]], self.edges):
+            self.stamp(painter, self._glyphs[name], self.points[at[0]],
+                       self.value(item.get("turn", 0.0)))
 
     def glyph(self, name: str, point: float | None = None) -> list[Any]:
         """Parts of a glyph in pixels, y down: kind, points, radius, style."""
@@ -391,62 +365,53 @@ class Instant:
         order = np.flatnonzero(there)[np.argsort(size[there], kind="stable")]
         return rows[order], tails[order], (tails + way)[order], size[order]
 
-    def _arrows(self, item: Item) -> Plan:
-        shaft, head = item["size"]
+    def _arrows(self, item: Item, _: Any, painter: Painter) -> None:
+        (shaft, head), (fill, rim, width, *_) = item["size"], self.look(item)
+        _, tails, tips, sizes = self.arrows(item)
+        u = self.point * (0.8 if self.small else 1.0)
+        for a, b, size in zip(tails.tolist(), tips.tolist(), sizes.tolist(), strict=True):
+            for ink, more in ((rim, width), (fill, 0.0)):
+                corners = geometry.cut_polygon(geometry.arrow(
+                    a, b, shaft * u + more, head * u + more / 2), self.edges)
+                if ink is not None and len(corners) > 2:
+                    painter.simple(corners, ink, None, 0)
+            if size <= item["most"] or rim is None:
+                continue
+            along = np.subtract(b, a) / (math.dist(a, b) or 1.0)  # two slanted bars across it
+            bar = (shaft + 6.5) / 2 * u * along[::-1] * (1, -1) - 2 * self.point * along
+            for share in (0.40, 0.50):
+                middle = a + share * np.subtract(b, a)
+                if geometry.within([middle], self.edges):
+                    painter.line([(middle + bar).tolist(), (middle - bar).tolist()], rim,
+                                 1.8 * self.point)
 
-        def paint(painter: Painter) -> None:
-            fill, rim, width, _, _ = self.look(item)
-            _, tails, tips, sizes = self.arrows(item)
-            u = self.point * (0.8 if self.small else 1.0)
-            for a, b, size in zip(tails.tolist(), tips.tolist(), sizes.tolist(), strict=True):
-                for ink, more in ((rim, width), (fill, 0.0)):
-                    corners = geometry.cut_polygon(geometry.arrow(
-                        a, b, shaft * u + more, head * u + more / 2), self.edges)
-                    if ink is not None and len(corners) > 2:
-                        painter.simple(corners, ink, None, 0)
-                if size <= item["most"] or rim is None:
-                    continue
-                along = np.subtract(b, a) / (math.dist(a, b) or 1.0)  # two slanted bars across it
-                bar = (shaft + 6.5) / 2 * u * along[::-1] * (1, -1) - 2 * self.point * along
-                for share in (0.40, 0.50):
-                    middle = a + share * np.subtract(b, a)
-                    if geometry.within([middle], self.edges):
-                        painter.line([(middle + bar).tolist(), (middle - bar).tolist()], rim,
-                                     1.8 * self.point)
-        return paint
+    def _strips(self, item: Item, _: Any, painter: Painter) -> None:
+        fill, edge, width, *_ = self.look(item)
+        for corners in self.camera.to_pixels(self.rows(item)[:, 2:10].reshape(-1, 4, 2)).tolist():
+            if geometry.within(corners, self.edges):
+                painter.simple(corners, fill, edge, width)
 
-    def _strips(self, item: Item) -> Plan:
-        def paint(painter: Painter) -> None:
-            fill, edge, width, _, _ = self.look(item)
-            for corners in self.camera.to_pixels(self.rows(item)[:, 2:10].reshape(-1, 4, 2)):
-                if geometry.within(corners.tolist(), self.edges):
-                    painter.simple(corners.tolist(), fill, edge, width)
-        return paint
-
-    def _trail(self, item: Item) -> Plan:
-        at, time, way = self._place(item["at"]), self.out.time, self.out.place(item["at"])
-        kept, every = _apart(way, FINEST * self.point / self.scale), item["every"]
+    def _trail_marks(self, item: Item) -> tuple[Array, Any, Array, Array]:
+        """Places of a trail [m], numbers of those shown; times of its marks [s], their places."""
+        time, way, every = self.out.time, self.out.place(item["at"]), item["every"]
         times = every * np.arange(math.floor(time[0] / every * (1 - 1e-9)) + 1,
                                   math.floor(time[-1] / every * (1 + 1e-9)) + 1)
         spots = np.stack([np.interp(times, time, column) for column in way.T], axis=1)
         some = _apart(spots, MARKS_APART * self.point / self.scale)
-        times, spots = times[some], spots[some]
+        return way, _apart(way, FINEST * self.point / self.scale), times[some], spots[some]
 
-        def paint(painter: Painter) -> None:
-            fill, edge, width, _, _ = self.look(item)
-            width = max(width, 1.5 / self.factor)
-            passed = kept[:int(np.searchsorted(kept, self.sample, side="right"))][-MAX_PIECES:]
-            path: list[XY] = [*self.camera.to_pixels(way[passed]).tolist(), self.points[at]]
-            self._draw_line(painter, path, edge, width)
-            marks = self.camera.to_pixels(spots[times <= self.time * (1 + 1e-9)]).tolist()
-            for centre, radius in (*((mark, item["mark"] * self.point) for mark in marks),
-                                   (self.points[at], 1.5 * width)):
-                if geometry.within([centre], self.edges):
-                    painter.disc(centre, radius, fill, None, 0)
-        return paint
-
-    def _text(self, item: Item) -> None:
-        self.texts.append((item, self._place(item["at"])))
+    def _trail(self, item: Item, marks: Sequence[Any], painter: Painter) -> None:
+        at, way, kept, times, spots = marks
+        fill, edge, width, *_ = self.look(item)
+        width = max(width, 1.5 / self.factor)
+        passed = kept[:int(np.searchsorted(kept, self.sample, side="right"))][-MAX_PIECES:]
+        path: list[XY] = [*self.camera.to_pixels(way[passed]).tolist(), self.points[at]]
+        self._draw_line(painter, path, edge, width)
+        centres = self.camera.to_pixels(spots[times <= self.time * (1 + 1e-9)]).tolist()
+        for centre, radius in (*((each, item["mark"] * self.point) for each in centres),
+                               (self.points[at], 1.5 * width)):
+            if geometry.within([centre], self.edges):
+                painter.disc(centre, radius, fill, None, 0)
 
     def labels(self) -> Iterator[Label]:
         """All texts and values of this instant, also those without a place."""

@@ -43,11 +43,7 @@ class _Seen:
 def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, int],
                  stage: Stage, type_: Typesetter, letters: int, *, speed: float,
                  samples: Integers | None = None) -> None:
-    """Write into the list's items where labels stand and when they are shown.
-
-    Labels of size ``letters`` are inside ``stage``; ``speed`` is seconds of the run per second of
-    the film. For the others see :class:`Instant`. ``samples`` are those that are painted, if few.
-    """
+    """Write into items the sides of labels in ``stage``, and when they are shown."""
     time, limits = out.time, (*stage[:2], stage.left + stage.width, stage.top + stage.height)
     instant = Instant(out, camera.enlarged(1 / CELL), point / CELL,
                       (size[0] // CELL + 1, size[1] // CELL + 1), small=True)
@@ -146,10 +142,7 @@ def steady(there: Flags, time: Array, least: float) -> Flags:
 
 
 def offset(side: int, half: tuple[float, float], clear: float, point: float) -> XY:
-    """From a label's point to its middle [pixels], for half its size, y down.
-
-    ``clear`` is the free distance around the point [points].
-    """
+    """From a label's point to its middle [pixels], for half its size; ``clear`` is in points."""
     dx, dy, far = SIDES[side]
     reach = (3 + far + clear) * point
     return dx * (half[0] + reach), -dy * (half[1] + reach)

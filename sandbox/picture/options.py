@@ -32,13 +32,7 @@ _FORM = re.compile(f"{_NUMBER}(?:{_UNIT}?\\s*[x×]{_NUMBER})?{_UNIT}\\s*", re.IG
 
 
 def view_of(view: View, given: Mapping[str, Any]) -> View:
-    """A view with some options of :func:`render` changed; those that are None stay as they are.
-
-    Layers are added to those that the view shows, or taken from them.
-
-    Raises:
-        OutputError: values that no view can have, one a line.
-    """
+    """A view with the options of :func:`render` that are not None; layers are added or removed."""
     changes = {key: value.tolist() if hasattr(value, "tolist") else list(value) if isinstance(
         value, tuple) else value for key, value in given.items() if value is not None}
     if not changes:
@@ -74,11 +68,7 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
 
 
 def check_view(run: Samples, view: View) -> None:
-    """Check that the bodies and quantities of a view exist.
-
-    Raises:
-        OutputError: names and patterns that fit no body, one a line.
-    """
+    """Check that the bodies and quantities of a view exist; else raise an OutputError."""
     bodies, problems = run.mechanism.bodies, []
     named = [("bodies", pattern) for pattern in view.bodies]
     named += [("show", pattern) for patterns in view.show.values() for pattern in patterns
@@ -101,11 +91,7 @@ def check_view(run: Samples, view: View) -> None:
 
 
 def check_run(run: Samples) -> None:
-    """Check that there is a recording with samples.
-
-    Raises:
-        OutputError: there is none.
-    """
+    """Check that there is a recording with samples; else raise an OutputError."""
     if not isinstance(run, Samples):
         raise OutputError(f"{quoted(run)} is no recording; pass what sandbox.simulate or "
                           "sandbox.Recording.load gives", code="bad-picture")
@@ -128,11 +114,7 @@ class PrintSize(NamedTuple):
 
 
 def paper_of(size: Any) -> PrintSize | None:
-    """``85mm``, ``85mm x 70mm`` or ``3.35in`` as a size on paper; None for any other size.
-
-    Raises:
-        OutputError: too small, or too large.
-    """
+    """``85mm``, ``85mm x 70mm`` or ``3.35in`` as a size on paper [mm]; None for another size."""
     found = _FORM.fullmatch(size) if isinstance(size, str) else None
     if found is None:
         return None

@@ -191,11 +191,7 @@ def pixels(made: Picture | Strip, t: float, *, transparent: bool = False) -> NDA
 
 def save(path: Path, made: Picture | Strip, t: float, *, transparent: bool = False,
          per_inch: float | None = None) -> None:
-    """Write a picture as PNG, SVG or PDF by the file's ending; equal ones give equal bytes.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
+    """Write a picture as PNG, SVG or PDF by the file's ending; equal ones give equal bytes."""
     ending, factor = path.suffix.lower(), POINTS / (per_inch or SCREEN_PER_INCH)
     (wide, high), text = (side * factor for side in made.size), io.StringIO()
     pdf, svg = cast(Any, backend_pdf), cast(Any, backend_svg)

@@ -45,11 +45,7 @@ def scale_of(reference: float, length: float) -> ForceScale:
 
 
 def typical(largest: Array, time: Array) -> float:
-    """The reference size of arrows; 0 if there are none.
-
-    It is the time-weighted quantile :data:`OFTEN` of the ``largest`` arrow of each sample [n] over
-    the time in which anything acts, or the median of the last :data:`ENDING` if that is larger.
-    """
+    """Time-weighted quantile of the largest arrows [n], or the final median if larger, else 0."""
     size = np.nan_to_num(np.asarray(largest, dtype=float), posinf=0.0)
     top = float(size.max(initial=0.0))
     if not top > 0:
@@ -228,10 +224,7 @@ def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
 
 
 def largest_tension(tension: Array) -> float:
-    """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
-
-    The sharpest 0.5 % of samples may exceed it, and what is above twice the upper quartile.
-    """
+    """The top of the scale [N] of tensions [n, m]: a round number above nearly all samples."""
     if not tension.size:
         return 0.0
     each = tension.max(axis=1)

@@ -115,10 +115,7 @@ def _count(radius: float, pitch: float) -> int:
 
 def _wheel(place: _WheelPlace, pitch: float = 0.0, phase: float = 0.0, *,
            ring: bool = False) -> WheelPicture:
-    """A wheel with a tooth at angle ``phase``, or without teeth if there are too many.
-
-    Teeth of a ring point inwards. Spokes are at angle 0 of the body: all wheels on a shaft agree.
-    """
+    """A wheel with a tooth at angle ``phase``, or without teeth; those of a ring point inwards."""
     _, centre, radius = place
 
     def polar(radii: Array | float, angle: Array) -> Array:

@@ -156,10 +156,7 @@ def _anchors(model: Model, *, grooves: bool, wheels: bool = True) -> Iterator[tu
 
 
 def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
-    """Where joints, springs, cylinders and tendon guides act on each body, in its frame [m].
-
-    ``held`` leaves out grooves and tendon ends that an actuator pulls.
-    """
+    """Where elements act on each body [m]; ``held``: without grooves and actuated tendon ends."""
     tendons, found = model.tendons, dict[int, list[XY]]()
     every = list(_anchors(model, grooves=not held))
     for tendon, drive in enumerate(tendons.drive):
@@ -209,10 +206,7 @@ def add_stalks(s: Subject) -> None:
 
 
 def add_wheels(s: Subject) -> None:
-    """Wheels of guides that no circle of their body shows, on each shaft the largest first.
-
-    A circle that such a wheel would cover is painted again above it.
-    """
+    """Wheels of guides that no circle of their body shows, with the smaller circles above them."""
     model, shafts = s.run.model, dict[tuple[int, XY], list[float]]()
     for guide in (guide for tendon in model.mechanism.tendons for guide in tendon.guides):
         if guide.radius > 0:

@@ -176,11 +176,7 @@ class LineLoads(NamedTuple):
 
 
 def line_loads(run: RunData, bodies: Sequence[int]) -> LineLoads:
-    """Line contacts of ``bodies``, and how the force is distributed along them.
-
-    A recording has the resultant of each pair at its centre of pressure; the contact line is the
-    common part of both outlines there.
-    """
+    """Line contacts of ``bodies``, and how the force is distributed along them."""
     arrays = run.arrays
     on, force = contacts_on(run.model, arrays)
     rows = np.flatnonzero(np.isin(on, bodies) & (arrays["contact_merged"] > 1))

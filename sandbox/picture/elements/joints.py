@@ -227,11 +227,7 @@ class _Link:
 
 
 def cylinder(length: Array, low: float, high: float, least: float) -> tuple[Array, Array]:
-    """Length of a cylinder and position of its piston [n] for lengths of an actuator [n].
-
-    The cylinder is at least ``least`` long if there is room; ``low`` and ``high`` are the limits of
-    ``length``.
-    """
+    """Lengths of a cylinder, preferably from ``least``, and its piston's positions [n] m."""
     stroke = high - low
     if stroke <= STROKE * low and TUBE * low >= least:
         tube = min(max(TUBE * low, stroke / STROKE * LONGEST_TUBE), LONGEST_TUBE * low)

@@ -110,11 +110,7 @@ def fingertip(run: RunData, body: int) -> XY:
 
 
 def traced(run: RunData, view: View, patterns: Sequence[str], *, tips: bool = True) -> list[Place]:
-    """Traced points of the bodies that fit the patterns.
-
-    These are the points of ``view.traces``, then ``tips`` of fingers, and centres of mass of moving
-    bodies without a point. For all bodies, each kind is used only if the ones before are empty.
-    """
+    """Traced points of the bodies that fit patterns: the view's, then ``tips``, then centres."""
     index, every = run.model.names.body, tips and tuple(patterns) == EVERY
     chosen, found = meant(patterns, run.mechanism.bodies), list[Place]()
     lasts = [index[group.bodies[-1]] for group in run.mechanism.groups if tips

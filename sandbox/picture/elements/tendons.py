@@ -27,12 +27,7 @@ PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
 
 def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int], on: Flags, *,
          closed: bool) -> tuple[Array, Array]:
-    """The angles at which a tendon meets and leaves each guide [n, g] rad; NaN off the guide.
-
-    ``places`` are the centres of the guides, each [n, 2] m; ``radii`` are 0 for eyes; ``senses``
-    are 1 where the centre lies right of the tendon, else -1; ``on`` [n, g] is whether it lies on a
-    guide. If ``closed``, the last guide is the first again.
-    """
+    """The angles [n, g] rad at which a tendon meets and leaves guides; NaN off the guide."""
     meets, leaves = (np.full(on.shape, np.nan) for _ in range(2))
     signed = np.array(senses) * radii
     for pattern in np.unique(on, axis=0):
