@@ -190,7 +190,7 @@ def draw(directory: Path, *, quick: bool = False) -> None:
                                     1e3 * np.array([point.step for point in own]), values,
                                     "joined"))
             panels.append(Panel("", Axis("time step [ms]", log=True), Axis(label, log=True), curves,
-                                names="side" if field == "pose" else ""))
+                                names="above" if field == "pose" else ""))
         save_panels(directory / f"pymunk_{key}.png", panels, title=CASES[key].title, shared=True)
     page = directory / PAGE
     if page.exists() and not quick:

@@ -27,9 +27,7 @@ KINDS: dict[str, dict[str, Any]] = {
 MARKERS = "os^Dv"
 MANY_POINTS, APART = 30, 0.045
 """With more points than this, those closer than this share of the panel are skipped."""
-MIN_PLANE, MAX_PLANE, PLANE_MARGIN = 38.0, 110.0, 1.14
-"""Height of panels with equal scales [mm]; the range shown as a multiple of the values' range."""
-ROW = 1.25 * style.SMALL * style.MM_PER_POINT  # height of a name beside a panel [mm]
+PLANE = 70.0  # height of panels with equal scales [mm]
 
 
 @dataclass(frozen=True)
@@ -78,7 +76,7 @@ class Panel:
     x: Axis = Axis()
     y: Axis = Axis()
     marks: Sequence[Mark] = ()
-    names: Literal["above", "side", "inside", ""] = "above"  # place of the curves' names
+    names: Literal["above", "inside", ""] = "above"  # place of the curves' names
     height: float = 38.0  # of its axes [mm]
     plane: bool = False  # whether both axes have one scale, so that a circle is round
     grid: Literal["both", "x", ""] = "both"
@@ -128,7 +126,7 @@ def draw(
         for panel, axes in zip(row, all_axes, strict=True):
             _dress(axes, panel, width / len(row), bottom=not shared or row is rows[-1])
             names = _fill(axes, panel)
-            heights[-1] = max(heights[-1], panel.height)
+            heights[-1] = max(heights[-1], PLANE if panel.plane else panel.height)
             if not panel.names or not names:
                 continue
             above, shown = shown, [name for name, _ in names]
@@ -136,9 +134,6 @@ def draw(
                 continue
             if panel.names == "inside":
                 style.legend(axes, names, loc="best")
-            elif panel.names == "side":
-                style.legend(axes, names, loc="upper left", bbox_to_anchor=(1.0, 1.02))
-                heights[-1] = max(heights[-1], ROW * len(names))
             else:  # below the title
                 head = axes.get_title(loc="left")
                 axes.set_title("", loc="left")
@@ -157,7 +152,11 @@ def draw(
     if notes:
         figure.supxlabel("\n".join(style.in_lines(note, width, style.SMALL) for note in notes),
                          x=0.01, ha="left", fontsize=style.SMALL, color=style.QUIET)
-    _set_heights(figure, grid, rows, heights)
+    figure.draw_without_rendering()  # each row of panels gets its own height
+    missing = sum(heights) * style.MM - sum(
+        row[0].get_window_extent().height for row in grid) / figure.dpi
+    figure.set_figheight(figure.get_figheight() + missing)
+    grid[0, 0].get_gridspec().set_height_ratios(heights)
     return figure
 
 
@@ -226,7 +225,9 @@ def _scale(axes: Any, panel: Panel) -> None:
             axis.set_ticks([], minor=True)
         if one.limits is not None:
             getattr(axes, f"set_{along}lim")(*one.limits)
-    if not panel.plane:
+    if panel.plane:
+        axes.set_aspect("equal", adjustable="datalim")
+    else:
         axes.set(xlim=axes.get_xlim(), ylim=axes.get_ylim())
 
 
@@ -237,36 +238,3 @@ def _roomy(values: Array) -> tuple[float, float]:
     span = max(high - low, 1e-3 * peak, 1e-9) if peak > 1e-12 else 1.0  # values below this are zero
     low, high = min(low, middle - 0.5 * span), max(high, middle + 0.5 * span)
     return low - 0.06 * span, high + 0.08 * span
-
-
-def _set_heights(
-    figure: Any, grid: Any, rows: Sequence[Sequence[Panel]], heights: list[float],
-) -> None:
-    """Set the height of a figure so that each row of panels has its own [mm].
-
-    Panels with equal scales get limits and a height that fit the width of the layout.
-    """
-    figure.draw_without_rendering()
-    sizes = [row[0].get_window_extent() for row in grid]
-    planes = [(k, row[0], axes[0]) for k, (row, axes) in enumerate(zip(rows, grid, strict=True))
-              if row[0].plane]
-    if planes:
-        width = sizes[0].width / figure.dpi / style.MM
-        x = np.concatenate([panel.values("x") for _, panel, _ in planes])
-        spans = [float(np.ptp(panel.values("y"))) for _, panel, _ in planes]
-        scale = PLANE_MARGIN * max(float(np.ptp(x)) / width, max(spans) / MAX_PLANE)
-        middle, half = 0.5 * float(x.min() + x.max()), 0.5 * scale * width
-        for (k, _, axes), span in zip(planes, spans, strict=True):
-            axes.set_xlim(middle - half, middle + half)
-            heights[k] = min(max(PLANE_MARGIN * span / scale, MIN_PLANE), MAX_PLANE)
-    missing = sum(heights) * style.MM - sum(size.height for size in sizes) / figure.dpi
-    figure.set_figheight(figure.get_figheight() + missing)
-    grid[0, 0].get_gridspec().set_height_ratios(heights)
-    if planes:
-        figure.draw_without_rendering()
-    for _, panel, axes in planes:
-        size, y = axes.get_window_extent(), panel.values("y")
-        half = 0.5 * float(np.ptp(axes.get_xlim())) * size.height / size.width
-        centre = 0.5 * float(y.min() + y.max())
-        axes.set_ylim(centre - half, centre + half)
-        axes.set_aspect("equal")  # new ticks may change the width

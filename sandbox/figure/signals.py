@@ -72,8 +72,6 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
     _check(runs, window, wide)
     groups = _groups(runs, list(dict.fromkeys(quantities)), x)
     several, mechanism = len(runs) > 1, runs[0].run.mechanism
-    listed = [name for names in groups if len(names) > 1 for name in names]
-    place: Any = "side" if style.legend_width(listed) <= wide / 4 else "above"
     units, of_x = [_unit(runs, names[0]) for names in groups], _unit(runs, x) if x else "s"
     found = [_series(runs, names, x, window) for names in groups]
     paths = [bool(x) and of_x == unit == "m" and _is_path(each)
@@ -103,12 +101,12 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
         marks += events
         panels.append(Panel(
             title, Axis(along.label(x or "time"), limits=None if x else _limits(runs, window)),
-            Axis(shown.label(word)), marks, "" if alone else place, plane=path))
+            Axis(shown.label(word)), marks, "" if alone else "above", plane=path))
     return draw_panels(
         panels, title="" if several or not titled else mechanism.title or mechanism.name,
         key=[(one.label, {"color": style.hue(i), "linewidth": style.LINE})
              for i, one in enumerate(runs)] if several else (),
-        notes=[" ".join(notes)] if notes else (), width=wide, shared=True)
+        notes=[" ".join(notes)] if notes else (), width=wide, shared=not any(paths))
 
 
 def _check(runs: Sequence[Plotted], window: Window, wide: float) -> None:

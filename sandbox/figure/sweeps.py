@@ -223,12 +223,10 @@ def _at_centres(axis: Axis, centres: Array) -> Axis:
 
 
 def _edges(centres: Array, *, log: bool) -> Array:
-    """Borders of cells about rising centres, [n] to [n + 1]."""
-    if len(centres) == 1:
-        return np.array([centres[0] - 0.5, centres[0] + 0.5])
+    """Borders of cells about rising centres, [n] to [n + 1], n > 1."""
     at = np.log(centres) if log else centres
-    inside = 0.5 * (at[1:] + at[:-1])
-    edges = np.concatenate([[2 * at[0] - inside[0]], inside, [2 * at[-1] - inside[-1]]])
+    half = 0.5 * np.diff(at)
+    edges = np.concatenate([at[:1] - half[:1], at[:-1] + half, at[-1:] + half[-1:]])
     return np.exp(edges) if log else edges
 
 

@@ -126,7 +126,7 @@ function plot(parent, { title, unit: unitName, names, short: words = names.map(c
   if (close) box.firstChild.append(button("", "\u00d7", "close this plot", () => { remove(); close(); }, "close"));
   return {
     get u() { return u; }, box, remove,
-    at(t) { now = t; placeCursor(u, line, t); showValues(); },
+    at(t, texts = true) { now = t; placeCursor(u, line, t); if (texts) showValues(); },
     dress() { u.destroy(); make(); },
     set(newTime, newRows) { time = newTime; rows = newRows; take(); u.setData([time, ...scaled]); },
   };

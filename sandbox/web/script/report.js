@@ -30,7 +30,7 @@ class Series extends Map {                                // quantities of one r
 class Report extends Viewer {
   constructor(root, heads, datas) {
     super(KEYS, POINTER);
-    Object.assign(this, { heads, head: heads[0], plots: [], t: 0, playing: false, speed: heads[0].view.speed, loop: true, over: false });
+    Object.assign(this, { heads, head: heads[0], plots: [], t: 0, drawn: 0, playing: false, speed: heads[0].view.speed, loop: true, over: false });
     this.replays = heads.map((head, i) => new Replay(head, datas[i]));
     this.series = heads.map((head, i) => new Series(head, datas[i]));
     this.first = Math.min(...this.replays.map((r) => r.first));
@@ -62,6 +62,7 @@ class Report extends Viewer {
 
   // -- time ------------------------------------------------------------------------------------------
   show() {
+    const texts = !this.playing || ++this.drawn % 3 === 0;   // of a motion in every third frame
     const frames = this.replays.map((r) => r.frame(this.t)), stamp = `t = ${this.t.toFixed(3)} s`;
     const ghosts = this.over ? frames.slice(1).map((frame, k) => ({
       head: this.heads[k + 1], frame, colour: inkOf(k + 1, this.stages[0].dark) })) : [];
@@ -70,13 +71,12 @@ class Report extends Viewer {
     const lines = Math.max(...seen.map((stage) => stage.rows.length));
     seen.forEach((stage, i) => {
       stage.lines = lines;                                // drawings beside each other stand at one height
-      stage.stamp = stamp;
+      Object.assign(stage, { stamp, keepTexts: !texts });
       stage.draw(frames[i], i ? [] : ghosts);
     });
     this.showPlaying();
-    this.scrub.value = this.t;
-    this.clock.textContent = `${this.t.toFixed(3)} s`;
-    for (const one of this.plots) one.at(this.t);
+    if (texts) { this.scrub.value = this.t; this.clock.textContent = `${this.t.toFixed(3)} s`; }
+    for (const one of this.plots) one.at(this.t, texts);
     if (this.filming) this.filming.frame();
   }
   seek(t) {

@@ -74,7 +74,10 @@ class Stage {
     if (u !== this.u || dpr !== this.dpr) { this.patterns = {}; this.widths.clear(); }
     Object.assign(this, { w, h, dpr, u, small: w < SMALL, thin: w < SMALL ? 0.75 : 1, text: Math.max(11, Math.round(13 * u)) });
     const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, ...this.layers].join();
-    if (kept !== this.kept) { this.kept = kept; this.rows = this.legend(); }
+    if (kept !== this.kept) {
+      Object.assign(this, { kept, rows: this.legend() });
+      this.ctx.font = `600 ${this.text}px ${FONT}`;       // of labels and the time: to change it in each frame is slow
+    }
     this.foot = h - Math.floor((h - (1.5 * Math.max(this.rows.length, this.lines, 1) + 0.6) * this.text) * dpr) / dpr;   // from a whole pixel on
     const [x0, y0, x1, y1] = head.box, v = head.view, room = Math.max(h - this.foot, 20);
     const [cx, cy] = v.centre || [(x0 + x1) / 2, (y0 + y1) / 2];
@@ -181,27 +184,28 @@ class Stage {
     }
     return item.path;
   }
-  pen(fill, edge, width = 0, dash = 0) {                  // a path in pixels to add to; what follows each other with one look is painted at once
-    const last = this.pending;
-    if (last && last.fill === fill && last.edge === edge && last.width === width && last.dash === dash) return last.path;
+  pen(fill, edge, width = 0, dash = 0) {                  // the context, to add a path in pixels; consecutive paths of one look are painted at once
+    const { ctx, pending: last } = this;
+    if (last && last.fill === fill && last.edge === edge && last.width === width && last.dash === dash) return ctx;
     this.flush();
-    this.pending = { fill, edge, width, dash, path: new Path2D() };
-    return this.pending.path;
+    this.pending = { fill, edge, width, dash };
+    this.plain();
+    ctx.beginPath();
+    return ctx;
   }
   flush() {
     const { ctx, pending } = this;
     if (!pending) return;
     this.pending = null;
-    this.plain();
-    if (pending.fill) { ctx.fillStyle = pending.fill; ctx.fill(pending.path); }
-    this.stroke(pending.path, pending.edge, pending.width, pending.dash);
+    if (pending.fill) { ctx.fillStyle = pending.fill; ctx.fill(); }
+    this.stroke(null, pending.edge, pending.width, pending.dash);
   }
-  stroke(path, edge, width, dash = 0) {
+  stroke(path, edge, width, dash = 0) {                   // null is the path of the context
     const { ctx } = this;
     if (!edge || !(width > 0)) return;
     ctx.strokeStyle = edge; ctx.lineWidth = width;
     if (dash) ctx.setLineDash([dash, 0.8 * dash]);
-    ctx.stroke(path);
+    if (path) ctx.stroke(path); else ctx.stroke();
     if (dash) ctx.setLineDash([]);
   }
   dot([x, y], r, fill, edge) { subpath(this.pen(fill, edge, 1.6 * this.u), { c: [x, y, x, y] }, r); }
@@ -264,6 +268,8 @@ class Stage {
       place = item.sides[key] ??= [away ? (Math.round(Math.atan2(-away[1], away[0]) / (Math.PI / 4)) + 8) % 8 : 2, 1];
     }
     if (!place || this.value(place[1]) <= 0.5) return;
+    const texts = item.texts ??= {};
+    text = texts[key] = (this.keepTexts && texts[key]) || text;
     this.words.push({ text, tip, side: place[0], rank: item.rank ?? 1, ink, size, clear: (item.clear || 0) * this.u, number: item.k !== "text" || "value" in item });
   }
   arrowText(item, row, size) { return this.valueText(item, row.length > 6 ? row[6] : size); }
@@ -271,7 +277,6 @@ class Stage {
   write() {                                               // of two on one spot the first stays
     const { ctx, u } = this, taken = [], most = this.small ? FEW : MOST, bottom = this.h - this.foot;
     let numbers = 0;
-    ctx.font = `600 ${this.text}px ${FONT}`;
     ctx.textAlign = "center"; ctx.textBaseline = "middle";
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
     for (const { text, tip, side, ink, clear, number } of this.words) {
@@ -295,8 +300,9 @@ class Stage {
   }
   legend() {                                              // rows of entries that fit: {row, symbol, words, width}
     const { ctx, u } = this, width = this.w - 2 * this.text, rows = [];
-    ctx.font = `${this.text}px ${FONT}`;
+    ctx.font = `600 ${this.text}px ${FONT}`;
     const room = ctx.measureText(`${this.stamp}00`).width + 2 * this.text;
+    ctx.font = `${this.text}px ${FONT}`;
     let used = Infinity;
     const shown = this.list.legend.filter((row) => this.layers.has(row.l));
     for (const row of shown.filter((one, k) => shown[k + 1]?.instead !== one.l)) {
@@ -321,7 +327,7 @@ class Stage {
     const { ctx, w, h, foot, text } = this, kept = `${this.kept} ${foot}`;
     if (this.printed !== kept) Object.assign(this, { printed: kept, plate: this.print() });
     ctx.drawImage(this.plate, 0, h - foot, w, foot);
-    ctx.font = `${text}px ${FONT}`; ctx.textAlign = "right"; ctx.fillStyle = this.ink("faint_ink");
+    ctx.textAlign = "right"; ctx.fillStyle = this.ink("faint_ink");
     ctx.fillText(this.stamp, w - text, h - foot + text);
   }
   print() {
@@ -404,7 +410,7 @@ const LINES = {
     const [x, y] = s.at(item.at), [r0, r1] = item.r.map((r) => r * s.u), from = s.value(item.start), sweep = s.value(item.sweep), head = (item.head || 0) * s.u;
     const back = head ? Math.min(0.8 * Math.abs(sweep), head / r1) / Math.max(Math.abs(sweep), 1e-9) : 0;
     const spot = (w) => [x + (r0 + (r1 - r0) * w) * Math.cos(from + sweep * w), y - (r0 + (r1 - r0) * w) * Math.sin(from + sweep * w)];
-    polyline(path, Array.from({ length: 30 }, (_, k) => spot(k / 29 * (1 - back))));
+    for (let k = 0; k < 24; k++) if (k) path.lineTo(...spot(k / 23 * (1 - back))); else path.moveTo(...spot(0));
     return [spot(1 - back), spot(1)];
   },
   taut(s, item, path) {
