@@ -119,10 +119,11 @@ def _places(evidence: Evidence, worst: Worst) -> None:
             for i in range(0, max(len(own), 1), ROWS)), strict=True)]
             for b, sign in zip(two, (-1.0, 1.0), strict=True)]
         off, turned, circle = zip(*sides, strict=True)
-        # the point of an impact is that at its instant within the step
-        bounces = restitution_of(evidence.model.mechanism, *two) > 0
-        moving = moving + bounces * np.abs(a["contact_gap"][own])
-        allowed = np.where((circle[0] | circle[1]) & (not bounces), rounding, moving)
+        # the point of an impact, or of surfaces that meet, is that at its instant within the step
+        gap = a["contact_gap"][own]
+        later = (restitution_of(evidence.model.mechanism, *two) > 0) | (gap > evidence.open)
+        moving = moving + later * np.abs(gap)
+        allowed = np.where((circle[0] | circle[1]) & ~later, rounding, moving)
         worst.add(label, np.maximum(*off), allowed)
         # at a corner only the other's outline has a direction
         reach = min(reach_of(evidence, b) for b in two)

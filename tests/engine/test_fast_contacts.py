@@ -15,12 +15,12 @@ def disc(name="disc", **more):
     return {"name": name, "mass": MASS, "shapes": [{"type": "circle", "radius": RADIUS}], **more}
 
 
-def run(*bodies, friction=0.0, restitution=0.0, step=1e-3, duration=0.02):
+def run(*bodies, friction=0.0, restitution=0.0, step=1e-3, duration=0.02, joints=()):
     return sandbox.simulate(sandbox.load_scene({
         "format": 1, "gravity": [0, 0],
         "run": {"duration": duration, "step": step, "sample_rate": 1 / step},
         "materials": {"m": {"friction": friction, "restitution": restitution}},
-        "bodies": [{"material": "m", **body} for body in bodies]}))
+        "joints": joints, "bodies": [{"material": "m", **body} for body in bodies]}))
 
 
 @pytest.mark.parametrize("restitution", [0, 0.5])
@@ -95,3 +95,15 @@ def test_a_missed_meeting_is_reported():
            "shapes": [{"type": "box", "size": ["40 mm", "2 mm"]}]}
     assert "moved so fast that they overlapped" in run(PLATE, box).notes[0]
     assert not run(PLATE, box, step=2e-5).notes
+
+
+def test_the_audit_takes_the_place_of_a_meeting_as_that_of_its_instant():
+    """A fast rod that a thin peg stops: the point is where they meet, not where they are."""
+    rod = {"name": "rod", "mass": 0.3, "angle": 2, "angular_velocity": -100, "centre": [0, 0],
+           "shapes": [{"type": "capsule", "end": [0.2, 0], "radius": 0.002}]}
+    peg = {"name": "peg", "motion": "fixed", "at": [0.15, 0],
+           "shapes": [{"type": "circle", "radius": 0.001}]}
+    pin = {"type": "pin", "name": "pin", "a": "frame", "b": "rod", "on_b": [0, 0]}
+    found = run({"name": "frame", "motion": "fixed"}, peg, rod, duration=0.03, joints=[pin])
+    assert abs(found["rod.omega"][-1]) < 0.1
+    assert not [figure for figure in found.audit if figure.verdict == "look"]
