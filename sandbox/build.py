@@ -40,16 +40,7 @@ from sandbox.elements.joints import Actuator, Gear, Pin, Rack, Rod, Roll, Rope, 
 from sandbox.elements.loads import BuoyancyLoad, DragLoad, LawLoad
 from sandbox.elements.springs import LinearSpring, RotarySpring
 from sandbox.elements.tendons import Guide, Tendon
-from sandbox.scene.bodies import (
-    Body,
-    Box,
-    Capsule,
-    Circle,
-    Material,
-    Polygon,
-    Polyline,
-    Skin,
-)
+from sandbox.scene.bodies import Body, Box, Capsule, Circle, Material, Polygon, Polyline, Skin
 from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.outlines.cams import DiscCam
 from sandbox.scene.outlines.curves import SmoothCurve

@@ -73,9 +73,7 @@ class Media:
                 f'{base64.b64encode(self.data).decode()}">')
 
 
-def picture(
-    run: Recording, at: float | str = "end", size: tuple[int, int] | None = None,
-) -> Media:
+def picture(run: Recording, at: float | str = "end", size: tuple[int, int] | None = None) -> Media:
     """See :meth:`sandbox.Recording.picture`."""
     if not len(run):
         raise OutputError("nothing was recorded, so there is nothing to draw", code="bad-time")
@@ -194,9 +192,7 @@ def card_of_scene(scene: Mechanism) -> str:
             [html.escape(name), f"{value:.6g}"] for name, value in parameters.items()])])
 
 
-def _card(
-    mechanism: Mechanism, lines: Iterable[str], drawn: str, below: Iterable[str],
-) -> str:
+def _card(mechanism: Mechanism, lines: Iterable[str], drawn: str, below: Iterable[str]) -> str:
     title = html.escape(mechanism.title or mechanism.name or "A scene without a name")
     name = html.escape(mechanism.name) if mechanism.title else ""
     head = _line(f"<b>{title}</b> <span style=\"{QUIET}\">{name}</span>")

@@ -141,8 +141,7 @@ MADE_OF_ELEMENTS = ("sandbox.scene.parts.", "sandbox.scene.played")
 
 
 def test_no_other_package_names_a_kind_of_element() -> None:
-    classes = {kind.__name__ for kinds in KINDS.values() for kind in kinds.values()
-               if tag_of(kind)}
+    classes = {kind.__name__ for kinds in KINDS.values() for kind in kinds.values() if tag_of(kind)}
     found: dict[str, list[str]] = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         room, module = path.relative_to(PACKAGE).parts[0], path.relative_to(PACKAGE.parent)

@@ -21,9 +21,7 @@ def names(directory: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("stop", [KeyboardInterrupt, ValueError])
-def test_an_interrupted_write_keeps_the_old_file(
-    tmp_path: Path, stop: type[BaseException],
-) -> None:
+def test_an_interrupted_write_keeps_the_old_file(tmp_path: Path, stop: type[BaseException]) -> None:
     write_atomic(tmp_path / "a.csv", "old")
 
     def write() -> None:

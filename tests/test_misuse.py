@@ -117,8 +117,7 @@ def test_numbers_of_numpy_are_numbers(run: sandbox.Recording, tmp_path: Path) ->
 
 def changed(**keys: Any) -> Mechanism:
     mechanism = Mechanism.model_validate(DATA)
-    return mechanism.model_copy(update={
-        "bodies": (mechanism.bodies[0].model_copy(update=keys),)})
+    return mechanism.model_copy(update={"bodies": (mechanism.bodies[0].model_copy(update=keys),)})
 
 
 @pytest.mark.parametrize(("keys", "place"), [

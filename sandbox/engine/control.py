@@ -174,8 +174,7 @@ def _several(loop: ControlLoop) -> Act:
     readings, targets, bounds = loop.readings, loop.targets, loop.bounds
 
     def act(t: float, number: int) -> None:
-        goals = [target.at(number) if target.fixed is None else target.fixed
-                 for target in targets]
+        goals = [target.at(number) if target.fixed is None else target.fixed for target in targets]
         outputs = law(t, [read() for read in readings], goals,
                       [values[bound[0]] for bound in bounds])
         for new, (column, change, low, high) in zip(outputs, bounds, strict=True):
@@ -317,8 +316,7 @@ class Control:
     def furthest(self) -> str:
         """The loop whose error has grown most since it began, for a divergence."""
         done = round(self.readings.now / self.clock.step)
-        running = [loop for loop in self.loops
-                   if loop.active and not math.isnan(loop.start_error)]
+        running = [loop for loop in self.loops if loop.active and not math.isnan(loop.start_error)]
         if not running:
             return ""
         worst = max(running, key=lambda loop: (

@@ -197,5 +197,4 @@ def path_gap(table: int, h: float, k: int) -> float:
     xb, yb, _, cb, sb = ahead(h, body, velocity, joint["b"])
     qx = xb + cb * joint["bx"] - sb * joint["by"] - xa
     qy = yb + sb * joint["bx"] + cb * joint["by"] - ya
-    return float(on_path(at.spans(table), joint["on"],
-                         ca * qx + sa * qy, ca * qy - sa * qx)[4])
+    return float(on_path(at.spans(table), joint["on"], ca * qx + sa * qy, ca * qy - sa * qx)[4])

@@ -47,8 +47,7 @@ def diverged(now: float, world: World, tables: Tables, control: Control) -> Simu
     if loop := control.furthest():
         reason += f", driven by {loop}"
         helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"
-    return SimulationDiverged(
-        now, model.bodies.name[world.order[worst]], f"{reason}; {helps}")
+    return SimulationDiverged(now, model.bodies.name[world.order[worst]], f"{reason}; {helps}")
 
 
 def _driver(tables: Tables, bodies: Container[int]) -> int | None:

@@ -78,8 +78,7 @@ def measure_volumes(table: int, drive: Array) -> None:
     for i in range(len(valves)):
         valves[i]["about"] = valves[i]["flow"]
         if valves[i]["r"] == 0.0 and abs(valves[i]["flow"]) ** 2 * valves[i]["k"] < LAMINAR:
-            across = (_rigid(fluids, drive, valves[i]["a"])
-                      - _rigid(fluids, drive, valves[i]["b"]))
+            across = (_rigid(fluids, drive, valves[i]["a"]) - _rigid(fluids, drive, valves[i]["b"]))
             valves[i]["about"] = math.copysign(math.sqrt(abs(across) / valves[i]["k"]), across)
 
 

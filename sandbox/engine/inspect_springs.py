@@ -108,8 +108,7 @@ def without_arm(model: Model) -> Iterator[Problem]:
                        "it has no force until they separate")
         hinge = hinges.get(frozenset(ends))
         if hinge is not None and (angle := over_centre(model, i, hinge)) is not None:
-            bound = ("within its limits" if hinge in joints.stopped
-                     else "the hinge has no limits")
+            bound = ("within its limits" if hinge in joints.stopped else "the hinge has no limits")
             yield look("snap-through", path, name, f"snaps over the centre of "
                        f"{joints.name[hinge]!r} at {deg(angle)} ({bound})", "limit the hinge "
                        "below that, or move the spring's ends")

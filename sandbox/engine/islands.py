@@ -121,8 +121,7 @@ def list_piles(table: int) -> None:
     for i in range(len(bodies)):
         root = bodies[_root(table, i)]
         body, b = bodies[i], bodies[i]["number"]
-        body["piled"] = 1 if root["rows"] > 0 and (
-            many_linked if root["linked"] else many) else 0
+        body["piled"] = 1 if root["rows"] > 0 and (many_linked if root["linked"] else many) else 0
         if root["linked"]:
             root["awake"] = 1
             at.pile_counts(table)[0] |= body["piled"]

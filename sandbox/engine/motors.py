@@ -94,8 +94,7 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
     out["low"], out["high"] = -limit, limit
     out["bias"] = 0.0 if brake else -motor["sense"] * value
     if motor["slope"] > 0.0:  # at mid-step, as dampers are
-        out["bias"] = (before[motor["b"], 2] - before[motor["a"], 2]
-                       - 2.0 * motor["sense"] * value)
+        out["bias"] = (before[motor["b"], 2] - before[motor["a"], 2] - 2.0 * motor["sense"] * value)
         out["soft"] = 2.0 / (h * motor["slope"])
     if motor["law"] == PACED and not motor["line"]:
         return

@@ -139,8 +139,7 @@ class Finder:
         finalize(self, _free, self.table)
         handler = lib.cpSpaceAddGlobalCollisionHandler(space._space)
         handler.userData = ffi.cast("void *", self.table.ctypes.data)
-        handler.preSolveFunc = ffi.cast(
-            "void (*)(cpArbiter *, cpSpace *, void *)", _note().address)
+        handler.preSolveFunc = ffi.cast("void (*)(cpArbiter *, cpSpace *, void *)", _note().address)
 
     @property
     def raw(self) -> Records:

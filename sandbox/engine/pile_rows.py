@@ -77,8 +77,7 @@ def pile_tables(
         nodes = {}
     loose = np.where(single | linked, np.cumsum(single | linked) - 1, -1)
     found = [(bodies, own) for bodies, lists in nodes.items() for own in lists]
-    blocks = [(node, int(loose[body])) for node, (bodies, _) in enumerate(found)
-              for body in bodies]
+    blocks = [(node, int(loose[body])) for node, (bodies, _) in enumerate(found) for body in bodies]
     numbers = {block: number for number, block in enumerate(blocks)}
     entries = [(entry, numbers[node, int(loose[body])], place)
                for node, (bodies, own) in enumerate(found) for place, row in enumerate(own)

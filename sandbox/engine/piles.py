@@ -429,9 +429,7 @@ def _assemble(table: int, n: int) -> None:
 
 
 @kernel
-def _add_block(
-    X: Matrix, J: Matrix, i: int, j: int, Rn: float, Rt: float, slides: float,
-) -> None:
+def _add_block(X: Matrix, J: Matrix, i: int, j: int, Rn: float, Rt: float, slides: float) -> None:
     """Add the block of a contact between its bodies ``i`` and ``j``, 0 or 1."""
     for r in range(3):
         g = (J[i, r] + slides * J[2 + i, r]) * Rn

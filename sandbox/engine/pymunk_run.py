@@ -108,8 +108,7 @@ class _PymunkRun:
         arrays["tendon_length"][:] = [tendon.measure()[0] for tendon in tendons]
         arrays["tendon_tension"][:] = [tendon.tension for tendon in tendons]
         arrays["guide_lifted"][:] = 0.0
-        arrays["drive_value"][:] = [
-            self.scene.drives[name] for name in self.model.drives.name]
+        arrays["drive_value"][:] = [self.scene.drives[name] for name in self.model.drives.name]
         self._record_contacts()
         self.samples += 1
         if row == CHUNK - 1:

@@ -174,8 +174,7 @@ def add_work(table: int, h: float) -> None:
         if action["joint"] >= 0:
             power = action["torque"] * rate(at.joints(table)[action["joint"]], v)
         else:
-            power = (action["fx"] * v[a, 0] + action["fy"] * v[a, 1]
-                     + action["torque"] * v[a, 2])
+            power = (action["fx"] * v[a, 0] + action["fy"] * v[a, 1] + action["torque"] * v[a, 2])
         action["step_work"] = h * power
         action["work"] += h * power
     add_spring_work(table, h, v)
@@ -251,8 +250,7 @@ def _load(table: int, h: float, n: int, bond: int) -> float:
         return math.hypot(joint["fx"], joint["fy"])
     if what == records.SPRINGY:
         row = at.springs(table)[i]["row"]
-        return float(abs(
-            unknown[row] / h if row >= 0 else at.springs(table)[i]["effort"]))
+        return float(abs(unknown[row] / h if row >= 0 else at.springs(table)[i]["effort"]))
     cable = at.cables(table)[i]
     if cable["kind"] != records.GRIPPED:
         return _tension(table, h, i)

@@ -393,8 +393,7 @@ class Readings:
         return lambda: float(self.contacts.of_group(members, quantity)[0])
 
     def _pair(self, source: Source) -> Read:
-        return lambda: float(self.contacts.of_pair(
-            source.index, source.other, source.quantity)[0])
+        return lambda: float(self.contacts.of_pair(source.index, source.other, source.quantity)[0])
 
     @property
     def contacts(self) -> Contacts:

@@ -33,8 +33,7 @@ def search(table: int, h: float) -> tuple[bool, int]:
     near, parts, fast = len(pairs) > CHECKED, 1, _bound(table, h)
     if near:
         for a in range(len(boxes)):
-            path, x0, y0, x1, y1 = (
-                boxes[a, 5], boxes[a, 0], boxes[a, 1], boxes[a, 2], boxes[a, 3])
+            path, x0, y0, x1, y1 = (boxes[a, 5], boxes[a, 0], boxes[a, 1], boxes[a, 2], boxes[a, 3])
             for b in range(a if fast else 0):
                 apart = max(max(x0 - boxes[b, 2], boxes[b, 0] - x1),
                             max(y0 - boxes[b, 3], boxes[b, 1] - y1), 0.0)

@@ -440,7 +440,8 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
                 trial_drive[0, motor["drive"]] -= at_start - speed
         enough = not tables.state.touching[1]
         gained = memory.h / 8 * (world.velocity - first[:, 3:])
-        hit = tables.state.touches["bounce"][:tables.state.touching[0]].any()
+        touches = tables.state.touches[:tables.state.touching[0]]
+        hit = (touches["bounce"] + touches["ahead"] * touches["normal"]).any()
         for array, value in saved:
             array[...] = value
         shift = np.where(free[:, None] & np.isfinite(gained) & ~hit, gained, 0.0)

@@ -116,8 +116,7 @@ def turning(model: Model, hinge: int) -> float:
               if bodies.free[body]]
     if len(moving) == 1:
         body, point = moving[0]
-        return float(1 / (bodies.inertia[body]
-                          + bodies.mass[body] * _lever(model, body, point)**2))
+        return float(1 / (bodies.inertia[body] + bodies.mass[body] * _lever(model, body, point)**2))
     return float(sum(1 / bodies.inertia[body] for body, _ in moving))
 
 

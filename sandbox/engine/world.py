@@ -151,8 +151,7 @@ def _shape_tables(model: Model, order: Integers, number: Integers) -> tuple[Shap
             if isinstance(shape, kinds.Polygon | kinds.Polyline) and shape.nodes:
                 first, closed = sum(map(len, spans)), isinstance(shape, kinds.Polygon)
                 for nodes in true_curves(shape):
-                    spans.append(span_table(
-                        nodes, centre, sum(map(len, spans)), closed=closed))
+                    spans.append(span_table(nodes, centre, sum(map(len, spans)), closed=closed))
                 curve = first, sum(map(len, spans)), int(closed)
             pieces[index].append([])
             for piece, arcs in solids(shape):

@@ -15,13 +15,7 @@ from sandbox.model.catalogue import PAIR, Catalogue, pair_parts
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Expect, ShownMeter, View
-from sandbox.values.expressions import (
-    RESERVED,
-    is_expression,
-    names_in,
-    parse_expression,
-    rings,
-)
+from sandbox.values.expressions import RESERVED, is_expression, names_in, parse_expression, rings
 from sandbox.values.units import UNITS, Measured, factor_of
 from sandbox.wording import MAX_HINTED, WrongValueError, is_pattern, listed, quoted
 

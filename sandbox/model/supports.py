@@ -73,9 +73,7 @@ def parting_wheels(model: Model, pose: Array) -> set[int]:
     return found
 
 
-def _rows(
-    pose: Array, a: int, b: int, directions: Sequence[Vec], on_a: Vec, on_b: Vec,
-) -> Array:
+def _rows(pose: Array, a: int, b: int, directions: Sequence[Vec], on_a: Vec, on_b: Vec) -> Array:
     """Rows [m, nb, 3] of directions at points of two bodies relative to their frames."""
     rows = np.zeros((len(directions), len(pose), 3))
     for row, (x, y) in zip(rows, directions, strict=True):

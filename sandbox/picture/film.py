@@ -78,8 +78,7 @@ def packed(pixels: NDArray[np.uint8]) -> Words:
 class GifWriter:
     """Writes frames to an open binary file."""
 
-    def __init__(self, file: IO[bytes], size: tuple[int, int],
-                 palette: NDArray[np.uint8]) -> None:
+    def __init__(self, file: IO[bytes], size: tuple[int, int], palette: NDArray[np.uint8]) -> None:
         self._file = file
         self._last: Words | None = None
         self._palette = palette.astype(np.int32)

@@ -75,8 +75,7 @@ class Pixels:
         if width > 2.5 and (len(path) == 2 or (2 < len(path) < 60 and not _turns_back(path))):
             self._polygon(ink, ribbon(path, width))
         else:
-            self.drawn.append(pygame.draw.lines(
-                self.large, ink, False, path, max(1, round(width))))
+            self.drawn.append(pygame.draw.lines(self.large, ink, False, path, max(1, round(width))))
 
     def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
         """Paint a small polygon with an outline about its line."""

@@ -210,8 +210,7 @@ def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
     """Tensions of a run; ``bars`` share the scale of tendons, rods and ropes."""
     pieces = piece_tensions(run.model, run.arrays).T
     links = np.zeros(run.arrays["joint_reaction"].shape)
-    lines = [k for k, joint in enumerate(run.mechanism.joints)
-             if "tension" in joint.facts.records]
+    lines = [k for k, joint in enumerate(run.mechanism.joints) if "tension" in joint.facts.records]
     links[:, lines] = np.nan_to_num(link_tensions(run.model, run.arrays, np.array(lines, np.intp)))
     carried = bar_tensions(run, bars)
     for each in (pieces, links, carried):

@@ -165,8 +165,7 @@ class _Reading:
         found = {row: self.members[f"{row.name}.npy"] for row in ARRAYS
                  if f"{row.name}.npy" in self.members}
         large = sum(member.file_size for member in found.values()) > IN_MEMORY
-        arrays = {row.name: self._array(row, member, mapped=large)
-                  for row, member in found.items()}
+        arrays = {row.name: self._array(row, member, mapped=large) for row, member in found.items()}
         time, end = arrays.get("time", np.zeros(0)), mechanism.run.duration + mechanism.run.step
         if len(time) and time[-1] > end * (1 + ROUNDING):
             raise ValueError(f"array 'time' goes on after the run's end of {end:.9g} s: "

@@ -26,13 +26,7 @@ from sandbox.numeric import Array
 from sandbox.picture.listing import Item, SomeSamples
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import on_the_other
-from sandbox.web.drawing import (
-    LiveListing,
-    drawing,
-    expressions_of,
-    meters_of,
-    page_list,
-)
+from sandbox.web.drawing import LiveListing, drawing, expressions_of, meters_of, page_list
 
 HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "trail")
 """The first numbers of a frame: its number; the last message that it answers; the time [s];
@@ -176,8 +170,7 @@ class LiveFrames:
         self._subject = self._listing.of(
             SomeSamples(self.live.scene, self._model, few, few["time"]), self.layers)
         if "contacts" in self._subject.out.tables:
-            self._subject.out.tables["contacts"] = self._mean_contacts(
-                arrays, len(few["time"]) - 1)
+            self._subject.out.tables["contacts"] = self._mean_contacts(arrays, len(few["time"]) - 1)
         self._drives = few["drive_value"][-1]
         self._trail = self._places(arrays)
         self._steps, self._shown = self.live.steps, self.layers

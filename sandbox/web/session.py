@@ -292,8 +292,7 @@ class Session:
             return [self.head(), self.status()]
         for each, new in given.items():
             self.live.give(each, new)
-        self._before.append(
-            (self.live.steps, Found(self.loaded, self.warnings), self.overrides))
+        self._before.append((self.live.steps, Found(self.loaded, self.warnings), self.overrides))
         (self.loaded, self.warnings), self.overrides = found, wanted
         return [self.status(), self._controls()]
 

@@ -141,8 +141,7 @@ def test_contact_forces_may_differ_by_1e_4_of_the_largest_moment_through_the_jac
     largest = 0.9
     turns("rest.contacts", MOMENT * norm * largest / far, lambda e: make((e * far, 0.0)))
     # the other contact's force is what the largest is: e of f + e
-    turns("rest.contacts", MOMENT * norm * largest / far,
-          lambda e: make((-e * far, 0.0)))
+    turns("rest.contacts", MOMENT * norm * largest / far, lambda e: make((-e * far, 0.0)))
 
 
 @pytest.mark.parametrize(("turned", "light"), [(False, (1e-6,)), (True, ())])

@@ -71,8 +71,7 @@ def test_only_the_row_that_is_cut_is_held():
 @pytest.mark.parametrize("active", [True, False])
 def test_a_law_switched_on_late_continues_from_the_drive_values(active):
     """Rows that integrate do; the other one keeps to its bias."""
-    u = law([[2.0, 1.0], [3.0, 0.0]], [[5.0, 0.0], [0.0, 0.0]], bias=[100.0, 200.0],
-            active=active)
+    u = law([[2.0, 1.0], [3.0, 0.0]], [[5.0, 0.0], [0.0, 0.0]], bias=[100.0, 200.0], active=active)
     if active:
         u.begin([0.0, 0.0], [1.0, 1.0], [0.0, 0.0])
         assert u.act(0.0, [0.0, 0.0], [1.0, 1.0], [0.0, 0.0]) == [103.0, 203.0]

@@ -50,8 +50,7 @@ def test_a_body_has_its_colour_else_that_of_its_material_else_that_of_its_role()
          {"name": "plain", "mass": 1, "shapes": [BOX], "role": "object"}],
         materials={"rubber": {"colour": "teal"}})
     found = styles(recording(mechanism, np.zeros(1), pose).model)
-    assert [style.fill for style in found] == [
-        (16, 32, 48), COLOURS["teal"], ROLES["object"].fill]
+    assert [style.fill for style in found] == [(16, 32, 48), COLOURS["teal"], ROLES["object"].fill]
 
 
 def box_on_floor(at, merged=2.0):

@@ -99,6 +99,5 @@ def test_fitted_box_lies_on_the_stage_and_touches_its_margin(x, y, w, h, width, 
     stage = Stage(0, 30, width, height)
     camera = place_camera(Rectangle(x, y, x + w, y + h), stage)
     (left, bottom), (right, top) = camera.to_pixels(np.array([[x, y], [x + w, y + h]]))
-    margins = [left / width, 1 - right / width, (top - 30) / height,
-               1 - (bottom - 30) / height]
+    margins = [left / width, 1 - right / width, (top - 30) / height, 1 - (bottom - 30) / height]
     assert min(margins) == pytest.approx(0.04, abs=1e-6)

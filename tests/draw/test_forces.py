@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from sandbox.picture.elements.forces import point_motion, reactions
-from sandbox.picture.scales import (
-    bar_tensions,
-    bars_of,
-    largest_tension,
-    tensions_of,
-    typical,
-)
+from sandbox.picture.scales import bar_tensions, bars_of, largest_tension, tensions_of, typical
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import recording

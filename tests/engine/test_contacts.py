@@ -169,9 +169,7 @@ def small_buffers(monkeypatch: pytest.MonkeyPatch, contacts: int = 2, rows: int 
     return made
 
 
-def test_growing_contact_buffers_does_not_change_results(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_growing_contact_buffers_does_not_change_results(monkeypatch: pytest.MonkeyPatch) -> None:
     machine = heap(3, 4, duration=0.03, run={"sample_rate": 400.0})
     whole = simulate(machine)
     made = small_buffers(monkeypatch)

@@ -53,8 +53,7 @@ def test_torque_of_a_rotary_spring_whose_stiffness_changes(positive: str, sense:
         springs=[{"type": "rotary", "name": "s", "joint": "p", "stiffness": 0.01,
                   "rest_angle": 0.2}], drives=setting("=0.02 + 0.015 * sin(40 * t)")))
     k = 0.02 + 0.015 * np.sin(40 * run.time)
-    np.testing.assert_allclose(
-        run["s.torque"], k * (run["p.angle"] - 0.2), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(run["s.torque"], k * (run["p.angle"] - 0.2), rtol=0, atol=1e-14)
     np.testing.assert_allclose(4e-5 * sense * run["w.alpha"], -run["s.torque"], atol=1e-12)
 
 

@@ -44,8 +44,7 @@ def test_an_oblique_impact_turns_the_disc_by_friction(restitution):
     inertia = MASS * RADIUS**2 / 2
     assert found["disc.vx"][-1] == pytest.approx(20 - 0.1 * normal / MASS, abs=1e-8)
     assert found["disc.vy"][-1] == pytest.approx(20 * restitution, abs=1e-8)
-    assert abs(found["disc.omega"][-1]) == pytest.approx(
-        0.1 * normal * RADIUS / inertia, rel=1e-8)
+    assert abs(found["disc.omega"][-1]) == pytest.approx(0.1 * normal * RADIUS / inertia, rel=1e-8)
 
 
 def test_two_fast_discs_meet_along_the_line_of_their_centres():

@@ -120,8 +120,7 @@ def two_discs(distance: float, **second: Any) -> dict[str, Any]:
 
 
 def test_overlapping_bodies_are_reported_with_their_depth():
-    assert the_one(two_discs(2 * R - 0.001)) == (
-        "warning", "a", "overlaps 'b' by 1 mm at t = 0")
+    assert the_one(two_discs(2 * R - 0.001)) == ("warning", "a", "overlaps 'b' by 1 mm at t = 0")
 
 
 @pytest.mark.parametrize("scene", [

@@ -49,9 +49,7 @@ def at(degrees: float) -> tuple[float, float]:
     ("counterclockwise", (-250, 100), -200), ("clockwise", (-150, 150), None),
 ])
 @pytest.mark.parametrize("first", [170, 20, -5, -180])
-def test_the_over_centre_angle_is_the_nearest_within_the_limits(
-    first, positive, limits, expected,
-):
+def test_the_over_centre_angle_is_the_nearest_within_the_limits(first, positive, limits, expected):
     """The bar's end lies 20 degrees ahead, wherever the angles of the two jump by a turn.
 
     A turn of 160 degrees ahead or of 200 back brings it opposite. Mirrored, the signs change.

@@ -147,5 +147,4 @@ def test_displaced_shapes_are_scaled_and_mirrored_with_their_body() -> None:
 
 def test_a_law_that_runs_out_of_numbers_is_named() -> None:
     with pytest.raises(SimulationDiverged, match=r"the load 'law' has no finite value there"):
-        sandbox.simulate(sandbox.load_scene(
-            _scene(_law(force=["=1 / max(0, y + 1)", 0]), g=G)))
+        sandbox.simulate(sandbox.load_scene(_scene(_law(force=["=1 / max(0, y + 1)", 0]), g=G)))

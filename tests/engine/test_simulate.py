@@ -133,15 +133,13 @@ FLOOR = fixed("floor", shapes=[{"type": "box", "size": [4, 0.1], "at": [0, -0.05
 
 def run_of(h: float, rate: float, *, duration: float = 0.6, **elements: Any) -> Recording:
     run = {"duration": duration, "step": h, "sample_rate": rate}
-    return simulate(Mechanism.model_validate(
-        {"run": run, "gravity": (0, -G), **elements}))
+    return simulate(Mechanism.model_validate({"run": run, "gravity": (0, -G), **elements}))
 
 
 def bouncing() -> dict[str, Any]:
     """A ball that comes from above, spinning, and ends in the air."""
     ball = disc("ball", 0.01, (0, 0.1), velocity=(0.3, 0), angular_velocity=5.0, material="hard")
-    return {"bodies": [FLOOR, ball],
-            "materials": {"hard": {"friction": 0.2, "restitution": 0.8}}}
+    return {"bodies": [FLOOR, ball], "materials": {"hard": {"friction": 0.2, "restitution": 0.8}}}
 
 
 def arms_with_everything() -> dict[str, Any]:

@@ -5,14 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox import (
-    ControllerFailed,
-    Custom,
-    Interrupted,
-    SceneError,
-    SimulationDiverged,
-    StopRun,
-)
+from sandbox import ControllerFailed, Custom, Interrupted, SceneError, SimulationDiverged, StopRun
 from sandbox.elements.quantities import row_of
 from sandbox.engine import sampler
 from sandbox.engine.inspect_control import Checked

@@ -99,8 +99,7 @@ def finger() -> Mechanism:
 def test_all_that_hangs_on_a_body_goes_with_it(finger: Mechanism) -> None:
     """Its hinge, the spring to its neighbour, the tendon through it, the pull on that tendon."""
     left, gone = leave_out(finger, ["finger.distal"])
-    assert gone == ("finger.distal", "finger.dip", "finger.dip_spring", "finger.tendon",
-                    "actuator")
+    assert gone == ("finger.distal", "finger.dip", "finger.dip_spring", "finger.tendon", "actuator")
     before, after = ({element.name for kind in ACTING for element in getattr(mechanism, kind)}
                      for mechanism in (finger, left))
     assert before - after == set(gone)

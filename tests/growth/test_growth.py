@@ -89,8 +89,7 @@ def test_unchecked_overlaps_are_reported(
 
 def test_values_of_templates_count_towards_limits() -> None:
     big = {"type": "finger", **{f"key{i}": 1 for i in range(500)}}
-    scene = {"templates": {"t": big}, "parts": [
-        {"name": f"f{i}", "like": "t"} for i in range(100)]}
+    scene = {"templates": {"t": big}, "parts": [{"name": f"f{i}", "like": "t"} for i in range(100)]}
     with pytest.raises(SceneError, match=r"has 20 \d+ values and more") as refused:
         load_scene(scene, limits=Limits(values=20_000))
     assert len(refused.value.problems) == 1

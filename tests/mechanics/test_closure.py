@@ -5,10 +5,7 @@ import pytest
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
-from sandbox.mechanics.closure import (
-    grasp_isotropy,
-    largest_ball,
-)
+from sandbox.mechanics.closure import grasp_isotropy, largest_ball
 from sandbox.mechanics.linear_program import LinearProgram
 
 DISC = [[1, 0], [-1, 0]]

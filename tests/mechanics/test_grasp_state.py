@@ -5,12 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.mechanics.grasp_state import (
-    GraspState,
-    TwoPhalanges,
-    ejection_path,
-    tendon_torques,
-)
+from sandbox.mechanics.grasp_state import GraspState, TwoPhalanges, ejection_path, tendon_torques
 from sandbox.mechanics.grasp_stiffness import grasp_map, grasp_stiffness, tip_jacobian
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route

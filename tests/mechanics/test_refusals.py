@@ -7,15 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from sandbox.mechanics import (
-    closure,
-    grasp,
-    grasp_state,
-    springs,
-    statics,
-    tendon,
-    transmission,
-)
+from sandbox.mechanics import closure, grasp, grasp_state, springs, statics, tendon, transmission
 from sandbox.mechanics.four_bar import FourBar
 from sandbox.mechanics.grasp_stiffness import grasp_map
 from sandbox.mechanics.grasp_stiffness import grasp_stiffness as stiffness

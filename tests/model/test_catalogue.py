@@ -128,6 +128,5 @@ def test_what_is_expected_has_the_unit_of_its_quantity():
     assert told.keys() == {
         "$.expect[0].is", "$.expect[0].within", "$.expect[1].between[1]", "$.expect[2].above",
         "$.expect[3].above", "$.expect[3].over[0]", "$.expect[7].above"}
-    assert told["$.expect[7].above"].message == (
-        "'N m' is a unit of torque, but this is an energy")
+    assert told["$.expect[7].above"].message == ("'N m' is a unit of torque, but this is an energy")
     assert "mm" in told["$.expect[0].is"].allowed

@@ -12,8 +12,7 @@ from sandbox.scene.mechanism import Mechanism
 
 N = 20
 H = 0.01
-INFO = Outcome(step=H, sample_rate=1 / H,
-               versions={"sandbox": "0"}, wall={"simulate": 0.25})
+INFO = Outcome(step=H, sample_rate=1 / H, versions={"sandbox": "0"}, wall={"simulate": 0.25})
 BOX = {"type": "box", "size": [0.1, 0.01]}
 PALM, PROXIMAL, DISTAL, DISC, PLATE = range(5)
 

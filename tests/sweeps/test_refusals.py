@@ -103,9 +103,7 @@ def test_a_count_that_a_design_would_not_use_is_refused(design):
     (["sweep", "--vary", "parameters.push=1:4:3", "--set", "run.stp=1"],
      "puck.json:$.run.stp: unknown key"),
 ])
-def test_command_line_errors_quote_the_option(
-    tmp_path: Path, monkeypatch, capsys, words, reported,
-):
+def test_command_line_errors_quote_the_option(tmp_path: Path, monkeypatch, capsys, words, reported):
     monkeypatch.chdir(tmp_path)
     Path("puck.json").write_text(json.dumps(PUCK))
     place = 1 if words[0] == "sweep" else 2

@@ -200,8 +200,7 @@ def benchmark(
 
         by_day = quick or steps[:2]
         name = define.__name__.removeprefix("test_")
-        CASES[name] = Case(name, title, "", problem, source, lambda: run(by_day),
-                           define.__module__)
+        CASES[name] = Case(name, title, "", problem, source, lambda: run(by_day), define.__module__)
 
         @pytest.mark.parametrize("what", ["steps", *(
             pytest.param(each, marks=pytest.mark.nightly) for each in ("fine steps", "fault"))])

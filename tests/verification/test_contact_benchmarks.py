@@ -238,8 +238,7 @@ def test_toppling_rod() -> Problem:
         return float(np.sqrt(3 * G / length * (1 - np.cos(angle))))
 
     def forces(angle: float) -> tuple[float, float]:
-        return ((3 * np.cos(angle) - 1)**2 / 4,
-                0.75 * np.sin(angle) * (3 * np.cos(angle) - 2))
+        return ((3 * np.cos(angle) - 1)**2 / 4, 0.75 * np.sin(angle) * (3 * np.cos(angle) - 2))
 
     half, turn = length / 2, rate(start)
     rods: list[Json] = [{

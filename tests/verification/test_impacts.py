@@ -283,7 +283,6 @@ def test_impact_without_restitution() -> Iterator[Check]:
             turn = (x * -G * taut - y * 0.8) / length**2
             hangs = until(G / length, math.atan2(x, -y), turn, end - taut).y[0, -1]
             expected.append([swing, hangs])
-            found.append([run["bob.angle"][-1],
-                          math.atan2(run["ball.x"][-1], -run["ball.y"][-1])])
+            found.append([run["bob.angle"][-1], math.atan2(run["ball.x"][-1], -run["ball.y"][-1])])
         yield Check(f"angles, h = {1e3 * step:g} ms", "rad", expected, found,
                     rate * step**2, "(ω h)² of a radian, as of smooth forces")

@@ -247,8 +247,7 @@ def test_order_contact_slip_then_rolling() -> Iterator[Check]:
     def path(t: Array, speed: float) -> Array:
         change = speed / (3 * 0.3 * G)
         slips = np.minimum(t, change)
-        return (speed * slips - 0.3 * G * slips**2 / 2
-                + 2 * speed / 3 * np.maximum(t - change, 0))
+        return (speed * slips - 0.3 * G * slips**2 / 2 + 2 * speed / 3 * np.maximum(t - change, 0))
 
     yield from sliding(0.3, DISC, 3 * 0.3 * G, path)
 

@@ -18,14 +18,7 @@ from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.picture.subject import INKS
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
-from sandbox.web.page import (
-    MAX_RUNS,
-    FoundOut,
-    report,
-    styles,
-    text_of,
-    words,
-)
+from sandbox.web.page import MAX_RUNS, FoundOut, report, styles, text_of, words
 from tests.draw.conftest import hand, zoo
 
 UPLOT = "1.6.32"

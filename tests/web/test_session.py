@@ -264,9 +264,7 @@ def test_what_is_no_message_does_no_harm(tmp_path: Path, text: str | bytes) -> N
     assert "error" in session(tmp_path).handle(text)[0]
 
 
-def test_an_unexpected_error_is_answered(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_unexpected_error_is_answered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made = session(tmp_path)
     monkeypatch.setattr(made.hand, "drop", lambda: {}["path"])
     assert "KeyError('path')" in ask(made, drop=1, id=5)[0]["error"]

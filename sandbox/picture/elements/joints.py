@@ -152,8 +152,7 @@ def add_links(s: Subject) -> None:
                           "drive" if k in driven else "pin_ring")
         else:
             link.rope(low, high, level)
-        if k in loaded and len(loaded) <= TELLING and (
-                float(link.length.max()) > SHORT * s.point):
+        if k in loaded and len(loaded) <= TELLING and (float(link.length.max()) > SHORT * s.point):
             values, seen = carried.links[:, k], (level != 0) & (link.length > SHORT * s.point)
             s.number("link_forces", link.name, link.way.at(link.length / 2), values,
                      carried.largest, "N", steady=True, token="ink", rank=4, clear=BESIDE,

@@ -42,8 +42,7 @@ def add_traces(s: Subject) -> None:
         s.add("traces", "trail", name, at=s.on(body, at), every=every, mark=MARK,
               s=(token, token, TRACE))
         if named and body not in s.layers.get("body_names", ()):
-            s.add("traces", "text", name, at=s.on(body, at), words=name, s=("", token),
-                  rank=3)
+            s.add("traces", "text", name, at=s.on(body, at), words=name, s=("", token), rank=3)
 
 
 def add_names(s: Subject) -> None:
