@@ -29,6 +29,7 @@ from sandbox.scene.outlines.rings import wound
 
 ROWS = 5_000  # Number of contacts that are compared with a shape at once
 NEWTON = 25
+AHEAD = 2e-3  # Gap beyond the margins of two shapes [m]: they meet on the path of fast bodies
 ASKEW, ALIKE = 1e-6, 1e-3  # Angles between normals of one surface, and of one contact [rad]
 
 
@@ -119,9 +120,9 @@ def _places(evidence: Evidence, worst: Worst) -> None:
             for i in range(0, max(len(own), 1), ROWS)), strict=True)]
             for b, sign in zip(two, (-1.0, 1.0), strict=True)]
         off, turned, circle = zip(*sides, strict=True)
-        # the point of an impact, or of surfaces that meet, is that at its instant within the step
+        # the point of an impact, or of a meeting ahead, is that at its instant within the step
         gap = a["contact_gap"][own]
-        later = (restitution_of(evidence.model.mechanism, *two) > 0) | (gap > evidence.open)
+        later = (restitution_of(evidence.model.mechanism, *two) > 0) | (gap > AHEAD)
         moving = moving + later * np.abs(gap)
         allowed = np.where((circle[0] | circle[1]) & ~later, rounding, moving)
         worst.add(label, np.maximum(*off), allowed)

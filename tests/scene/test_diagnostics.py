@@ -285,3 +285,14 @@ def test_one_diagnostic(
     (problem,) = refused.value.problems
     assert (problem.code, problem.path, problem.hint) == expected
     assert message in problem.message
+
+
+def test_a_name_close_to_that_of_an_unreadable_element_gets_it_as_suggestion() -> None:
+    scene = copy.deepcopy(SCENES["pair"])
+    scene["bodies"][0]["shapes"][0]["type"] = "cirle"
+    scene["joints"][0]["b"] = "dics"
+    with pytest.raises(sandbox.SceneError) as caught:
+        sandbox.load_scene(scene)
+    found = next(each for each in caught.value.problems if each.code == "name-not-found")
+    assert found.hint == "'disc'"
+    assert not found.allowed

@@ -84,8 +84,10 @@ class _References:
                           "be released", path, allowed=listed(known))
             return
         none = "" if self.assumed else f"none: there is no {what}"
-        yield Problem("name-not-found", f"there is no {what} named {quoted(name)}", path,
-                      allowed=listed(known) or none, hint=self.near(name, [*known, *also]))
+        unread = sorted({*self.assumed} - {"*"})  # of such names the list of allowed ones has none
+        hint = self.near(name, [*known, *also, *unread])
+        yield Problem("name-not-found", f"there is no {what} named {quoted(name)}", path, hint=hint,
+                      allowed="" if hint in map(quoted, unread) else listed(known) or none)
 
     def names(self) -> Iterator[Problem]:
         """Duplicate names, and names that are also another element's quantity."""
