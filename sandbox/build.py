@@ -13,19 +13,12 @@ from sandbox.elements.controllers.equilibrium import EquilibriumController, Fing
 from sandbox.elements.controllers.pid import PidController, RelayController
 from sandbox.elements.controllers.state_feedback import StateFeedbackController
 from sandbox.elements.drives import (
-    BrakeDrive,
-    ExtendDrive,
     ForceDrive,
     HoldDrive,
-    LengthDrive,
-    MotorDrive,
     PullDrive,
-    PushDrive,
     RadiusDrive,
-    ServoDrive,
     StiffnessDrive,
     SurfaceDrive,
-    TorqueDrive,
 )
 from sandbox.elements.fluids import (
     Cylinder,
@@ -38,6 +31,15 @@ from sandbox.elements.fluids import (
 )
 from sandbox.elements.joints import Actuator, Gear, Pin, Rack, Rod, Roll, Rope, Slot, Weld
 from sandbox.elements.loads import BuoyancyLoad, DragLoad, LawLoad
+from sandbox.elements.motors import (
+    BrakeDrive,
+    ExtendDrive,
+    LengthDrive,
+    MotorDrive,
+    PushDrive,
+    ServoDrive,
+    TorqueDrive,
+)
 from sandbox.elements.springs import LinearSpring, RotarySpring
 from sandbox.elements.tendons import Guide, Tendon
 from sandbox.scene.bodies import Body, Box, Capsule, Circle, Material, Polygon, Polyline, Skin

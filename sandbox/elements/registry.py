@@ -7,7 +7,7 @@ from typing import Annotated, Any, get_args
 
 from pydantic import Field
 
-from sandbox.elements import drives, fluids, joints
+from sandbox.elements import drives, fluids, joints, motors
 from sandbox.elements.controllers import controller, equilibrium, pid, state_feedback
 from sandbox.elements.element import Element, tag_of
 from sandbox.elements.loads import Load
@@ -21,9 +21,9 @@ Joint = Annotated[
     Field(discriminator="type"),
 ]
 Drive = Annotated[
-    drives.ForceDrive | drives.TorqueDrive | drives.PullDrive | drives.RadiusDrive
-    | drives.StiffnessDrive | drives.MotorDrive | drives.BrakeDrive | drives.ServoDrive
-    | drives.PushDrive | drives.ExtendDrive | drives.LengthDrive | fluids.FlowDrive
+    drives.ForceDrive | motors.TorqueDrive | drives.PullDrive | drives.RadiusDrive
+    | drives.StiffnessDrive | motors.MotorDrive | motors.BrakeDrive | motors.ServoDrive
+    | motors.PushDrive | motors.ExtendDrive | motors.LengthDrive | fluids.FlowDrive
     | fluids.PressureDrive | fluids.OpeningDrive | drives.SurfaceDrive | drives.HoldDrive,
     Field(discriminator="type"),
 ]
