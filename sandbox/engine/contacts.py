@@ -129,8 +129,8 @@ def list_contacts_of_step(table: int) -> None:
 def _locate(table: int, i: int, n: int) -> int:
     """Make the FOUND ``i`` the contact ``n`` of the step; 1, or 0 if it is none.
 
-    Its bodies stand where it was found. The gap at the pose of the step is that which they close on
-    the way there as the surfaces now lie.
+    Its bodies stand where it was found. The gap at the pose of the step is extrapolated from there
+    at the present rate.
     """
     found, shapes, body, out = at.raw(table)[i], at.shapes(table), at.body(table), at.found(table)
     nx, ny = found["nx"], found["ny"]

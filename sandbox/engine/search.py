@@ -18,15 +18,15 @@ from sandbox.numeric import Array
 
 MAX_PARTS = 1000  # of a step that are searched
 SHALLOW = 0.01  # overlap in the path of a fast body that is left out, as a share of the margins
-PASSING = 5  # parts above which bodies may pass each other: they approach by half a thickness
+PASSING = 5  # parts above which the last path is checked: shapes may move half their thickness
 CHECKED = 256  # number of pairs of bodies up to which their bounds are checked before pymunk does
 
 
 @kernel
 def search(table: int, h: float) -> tuple[bool, int]:
-    """Whether shapes may be near one another; the parts in which to search the step for meetings.
+    """Whether shapes may be near one another, and in how many parts to search the step.
 
-    They are not near if a line separates those of each pair of bodies; many pairs are not checked.
+    Shapes are not near if a line separates the bodies of each pair; many pairs are not checked.
     """
     pairs, boxes, body, friction = (
         at.neighbors(table), at.boxes(table), at.body(table), at.friction(table))
@@ -126,9 +126,9 @@ def overlapped(table: int, h: float, parts: int) -> bool:
 
 @kernel
 def _overlapped(table: int, h: float, now: float) -> bool:
-    """Whether shapes overlap that touch or should have, at an instant after the pose (< 0).
+    """Whether shapes overlap by a quarter of their margins at an instant before the pose (< 0).
 
-    Bodies that an impact has displaced are where they seem only from its instant on.
+    An impact displaces the pose of its bodies: they are compared only after its instant.
     """
     raw, touches, last = at.raw(table), at.touches(table), at.near(table)[0]
     shapes, faces, body = at.shapes(table), at.faces(table), at.body(table)
@@ -151,9 +151,9 @@ def _overlapped(table: int, h: float, now: float) -> bool:
 
 @entry_point("shapes")
 def find_ahead(table: int, h: float, parts: int) -> None:
-    """Add the points of shapes that are not near at the pose but meet in the step, where they meet.
+    """Add contact points of shapes that are apart at the pose but meet within the step.
 
-    pymunk's bodies are led along the step in equal parts, and back to where two shapes meet.
+    pymunk's bodies move along the step in equal parts, and back to each instant of a meeting.
     """
     near, kept, part = at.near(table), at.near(table)[0], h / parts
     at.touching(table)[2] = 1
@@ -174,7 +174,10 @@ def find_ahead(table: int, h: float, parts: int) -> None:
 
 @kernel
 def _new_overlap(table: int, kept: int, now: float) -> int:
-    """The first FOUND where shapes overlap of which none is among the first ``kept``; or -1."""
+    """Index of the first point of two overlapping shapes without a point among the first ``kept``.
+
+    It is -1 if there is no such point.
+    """
     raw, shapes, last = at.raw(table), at.shapes(table), at.near(table)[0]
     for i in range(kept, last if last <= len(raw) else 0):
         a, b = raw[i]["shape_a"], raw[i]["shape_b"]
@@ -196,10 +199,11 @@ def _of(found: Any, a: int, b: int) -> bool:
 
 @kernel
 def _meeting(table: int, kept: int, i: int, low: float, high: float) -> tuple[float, int]:
-    """Lead pymunk's bodies from the instant ``high`` back to that at which two shapes meet.
+    """Move pymunk's bodies back from the instant ``high`` to that at which two shapes meet.
 
-    These are the shapes of the FOUND ``i``, apart at ``low``. The instant; how many FOUND are kept
-    with those of the meeting.
+    These are the shapes of point ``i``, which are apart at ``low``. Newton's method, with bisection
+    as a safeguard, finds the instant. Returns it, and the number of points with those of the
+    meeting added after the first ``kept``.
     """
     raw, near, shapes, now, end = at.raw(table), at.near(table), at.shapes(table), high, kept
     a, b = raw[i]["shape_a"], raw[i]["shape_b"]

@@ -106,3 +106,21 @@ def test_the_audit_takes_the_place_of_a_meeting_as_that_of_its_instant():
     found = run({"name": "frame", "motion": "fixed"}, peg, rod, duration=0.03, joints=[pin])
     assert abs(found["rod.omega"][-1]) < 0.1
     assert not [figure for figure in found.audit if figure.verdict == "look"]
+
+
+def test_a_pellet_turns_a_pinned_thin_door():
+    """Moments about the hinge are conserved; the speed of separation is e times that of approach."""
+    step, arm, speed, mass = 1e-3, 0.15, 40.0, 0.01
+    shape = {"type": "box", "size": [0.002, 0.2], "at": [0, 0.1]}
+    door = {"name": "door", "mass": 1, "shapes": [shape]}
+    pellet = {"name": "pellet", "mass": mass, "at": [-0.4, arm], "velocity": [speed, 0],
+              "shapes": [{"type": "circle", "radius": 0.005}]}
+    pin = {"type": "pin", "name": "hinge", "a": "frame", "b": "door", "on_b": [0, 0]}
+    found = run({"name": "frame", "motion": "fixed"}, door, pellet, restitution=0.5, step=step,
+                duration=0.2, joints=[pin])
+    inertia = (0.2**2 + 0.002**2) / 12 + 0.1**2
+    omega = 1.5 * mass * speed * arm / (inertia + mass * arm**2)
+    error = (omega * step) ** 2  # of the second-order step
+    assert found["door.omega"][-1] == pytest.approx(-omega, rel=error)
+    assert found["pellet.vx"][-1] == pytest.approx(omega * arm - 0.5 * speed, rel=error)
+    assert not [figure for figure in found.audit if figure.verdict == "look"]
