@@ -109,7 +109,7 @@ def test_the_audit_takes_the_place_of_a_meeting_as_that_of_its_instant():
 
 
 def test_a_pellet_turns_a_pinned_thin_door():
-    """Moments about the hinge are conserved; the speed of separation is e times that of approach."""
+    """Moments about the hinge stay; the speed of separation is e times that of approach."""
     step, arm, speed, mass = 1e-3, 0.15, 40.0, 0.01
     shape = {"type": "box", "size": [0.002, 0.2], "at": [0, 0.1]}
     door = {"name": "door", "mass": 1, "shapes": [shape]}
