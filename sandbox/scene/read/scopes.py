@@ -238,7 +238,7 @@ def _count(value: Any, info: ValidationInfo) -> int:
 
 
 IndexName = Annotated[str, AfterValidator(_index)]
-Word = Annotated[Any, BeforeValidator(_word)]
+Word = Annotated[Any, BeforeValidator(_word, json_schema_input_type=float | str)]
 Row = Annotated[
     Annotated[dict[IndexName, Word], Tag("row")] | Annotated[Word, Tag("value")],
     Discriminator(lambda value: "row" if isinstance(value, dict) else "value")]
