@@ -14,7 +14,7 @@ from sandbox.samples.targets import (
     effort,
     initial,
     respond,
-    responses,
+    response,
     settling_time,
     start,
     targets,
@@ -85,7 +85,7 @@ def test_a_step_is_counted_from_its_beginning() -> None:
     """A response so quick that the first sample is already half way."""
     run = recording(omega=2000, zeta=0.5)
     assert run["finger.mcp.angle"][0] > 0.3 * TARGETS[0]
-    found = responses(run, targets(run))["finger.mcp.angle"]
+    found = response(run, "finger.mcp.angle", targets(run)["finger.mcp.angle"])
     assert found.start == pytest.approx(0)
     highest = run["finger.mcp.angle"].max() / TARGETS[0]
     assert found.overshoot == pytest.approx(100 * (highest - 1))
