@@ -161,7 +161,6 @@ def report(error: BaseException, console: Console, **more: Any) -> Exit:
 
 
 def _problems(error: BaseException) -> tuple[Exit, list[Problem]]:
-    """The exit code of an error, and its problems."""
     code = Exit.INPUT
     match error:
         case SceneError():

@@ -15,19 +15,9 @@ from typing import TYPE_CHECKING, Any
 import click
 from click import Choice, IntRange
 
+from sandbox.cli import readers
 from sandbox.cli.commands import Commands, commands
 from sandbox.cli.options import NAMES, PICTURES, title_of
-from sandbox.cli.readers import (
-    read_along,
-    read_length,
-    read_limits,
-    read_overrides,
-    read_pairs,
-    read_quantity,
-    read_size,
-    read_starts,
-    read_workers,
-)
 from sandbox.errors import SandboxError
 
 if TYPE_CHECKING:
@@ -49,7 +39,6 @@ OUT = _Out(path_type=Path)  # type of every option ``--out``
 
 
 def _read_elements(ctx: click.Context, param: click.Parameter, paths: Sequence[Path]) -> None:
-    """Register the elements of files while the command runs."""
     if paths:
         from sandbox.scene.document import load_elements
         for path in paths:
@@ -103,15 +92,15 @@ def files(suffixes: Sequence[str], help_text: str) -> click.Option:
 
 
 POSITIVE = IntRange(min=1)
-TIME = partial(read_quantity, dimension="time")
+TIME = partial(readers.quantity, dimension="time")
 RUN = click.Argument(["run"])
 LIMIT = option("--limit NAME=VALUE...", "Change a limit, as in 'steps=5e6'; 'sandbox explain "
-               "limits' lists them.", "limits", read=read_limits)
+               "limits' lists them.", "limits", read=readers.limits)
 ELEMENTS = option("--elements FILE...", "Run a Python file that registers elements of your own.",
                   is_eager=True, type=click.Path(exists=True, dir_okay=False, path_type=Path),
                   callback=_read_elements, expose_value=False)
 SET = option("--set PATH=VALUE...", "Change the scene, as in 'parameters.pull=20 N' or "
-             "'run.step=1e-3'.", "overrides", read=read_overrides)
+             "'run.step=1e-3'.", "overrides", read=readers.overrides)
 CHANGES = (SET, ELEMENTS, LIMIT)
 SCENE = (click.Argument(["scene"], shell_complete=complete_scene), *CHANGES)
 JSON = option("--json", "Print one JSON object and nothing else.", "as_json")
@@ -202,11 +191,12 @@ results("plot", "plot", """List or plot the quantities of a saved run, or compar
     click.Argument(["quantities"], nargs=-1, metavar="[QUANTITY]..."),
     option("--with RUN...", "Another run in the same figure, in another colour.", "others"),
     option("--target QUANTITY=VALUE...", "Target, as in 'arm.angle=5deg'; by default the "
-           "controller's.", "targets", read=partial(read_pairs, form="quantity=value")),
+           "controller's.", "targets", read=partial(readers.pairs, form="quantity=value")),
     option("--x QUANTITY", "Horizontal axis, not time.", "across", default=""),
     option("--from TIME", "Start, as in '0.5s'; that of the run by default.", "begin", read=TIME),
     option("--to TIME", "End, likewise.", "end", read=TIME),
-    option("--width LENGTH", "Width on paper, as in '85mm'; 120 mm by default.", read=read_length),
+    option("--width LENGTH", "Width on paper, as in '85mm'; 120 mm by default.",
+           read=readers.length),
     option("--no-title", "Omit the scene's title.", "untitled"),
     files((*PICTURES, ".csv"), "A figure, or the table of responses; plot.png in RUN by default"),
     JSON, QUIET)
@@ -223,7 +213,7 @@ results("render", "runs", """Draw a saved run as an animation or as stills.
     option("--strip [N]", "Draw N moments side by side (5 without N), or those of --at.",
            is_flag=False, flag_value=0, type=IntRange(min=0)),
     option("--size WxH", "Pixels; '2x' for twice the size of the scene's view; of a still on "
-           "paper '85mm' or '85mmx70mm'.", read=read_size),
+           "paper '85mm' or '85mmx70mm'.", read=readers.size),
     option("--labels", "All of title, time and legend, or only scales.",
            type=Choice(["all", "scales", "none"]), default="all"),
     option("--transparent", "Transparent background, except of MP4."),
@@ -251,13 +241,14 @@ KEEP = option("--keep RESULT...",
 WHERE = option("--where CONDITION...", "A condition on results: 'slip < 1 mm'. All must hold.")
 SEED = option("--seed", "Of random points.", type=IntRange(min=0), default=0)
 WORKERS = option("--workers N|ADDRESS", "Processes, by default one per processor; or a Dask "
-                 "scheduler.", default="", read=read_workers)
+                 "scheduler.", default="", read=readers.workers)
 
 
 def study(values: str, directory: str, *own: click.Parameter) -> tuple[click.Parameter, ...]:
     """The parameters of a sweep or search, with its ``own``."""
     return (SCENE[0],
-            option("--vary PATH=VALUES...", values, read=partial(read_pairs, form="path=values")),
+            option("--vary PATH=VALUES...", values,
+                   read=partial(readers.pairs, form="path=values")),
             *own, option("--out DIR", directory), WORKERS, *CHANGES, JSON, QUIET)
 
 
@@ -295,7 +286,6 @@ def search(ctx: click.Context) -> None:
 
 
 def _search(kind: str, help_text: str, *own: click.Parameter) -> None:
-    """Add a search, by its name in a study file."""
     search.add("Commands", NAMES.get(kind, kind), "sweep:search", help_text, *study(
         "Values of a path: a range, 'parameters.pull=2 N:8 N', with ':log' for even ratios; a list "
         "or a distribution, 'normal(3 N, 0.2 N)', where the search takes them.",
@@ -310,10 +300,10 @@ _search("fit", """The values with which the scene reproduces a measurement.
     option("--data FILE.csv", "Columns 'time' [s], and quantities in SI or as in 'x [mm]'.",
            type=click.Path(path_type=Path)),
     option("--match COLUMN=QUANTITY...", "Quantity of a column, as in 'x=puck.x'; its name by "
-           "default.", read=partial(read_pairs, form="column=quantity")),
+           "default.", read=partial(readers.pairs, form="column=quantity")),
     option("--noise COLUMN=SIZE...", "Standard deviation, as in 'x=0.5 mm'; estimated by default.",
-           read=lambda words: {name: read_quantity(text) for name, text in
-                               read_pairs(words, "column=size").items()}))
+           read=lambda words: {name: readers.quantity(text) for name, text in
+                               readers.pairs(words, "column=size").items()}))
 _search("best", "The values that minimise or maximise results.",
     KEEP,
     option("--minimize NAME...", "A result to minimise; several have several optima.", "least"),
@@ -334,7 +324,7 @@ _search("threshold", """The value at which a condition begins or ceases to hold.
     The condition is --where, or the expectations of the scene.
     """,
     KEEP, WHERE,
-    option("--within WIDTH", "Of the bracket; range / 1000 by default.", read=read_quantity))
+    option("--within WIDTH", "Of the bracket; range / 1000 by default.", read=readers.quantity))
 commands.add_command(search)
 commands.sections["Questions"].append("search")
 
@@ -346,11 +336,11 @@ questions("equilibrium", "equilibrium", """Find static equilibria of SCENE and t
     """,
     option("--from PATH=VALUES...", "Start there: values of JOINT.angle, BODY.x, BODY.y or "
            "BODY.angle, as in 'arm.angle=-30 deg,0,30 deg'; by default the scene's pose. Values "
-           "of several are combined.", "starts", read=read_starts),
+           "of several are combined.", "starts", read=readers.starts),
     option("--at SECONDS", "Time of the drives' values; by default the end.", type=float),
     option("--stages N", "Steps of the load; by default 40, with friction 200.", type=POSITIVE),
     option("--along PATH=FROM:TO:COUNT", "Follow equilibria along a value, as in "
-           "'parameters.pull=0:10:21'.", read=read_along),
+           "'parameters.pull=0:10:21'.", read=readers.along),
     option("--plot QUANTITY", "Quantity over --along; by default that changing most.", "quantity"),
     option("--body NAME", "Body whose stiffness is printed; by default the one free 'object'."),
     option("--out DIR", "Of rest.json, rest.csv and rest.png; renders/rest/SCENE by default."),
@@ -370,7 +360,7 @@ questions("bounds", "accuracy", """Bound indeterminate contact forces of a saved
     RUN,
     option("--at SECONDS...", "Time of a sample; by default the last.", "instants", type=float),
     option("--near LENGTH", "Maximum gap of a contact, as in '10um'; by default that of a step "
-           "(docs/audit.md).", read=read_length),
+           "(docs/audit.md).", read=readers.length),
     option("--push BODY", "Also print the largest push at this body's centre of mass, in 12 "
            "directions.", "pushed"),
     files((".csv",), "The table; contact_bounds.csv in RUN by default"),

@@ -130,7 +130,6 @@ def _follow(
     scene: Source, along: tuple[str, float, float, str, int], quantity: str | None, folder: Path,
     console: Console, how: dict[str, Any],
 ) -> Answer:
-    """The equilibria along a value of a scene."""
     from sandbox.figure.sweeps import BranchCurve, save_branches
     path, begin, end, unit, count = along
     label = f"{path} [{unit}]" if unit else path

@@ -64,7 +64,6 @@ def explain(names: tuple[str, ...]) -> None:
 
 
 def _explained(name: str) -> list[str]:
-    """The text about a name: all things that have it."""
     word = name.strip().lower()
     word = EVERYDAY.get(word, word)
     models, quantities, scenes = [*elements()], [*reference.quantity_rows()], shipped_scenes()
@@ -140,7 +139,6 @@ def _models(annotation: Any) -> Iterator[type[Spec]]:
 
 
 def _element_lines(each: _Element) -> list[str]:
-    """Description, fields, example and quantities of an element."""
     width = click.HelpFormatter(max_width=WIDTH).width
     lines = click.formatting.wrap_text(_plain(f"{each.name}: {reference.about(each.model)}"), width,
                                        preserve_paragraphs=True).splitlines()

@@ -21,7 +21,7 @@ from sandbox.figure.signals import Plotted, Window, draw
 from sandbox.figure.style import number, save_figure, shown_as
 from sandbox.recording.new_run import made
 from sandbox.recording.recording import Recording
-from sandbox.samples.targets import controlled, effort, ending, initial, responses, tracked
+from sandbox.samples.targets import controlled, effort, ending, initial, response, tracked
 from sandbox.samples.targets import targets as targets_of
 from sandbox.values.units import UNITS, normal_unit, parse_quantity
 
@@ -108,12 +108,11 @@ def _responses(plotted: Sequence[Plotted], names: Sequence[str]) -> Records:
     for name in names:
         for one in plotted if name in targeted or name not in drives else ():
             if name in one.run:
-                goals = {name: one.targets[name]} if name in one.targets else {}
-                response = responses(one.run, goals).get(name)
                 found.append((one.label, {
                     "quantity": name, "unit": one.run.unit(name),
                     "final": float(one.run.within(name, ending(one.run.time)).mean()),
-                    "response": response and asdict(response)}))
+                    "response": asdict(response(one.run, name, one.targets[name]))
+                    if name in one.targets else None}))
     return found
 
 

@@ -22,7 +22,7 @@ _NUMBER = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.:][^:]*?)?\
 _ALONG = re.compile(rf"\s*([^=]+?)\s*={_NUMBER}:{_NUMBER}:\s*(\d+)\s*")
 
 
-def read_pairs(words: Sequence[str], form: str = "name=value") -> dict[str, str]:
+def pairs(words: Sequence[str], form: str = "name=value") -> dict[str, str]:
     """Split ``name=value`` words."""
     found: dict[str, str] = {}
     for word in words:
@@ -35,7 +35,7 @@ def read_pairs(words: Sequence[str], form: str = "name=value") -> dict[str, str]
     return found
 
 
-def read_overrides(words: Sequence[str]) -> dict[str, Any]:
+def overrides(words: Sequence[str]) -> dict[str, Any]:
     """Split ``path=value`` words; a value that is not JSON is text."""
     overrides: dict[str, Any] = {}
     for word in words:
@@ -48,14 +48,14 @@ def read_overrides(words: Sequence[str]) -> dict[str, Any]:
     return overrides
 
 
-def read_limits(words: Sequence[str]) -> Limits:
+def limits(words: Sequence[str]) -> Limits:
     """The limits that ``name=value`` words change."""
     from dataclasses import fields
 
     from sandbox.scene.read.limits import Limits
     known = [field.name for field in fields(Limits)]
     changes: dict[str, int] = {}
-    for name, text in read_pairs(words).items():
+    for name, text in pairs(words).items():
         if name not in known:
             raise ValueError(f"there is no limit {name!r}.{meant(name, known)} Limits: "
                              f"{', '.join(known)}.")
@@ -66,15 +66,15 @@ def read_limits(words: Sequence[str]) -> Limits:
     return Limits(**changes)
 
 
-def read_quantity(text: str, dimension: str | None = None) -> float:
+def quantity(text: str, dimension: str | None = None) -> float:
     """Read a number in SI, or with a unit."""
     from sandbox.values.units import parse_quantity
     return parse_quantity(text, dimension)
 
 
-def read_length(text: str) -> float:
+def length(text: str) -> float:
     """Read a length of 0 or more, with a unit, [m]."""
-    value = read_quantity(text, "length")
+    value = quantity(text, "length")
     if value and text.strip().isdecimal():
         raise ValueError(f"{text} has no unit, as {text}mm has")
     if value < 0:
@@ -82,20 +82,20 @@ def read_length(text: str) -> float:
     return value
 
 
-def read_starts(words: Sequence[str]) -> list[dict[str, float]]:
+def starts(words: Sequence[str]) -> list[dict[str, float]]:
     """All combinations of the values of ``--from``."""
     from sandbox.values.numbers import number_from
     given = {
         path: [number_from(each.strip(), "angle" if path.endswith(".angle") else "length", {})
                for each in text.split(",")]
-        for path, text in read_pairs(words, "path=values").items()}
+        for path, text in pairs(words, "path=values").items()}
     if math.prod(map(len, given.values())) > MAX_STARTS:
         raise ValueError(f"more than {MAX_STARTS} combinations")
     return [dict(zip(given, each, strict=True))
             for each in itertools.product(*given.values())] if given else []
 
 
-def read_along(word: str) -> tuple[str, float, float, str, int]:
+def along(word: str) -> tuple[str, float, float, str, int]:
     """Path, first and last value, their unit and the count of ``PATH=FROM:TO:COUNT``."""
     if (match := _ALONG.fullmatch(word)) is None:
         raise ValueError(f"{word!r} is not of the form PATH=FROM:TO:COUNT, as in "
@@ -106,7 +106,7 @@ def read_along(word: str) -> tuple[str, float, float, str, int]:
     return path, float(begin), float(end), one or other or "", int(count)
 
 
-def read_size(word: str) -> tuple[int, int] | str:
+def size(word: str) -> tuple[int, int] | str:
     """Read ``800x600`` as two integers; other sizes stay text."""
     if re.search(r"[\d.]\s*[xX]\s*$|[a-z]{2}", word):
         return word
@@ -117,7 +117,7 @@ def read_size(word: str) -> tuple[int, int] | str:
         "size on paper, as in 85mm or 85mmx70mm")
 
 
-def read_workers(word: str) -> int | str:
+def workers(word: str) -> int | str:
     """A number of processes, which begin to load here, or the address of a scheduler."""
     from sandbox.sweeps.processes import check_workers, preload
     if "://" in word:

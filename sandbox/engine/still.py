@@ -55,10 +55,9 @@ class Still(Simulation):
         """Their rates after the last step, [nb, 3]."""
         return np.array(self._world.body[self._world.number, 3:])
 
-    def put(self, pose: Array, speed: Array | None = None) -> None:
-        """Put all bodies to a pose, at a speed, by default none."""
-        order = self._world.order
-        self._world.place(pose[order], np.zeros_like(pose) if speed is None else speed[order])
+    def put(self, pose: Array) -> None:
+        """Put all bodies to a pose, at rest."""
+        self._world.place(pose[self._world.order], np.zeros_like(pose))
         self._tables.state.standing[1] = 0
 
     def slow(self, share: float) -> None:
@@ -76,15 +75,11 @@ class Still(Simulation):
         """Numbers of the bodies that move as the scene says, in the order of :meth:`driven`."""
         return self._world.order[self._tables.constants.scheduled]
 
-    def move(
-        self, drive: Array, speeds: Array | None = None, *, count: int = 1, kept: bool = False,
-    ) -> None:
-        """Make steps with constant drives [nd]; ``speeds`` [ns, 3] are of scheduled bodies."""
+    def move(self, drive: Array, *, count: int = 1, kept: bool = False) -> None:
+        """Make steps with constant drives [nd], in which scheduled bodies do not move."""
         self._inputs.apply(drive)
         rows = np.tile(drive, (count, 1))
         after = np.zeros((count, len(self.scheduled), 3))
-        if speeds is not None:
-            after[:] = speeds
         if kept:
             self._sampler.kept.taken[:] = 0
         made = 0

@@ -211,7 +211,8 @@ class _Follower:
         return None
 
     def _along(self, point: BranchRest, value: float, pose: Array) -> float:
-        motion = point.balance.motion_between(point.pose, pose) / point.balance.size
+        balance = point.balance
+        motion = (pose - point.pose)[balance.bodies].reshape(-1) / balance.scale / balance.size
         return float(point.way @ np.append(motion, (value - point.value) / self._span))
 
     def follow_all(self, first: PoseBalance) -> list[Branch]:
@@ -304,7 +305,6 @@ class _Follower:
         return None
 
     def _known(self, value: float, rest: AtRest) -> bool:
-        """Whether an equilibrium is between two points of a branch."""
         def positions(rest: AtRest) -> Array:  # angles times the size, [nb, 3] m
             return np.asarray(rest.recording.arrays["body_pose"][0] * (1.0, 1.0, rest.size))
 

@@ -93,10 +93,6 @@ class PoseBalance:
         after[self.bodies] += (self.scale * motion).reshape(-1, 3)
         return after
 
-    def motion_between(self, one: Array, other: Array) -> Array:
-        """The motion from one pose to another, scaled, [n]."""
-        return np.asarray((other - one)[self.bodies].reshape(-1) / self.scale)
-
     @cached_property
     def soft(self) -> tuple[Array, Array, float]:
         """Stiffness values in ascending order, their motions, and the value that counts as 0."""
@@ -274,7 +270,6 @@ class Settler:
                 last *= share * share
 
     def _still_moving(self, drive: Array, body: int) -> str:
-        """Why a body does not come to rest."""
         drives, name = self.model.drives, quoted(self.model.bodies.name[body])
         moved = (self.still.pose - self.first)[body]
         for i, kind in enumerate(drives.kind):

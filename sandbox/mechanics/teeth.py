@@ -26,17 +26,10 @@ def gear_flank(
     radii: tuple[float, float], inside: bool, pressure: float, side: int, *,
     dx: Any, dy: Any, angle_a: Any, angle_b: Any,
 ) -> Flank:
-    """A flank of two gears.
+    """A flank of two gears ``a`` and ``b``, the smaller ``inside`` the larger one or not.
 
-    Args:
-        radii: of the pitch circles of ``a`` and ``b`` [m].
-        inside: whether the smaller runs inside the larger one.
-        pressure: the pressure angle [rad].
-        side: +1 or -1, which of the two common tangents.
-        dx: from the centre of ``a`` to that of ``b`` [m], and ``dy``.
-        dy: see ``dx``.
-        angle_a: of ``a`` [rad], and ``angle_b`` of ``b``.
-        angle_b: see ``angle_a``.
+    ``radii`` are of the pitch circles [m], ``pressure`` is the pressure angle [rad]. ``side``, +1
+    or -1, is one of the two common tangents, ``dx`` and ``dy`` lead from centre to centre [m].
     """
     base_a, base_b = (side * radius * np.cos(pressure) for radius in radii)
     turns_b = 1.0 if inside else -1.0
@@ -53,16 +46,10 @@ def rack_flank(
     radius: float, pressure: float, side: int, *,
     along: tuple[Any, Any], dx: Any, dy: Any, turned: Any,
 ) -> Flank:
-    """A flank of a gear ``a`` and a rack ``b``.
+    """A flank of a gear ``a`` and a rack ``b``, arguments as of :func:`gear_flank`.
 
-    Args:
-        radius: of the pitch circle [m].
-        pressure: the pressure angle [rad].
-        side: +1 or -1, which of the two flanks of a tooth.
-        along: the pitch line, a unit vector in the world, with the gear to its left.
-        dx: from the gear's centre to a point of the pitch line [m], and ``dy``.
-        dy: see ``dx``.
-        turned: angle of the gear minus that of the rack [rad].
+    ``along`` is the pitch line, a unit vector in the world, with the gear to its left; ``dx`` and
+    ``dy`` lead to a point of it. ``turned`` is the angle of the gear minus that of the rack [rad].
     """
     c, s = side * np.cos(pressure), np.sin(pressure)
     x, y = c * along[0] + s * along[1], c * along[1] - s * along[0]

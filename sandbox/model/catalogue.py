@@ -11,7 +11,7 @@ import difflib
 import fnmatch
 import itertools
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -255,13 +255,3 @@ class MixedUnitsError(SandboxError, ValueError):
     """A pattern that fits quantities of several units, which are no columns of one array."""
 
     code = "bad-quantity"
-
-
-def unit_of(catalogue: Catalogue, names: Sequence[str], pattern: str) -> str:
-    """The one unit of the quantities that a pattern fits; MixedUnitsError if they have several."""
-    units = list(dict.fromkeys(catalogue.find(name).unit for name in names))
-    if len(units) == 1:
-        return units[0]
-    raise MixedUnitsError(
-        f"{pattern!r} fits quantities of {len(units)} units ({listed(units)}), which make no "
-        "array: read those of one unit, such as '*.angle', or a table with to_pandas()")

@@ -16,8 +16,6 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import ContactRule
 from sandbox.values.appearance import ALL
 
-LARGE = 16  # a rule for more than 1 of so many pairs is set by a mask of all
-
 
 class Words:
     """The bodies that words of rules mean, each computed once."""
@@ -36,13 +34,7 @@ class Words:
     def fill(self, table: Array | Flags, rule: ContactRule, value: float | bool) -> None:
         """Set the pairs of a rule in a table of all pairs, [nb, nb]."""
         a, b = (self(word) for word in rule.between)
-        if len(a) * len(b) * LARGE < len(table) ** 2:
-            table[np.ix_(a, b)] = table[np.ix_(b, a)] = value
-            return
-        some, others = (np.isin(np.arange(len(table)), places) for places in (a, b))
-        np.copyto(table, value, where=some[:, None] & others)
-        if rule.between[0] != rule.between[1]:
-            np.copyto(table, value, where=others[:, None] & some)
+        table[np.ix_(a, b)] = table[np.ix_(b, a)] = value
 
 
 def allowed_pairs(model: Model) -> Flags:

@@ -15,19 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.elements.arrays import (
-    CONTACT,
-    IMPACT,
-    MEAN,
-    MEAN_CONTACT,
-    PER_SAMPLE,
-    STATIC,
-    Arrays,
-    dtype_of,
-    row_bytes,
-    shape_of,
-    sizes,
-)
+from sandbox.elements import arrays as layout
+from sandbox.elements.arrays import Arrays
 from sandbox.errors import OutputError
 from sandbox.model.model import Model
 from sandbox.numeric import Array
@@ -83,8 +72,9 @@ class Rows:
         self, room: Room, size: Mapping[str, int], keys: Iterable[str], *,
         planned: int = FIRST_ROWS, by: int = 3,
     ) -> None:
-        self._columns: Arrays = {key: room.array((planned, *shape_of(key, size)[1:]), dtype_of(key))
-                                 for key in keys}
+        self._columns: Arrays = {
+            key: room.array((planned, *layout.shape_of(key, size)[1:]), layout.dtype_of(key))
+            for key in keys}
         self.count, self._room, self._by = 0, room, by
 
     @property
@@ -143,17 +133,18 @@ class RecordingBuilder:
         apart: bool = False, model: Model | None = None,
     ) -> None:
         self.mechanism, self._model, self.apart = mechanism, model, apart
-        self.statics: Arrays = {key: np.array(statics[key], dtype=float) for key in STATIC}
-        fits = samples * row_bytes(mechanism, PER_SAMPLE) <= MEMORY
+        self.statics: Arrays = {key: np.array(statics[key], dtype=float) for key in layout.STATIC}
+        fits = samples * layout.row_bytes(mechanism, layout.PER_SAMPLE) <= MEMORY
         self._room = Room(MEMORY if fits else 0)
-        size = sizes(mechanism, n=0)
-        self.samples = Rows(self._room, size, [key for key in PER_SAMPLE if key != TIME],
+        size = layout.sizes(mechanism, n=0)
+        self.samples = Rows(self._room, size, [key for key in layout.PER_SAMPLE if key != TIME],
                             planned=samples)
         if not fits:
             self._room.left = MEMORY
-        self.contacts, self.impacts = (Rows(self._room, size, keys) for keys in (CONTACT, IMPACT))
+        self.contacts, self.impacts = (
+            Rows(self._room, size, keys) for keys in (layout.CONTACT, layout.IMPACT))
         self.means, self.mean_contacts = (
-            Rows(self._room, size, keys, by=1) for keys in (MEAN, MEAN_CONTACT))
+            Rows(self._room, size, keys, by=1) for keys in (layout.MEAN, layout.MEAN_CONTACT))
 
     @property
     def recorded_bytes(self) -> int:
@@ -163,8 +154,9 @@ class RecordingBuilder:
 
     def blank(self, samples: int) -> Arrays:
         """Every array that :meth:`put` takes, for so many samples, filled with nan."""
-        size = sizes(self.mechanism, n=samples)
-        return {key: np.full(shape_of(key, size), np.nan) for key in PER_SAMPLE if key != TIME}
+        size = layout.sizes(self.mechanism, n=samples)
+        return {key: np.full(layout.shape_of(key, size), np.nan)
+                for key in layout.PER_SAMPLE if key != TIME}
 
     def put(self, first: int, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Let ``arrays``, as :meth:`blank` gives them, be the samples from number ``first`` on."""

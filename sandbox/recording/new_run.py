@@ -16,14 +16,8 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
-from sandbox.atomic_files import (
-    flush,
-    locked,
-    output_errors,
-    remove_stale,
-    temporary_path,
-    write_atomic,
-)
+from sandbox import atomic_files as files
+from sandbox.atomic_files import flush, locked, write_atomic
 from sandbox.errors import OutputError
 
 SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS = (
@@ -114,8 +108,8 @@ def writing(directory: Path) -> Iterator[NewRun]:
             if held.enter_context(locked(directory)) is False:
                 raise OutputError(f"another run is being written into {directory}: wait for its "
                                   "end, or name another directory", code="runs-in-use")
-            remove_stale(directory)
-            aside = temporary_path(directory / "run", held, directory=True)
+            files.remove_stale(directory)
+            aside = files.temporary_path(directory / "run", held, directory=True)
         except OSError as error:
             why = str(error.strerror or error)
             if isinstance(error, FileExistsError):
@@ -148,7 +142,7 @@ def made(path: Path) -> None:
     directory = path.parent
     if path.name in OWN or not path.is_file() or not (directory / ARCHIVE).is_file():
         return
-    with output_errors(directory / MADE), locked(directory) as ours:
+    with files.output_errors(directory / MADE), locked(directory) as ours:
         if ours is False:  # a new run is being written and decides on the files here
             return
         names = sorted({*_made(directory), path.name})

@@ -13,7 +13,7 @@ import os
 import platform
 import re
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -48,9 +48,10 @@ def save_data(run: Samples, directory: Path) -> None:
     """Write everything but the summary into a directory that holds no run."""
     with atomic_file(directory / ARCHIVE, durable=False) as part, part.open("wb") as file:
         archive.write(run, file)
-    texts = {CONTACTS: contact_rows(run)}
+    texts: dict[str, Iterable[str]] = {CONTACTS: contact_rows(run)}
     if len(run.arrays["impact_time"]):
-        texts[IMPACTS] = impact_rows(run)
+        impacts = _pair_rows(run, *(run.arrays[key] for key in IMPACT))
+        texts[IMPACTS] = [_pair_head(IMPACT_COLUMNS), impacts]
     texts |= {f"{kind}.csv": rows(run, kind) for kind in TABLES
               if kind in ALWAYS or getattr(run.mechanism, kind)}
     for name, pieces in texts.items():
@@ -193,14 +194,7 @@ def contact_rows(run: Samples) -> Iterator[str]:
                          contacts.normal[rows], contacts.tangential[rows])
 
 
-def impact_rows(run: Samples) -> Iterator[str]:
-    """The text of ``impacts.csv``: the impulse on ``body`` by ``other``, row by row."""
-    yield _pair_head(IMPACT_COLUMNS)
-    yield _pair_rows(run, *(run.arrays[key] for key in IMPACT))
-
-
 def _pair_rows(run: Samples, time: Array, body: Integers, other: Integers, *numbers: Array) -> str:
-    """Lines of an instant, the names of two bodies and numbers."""
     names = [body.name for body in run.mechanism.bodies]
     values = np.column_stack([time, *numbers]) + 0.0
     line = ",".join([NUMBER, "%s", "%s", *[NUMBER] * (values.shape[1] - 1)]) + "\n"

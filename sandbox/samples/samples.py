@@ -13,7 +13,7 @@ from sandbox.elements.arrays import CONTACT, MEAN, MEAN_CONTACT, METERS, PER_SAM
 from sandbox.elements.element import NAMED
 from sandbox.elements.quantities import BOND_QUANTITIES, GRASP, QUANTITIES, numbered
 from sandbox.model import meters
-from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, unit_of
+from sandbox.model.catalogue import Catalogue, MixedUnitsError, Source, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels, slot_length
 from sandbox.model.model import Model
@@ -24,7 +24,7 @@ from sandbox.samples.grasps import MEASURES, STIFFNESS, Grasp
 from sandbox.samples.loads import Loads
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
-from sandbox.wording import is_pattern
+from sandbox.wording import is_pattern, listed
 
 OLDER = ("this recording has no directions of forces; pymunk and older versions give none: "
          "reaction_x and reaction_y have no value")
@@ -143,7 +143,13 @@ class Samples:
             if name == TIME:
                 return "s"
             if is_pattern(name):
-                return unit_of(self.catalogue, self.names(name), name)
+                units = dict.fromkeys(map(self.unit, self.names(name)))
+                if len(units) > 1:
+                    raise MixedUnitsError(
+                        f"{name!r} fits quantities of {len(units)} units ({listed(units)}), which "
+                        "make no array: read those of one unit, such as '*.angle', or a table with "
+                        "to_pandas()")
+                return next(iter(units))
         return self.catalogue.find(name).unit
 
     def names(self, pattern: str = "") -> list[str]:

@@ -62,14 +62,11 @@ def targets(run: Samples, given: Mapping[str, float] | None = None) -> dict[str,
     return found
 
 
-def responses(run: Samples, goals: Mapping[str, Array]) -> dict[str, Response]:
-    """The response of each quantity to its target [n], n > 1, from t = 0 on."""
-    found = {}
-    for name, goal in goals.items():
-        time, value, target = track(run, name, goal)
-        assert target is not None
-        found[name] = respond(time, value, target)
-    return found
+def response(run: Samples, name: str, goal: Array) -> Response:
+    """The response of a quantity to its target [n], n > 1, from t = 0 on."""
+    time, value, target = track(run, name, goal)
+    assert target is not None
+    return respond(time, value, target)
 
 
 def tracked(run: Samples) -> list[str]:

@@ -15,9 +15,10 @@ from sandbox.elements.tendons import Tendon
 from sandbox.scene.bodies import Body, Material
 from sandbox.scene.geometry import anchors, pose_of, to_world
 from sandbox.scene.settings import ContactRule, Event, Expect, Group, Meter, Run, View
+from sandbox.values.expressions import call
 from sandbox.values.numbers import Acceleration, Items, Name, Pair
 from sandbox.values.spec import Spec
-from sandbox.values.tables import NamedTable, TableName, Tables, tables_of
+from sandbox.values.tables import NamedTable, TableName, Tables, function_of
 from sandbox.wording import refuse_if
 
 FORMAT = 1  # the version of the scene format that is read
@@ -125,7 +126,7 @@ class Mechanism(ElementLists, SceneHead):
     @property
     def functions(self) -> Tables:
         """Tables by their calls in expressions."""
-        return tables_of(self.tables)
+        return {call(name): function_of(table) for name, table in self.tables.items()}
 
     @property
     def loaded(self) -> tuple[tuple[int, int], ...]:

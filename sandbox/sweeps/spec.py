@@ -230,7 +230,6 @@ def parse_values(text: str) -> Any:
 
 
 def _parse_distribution(name: str, inside: str) -> dict[str, Any]:
-    """The object of a distribution that is written as a call."""
     if name not in DISTRIBUTIONS:
         raise WrongValueError("bad-study", f"there is no distribution {quoted(name)}",
                               allowed=", ".join(DISTRIBUTIONS), hint=near(name, DISTRIBUTIONS))

@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, field_validator
 
 from sandbox.numeric import Array
-from sandbox.values.expressions import RESERVED, call
+from sandbox.values.expressions import RESERVED
 from sandbox.values.numbers import Items, Pair, Quantity
 from sandbox.values.spec import Spec
 from sandbox.values.units import Measured, dimension_of
@@ -196,8 +196,3 @@ NONE: Tables = MappingProxyType({})  # of a scene without tables
 def function_of(table: NamedTable) -> Function:
     """The function of a table."""
     return Function(table)
-
-
-def tables_of(tables: Mapping[str, NamedTable]) -> dict[str, Function]:
-    """The functions of named tables, by what calls them in expressions."""
-    return {call(name): function_of(table) for name, table in tables.items()}

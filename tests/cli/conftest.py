@@ -13,6 +13,8 @@ import pytest
 
 from sandbox.cli.commands import invoke
 from sandbox.cli.console import COMPILING
+from tests.samples.controlled import recording
+from tests.samples.controlled import scene as finger
 
 BALL: dict[str, Any] = {
     "title": "A ball on the floor",
@@ -85,3 +87,12 @@ def scene(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return write
+
+
+@pytest.fixture
+def runs(sandbox: Callable[..., Output]) -> Callable[..., Output]:
+    """Two runs with controllers and one without, in renders/ of an empty directory."""
+    recording(reach=(1, 1, 0.5)).save("renders/controlled")
+    recording(finger("other"), zeta=0.3, omega=9).save("renders/other")
+    recording(finger("free", controllers=[]), zeta=0.9).save("elsewhere/free")
+    return sandbox

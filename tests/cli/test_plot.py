@@ -13,16 +13,6 @@ from sandbox.cli.options import PICTURES
 from sandbox.figure.style import SUFFIXES
 from sandbox.recording.recording import Recording
 from tests.samples.controlled import recording
-from tests.samples.controlled import scene as finger
-
-
-@pytest.fixture
-def runs(sandbox):
-    """Two runs with controllers and one without, in renders/ of an empty directory."""
-    recording(reach=(1, 1, 0.5)).save("renders/controlled")
-    recording(finger("other"), zeta=0.3, omega=9).save("renders/other")
-    recording(finger("free", controllers=[]), zeta=0.9).save("elsewhere/free")
-    return sandbox
 
 
 def test_quantities_of_one_run(runs):
@@ -87,7 +77,7 @@ def test_an_incomplete_run(sandbox):
     recording().part(0, 1).save("renders/controlled")
     output = sandbox("plot", "controlled", "k1.value")
     assert output.code == 2
-    assert "at least 2" in output.err
+    assert "holds 1 samples, at least 2 are needed" in output.err
 
 
 def test_runs_are_compared_by_controlled_quantities_by_default(runs):
@@ -125,13 +115,3 @@ def test_a_pattern_leaves_out_pairs_that_never_touched(sandbox):
     output = sandbox("plot", "block", "block/*.normal", "--json")
     shown = [each["quantity"] for each in json.loads(output.out)["runs"][0]["quantities"]]
     assert shown == ["block/floor.normal"]
-
-
-def test_a_run_of_one_sample_is_not_plotted(sandbox):
-    Path("short.json").write_text(json.dumps(
-        {"run": {"duration": "1 ms", "step": "1 ms"}, "bodies": [
-            {"name": "ball", "shapes": [{"type": "circle", "radius": 1}], "mass": 1}]}))
-    assert sandbox("run", "short.json", "--no-render", "--quiet").code == 0
-    output = sandbox("plot", "short", "ball.x", "--with", "short", "--target", "ball.x=1mm")
-    assert output.code == 2
-    assert "holds 1 samples, at least 2 are needed" in output.err

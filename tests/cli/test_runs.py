@@ -10,7 +10,6 @@ import pytest
 from PIL import Image
 
 from tests.samples.controlled import recording
-from tests.samples.controlled import scene as finger
 
 
 @pytest.fixture
@@ -67,13 +66,6 @@ def test_wrong_pictures(sandbox, saved, words, message):
     assert message in output.err
     assert not Path("a.gif").exists()
     assert not Path("a.png").exists()
-
-
-@pytest.fixture
-def runs():
-    """Two runs in renders/."""
-    recording(reach=(1, 1, 0.5)).save("renders/controlled")
-    recording(finger("other"), zeta=0.3, omega=9).save("renders/other")
 
 
 def test_a_page_lies_beside_its_run_or_shows_several(sandbox, runs):

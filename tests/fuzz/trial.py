@@ -23,7 +23,7 @@ from sandbox.engine.inspect_control import Checked
 from sandbox.figure import signals
 from sandbox.figure.style import save_figure
 from sandbox.samples.expectations import verdicts
-from sandbox.samples.targets import responses, targets
+from sandbox.samples.targets import response, targets
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import read_scene
@@ -123,7 +123,8 @@ def _look_at(folder: Path, came: list[str]) -> None:
         came.append("plot")
         names = [name for name in run.names() if run.unit(name) == "m"][:3]
         goals = targets(run)
-        responses(run, goals)
+        for name, goal in goals.items():
+            response(run, name, goal)
         with contextlib.suppress(sandbox.OutputError):
             save_figure(signals.draw([signals.Plotted("run", run, goals)],
                                      names or run.names()[:1]), folder / "x.png")

@@ -9,16 +9,7 @@ from argparse import ArgumentParser
 from sandbox.errors import SandboxError
 from tests.support.entry_points import all_entry_points
 
-from .digest import (
-    differences,
-    digest,
-    names_by_kind,
-    read_values,
-    spread,
-    this_platform,
-    tolerance_of,
-    write_values,
-)
+from . import digest
 from .scenes import SCENES, recording_of
 
 SHOWN = 12
@@ -33,11 +24,11 @@ def main() -> int:
     asked = parser.parse_args()
     if unknown := set(asked.names) - set(SCENES):
         parser.error(f"no such scenes: {', '.join(sorted(unknown))}")
-    names, kept, began = asked.names or list(SCENES), read_values(), time.process_time()
-    known = kept["platform"] == this_platform()
+    names, kept, began = asked.names or list(SCENES), digest.read_values(), time.process_time()
+    known = kept["platform"] == digest.this_platform()
     if not known and kept["platform"]:
         print(f"values of another platform: numbers within a tolerance\n  {kept['platform']}\n"
-              f"  {this_platform()}")
+              f"  {digest.this_platform()}")
     moved = 0
     for name in names:
         try:
@@ -49,22 +40,23 @@ def main() -> int:
             moved += 1
             print(f"{name}: {error}", flush=True)
             continue
-        new = digest(run)
-        found = ["new scene"] if name not in kept else differences(
-            kept[name], new, names_by_kind(run), tolerance=tolerance_of(kept, name))
+        new = digest.digest(run)
+        found = ["new scene"] if name not in kept else digest.differences(
+            kept[name], new, digest.names_by_kind(run), tolerance=digest.tolerance_of(kept, name))
         if found:
             moved += 1
             print(f"{name}: {len(found)} differences", *found[:SHOWN], sep="\n    ", flush=True)
         if asked.what == "accept" and (found or not known):
-            kept[name] = {**new, "spread": spread(mechanism, new)}
+            kept[name] = {**new, "spread": digest.spread(mechanism, new)}
             if asked.names and not known:
-                kept[name]["platform"] = this_platform()
+                kept[name]["platform"] = digest.this_platform()
     gone = [name for name in kept if name not in SCENES and name != "platform"]
     print("".join(f"{name}: no such scene any more\n" for name in gone), end="")
     print(f"{len(names)} scenes, {moved} moved, {time.process_time() - began:.1f} s of processor")
     if asked.what == "accept":
-        write_values({"platform": kept["platform"] if asked.names else this_platform(),
-                      **{name: kept[name] for name in SCENES if name in kept}})
+        platform = kept["platform"] if asked.names else digest.this_platform()
+        digest.write_values({"platform": platform,
+                             **{name: kept[name] for name in SCENES if name in kept}})
         return 0
     return int(bool(moved or gone))
 

@@ -8,18 +8,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from sandbox.samples import targets
 from sandbox.samples.outcome import Happened
-from sandbox.samples.targets import (
-    controlled,
-    effort,
-    initial,
-    respond,
-    responses,
-    settling_time,
-    start,
-    targets,
-    tracked,
-)
 from tests.samples.controlled import STIFFNESS, TARGETS, recording, scene, second_order
 
 ANGLES = [f"finger.{joint}.angle" for joint in ("mcp", "pip", "dip")]
@@ -32,27 +22,28 @@ def loop(**changes: object) -> dict[str, object]:
 
 def test_targets_of_controllers() -> None:
     run = recording()
-    found = targets(run)
+    found = targets.targets(run)
     assert list(found) == ANGLES
     for name, goal in zip(ANGLES, TARGETS, strict=True):
         assert found[name] == pytest.approx(np.full(len(run), goal))
-    assert tracked(run) == ANGLES
-    assert controlled(run) == ["k1", "k2", "k3"]
+    assert targets.tracked(run) == ANGLES
+    assert targets.controlled(run) == ["k1", "k2", "k3"]
 
 
 def test_meters_hold_targets_where_nothing_leads() -> None:
     meters = [{"name": "finger.mcp.angle.target", "value": "=0.3 * t", "unit": "rad"},
               {"name": "nothing.target", "value": "=1"}]
     run = recording(scene(controllers=[loop()], meters=meters))
-    found = targets(run)
+    found = targets.targets(run)
     assert set(found) == {"finger.tendon.shortening", "finger.mcp.angle"}
     assert found["finger.mcp.angle"] == pytest.approx(0.3 * run.time)
-    assert tracked(run) == ["finger.tendon.shortening"]
+    assert targets.tracked(run) == ["finger.tendon.shortening"]
     # a controller's target counts more, one by hand most
     run = recording(scene(meters=meters))
-    assert targets(run)["finger.mcp.angle"][0] == pytest.approx(TARGETS[0])
-    assert targets(run, {"finger.mcp.angle": 0.5, "no.such": 1})["finger.mcp.angle"][0] == 0.5
-    assert "no.such" not in targets(run, {"no.such": 1.0})
+    assert targets.targets(run)["finger.mcp.angle"][0] == pytest.approx(TARGETS[0])
+    given = targets.targets(run, {"finger.mcp.angle": 0.5, "no.such": 1})
+    assert given["finger.mcp.angle"][0] == 0.5
+    assert "no.such" not in targets.targets(run, {"no.such": 1.0})
 
 
 @pytest.mark.parametrize(("lasts", "after"), [(None, 0.001), (0.5, 0.003)])
@@ -61,31 +52,31 @@ def test_events_change_targets(lasts: float | None, after: float) -> None:
              **({"lasts": lasts} if lasts else {})}
     told = {"events": (Happened("less", 1.0), Happened("gone", 2.0))}
     run = recording(scene(controllers=[loop()], events=[event]), info=told)
-    goal = targets(run)["finger.tendon.shortening"]
+    goal = targets.targets(run)["finger.tendon.shortening"]
     assert goal[np.searchsorted(run.time, 0.999)] == 0.003
     assert goal[np.searchsorted(run.time, 1.001)] == 0.001
     assert goal[-1] == after
     # an event that did not happen changes nothing
     run = recording(scene(controllers=[loop()], events=[event]))
-    assert np.ptp(targets(run)["finger.tendon.shortening"]) == 0
+    assert np.ptp(targets.targets(run)["finger.tendon.shortening"]) == 0
 
 
 def test_where_things_start() -> None:
     run = recording()
-    assert [start(run, name) for name in ANGLES] == pytest.approx([0, 0, 0])
-    assert start(run, "finger.tendon.shortening") == 0
-    assert start(run, "k2.value") == STIFFNESS[1]
-    assert start(run, "pull.value") == initial(run, "pull") == 15
-    assert start(run, "finger.distal.x") == pytest.approx(0.071)
-    assert start(run, "finger.tendon.tension") is None
-    assert start(run, "finger.mcp.rate") is None
+    assert [targets.start(run, name) for name in ANGLES] == pytest.approx([0, 0, 0])
+    assert targets.start(run, "finger.tendon.shortening") == 0
+    assert targets.start(run, "k2.value") == STIFFNESS[1]
+    assert targets.start(run, "pull.value") == targets.initial(run, "pull") == 15
+    assert targets.start(run, "finger.distal.x") == pytest.approx(0.071)
+    assert targets.start(run, "finger.tendon.tension") is None
+    assert targets.start(run, "finger.mcp.rate") is None
 
 
 def test_a_step_is_counted_from_its_beginning() -> None:
     """A response so quick that the first sample is already half way."""
     run = recording(omega=2000, zeta=0.5)
     assert run["finger.mcp.angle"][0] > 0.3 * TARGETS[0]
-    found = responses(run, targets(run))["finger.mcp.angle"]
+    found = targets.response(run, "finger.mcp.angle", targets.targets(run)["finger.mcp.angle"])
     assert found.start == pytest.approx(0)
     highest = run["finger.mcp.angle"].max() / TARGETS[0]
     assert found.overshoot == pytest.approx(100 * (highest - 1))
@@ -102,7 +93,7 @@ ONE = np.ones_like(T)
 @pytest.mark.parametrize(("tau", "first", "last"), [(0.05, 0.0, 1.0), (0.5, 0.0, -0.3)])
 def test_first_order(tau: float, first: float, last: float) -> None:
     value = last + (first - last) * np.exp(-T / tau)
-    found = respond(T, value, last * ONE)
+    found = targets.respond(T, value, last * ONE)
     # e'' / e' = 1 / tau: linear interpolation is off by at most dt^2 / (8 tau)
     assert found.settling == pytest.approx(tau * math.log(50), abs=DT**2 / (8 * tau) + 1e-12)
     assert found.overshoot == 0
@@ -121,28 +112,28 @@ def test_second_order(zeta: float, omega: float) -> None:
     damped = omega * math.sqrt(1 - zeta**2)
     peak = 100 * math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2))
     # the highest sample lies within dt / 2 of the peak, where |y''| <= omega^2
-    assert respond(T, value, goal * ONE).overshoot == pytest.approx(
+    assert targets.respond(T, value, goal * ONE).overshoot == pytest.approx(
         peak, abs=100 * (omega * DT)**2 / 8)
 
     # the last extremum beyond 2 %, then the crossing before the next one
     n = math.floor(-math.log(0.02) * damped / (zeta * omega * math.pi))
     a, b = n * math.pi / damped, (n + 1) * math.pi / damped
     exact = brentq(lambda t: abs(second_order(t, zeta, omega) - 1) - 0.02, a, b)
-    found = settling_time(T, value, goal * ONE)
+    found = targets.settling_time(T, value, goal * ONE)
     assert found == pytest.approx(exact, abs=DT)
     assert found <= -math.log(0.02 * math.sqrt(1 - zeta**2)) / (zeta * omega)
 
 
 def test_what_does_not_settle() -> None:
-    assert settling_time(T, 0.97 * ONE, ONE) == math.inf
+    assert targets.settling_time(T, 0.97 * ONE, ONE) == math.inf
     late = np.where(np.arange(len(T)) >= 0.96 * len(T), 1.0, 0.9)
-    assert settling_time(T, late, ONE) == math.inf
+    assert targets.settling_time(T, late, ONE) == math.inf
     leaves = np.where(T > 2.9, 1.03, 1.0)
-    assert settling_time(T, leaves, ONE) == math.inf
+    assert targets.settling_time(T, leaves, ONE) == math.inf
     lost = ONE.copy()
     lost[-1] = math.nan
-    assert settling_time(T, lost, ONE) == math.inf
-    assert math.isinf(respond(T, late, ONE).settling)
+    assert targets.settling_time(T, lost, ONE) == math.inf
+    assert math.isinf(targets.respond(T, late, ONE).settling)
 
 
 def test_a_moving_target() -> None:
@@ -150,13 +141,13 @@ def test_a_moving_target() -> None:
     target = np.clip(T, 0, 1)
     value = np.clip(T - 0.05, 0, 1)
     # the lag of 0.05 shrinks to 0.02 at t = 1.03, exactly linearly
-    assert settling_time(T, value, target) == pytest.approx(1.03, abs=1e-9)
+    assert targets.settling_time(T, value, target) == pytest.approx(1.03, abs=1e-9)
 
 
 def test_effort_of_a_sine() -> None:
     amplitude, omega = 3.0, 2 * math.pi
     t = np.arange(0, 1 + DT / 2, DT)
-    found = effort(t, 5 + amplitude * np.sin(omega * t), before=5.0)
+    found = targets.effort(t, 5 + amplitude * np.sin(omega * t), before=5.0)
     # four quarters up and down; the extrema lie on samples
     assert found.variation == pytest.approx(4 * amplitude, rel=1e-9)
     assert found.peak == pytest.approx(8, rel=1e-9)

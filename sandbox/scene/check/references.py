@@ -7,15 +7,8 @@ import re
 from collections.abc import Collection, Iterator
 from itertools import accumulate
 
-from sandbox.elements.element import (
-    NAMED,
-    RELEASABLE,
-    RELEASABLES,
-    Reference,
-    no_mesh,
-    references,
-    tag_of,
-)
+from sandbox.elements import element as base
+from sandbox.elements.element import NAMED, Reference
 from sandbox.elements.quantities import GRASP, reserved
 from sandbox.elements.registry import KINDS
 from sandbox.errors import Problem
@@ -47,7 +40,8 @@ class _References:
         self.known = {kind: dict.fromkeys(each.name for each in getattr(mechanism, kind))
                       for kind in NAMED}
         self.known["materials"] = dict.fromkeys(mechanism.materials)
-        self.known[RELEASABLES] = {name: None for kind in RELEASABLE for name in self.known[kind]}
+        self.known[base.RELEASABLES] = {
+            name: None for kind in base.RELEASABLE for name in self.known[kind]}
         self.hinges = dict.fromkeys(joint.name for joint in mechanism.joints if joint.facts.angle)
         self.actuators = dict.fromkeys(joint.name for joint in mechanism.joints if joint.facts.line)
 
@@ -59,14 +53,14 @@ class _References:
     def target(self, model: type[Spec], mark: Reference, name: str, path: str) -> Iterator[Problem]:
         """An element that a field names; a pull may name the group of its tendon."""
         known, also = self.known[mark.among], list[str]()
-        what = {"materials": "material", RELEASABLES: "joint, spring or tendon"}.get(
+        what = {"materials": "material", base.RELEASABLES: "joint, spring or tendon"}.get(
             mark.among) or NAMED[mark.among].one
         if mark.hinge or mark.line:
             known, what, others, one, acts = \
                 (self.hinges, "pin joint", self.actuators, "an actuator", "a hinge") \
                 if mark.hinge else \
                 (self.actuators, "actuator", self.hinges, "a hinge", "an actuator")
-            if (tag := tag_of(model)) and name in others:
+            if (tag := base.tag_of(model)) and name in others:
                 twin = getattr(getattr(model, "facts", None), "twin", "")
                 yield Problem(
                     "name-not-found", f"{quoted(name)} is {one}, and '{tag}' acts on {acts}", path,
@@ -79,7 +73,7 @@ class _References:
         if name in known or self.is_assumed(name):
             return
         kind = next((kind for kind in NAMED if name in self.known[kind]), "")
-        if kind and mark.among == RELEASABLES:
+        if kind and mark.among == base.RELEASABLES:
             yield Problem("not-releasable", f"{quoted(name)} is a {NAMED[kind].one}, which cannot "
                           "be released", path, allowed=listed(known))
             return
@@ -119,7 +113,7 @@ class _References:
         for kind in NAMED:
             for i, element in enumerate(getattr(self.mechanism, kind)):
                 path = f"$.{kind}[{i}]"
-                named = list(references(element, path))
+                named = list(base.references(element, path))
                 for place, reference, name in named:
                     yield from self.target(type(element), reference, name, place)
                 if kind == "loads":
@@ -145,11 +139,11 @@ class _References:
         wheels = {joint.name for joint in mechanism.joints if joint.facts.wheels}
         for i, event in enumerate(mechanism.events):
             for name in wheels.intersection(event.release if event.lasts is not None else ()):
-                yield no_mesh(name, f"$.events[{i}].lasts")
+                yield base.no_mesh(name, f"$.events[{i}].lasts")
             for j, name in enumerate(event.take_up):
                 if name in wheels:
-                    yield no_mesh(name, f"$.events[{i}].take_up[{j}]")
-        for place, reference, name in references(view, "$.view"):
+                    yield base.no_mesh(name, f"$.events[{i}].take_up[{j}]")
+        for place, reference, name in base.references(view, "$.view"):
             yield from self.target(type(view), reference, name, place)
         for i, pattern in enumerate(view.bodies):
             if not any(fnmatch.fnmatchcase(group.name, pattern) for group in mechanism.groups):

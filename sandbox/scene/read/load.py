@@ -205,7 +205,6 @@ class _Loading:
         return Loaded(scene, mechanism, self.composed)
 
     def _validated(self, data: dict[str, Any], context: dict[str, Any]) -> tuple[Scene, _Readable]:
-        """The readable part of the scene."""
         readable = _Readable(data, self.ignored)
         try:
             scene = Scene.model_validate(data, context=context)

@@ -5,11 +5,8 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
-
-from sandbox.cli.commands import invoke
 
 BALL = {"name": "ball", "mass": 0.3, "at": [0, -0.2], "role": "object",
         "shapes": [{"type": "circle", "radius": 0.01}]}
@@ -17,18 +14,6 @@ WALL = {"name": "wall", "motion": "fixed"}
 SPRING = {"type": "linear", "name": "spring", "a": "wall", "b": "ball", "on_a": [0, 0],
           "on_b": [0, 0], "stiffness": "=k"}
 DOWN = 0.2 + 0.3 * 9.81 / 50
-
-
-@pytest.fixture
-def sandbox(capsys, tmp_path, monkeypatch):
-    """Runs a command in an empty directory; exit code, stdout, stderr."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*words):
-        code = invoke(list(words))
-        return SimpleNamespace(code=code, **capsys.readouterr()._asdict())
-
-    return run
 
 
 @pytest.fixture
