@@ -62,8 +62,8 @@ class Report extends Viewer {
 
   // -- time ------------------------------------------------------------------------------------------
   show() {
-    const texts = !this.playing || ++this.drawn % 3 === 0;   // of a motion in every third frame
-    const frames = this.replays.map((r) => r.frame(this.t)), stamp = `t = ${this.t.toFixed(3)} s`;
+    const texts = !this.playing || this.filming || ++this.drawn % 3 === 0;   // of a motion in every third frame
+    const frames = this.replays.map((r) => r.frame(this.t)), now = texts ? `${this.t.toFixed(3)} s` : this.clock.value;
     const ghosts = this.over ? frames.slice(1).map((frame, k) => ({
       head: this.heads[k + 1], frame, colour: inkOf(k + 1, this.stages[0].dark) })) : [];
     const seen = this.stages.slice(0, this.over ? 1 : undefined);
@@ -71,11 +71,11 @@ class Report extends Viewer {
     const lines = Math.max(...seen.map((stage) => stage.rows.length));
     seen.forEach((stage, i) => {
       stage.lines = lines;                                // drawings beside each other stand at one height
-      Object.assign(stage, { stamp, keepTexts: !texts });
+      Object.assign(stage, { stamp: `t = ${now}`, keepTexts: !texts });
       stage.draw(frames[i], i ? [] : ghosts);
     });
     this.showPlaying();
-    if (texts) { this.scrub.value = this.t; this.clock.textContent = `${this.t.toFixed(3)} s`; }
+    if (texts) { this.scrub.value = this.t; this.clock.textContent = now; }
     for (const one of this.plots) one.at(this.t, texts);
     if (this.filming) this.filming.frame();
   }
