@@ -63,7 +63,7 @@ class Report extends Viewer {
   // -- time ------------------------------------------------------------------------------------------
   show() {
     const texts = !this.playing || this.filming || ++this.drawn % 3 === 0;   // of a motion in every third frame
-    const frames = this.replays.map((r) => r.frame(this.t)), now = texts ? `${this.t.toFixed(3)} s` : this.clock.value;
+    const frames = this.replays.map((r) => r.frame(this.t)), now = this.now = texts ? `${this.t.toFixed(3)} s` : this.now;
     const ghosts = this.over ? frames.slice(1).map((frame, k) => ({
       head: this.heads[k + 1], frame, colour: inkOf(k + 1, this.stages[0].dark) })) : [];
     const seen = this.stages.slice(0, this.over ? 1 : undefined);

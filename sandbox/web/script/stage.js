@@ -79,7 +79,7 @@ class Stage {
     Object.assign(this, { w, h, dpr, u, small: w < SMALL, thin: w < SMALL ? 0.75 : 1, text: Math.max(11, Math.round(13 * u)) });
     const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, this.list.items, ...this.layers];
     if (!alike(kept, this.kept)) {                        // all that is worked out once until one of these changes
-      Object.assign(this, { kept, rows: this.legend(), plate: null, patterns: {}, looks: [], glyphs: {}, labels: new Map(),
+      Object.assign(this, { kept, rows: this.legend(), plate: null, patterns: {}, looks: [], glyphs: {}, widths: new Map(),
                             shown: this.list.items.filter((item) => this.layers.has(item.l)) });
       this.ctx.font = `600 ${this.text}px ${FONT}`;       // of labels and the time: to change it in each frame is slow
     }
@@ -136,11 +136,10 @@ class Stage {
     this.resize();
     this.placed = true; this.plain();
     ctx.lineJoin = "round";
-    const standing = this.stand();
-    this.words = standing ? [...standing.words] : [];
-    if (standing) ctx.drawImage(standing.image, 0, 0, standing.image.width / this.dpr, standing.image.height / this.dpr);
-    else this.ground();
-    for (let i = standing ? standing.count : 0; i < this.shown.length; i++) if (this.on(this.shown[i])) this.paint(this.shown[i]);
+    const { image, count = 0, words = [] } = this.stand() || {};
+    this.words = [...words];
+    if (image) ctx.drawImage(image, 0, 0, image.width / this.dpr, image.height / this.dpr); else this.ground();
+    this.items(count, this.shown.length);
     for (const ghost of ghosts) this.ghost(ghost);
     for (const more of this.extra) more(this, frame);
     this.flush();
@@ -155,17 +154,14 @@ class Stage {
   }
   // The ground with the first items, as far as they never move: an image from the second frame of a camera on.
   stand() {
-    const { canvas, ctx, shown, head } = this, key = [this.kept, this.ox, this.oy, this.foot, this.hover?.n];
+    const { canvas, shown, head } = this, key = [this.kept, this.ox, this.oy, this.foot, this.hover?.n];
     if (!alike(key, this.standing)) Object.assign(this, { standing: key, stood: undefined });
     else if (this.stood === undefined) {
       const still = (item) => item.k === "path" && head.bodies[item.f]?.fixed && ![item.if, item.by, item.wide, item.state].some(Array.isArray)
         && !item.d.some((d) => d.c && Array.isArray(d.c[4]));
       const first = shown.findIndex((item) => !still(item)), count = first < 0 ? shown.length : first;
       this.words = [];
-      const image = this.onSheet(canvas.width, canvas.height, () => {
-        this.ground();
-        for (const item of shown.slice(0, count)) if (this.on(item)) this.paint(item);
-      });
+      const image = this.onSheet(canvas.width, canvas.height, () => { this.ground(); this.items(0, count); });
       this.stood = { count, image, words: this.words };
     }
     return this.stood;
@@ -181,9 +177,12 @@ class Stage {
     this.plain();
     return sheet.transferToImageBitmap();
   }
+  items(from, to) {
+    for (const item of this.shown.slice(from, to)) if (this.on(item)) this.paint(item);
+  }
   paint(item) {
     if (item.k in PAINT) { PAINT[item.k](this, item); return; }
-    const [, edge, width, dash] = this.look(item);
+    const { edge, width, dash } = this.look(item);
     LINES[item.k](this, item, this.pen(null, edge, width, dash));
   }
   ghost({ head, frame, colour }) {                        // areas of another run, as outlines in its colour
@@ -203,16 +202,15 @@ class Stage {
   choice(item, all) {                                     // of a list, the one that the item's state picks
     return Array.isArray(all) ? all[clamp(Math.round(item.state === undefined ? 0 : this.value(item.state)), 0, all.length - 1)] : all;
   }
-  look(item) {                                            // fill, edge, width, dash [px], hatched
+  look(item) {                                            // {fill, edge, width, dash [px], hatched}
     const number = this.choice(item, item.s), lit = item.n && this.hover?.n === item.n;
     if (item.by === undefined && item.wide === undefined && !lit) return this.looks[number] ??= this.lookOf(this.list.styles[number], 0, this.thin);
     const by = item.by === undefined ? 0 : this.value(item.by), wide = item.wide === undefined ? 1 : this.value(item.wide);
     const found = this.lookOf(this.list.styles[number], by, wide * this.thin);
-    if (lit) found[1] = this.ink("force");
-    return found;
+    return lit ? { ...found, edge: this.ink("force") } : found;
   }
   lookOf([fill, edge, width, dash, hatched], by, wide) {
-    return [this.ink(fill, by), this.ink(edge, by), width * wide * this.u, dash * this.u, hatched && !this.small];
+    return { fill: this.ink(fill, by), edge: this.ink(edge, by), width: width * wide * this.u, dash: dash * this.u, hatched: hatched && !this.small };
   }
   path(item) {                                            // in metres; made once, but for what swells
     const swells = item.d.some((d) => d.c && Array.isArray(d.c[4]));
@@ -260,9 +258,9 @@ class Stage {
   }
   glyph(name, [x, y], turn = 0) {                         // a symbol of constant size
     const { u } = this, c = u * Math.cos(turn), s = u * Math.sin(turn);
-    this.glyphs[name] ??= this.list.glyphs[name].map(([style, d]) => [d, ...this.lookOf(this.list.styles[style], 1, 1)]);
-    for (const [d, fill, edge, width, dash] of this.glyphs[name]) {
-      subpath(this.pen(d.l ? null : fill, edge, width, dash), d, d.c && d.c[4] * u, x, y, c, s, -1);
+    this.glyphs[name] ??= this.list.glyphs[name].map(([style, d]) => ({ d, look: this.lookOf(this.list.styles[style], 1, 1) }));
+    for (const { d, look } of this.glyphs[name]) {
+      subpath(this.pen(d.l ? null : look.fill, look.edge, look.width, look.dash), d, d.c && d.c[4] * u, x, y, c, s, -1);
     }
   }
   arrow(path, tail, tip, [shaft, head], more = 0) {
@@ -313,12 +311,13 @@ class Stage {
   arrowText(item, row, size) { return this.valueText(item, row.length > 6 ? row[6] : size); }
   valueText(item, value) { return `${fixedText(value * item.factor, item.decimals)} ${item.unit}`; }
   write() {                                               // of two on one spot the first stays
-    const { ctx, u, dpr } = this, taken = [], most = this.small ? FEW : MOST, bottom = this.h - this.foot;
+    const { ctx, u } = this, taken = [], most = this.small ? FEW : MOST, bottom = this.h - this.foot;
     let numbers = 0;
+    ctx.textAlign = "center"; ctx.textBaseline = "middle";
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
     for (const { text, tip, side, ink, clear, number } of this.words) {
       if (number && numbers >= most) continue;
-      const label = this.label(text, ink), w = label.half, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
+      const w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
       const wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
       const x = clamp(wanted[0], w, this.w - w), y = clamp(wanted[1], h, bottom - h);
       if (apart(wanted, [x, y]) > INSIDE * u || taken.some((one) => Math.abs(x - one.x) < w + one.w && Math.abs(y - one.y) < 2 * h)) continue;
@@ -330,23 +329,14 @@ class Stage {
         this.flush();
         ctx.globalAlpha = 1;
       }
-      const { image, width, height } = label;
-      ctx.drawImage(image, Math.round(x * dpr - width / 2) / dpr, Math.round(y * dpr - height / 2) / dpr, width / dpr, height / dpr);
+      ctx.lineWidth = 3; ctx.strokeStyle = this.back; ctx.strokeText(text, x, y);
+      ctx.fillStyle = ink; ctx.fillText(text, x, y);
     }
   }
-  label(text, ink) {                                      // a text with a rim of the ground, as an image, and half its width
-    const { labels } = this, key = ink + text, known = labels.get(key);
-    if (known) return known;
-    const { font } = this.ctx, half = this.ctx.measureText(text.replace(/\d/g, "0")).width / 2, w = Math.ceil(2 * half + 6), h = 2 * this.text;   // digits have one width
-    const image = this.onSheet(Math.round(w * this.dpr), Math.round(h * this.dpr), () => {
-      Object.assign(this.ctx, { font, textAlign: "center", textBaseline: "middle", lineWidth: 3, strokeStyle: this.back, fillStyle: ink });
-      this.ctx.strokeText(text, w / 2, h / 2);
-      this.ctx.fillText(text, w / 2, h / 2);
-    });
-    const made = { half, image, width: image.width, height: image.height };
-    if (labels.size > 1000) labels.clear();
-    labels.set(key, made);
-    return made;
+  widthOf(text) {                                         // of a label; digits have one width
+    if (this.widths.size > 2000) this.widths.clear();
+    if (!this.widths.has(text)) this.widths.set(text, this.ctx.measureText(text.replace(/\d/g, "0")).width);
+    return this.widths.get(text);
   }
   legend() {                                              // rows of entries that fit: {row, symbol, words, width}
     const { ctx, u } = this, width = this.w - 2 * this.text, rows = [];
@@ -377,7 +367,7 @@ class Stage {
     const { ctx, w, h, foot, text } = this;
     if (!this.plate || this.printed !== foot) Object.assign(this, { printed: foot, plate: this.print() });
     ctx.drawImage(this.plate, 0, h - foot, w, foot);
-    ctx.textAlign = "right"; ctx.textBaseline = "middle"; ctx.fillStyle = this.ink("faint_ink");
+    ctx.textAlign = "right"; ctx.fillStyle = this.ink("faint_ink");
     ctx.fillText(this.stamp, w - text, h - foot + text);
   }
   print() {
@@ -439,101 +429,3 @@ class Stage {
     return null;
   }
 }
-
-// -- each kind of item: LINES are added to a path in pixels, PAINT draws the others -------------------------------------------------
-
-const LINES = {
-  line(s, item, path) { polyline(path, item.p.map((p) => s.at(p))); },
-  span(s, item, path) {                                   // a pattern between two points
-    const a = s.at(item.a), b = s.at(item.b), d = apart(a, b) || 1e-9, [ex, ey] = [(b[0] - a[0]) / d, (b[1] - a[1]) / d], { t } = item, { u } = s;
-    const draw = (from, along, across) => {
-      for (let i = 0; i < t.length; i += 2) {
-        const w = from + t[i] * along, v = t[i + 1] * across, x = a[0] + w * ex + v * ey, y = a[1] + w * ey - v * ex;
-        if (i) path.lineTo(x, y); else path.moveTo(x, y);
-      }
-    };
-    if (item.every) for (let k = 1; k < Math.min(2000, d / (item.every * u)); k++) draw(k * item.every * u, u, u);
-    else draw(0, d, clamp(item.w[0] * d, item.w[1] * u, item.w[2] * u));
-  },
-  spiral(s, item, path) {
-    const [x, y] = s.at(item.at), [r0, r1] = item.r.map((r) => r * s.u), from = s.value(item.start), sweep = s.value(item.sweep), head = (item.head || 0) * s.u;
-    const back = head ? Math.min(0.8 * Math.abs(sweep), head / r1) / Math.max(Math.abs(sweep), 1e-9) : 0;
-    const spot = (w) => [x + (r0 + (r1 - r0) * w) * Math.cos(from + sweep * w), y - (r0 + (r1 - r0) * w) * Math.sin(from + sweep * w)];
-    for (let k = 0; k < 24; k++) if (k) path.lineTo(...spot(k / 23 * (1 - back))); else path.moveTo(...spot(0));
-    return [spot(1 - back), spot(1)];
-  },
-  taut(s, item, path) {
-    let begun = false;
-    for (const [f, x, y, radius, sense, meets, leaves] of item.p) {
-      const [px, py] = s.at([f, x, y]), round = meets !== undefined, from = round && s.value(meets), to = round && s.value(leaves);
-      if (Number.isNaN(from + to)) continue;              // off this circle
-      const r = round ? Math.max(0, s.value(radius) * s.scale) : 0, first = [px + r * Math.cos(from), py - r * Math.sin(from)];
-      if (begun) path.lineTo(...first); else path.moveTo(...first);
-      begun = true;
-      if (round) path.arc(px, py, r, -from, -to, to > from || (to === from && sense < 0));
-    }
-    if (item.c) path.closePath();
-  },
-  sag(s, item, path) {
-    const a = s.at(item.a), b = s.at(item.b);
-    path.moveTo(...a);
-    path.quadraticCurveTo((a[0] + b[0]) / 2, (a[1] + b[1]) / 2 + 2 * s.value(item.depth) * s.scale, ...b);
-  },
-  trail(s, item, path) {                                  // returns the places of its marks
-    const { way, times, count } = s.frame.trail(item), points = [], spots = [];
-    let [x, y] = [Infinity, Infinity], next = item.every * Math.ceil(times[0] / item.every + 1e-9);
-    for (let k = 0; k < count; k++) {
-      const at = s.px(way[2 * k], way[2 * k + 1]);
-      if (times[k] >= next - 1e-9) { spots.push(at); next = item.every * (Math.floor(times[k] / item.every + 1e-9) + 1); }
-      if (!(Math.hypot(at[0] - x, at[1] - y) < SHORTEST)) { points.push(at); [x, y] = at; }
-    }
-    polyline(path, [...points, s.at(item.at)]);
-    return spots;
-  },
-};
-
-const PAINT = {
-  path(s, item) {
-    const path = s.path(item), { ctx } = s, [fill, edge, width, dash, hatched] = s.look(item), rule = item.m ? "nonzero" : "evenodd", k = 1 / s.scale;
-    s.flush();
-    s.place(item.f);
-    if (item.m) s.stroke(path, edge, 2 * width * k, dash * k);   // one outline round the union
-    if (fill) { ctx.fillStyle = fill; ctx.fill(path, rule); }
-    if (hatched) { ctx.fillStyle = s.hatch(edge); ctx.fill(path, rule); }
-    if (!item.m) s.stroke(path, edge, width * k, dash * k);
-  },
-  mark(s, item) { s.glyph(s.choice(item, item.g), s.at(item.at), item.turn === undefined ? 0 : s.value(item.turn)); },
-  spiral(s, item) {
-    const [, edge, width] = s.look(item), end = LINES.spiral(s, item, s.pen(null, edge, width));
-    if (item.head) arrowOn(s.pen(edge, null), ...end, width, item.head * s.u);
-  },
-  arrows(s, item) {
-    const [fill, rim, width] = s.look(item);
-    for (const [row, tail, tip, size] of s.vectors(item)) {
-      if (rim) s.arrow(s.pen(rim, null), tail, tip, item.size, width);
-      s.arrow(s.pen(fill, null), tail, tip, item.size);
-      if (size > item.most) s.cutBars(tail, tip, (item.size[0] + 6.5) / 2 * s.u, rim);
-      const name = item.names?.[row[1]] || "";
-      if (size >= 0.5 * (item.labelled || 0)) s.say(item, row[1], `${name} ${s.arrowText(item, row, size)}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
-    }
-  },
-  strips(s, item) {
-    const [fill, edge, width] = s.look(item);
-    for (const row of s.frame.tables[item.t] || []) {
-      const corners = [0, 1, 2, 3].map((k) => s.px(row[2 + 2 * k], row[3 + 2 * k])), path = s.pen(fill, edge, width);
-      polyline(path, corners);
-      path.closePath();
-      const high = apart(corners[2], corners[1]) > apart(corners[3], corners[0]), [tip, foot] = high ? [corners[2], corners[1]] : [corners[3], corners[0]];
-      if (row[10] >= item.least) s.say(item, row[1], s.valueText(item, row[10]), tip, [tip[0] - foot[0], tip[1] - foot[1]], edge || fill, row[10]);
-    }
-  },
-  trail(s, item) {
-    const [fill, edge, width] = s.look(item);
-    for (const spot of LINES.trail(s, item, s.pen(null, edge, width))) s.dot(spot, item.mark * s.u, fill || edge);
-    s.dot(s.at(item.at), 1.5 * width, fill || edge);
-  },
-  text(s, item) {
-    const words = "value" in item ? `${item.words} ${s.valueText(item, s.value(item.value))}`.trim() : item.words;
-    s.say(item, 0, words, s.at(item.at), null, s.look(item)[1], 0);
-  },
-};
