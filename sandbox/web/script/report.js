@@ -8,7 +8,6 @@ const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point
   + "its plot. Click in a plot to go to that time, drag in it to zoom.";
 
 const MOST_CURVES = 8, MOST_PLOTS = 12, AT_FIRST = 2;
-
 const parted = (all, size) => Array.from({ length: Math.ceil(all.length / size) }, (_, i) => all.slice(i * size, (i + 1) * size));
 
 class Series extends Map {                                // quantities of one run by name

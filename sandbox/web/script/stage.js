@@ -143,7 +143,6 @@ class Stage {
     for (const ghost of ghosts) this.ghost(ghost);
     for (const more of this.extra) more(this, frame);
     this.flush();
-    this.plain();
     this.write();
     this.strip();
   }
@@ -313,7 +312,8 @@ class Stage {
   write() {                                               // of two on one spot the first stays
     const { ctx, u } = this, taken = [], most = this.small ? FEW : MOST, bottom = this.h - this.foot;
     let numbers = 0;
-    ctx.textAlign = "center"; ctx.textBaseline = "middle";
+    ctx.globalAlpha = 0.6;                                // of lines to labels farther off
+    this.plain();
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
     for (const { text, tip, side, ink, clear, number } of this.words) {
       if (number && numbers >= most) continue;
@@ -321,17 +321,14 @@ class Stage {
       const wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
       const x = clamp(wanted[0], w, this.w - w), y = clamp(wanted[1], h, bottom - h);
       if (apart(wanted, [x, y]) > INSIDE * u || taken.some((one) => Math.abs(x - one.x) < w + one.w && Math.abs(y - one.y) < 2 * h)) continue;
-      taken.push({ x, y, w });
+      taken.push({ x, y, w, text, ink });
       numbers += number ? 1 : 0;
-      if (far) {
-        ctx.globalAlpha = 0.6;
-        polyline(this.pen(null, ink, 1), [[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]]);
-        this.flush();
-        ctx.globalAlpha = 1;
-      }
-      ctx.lineWidth = 3; ctx.strokeStyle = this.back; ctx.strokeText(text, x, y);
-      ctx.fillStyle = ink; ctx.fillText(text, x, y);
+      if (far) polyline(this.pen(null, ink, 1), [[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]]);
     }
+    this.flush();
+    Object.assign(ctx, { globalAlpha: 1, textAlign: "center", textBaseline: "middle", lineWidth: 3, strokeStyle: this.back });
+    for (const { text, x, y } of taken) ctx.strokeText(text, x, y);
+    for (const { text, x, y, ink } of taken) { ctx.fillStyle = ink; ctx.fillText(text, x, y); }
   }
   widthOf(text) {                                         // of a label; digits have one width
     if (this.widths.size > 2000) this.widths.clear();
