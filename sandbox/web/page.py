@@ -47,7 +47,7 @@ PAGE = """<!doctype html>
 """
 START = ('\nawait report(document.querySelector("main"),'
          ' [...document.querySelectorAll("script[data-run]")]);\n')
-MODULES = ("data.js", "stage.js", "plots.js", "shell.js", "report.js")
+MODULES = ("data.js", "stage.js", "items.js", "plots.js", "shell.js", "report.js")
 """In this order: each uses those before it."""
 CONSTANTS = f"const MANY_MM = {style.MANY_MM}, TURN = {style.STROKE};"
 """Constants that the script shares with figures."""

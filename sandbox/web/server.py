@@ -94,7 +94,7 @@ class Server:
         return [f"{HOST}:{self.port}", f"localhost:{self.port}"]
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
-        """The page for requests with the token; None accepts a WebSocket."""
+        """The page, without data, for requests with the token; None accepts a WebSocket."""
         hosts = request.headers.get_all("Host")
         if len(hosts) != 1 or hosts[0] not in self._hosts:
             return connection.respond(http.HTTPStatus.FORBIDDEN, (
@@ -105,14 +105,15 @@ class Server:
             return connection.respond(http.HTTPStatus.FORBIDDEN, "wrong or missing token\n")
         if request.headers.get("Upgrade", "").lower() == "websocket":
             return None
-        answer = connection.respond(http.HTTPStatus.OK, page(self._title))
+        code = script(START, "live.js")
+        answer = connection.respond(http.HTTPStatus.OK, html_page(self._title, code))
         del answer.headers["Content-Type"]
         sources = " ".join(f"ws://{host}" for host in self._hosts)
         answer.headers.update({
             "Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-store",
             "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff",
             "Content-Security-Policy":
-                f"{policy(_code())}; connect-src {sources}; frame-ancestors 'none'"})
+                f"{policy(code)}; connect-src {sources}; frame-ancestors 'none'"})
         return answer
 
     def _tab(self, connection: ServerConnection) -> None:
@@ -256,15 +257,6 @@ class _Tab:
             with contextlib.suppress(OSError):
                 found[path] = path.stat().st_mtime_ns
         return found
-
-
-def _code() -> str:
-    return script(START, "live.js")
-
-
-def page(title: str) -> str:
-    """The page; all data come by the WebSocket."""
-    return html_page(title, _code())
 
 
 def needed() -> Any:

@@ -92,8 +92,11 @@ class Session:
         """Steps to the end of the scene, where it pauses once."""
         self.frames.layers = self._layers
         watched = self._watched
-        if watched is None:
-            watched = first_meters(self.frames, self._look.catalogue.usual)
+        if watched is None:  # at first the view's meters, else the usual quantities
+            shown = dict.fromkeys(name for meter in self.frames.meters for name in meter["names"])
+            usual = ([name for name in names if name in self.frames.units]
+                     for names in self._look.catalogue.usual.values())
+            watched = [*shown][:MAX_METERS] or next(filter(None, usual), [])[:FIRST_METERS]
         self.frames.watched = [name for name in watched if self.frames.has(name)]
 
     # -- answers ---------------------------------------------------------------------------
@@ -357,10 +360,3 @@ def _in_line(problem: Problem) -> str:
     allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
     hint = f"; did you mean {problem.hint}?" if problem.hint else ""
     return f"{place}{problem.message}{allowed}{hint}"
-
-
-def first_meters(frames: LiveFrames, usual: Mapping[str, list[str]]) -> list[str]:
-    """The quantities plotted at first: those of the view's meters, else the usual ones."""
-    shown = list(dict.fromkeys(name for meter in frames.meters for name in meter["names"]))
-    found = ([name for name in names if name in frames.units] for names in usual.values())
-    return shown[:MAX_METERS] or next((names[:FIRST_METERS] for names in found if names), [])

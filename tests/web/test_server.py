@@ -23,7 +23,8 @@ import pytest
 from sandbox.errors import OutputError, SandboxError
 from sandbox.scene.read.load import read_scene
 from sandbox.web import server as served
-from sandbox.web.server import Server, page
+from sandbox.web.page import html_page, script
+from sandbox.web.server import START, Server
 from sandbox.web.session import Found, Session
 from tests.cli.conftest import FIRST_RUN
 
@@ -73,9 +74,9 @@ def fetched(address: str, **headers: str) -> tuple[int, dict[str, str], str]:
 def test_the_page_is_for_who_knows_the_token(server: Server) -> None:
     root = f"http://127.0.0.1:{server.port}/"
     status, headers, text = fetched(server.address)
-    assert (status, text) == (200, page("pulled & <b>"))
+    assert (status, text) == (200, html_page("pulled & <b>", script(START, "live.js")))
     assert "<title>pulled &amp; &lt;b&gt;</title>" in text
-    assert b"a\\udcff" in page("a\udcff").encode()
+    assert b"a\\udcff" in html_page("a\udcff", "").encode()
     policy = headers["Content-Security-Policy"]
     assert "default-src 'none'" in policy
     assert "unsafe" not in policy

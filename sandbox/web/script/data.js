@@ -55,20 +55,22 @@ class Replay {
   constructor(head, data) {
     this.head = head; this.data = data; this.time = data.t[0];
     this.first = this.time[0]; this.last = this.time[this.time.length - 1];
-    this.pose = Float64Array.from(head.rest);
+    this.pose = Float64Array.from(head.rest); this.values = new Float64Array(head.columns);   // of the last frame
     this.steady = new Set(head.list.steady);
     this.tables = Object.fromEntries(Object.keys(head.tables).map((name) => [name, rowsOf(data[`table ${name}`], this.time.length)]));
     this.ways = new Map();
   }
   frame(t) {
-    const { head, time, data, pose } = this, n = time.length;
+    const { head, time, data, pose, values } = this, n = time.length;
     const i = Math.min(Math.max(n - 2, 0), indexBelow(time, t)), j = Math.min(i + 1, n - 1);
     const w = j > i ? Math.min(1, Math.max(0, (t - time[i]) / (time[j] - time[i]))) : 0, near = w > 0.5 ? j : i;
-    head.moving.forEach((f, m) => {
-      for (let q = 0; q < 3; q++) { const c = data.pose[3 * m + q]; pose[3 * f + q] = c[i] + w * (c[j] - c[i]); }
-    });
-    const values = (data.columns || []).map((c, k) => (this.steady.has(k) ? c[near] : c[i] + w * (c[j] - c[i])));
-    const tables = Object.fromEntries(Object.entries(this.tables).map(([name, rows]) => [name, rows[near]]));
+    const between = (c) => c[i] + w * (c[j] - c[i]), { moving } = head;
+    for (let m = 0; m < moving.length; m++) {
+      for (let q = 0; q < 3; q++) pose[3 * moving[m] + q] = between(data.pose[3 * m + q]);
+    }
+    for (let k = 0; k < values.length; k++) values[k] = this.steady.has(k) ? data.columns[k][near] : between(data.columns[k]);
+    const tables = {};
+    for (const name in this.tables) tables[name] = this.tables[name][near];
     return { t, pose, values, tables, trail: (item) => ({ way: this.way(item), times: time, count: near + 1 }) };
   }
   way(item) {                                             // of a point, x and y in turn

@@ -163,7 +163,7 @@ class Live extends Viewer {
     const { head } = this, numbers = new Float32Array(buffer);
     if (this.relisted) {                                  // other items than before, such as those of another layer
       Object.assign(head, this.relisted);
-      Object.assign(this.stage, { list: head.list, kept: "" });
+      this.stage.list = head.list;
       this.relisted = null;
     }
     let i = head.head.length;

@@ -136,7 +136,7 @@ function plot(parent, { title, unit: unitName, names, short: words = names.map(c
 function placeCursor(u, line, t) {
   const x = u.valToPos(t, "x"), inside = x >= -1 && x <= u.bbox.width / (devicePixelRatio || 1) + 1;   // no layout
   line.style.transform = `translateX(${x.toFixed(2)}px)`;
-  line.style.visibility = inside ? "visible" : "hidden";
+  if (line.inside !== inside) { line.inside = inside; line.hidden = !inside; }
 }
 
 // Bands of expectations; that of one run among several in its colour, with a word.

@@ -8,7 +8,6 @@ const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point
   + "its plot. Click in a plot to go to that time, drag in it to zoom.";
 
 const MOST_CURVES = 8, MOST_PLOTS = 12, AT_FIRST = 2;
-
 const parted = (all, size) => Array.from({ length: Math.ceil(all.length / size) }, (_, i) => all.slice(i * size, (i + 1) * size));
 
 class Series extends Map {                                // quantities of one run by name
@@ -62,8 +61,8 @@ class Report extends Viewer {
 
   // -- time ------------------------------------------------------------------------------------------
   show() {
-    const texts = !this.playing || ++this.drawn % 3 === 0;   // of a motion in every third frame
-    const frames = this.replays.map((r) => r.frame(this.t)), stamp = `t = ${this.t.toFixed(3)} s`;
+    const texts = !this.playing || this.filming || ++this.drawn % 3 === 0;   // of a motion in every third frame
+    const frames = this.replays.map((r) => r.frame(this.t)), now = this.now = texts ? `${this.t.toFixed(3)} s` : this.now;
     const ghosts = this.over ? frames.slice(1).map((frame, k) => ({
       head: this.heads[k + 1], frame, colour: inkOf(k + 1, this.stages[0].dark) })) : [];
     const seen = this.stages.slice(0, this.over ? 1 : undefined);
@@ -71,11 +70,11 @@ class Report extends Viewer {
     const lines = Math.max(...seen.map((stage) => stage.rows.length));
     seen.forEach((stage, i) => {
       stage.lines = lines;                                // drawings beside each other stand at one height
-      Object.assign(stage, { stamp, keepTexts: !texts });
+      Object.assign(stage, { stamp: `t = ${now}`, keepTexts: !texts });
       stage.draw(frames[i], i ? [] : ghosts);
     });
     this.showPlaying();
-    if (texts) { this.scrub.value = this.t; this.clock.textContent = `${this.t.toFixed(3)} s`; }
+    if (texts) { this.scrub.value = this.t; this.clock.textContent = now; }
     for (const one of this.plots) one.at(this.t, texts);
     if (this.filming) this.filming.frame();
   }

@@ -104,7 +104,8 @@ class Viewer {                                            // base class; subclas
     } });
   }
   showPlaying() {
-    if (this.play.ariaLabel === (this.playing ? "pause" : "play")) return;
+    if (this.saidPlaying === this.playing) return;
+    this.saidPlaying = this.playing;
     this.play.textContent = this.playing ? "\u275a\u275a" : "\u25b6";
     this.play.ariaLabel = this.playing ? "pause" : "play";
   }

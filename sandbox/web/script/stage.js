@@ -4,21 +4,24 @@ const TAU = 2 * Math.PI, FONT = '"DejaVu Sans", system-ui, sans-serif';
 const SMALL = 500, MOST = 24, FEW = 6;                    // of a picture [px]; numbers in a picture, in a small one
 const PITCH = 7, REACH = 12, SHORTEST = 1.5;              // of hatching [points]; of picking [px]; between points of a trail [px]
 const INSIDE = 14;                                        // by which labels are moved into the picture, at most [points]
+const CIRCLE = { c: [0, 0, 0, 0] };
 const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
 const turned = ([x, y], a) => [Math.cos(a) * x - Math.sin(a) * y, Math.sin(a) * x + Math.cos(a) * y];
 
-function subpath(path, d, radius, to = (x, y) => [x, y], k = 1) {   // a ring, {c: a capsule or circle}, {l: an open line}; to(x, y): its place; k: its scale
+// Adds a ring, {c: a capsule or circle}, {l: an open line}, with the place of its origin, its turn and scale, and -1 to flip y.
+function subpath(path, d, radius, x = 0, y = 0, c = 1, s = 0, flip = 1) {
+  const px = (p, q) => x + c * p - s * q, py = (p, q) => y + flip * (s * p + c * q);
   if (d.c) {
-    const [x0, y0] = to(d.c[0], d.c[1]), r = Math.max(k * radius, 0), q = Math.PI / 2;
-    if (d.c[0] === d.c[2] && d.c[1] === d.c[3]) { path.moveTo(x0 + r, y0); path.arc(x0, y0, r, 0, TAU); return; }
-    const [x1, y1] = to(d.c[2], d.c[3]), way = Math.atan2(y1 - y0, x1 - x0), from = way - q;
+    const [a, b, a1, b1] = d.c, x0 = px(a, b), y0 = py(a, b), r = Math.max(radius, 0), q = Math.PI / 2;
+    if (a === a1 && b === b1) { path.moveTo(x0 + r, y0); path.arc(x0, y0, r, 0, TAU); return; }
+    const x1 = px(a1, b1), y1 = py(a1, b1), way = Math.atan2(y1 - y0, x1 - x0), from = way - q;
     path.moveTo(x1 + r * Math.cos(from), y1 + r * Math.sin(from));
     path.arc(x1, y1, r, from, way + q); path.arc(x0, y0, r, way + q, way + 3 * q);
   } else {
-    const flat = d.l || d, points = [];
-    for (let i = 0; i < flat.length; i += 2) points.push(to(flat[i], flat[i + 1]));
-    polyline(path, points);
+    const flat = d.l || d;
+    path.moveTo(px(flat[0], flat[1]), py(flat[0], flat[1]));
+    for (let i = 2; i < flat.length; i += 2) path.lineTo(px(flat[i], flat[i + 1]), py(flat[i], flat[i + 1]));
   }
   if (!d.l) path.closePath();
 }
@@ -28,12 +31,14 @@ function polyline(path, points) {
   }
 }
 function arrowOn(path, [x0, y0], [x1, y1], shaft, head) { // widths and length [px]
-  const d = Math.hypot(x1 - x0, y1 - y0) || 1e-9, [ux, uy] = [(x1 - x0) / d, (y1 - y0) / d];
-  const long = Math.min(head, 0.62 * d), half = shaft / 2, wide = Math.max(half, 0.45 * long), [bx, by] = [x1 - long * ux, y1 - long * uy];
-  polyline(path, [[x0 - half * uy, y0 + half * ux], [bx - half * uy, by + half * ux], [bx - wide * uy, by + wide * ux], [x1, y1],
-                  [bx + wide * uy, by - wide * ux], [bx + half * uy, by - half * ux], [x0 + half * uy, y0 - half * ux]]);
+  const d = Math.hypot(x1 - x0, y1 - y0) || 1e-9, ux = (x1 - x0) / d, uy = (y1 - y0) / d;
+  const long = Math.min(head, 0.62 * d), half = shaft / 2, wide = Math.max(half, 0.45 * long), neck = d - long;
+  const put = (along, across) => path.lineTo(x0 + along * ux - across * uy, y0 + along * uy + across * ux);
+  path.moveTo(x0 - half * uy, y0 + half * ux);
+  put(neck, half); put(neck, wide); put(d, 0); put(neck, -wide); put(neck, -half); put(0, -half);
   path.closePath();
 }
+const alike = (a, b) => a.length === b.length && a.every((one, i) => one === b[i]);
 const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 function mixed(a, b, w) {
   const [p, q] = [rgb(a), rgb(b)];
@@ -45,14 +50,14 @@ class Stage {
     const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion: ${use}` });
     canvas.style.aspectRatio = String(head.view.aspect);
     Object.assign(this, { canvas, head, list: head.list, ctx: canvas.getContext("2d"), zoom: 1, pan: [0, 0], hover: null, extra: [],
-                          stamp: "", lines: 0, widths: new Map() });
+                          stamp: "", lines: 0, kept: [], standing: [] });
     this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
     this.follow = head.view.follow ? head.bodies.findIndex((b) => b.name === head.view.follow) : -1;
     new ResizeObserver(() => { this.size = null; }).observe(canvas);
     this.dress();
   }
   dress() {                                               // light or dark colours
-    this.dark = isDark(); this.night = +this.dark; this.patterns = {};
+    this.dark = isDark(); this.night = +this.dark;
     this.back = this.ink("paper");
   }
   ink(token, by = 0) {
@@ -71,11 +76,11 @@ class Stage {
     const [W, H] = [Math.round(w * dpr), Math.round(h * dpr)];
     if (canvas.width !== W || canvas.height !== H) { canvas.width = W; canvas.height = H; }
     const u = clamp(Math.min(w / 800, h / 400), 0.6, 1.5);
-    if (u !== this.u || dpr !== this.dpr) { this.patterns = {}; this.widths.clear(); }
     Object.assign(this, { w, h, dpr, u, small: w < SMALL, thin: w < SMALL ? 0.75 : 1, text: Math.max(11, Math.round(13 * u)) });
-    const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, ...this.layers].join();
-    if (kept !== this.kept) {
-      Object.assign(this, { kept, rows: this.legend() });
+    const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, this.list.items, ...this.layers];
+    if (!alike(kept, this.kept)) {                        // all that is worked out once until one of these changes
+      Object.assign(this, { kept, rows: this.legend(), plate: null, patterns: {}, looks: [], glyphs: {}, widths: new Map(),
+                            shown: this.list.items.filter((item) => this.layers.has(item.l)) });
       this.ctx.font = `600 ${this.text}px ${FONT}`;       // of labels and the time: to change it in each frame is slow
     }
     this.foot = h - Math.floor((h - (1.5 * Math.max(this.rows.length, this.lines, 1) + 0.6) * this.text) * dpr) / dpr;   // from a whole pixel on
@@ -115,12 +120,6 @@ class Stage {
     if (this.placed) this.ctx.setTransform(this.dpr, 0, 0, this.dpr, 0, 0);
     this.placed = false;
   }
-  widthOf(text) {                                         // of a label; digits have one width
-    const key = text.replace(/\d/g, "0");
-    if (this.widths.size > 2000) this.widths.clear();
-    if (!this.widths.has(key)) this.widths.set(key, this.ctx.measureText(key).width);
-    return this.widths.get(key);
-  }
   zoomAt(factor, x, y) {                                  // the point at (x, y) stays where it is
     const [a, b] = this.world(x, y);
     this.zoom = clamp(this.zoom * factor, 0.1, 400);
@@ -137,21 +136,52 @@ class Stage {
     this.resize();
     this.placed = true; this.plain();
     ctx.lineJoin = "round";
-    ctx.fillStyle = this.back; ctx.fillRect(0, 0, this.w, this.h);
-    this.words = [];
-    if (this.layers.has("coordinates")) this.grid();
-    for (const item of this.list.items) if (this.shows(item)) this.paint(item);
+    const { image, count = 0, words = [] } = this.stand() || {};
+    this.words = [...words];
+    if (image) ctx.drawImage(image, 0, 0, image.width / this.dpr, image.height / this.dpr); else this.ground();
+    this.items(count, this.shown.length);
     for (const ghost of ghosts) this.ghost(ghost);
     for (const more of this.extra) more(this, frame);
     this.flush();
-    this.plain();
     this.write();
     this.strip();
   }
-  shows(item) { return this.layers.has(item.l) && (item.if === undefined || this.value(item.if) > 0.5); }
+  on(item) { return item.if === undefined || this.value(item.if) > 0.5; }
+  ground() {
+    this.ctx.fillStyle = this.back; this.ctx.fillRect(0, 0, this.w, this.h);
+    if (this.layers.has("coordinates")) this.grid();
+  }
+  // The ground with the first items, as far as they never move: an image from the second frame of a camera on.
+  stand() {
+    const { canvas, shown, head } = this, key = [this.kept, this.ox, this.oy, this.foot, this.hover?.n];
+    if (!alike(key, this.standing)) Object.assign(this, { standing: key, stood: undefined });
+    else if (this.stood === undefined) {
+      const still = (item) => item.k === "path" && head.bodies[item.f]?.fixed && ![item.if, item.by, item.wide, item.state].some(Array.isArray)
+        && !item.d.some((d) => d.c && Array.isArray(d.c[4]));
+      const first = shown.findIndex((item) => !still(item)), count = first < 0 ? shown.length : first;
+      this.words = [];
+      const image = this.onSheet(canvas.width, canvas.height, () => { this.ground(); this.items(0, count); });
+      this.stood = { count, image, words: this.words };
+    }
+    return this.stood;
+  }
+  onSheet(width, height, paint) {                         // what paint() draws, as an image of so many device pixels
+    const { ctx } = this, sheet = new OffscreenCanvas(width, height);
+    this.ctx = sheet.getContext("2d");
+    this.ctx.lineJoin = "round";
+    this.placed = true; this.plain();
+    paint();
+    this.flush();
+    Object.assign(this, { ctx, placed: true });
+    this.plain();
+    return sheet.transferToImageBitmap();
+  }
+  items(from, to) {
+    for (const item of this.shown.slice(from, to)) if (this.on(item)) this.paint(item);
+  }
   paint(item) {
     if (item.k in PAINT) { PAINT[item.k](this, item); return; }
-    const [, edge, width, dash] = this.look(item);
+    const { edge, width, dash } = this.look(item);
     LINES[item.k](this, item, this.pen(null, edge, width, dash));
   }
   ghost({ head, frame, colour }) {                        // areas of another run, as outlines in its colour
@@ -171,10 +201,15 @@ class Stage {
   choice(item, all) {                                     // of a list, the one that the item's state picks
     return Array.isArray(all) ? all[clamp(Math.round(item.state === undefined ? 0 : this.value(item.state)), 0, all.length - 1)] : all;
   }
-  look(item) {                                            // fill, edge, width, dash [px], hatched
-    const style = this.list.styles[this.choice(item, item.s)], by = item.by === undefined ? 0 : this.value(item.by);
-    const wide = (item.wide === undefined ? 1 : this.value(item.wide)) * this.u * this.thin, lit = item.n && this.hover && this.hover.n === item.n;
-    return [this.ink(style[0], by), lit ? this.ink("force") : this.ink(style[1], by), style[2] * wide, style[3] * this.u, style[4] && !this.small];
+  look(item) {                                            // {fill, edge, width, dash [px], hatched}
+    const number = this.choice(item, item.s), lit = item.n && this.hover?.n === item.n;
+    if (item.by === undefined && item.wide === undefined && !lit) return this.looks[number] ??= this.lookOf(this.list.styles[number], 0, this.thin);
+    const by = item.by === undefined ? 0 : this.value(item.by), wide = item.wide === undefined ? 1 : this.value(item.wide);
+    const found = this.lookOf(this.list.styles[number], by, wide * this.thin);
+    return lit ? { ...found, edge: this.ink("force") } : found;
+  }
+  lookOf([fill, edge, width, dash, hatched], by, wide) {
+    return { fill: this.ink(fill, by), edge: this.ink(edge, by), width: width * wide * this.u, dash: dash * this.u, hatched: hatched && !this.small };
   }
   path(item) {                                            // in metres; made once, but for what swells
     const swells = item.d.some((d) => d.c && Array.isArray(d.c[4]));
@@ -208,7 +243,7 @@ class Stage {
     if (path) ctx.stroke(path); else ctx.stroke();
     if (dash) ctx.setLineDash([]);
   }
-  dot([x, y], r, fill, edge) { subpath(this.pen(fill, edge, 1.6 * this.u), { c: [x, y, x, y] }, r); }
+  dot([x, y], r, fill, edge) { subpath(this.pen(fill, edge, 1.6 * this.u), CIRCLE, r, x, y); }
   hatch(edge) {
     if (!this.patterns[edge]) {
       const side = Math.max(4, Math.round(PITCH * this.u * this.dpr)), c = new OffscreenCanvas(side, side), g = c.getContext("2d");
@@ -221,10 +256,10 @@ class Stage {
     return this.patterns[edge];
   }
   glyph(name, [x, y], turn = 0) {                         // a symbol of constant size
-    const { u, list } = this, c = u * Math.cos(turn), s = u * Math.sin(turn), to = (p, q) => [x + c * p - s * q, y - s * p - c * q];
-    for (const [style, d] of list.glyphs[name]) {
-      const [fill, edge, width, dash] = list.styles[style];
-      subpath(this.pen(d.l ? null : this.ink(fill, 1), this.ink(edge, 1), width * u, dash * u), d, d.c && d.c[4], to, u);
+    const { u } = this, c = u * Math.cos(turn), s = u * Math.sin(turn);
+    this.glyphs[name] ??= this.list.glyphs[name].map(([style, d]) => ({ d, look: this.lookOf(this.list.styles[style], 1, 1) }));
+    for (const { d, look } of this.glyphs[name]) {
+      subpath(this.pen(d.l ? null : look.fill, look.edge, look.width, look.dash), d, d.c && d.c[4] * u, x, y, c, s, -1);
     }
   }
   arrow(path, tail, tip, [shaft, head], more = 0) {
@@ -277,26 +312,28 @@ class Stage {
   write() {                                               // of two on one spot the first stays
     const { ctx, u } = this, taken = [], most = this.small ? FEW : MOST, bottom = this.h - this.foot;
     let numbers = 0;
-    ctx.textAlign = "center"; ctx.textBaseline = "middle";
+    ctx.globalAlpha = 0.6;                                // of lines to labels farther off
+    this.plain();
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
     for (const { text, tip, side, ink, clear, number } of this.words) {
       if (number && numbers >= most) continue;
       const w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
       const wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
-      const [x, y] = [clamp(wanted[0], w, this.w - w), clamp(wanted[1], h, bottom - h)], box = [x - w, y - h, x + w, y + h];
-      if (apart(wanted, [x, y]) > INSIDE * u
-          || taken.some(([a, b, c, d]) => box[0] < c && a < box[2] && box[1] < d && b < box[3])) continue;
-      taken.push(box);
+      const x = clamp(wanted[0], w, this.w - w), y = clamp(wanted[1], h, bottom - h);
+      if (apart(wanted, [x, y]) > INSIDE * u || taken.some((one) => Math.abs(x - one.x) < w + one.w && Math.abs(y - one.y) < 2 * h)) continue;
+      taken.push({ x, y, w, text, ink });
       numbers += number ? 1 : 0;
-      if (far) {
-        ctx.globalAlpha = 0.6;
-        polyline(this.pen(null, ink, 1), [[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]]);
-        this.flush();
-        ctx.globalAlpha = 1;
-      }
-      ctx.lineWidth = 3; ctx.strokeStyle = this.back; ctx.strokeText(text, x, y);
-      ctx.fillStyle = ink; ctx.fillText(text, x, y);
+      if (far) polyline(this.pen(null, ink, 1), [[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]]);
     }
+    this.flush();
+    Object.assign(ctx, { globalAlpha: 1, textAlign: "center", textBaseline: "middle", lineWidth: 3, strokeStyle: this.back });
+    for (const { text, x, y } of taken) ctx.strokeText(text, x, y);
+    for (const { text, x, y, ink } of taken) { ctx.fillStyle = ink; ctx.fillText(text, x, y); }
+  }
+  widthOf(text) {                                         // of a label; digits have one width
+    if (this.widths.size > 2000) this.widths.clear();
+    if (!this.widths.has(text)) this.widths.set(text, this.ctx.measureText(text.replace(/\d/g, "0")).width);
+    return this.widths.get(text);
   }
   legend() {                                              // rows of entries that fit: {row, symbol, words, width}
     const { ctx, u } = this, width = this.w - 2 * this.text, rows = [];
@@ -324,30 +361,29 @@ class Stage {
     return rows.filter((row) => row.length);
   }
   strip() {                                               // the legend, an image until it changes, and the time
-    const { ctx, w, h, foot, text } = this, kept = `${this.kept} ${foot}`;
-    if (this.printed !== kept) Object.assign(this, { printed: kept, plate: this.print() });
+    const { ctx, w, h, foot, text } = this;
+    if (!this.plate || this.printed !== foot) Object.assign(this, { printed: foot, plate: this.print() });
     ctx.drawImage(this.plate, 0, h - foot, w, foot);
     ctx.textAlign = "right"; ctx.fillStyle = this.ink("faint_ink");
     ctx.fillText(this.stamp, w - text, h - foot + text);
   }
   print() {
-    const { ctx: own, dpr, u, text } = this, sheet = new OffscreenCanvas(Math.round(this.w * dpr), Math.round(this.foot * dpr));
-    const ctx = this.ctx = sheet.getContext("2d"), put = (words, x, y) => { ctx.fillStyle = this.ink("faint_ink"); ctx.fillText(words, x, y); return x + ctx.measureText(words).width; };
-    ctx.fillStyle = this.back; ctx.fillRect(0, 0, sheet.width, sheet.height);
-    this.placed = true; this.plain();
-    ctx.font = `${text}px ${FONT}`; ctx.textBaseline = "middle";
-    this.rows.forEach((entries, k) => {
-      const y = (1.5 * k + 1) * text;
-      let x = text;
-      for (const { row, symbol, before, after } of entries) {
-        if (before) x = put(before, x, y) + 5 * u;
-        this.symbol(row, x, y, symbol);
-        this.flush();
-        x = put(after, x + symbol + 5 * u, y) + 17 * u;
-      }
+    const { dpr, u, text } = this, put = (words, x, y) => { this.ctx.fillStyle = this.ink("faint_ink"); this.ctx.fillText(words, x, y); return x + this.ctx.measureText(words).width; };
+    return this.onSheet(Math.round(this.w * dpr), Math.round(this.foot * dpr), () => {
+      const { ctx } = this;
+      ctx.fillStyle = this.back; ctx.fillRect(0, 0, this.w, this.foot + 1);
+      ctx.font = `${text}px ${FONT}`; ctx.textBaseline = "middle";
+      this.rows.forEach((entries, k) => {
+        const y = (1.5 * k + 1) * text;
+        let x = text;
+        for (const { row, symbol, before, after } of entries) {
+          if (before) x = put(before, x, y) + 5 * u;
+          this.symbol(row, x, y, symbol);
+          this.flush();
+          x = put(after, x + symbol + 5 * u, y) + 17 * u;
+        }
+      });
     });
-    this.ctx = own;
-    return sheet.transferToImageBitmap();
   }
   symbol(row, x, y, width) {
     const { ctx, u } = this;
@@ -368,9 +404,9 @@ class Stage {
   pick(x, y, of = () => true) {
     const { ctx } = this, [px, py] = [x * this.dpr, y * this.dpr], { bodies } = this.head;
     const pair = (key) => `${bodies[Math.floor(key / bodies.length)].name}/${bodies[key % bodies.length].name}`;
-    for (const item of [...this.list.items].reverse()) {
+    for (const item of [...this.shown].reverse()) {
       const f = item.k === "path" ? item.f : -1, path = new Path2D();
-      if (!item.n || !of(f) || !this.shows(item)) continue;
+      if (!item.n || !of(f) || !this.on(item)) continue;
       if (item.k === "arrows") {
         for (const [row, tail, tip, size] of this.vectors(item).reverse()) {
           const one = new Path2D();
@@ -390,101 +426,3 @@ class Stage {
     return null;
   }
 }
-
-// -- each kind of item: LINES are added to a path in pixels, PAINT draws the others -------------------------------------------------
-
-const LINES = {
-  line(s, item, path) { polyline(path, item.p.map((p) => s.at(p))); },
-  span(s, item, path) {                                   // a pattern between two points
-    const a = s.at(item.a), b = s.at(item.b), d = apart(a, b) || 1e-9, [ex, ey] = [(b[0] - a[0]) / d, (b[1] - a[1]) / d], { t } = item, { u } = s;
-    const draw = (from, along, across) => {
-      for (let i = 0; i < t.length; i += 2) {
-        const w = from + t[i] * along, v = t[i + 1] * across, x = a[0] + w * ex + v * ey, y = a[1] + w * ey - v * ex;
-        if (i) path.lineTo(x, y); else path.moveTo(x, y);
-      }
-    };
-    if (item.every) for (let k = 1; k < Math.min(2000, d / (item.every * u)); k++) draw(k * item.every * u, u, u);
-    else draw(0, d, clamp(item.w[0] * d, item.w[1] * u, item.w[2] * u));
-  },
-  spiral(s, item, path) {
-    const [x, y] = s.at(item.at), [r0, r1] = item.r.map((r) => r * s.u), from = s.value(item.start), sweep = s.value(item.sweep), head = (item.head || 0) * s.u;
-    const back = head ? Math.min(0.8 * Math.abs(sweep), head / r1) / Math.max(Math.abs(sweep), 1e-9) : 0;
-    const spot = (w) => [x + (r0 + (r1 - r0) * w) * Math.cos(from + sweep * w), y - (r0 + (r1 - r0) * w) * Math.sin(from + sweep * w)];
-    for (let k = 0; k < 24; k++) if (k) path.lineTo(...spot(k / 23 * (1 - back))); else path.moveTo(...spot(0));
-    return [spot(1 - back), spot(1)];
-  },
-  taut(s, item, path) {
-    let begun = false;
-    for (const [f, x, y, radius, sense, meets, leaves] of item.p) {
-      const [px, py] = s.at([f, x, y]), round = meets !== undefined, from = round && s.value(meets), to = round && s.value(leaves);
-      if (Number.isNaN(from + to)) continue;              // off this circle
-      const r = round ? Math.max(0, s.value(radius) * s.scale) : 0, first = [px + r * Math.cos(from), py - r * Math.sin(from)];
-      if (begun) path.lineTo(...first); else path.moveTo(...first);
-      begun = true;
-      if (round) path.arc(px, py, r, -from, -to, to > from || (to === from && sense < 0));
-    }
-    if (item.c) path.closePath();
-  },
-  sag(s, item, path) {
-    const a = s.at(item.a), b = s.at(item.b);
-    path.moveTo(...a);
-    path.quadraticCurveTo((a[0] + b[0]) / 2, (a[1] + b[1]) / 2 + 2 * s.value(item.depth) * s.scale, ...b);
-  },
-  trail(s, item, path) {                                  // returns the places of its marks
-    const { way, times, count } = s.frame.trail(item), points = [], spots = [];
-    let [x, y] = [Infinity, Infinity], next = item.every * Math.ceil(times[0] / item.every + 1e-9);
-    for (let k = 0; k < count; k++) {
-      const at = s.px(way[2 * k], way[2 * k + 1]);
-      if (times[k] >= next - 1e-9) { spots.push(at); next = item.every * (Math.floor(times[k] / item.every + 1e-9) + 1); }
-      if (!(Math.hypot(at[0] - x, at[1] - y) < SHORTEST)) { points.push(at); [x, y] = at; }
-    }
-    polyline(path, [...points, s.at(item.at)]);
-    return spots;
-  },
-};
-
-const PAINT = {
-  path(s, item) {
-    const path = s.path(item), { ctx } = s, [fill, edge, width, dash, hatched] = s.look(item), rule = item.m ? "nonzero" : "evenodd", k = 1 / s.scale;
-    s.flush();
-    s.place(item.f);
-    if (item.m) s.stroke(path, edge, 2 * width * k, dash * k);   // one outline round the union
-    if (fill) { ctx.fillStyle = fill; ctx.fill(path, rule); }
-    if (hatched) { ctx.fillStyle = s.hatch(edge); ctx.fill(path, rule); }
-    if (!item.m) s.stroke(path, edge, width * k, dash * k);
-  },
-  mark(s, item) { s.glyph(s.choice(item, item.g), s.at(item.at), item.turn === undefined ? 0 : s.value(item.turn)); },
-  spiral(s, item) {
-    const [, edge, width] = s.look(item), end = LINES.spiral(s, item, s.pen(null, edge, width));
-    if (item.head) arrowOn(s.pen(edge, null), ...end, width, item.head * s.u);
-  },
-  arrows(s, item) {
-    const [fill, rim, width] = s.look(item);
-    for (const [row, tail, tip, size] of s.vectors(item)) {
-      if (rim) s.arrow(s.pen(rim, null), tail, tip, item.size, width);
-      s.arrow(s.pen(fill, null), tail, tip, item.size);
-      if (size > item.most) s.cutBars(tail, tip, (item.size[0] + 6.5) / 2 * s.u, rim);
-      const name = item.names?.[row[1]] || "";
-      if (size >= 0.5 * (item.labelled || 0)) s.say(item, row[1], `${name} ${s.arrowText(item, row, size)}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
-    }
-  },
-  strips(s, item) {
-    const [fill, edge, width] = s.look(item);
-    for (const row of s.frame.tables[item.t] || []) {
-      const corners = [0, 1, 2, 3].map((k) => s.px(row[2 + 2 * k], row[3 + 2 * k])), path = s.pen(fill, edge, width);
-      polyline(path, corners);
-      path.closePath();
-      const high = apart(corners[2], corners[1]) > apart(corners[3], corners[0]), [tip, foot] = high ? [corners[2], corners[1]] : [corners[3], corners[0]];
-      if (row[10] >= item.least) s.say(item, row[1], s.valueText(item, row[10]), tip, [tip[0] - foot[0], tip[1] - foot[1]], edge || fill, row[10]);
-    }
-  },
-  trail(s, item) {
-    const [fill, edge, width] = s.look(item);
-    for (const spot of LINES.trail(s, item, s.pen(null, edge, width))) s.dot(spot, item.mark * s.u, fill || edge);
-    s.dot(s.at(item.at), 1.5 * width, fill || edge);
-  },
-  text(s, item) {
-    const words = "value" in item ? `${item.words} ${s.valueText(item, s.value(item.value))}`.trim() : item.words;
-    s.say(item, 0, words, s.at(item.at), null, s.look(item)[1], 0);
-  },
-};
