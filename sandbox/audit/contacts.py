@@ -5,8 +5,10 @@ which its gap opens:
 
 - **slides**: f = -mu N where y > 0, f = mu N where y < 0, |f| <= mu N where y = 0.
 - **closes**: N > 0 only where the gap is closed or closes in the step, and no overlap grows.
-- **bounces**: u+ = -e u-, just before and after the instant of an impact.
-- **swallowed**: the normal impulses J of a step take no more than sum J |u-| (1 - e) / 2.
+- **bounces**: u+ = -e u-, just before and after the instant of an impact, or a smaller rebound that
+  leaves the kinetic energy as it is, where friction would add some.
+- **swallowed**: the normal impulses J of a step take no more than sum J |u-| (1 - e) / 2 and what
+  friction adds.
 
 An impact happens s after the pose of its step. All other forces change u by d in the step, so that
 u- = u_0 + (1/2 + s / h) d and u+ = u_1 - (1/2 - s / h) d.
@@ -128,13 +130,21 @@ class _Rows:
         return hit, instant
 
     def _arms(self, a: Arrays) -> tuple[Array, Array]:
-        """From the centres of mass to the contact, at the instants of impacts, [m, 2] m each."""
-        (one, two), force, s = self.evidence.contact_arms, a["contact_force"], self.instant
-        mean = [(self.before[:2, b, self.sample]
-                 + (self.h + s) / 2 * self.others[:2, b, self.sample]).T for b in self.sides]
-        moved = s[:, None] * (mean[0] - mean[1])
-        off = (np.nan_to_num(a["contact_twist"]) + moved[:, 0] * force[:, 1]
-               - moved[:, 1] * force[:, 0]) / np.maximum((force**2).sum(axis=1), ROUNDING**2)
+        """From the centres of mass to the contact, at its instant in the step, [m, 2] m each.
+
+        A meeting that is no impact with restitution has the instant that its twist tells.
+        """
+        (one, two), force, twist = (
+            self.evidence.contact_arms, a["contact_force"], np.nan_to_num(a["contact_twist"]))
+        start = [self.before[:2, b, self.sample].T for b in self.sides]
+        moment = _cross(start[0] - start[1], force)
+        ahead = ~self.hit & (np.abs(twist) <= self.h * np.abs(moment))
+        s = np.where(ahead, -twist / np.where(moment == 0, 1.0, moment), self.instant)[:, None]
+        mean = [v + np.where(ahead[:, None], 0.0, (self.h + s) / 2)
+                * self.others[:2, b, self.sample].T
+                for v, b in zip(start, self.sides, strict=True)]
+        moved = s * (mean[0] - mean[1])
+        off = (twist + _cross(moved, force)) / np.maximum((force**2).sum(axis=1), ROUNDING**2)
         moved += off[:, None] * np.stack([-force[:, 1], force[:, 0]], axis=1)
         return one, two + np.where(self.inverse[self.sides[1], :1] > 0, moved, 0.0)
 
@@ -165,6 +175,13 @@ class _Rows:
                 + self.h * np.where(self.hit, by_others, turn))
 
     @cached_property
+    def rubbing(self) -> Array:
+        """Power of friction in the step, of impacts at their instant [W]."""
+        first, last = self.sliding
+        first = first + (self.instant + self.h / 2) * self.rate(self.others, self.along)
+        return np.asarray(self.force * (first + last) / 2)
+
+    @cached_property
     def unsure(self) -> Array:
         """Error of rates [m/s]; at impacts also by arms, and by joints, tendons and springs."""
         h, evidence, spin = self.h, self.evidence, sum(self.spins)
@@ -178,6 +195,10 @@ class _Rows:
             np.maximum(*beside) + h * JOINT)
         return np.asarray(off + np.where(self.hit, impact, 0.0)
                           + np.where(self.one, 0.0, 2 * spin * (evidence.open + self.landing)))
+
+
+def _cross(one: Array, two: Array) -> Array:
+    return np.asarray(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
 
 
 @Check("contact.slides", source="f = -μ N y / |y|",
@@ -237,7 +258,12 @@ def _bounces(evidence: Evidence, worst: Worst) -> None:
     rows = evidence.once(_Rows)
     before, after = rows.gap_rates
     speed = np.maximum(-before, REBOUND)
-    rows.add(worst, np.abs(after / speed - rows.restitution), rows.unsure / speed, rows.alone)
+    off = after / speed - rows.restitution
+    # restitution is less where the impact then leaves the energy as it is
+    added = rows.normal * (before + after) / 2 + rows.rubbing
+    added = np.abs(added) / ((rows.normal + np.abs(rows.force)) * speed)
+    rows.add(worst, np.minimum(np.abs(off), np.maximum(off, added)), rows.unsure / speed,
+             rows.alone)
 
 
 @Check("impact.swallowed", source="ΔT = Σ J (u- + u+) / 2",
@@ -259,10 +285,12 @@ def _swallowed(evidence: Evidence, worst: Worst) -> None:
         push, turn = pushes[:, b, rows.sample]
         approach += rows.inverse[b, 0] * push + rows.inverse[b, 2] * arm * turn
     approach = np.where(alone, after - before, approach) / (1 + restitution)
+    given = np.maximum(rows.rubbing, 0.0) / np.maximum(rows.normal, ROUNDING)
     off = rows.unsure + ~alone * rows.h * np.abs(rows.rate(rows.others, rows.out))
     taken, energy, allowed = (
         np.bincount(rows.sample, rows.struck * impulse * each, count) for each in (
-            -(before + after + (1 - restitution) * approach) / 2, rows.hit * approach / 2, off))
+            -(before + after + (1 - restitution) * approach) / 2 - given,
+            rows.hit * approach / 2, off))
     unknown = rows.struck & ~alone & (
         (rows.force != 0) | rows.joined | (~rows.one & (restitution < 1)))
     at = np.setdiff1d(rows.sample[rows.hit & (before < -2 * REBOUND)], rows.sample[unknown])
