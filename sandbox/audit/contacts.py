@@ -5,10 +5,8 @@ which its gap opens:
 
 - **slides**: f = -mu N where y > 0, f = mu N where y < 0, |f| <= mu N where y = 0.
 - **closes**: N > 0 only where the gap is closed or closes in the step, and no overlap grows.
-- **bounces**: u+ = -e u-, just before and after the instant of an impact, or a smaller rebound that
-  leaves the kinetic energy as it is, where friction would add some.
-- **swallowed**: the normal impulses J of a step take no more than sum J |u-| (1 - e) / 2 and what
-  friction adds.
+- **bounces**: u+ = -e u- at an impact, or less where this leaves the kinetic energy as it is.
+- **swallowed**: normal impulses J take at most sum J |u-| (1 - e) / 2 and what friction adds.
 
 An impact happens s after the pose of its step. All other forces change u by d in the step, so that
 u- = u_0 + (1/2 + s / h) d and u+ = u_1 - (1/2 - s / h) d.
@@ -130,23 +128,18 @@ class _Rows:
         return hit, instant
 
     def _arms(self, a: Arrays) -> tuple[Array, Array]:
-        """From the centres of mass to the contact, at its instant in the step, [m, 2] m each.
-
-        A meeting that is no impact with restitution has the instant that its twist tells.
-        """
-        (one, two), force, twist = (
-            self.evidence.contact_arms, a["contact_force"], np.nan_to_num(a["contact_twist"]))
-        start = [self.before[:2, b, self.sample].T for b in self.sides]
-        moment = _cross(start[0] - start[1], force)
-        ahead = ~self.hit & (np.abs(twist) <= self.h * np.abs(moment))
-        s = np.where(ahead, -twist / np.where(moment == 0, 1.0, moment), self.instant)[:, None]
-        mean = [v + np.where(ahead[:, None], 0.0, (self.h + s) / 2)
-                * self.others[:2, b, self.sample].T
-                for v, b in zip(start, self.sides, strict=True)]
-        moved = s * (mean[0] - mean[1])
-        off = (twist + _cross(moved, force)) / np.maximum((force**2).sum(axis=1), ROUNDING**2)
-        moved += off[:, None] * np.stack([-force[:, 1], force[:, 0]], axis=1)
-        return one, two + np.where(self.inverse[self.sides[1], :1] > 0, moved, 0.0)
+        """From the centres of mass to the contact, at the instant of a meeting, [m, 2] m each."""
+        (one, two), (fx, fy) = self.evidence.contact_arms, a["contact_force"].T
+        drift, pull = (np.subtract(*(each[:2, b, self.sample] for b in self.sides))
+                       for each in (self.before, self.others))
+        twist, moment = np.nan_to_num(a["contact_twist"]), drift[0] * fy - drift[1] * fx
+        # without restitution the twist tells the instant
+        ahead = ~self.hit & (np.abs(twist) <= self.h * np.abs(moment)) & (moment != 0)
+        s = np.where(ahead, -twist / moment, self.instant)
+        moved = s * (drift + self.hit * (self.h + s) / 2 * pull)
+        off = (twist + moved[0] * fy - moved[1] * fx) / np.maximum(fx**2 + fy**2, ROUNDING**2)
+        moved += off * np.stack([-fy, fx])
+        return one, two + np.where(self.inverse[self.sides[1], :1] > 0, moved.T, 0.0)
 
     def rate(self, velocity: Array, along: Array) -> Array:
         """Relative velocity of the first body at the contact ``along`` [m, 2]."""
@@ -176,10 +169,9 @@ class _Rows:
 
     @cached_property
     def rubbing(self) -> Array:
-        """Power of friction in the step, of impacts at their instant [W]."""
-        first, last = self.sliding
-        first = first + (self.instant + self.h / 2) * self.rate(self.others, self.along)
-        return np.asarray(self.force * (first + last) / 2)
+        """Power of friction in impacts, from the rates just before and after them [W]."""
+        by_others = (self.instant + self.h / 2) * self.rate(self.others, self.along)
+        return np.asarray(self.force * (sum(self.sliding) + by_others) / 2)
 
     @cached_property
     def unsure(self) -> Array:
@@ -195,10 +187,6 @@ class _Rows:
             np.maximum(*beside) + h * JOINT)
         return np.asarray(off + np.where(self.hit, impact, 0.0)
                           + np.where(self.one, 0.0, 2 * spin * (evidence.open + self.landing)))
-
-
-def _cross(one: Array, two: Array) -> Array:
-    return np.asarray(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
 
 
 @Check("contact.slides", source="f = -μ N y / |y|",
@@ -258,12 +246,10 @@ def _bounces(evidence: Evidence, worst: Worst) -> None:
     rows = evidence.once(_Rows)
     before, after = rows.gap_rates
     speed = np.maximum(-before, REBOUND)
-    off = after / speed - rows.restitution
-    # restitution is less where the impact then leaves the energy as it is
-    added = rows.normal * (before + after) / 2 + rows.rubbing
-    added = np.abs(added) / ((rows.normal + np.abs(rows.force)) * speed)
-    rows.add(worst, np.minimum(np.abs(off), np.maximum(off, added)), rows.unsure / speed,
-             rows.alone)
+    off, push = after / speed - rows.restitution, rows.normal + np.abs(rows.force)
+    added = np.abs(rows.normal * (before + after) / 2 + rows.rubbing) / (push * speed)
+    error = np.minimum(np.abs(off), np.maximum(off, added))
+    rows.add(worst, error, rows.unsure / speed, rows.alone)
 
 
 @Check("impact.swallowed", source="ΔT = Σ J (u- + u+) / 2",

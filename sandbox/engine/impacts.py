@@ -274,7 +274,7 @@ REBOUND = 0.01  # minimum approach speed [m/s] of a rebound
 EXACT = 1e-10  # tolerance of rates, as a share of the fastest approach
 FAINT = 1e-6  # minimum approach in a chain of impacts, as a share of the first
 CLOSED = 1e-9  # contacts with gaps up to this [m] are hit together
-HALVINGS = 40  # of the interval of the share of restitution that adds no energy
+HALVINGS = 40  # of the share of restitution
 ORDERED = 100  # maximum number of instants of impacts in a step; later impacts are simultaneous
 
 
@@ -340,7 +340,7 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
             return event > 0
         fastest = _struck(rows, n, touches, now, end, CLOSED if event < ORDERED else math.inf)
         end = max(end, FAINT * fastest)
-        _bounce(table, rows, n, touches, now, EXACT * fastest)
+        _bounce(table, rows, n, now, EXACT * fastest)
         for q in range(n):
             p = rows[q]["p"]
             if p != 0.0:
@@ -362,15 +362,13 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
 
 
 @kernel
-def _bounce(
-    table: int, rows: Records, n: int, touches: Records, now: float, slack: float,
-) -> None:
+def _bounce(table: int, rows: Records, n: int, now: float, slack: float) -> None:
     """Find the impulses of contacts that are hit ``now``.
 
-    Oblique impacts with friction may add kinetic energy by Newton's law. Restitution is then
-    reduced to the share at which they add none; without restitution all lose energy.
+    Friction may add kinetic energy by Newton's law. Restitution is then reduced to the share at
+    which the impact adds none; without restitution every impact takes energy.
     """
-    G, low, share, high = at.delassus(table), 0.0, 1.0, 1.0
+    G, touches, low, share, high = at.delassus(table), at.touches(table), 0.0, 1.0, 1.0
     for _ in range(HALVINGS):
         for k in range(n):
             if rows[k]["normal"] < 0 and rows[k]["high"] > 0.0:
@@ -378,16 +376,12 @@ def _bounce(
                 rows[k]["free"] = (1.0 + share * touches[rows[k]["index"]]["restitution"]) * u
         if bounded.solve_modes(rows, n, G, at.system(table), at.chosen(table), slack, False) < 0:
             bounded.relax(rows, n, G)
-        added, moved = 0.0, 0.0
+        added = 0.0
         for k in range(n):
             u, p = rows[k]["bias"] + rows[k]["trend"] * now, rows[k]["p"]
-            if p != 0.0:
-                added += p * (u + (bounded.y_of(rows, n, G, k) - rows[k]["free"]) / 2)
-                moved += abs(p * u)
-        if added <= EXACT * moved:
-            low = share
-        else:
-            high = share
+            change = bounded.y_of(rows, n, G, k) - rows[k]["free"] if p != 0.0 else 0.0
+            added += p * (u + change / 2) - EXACT * abs(p * u)
+        low, high = (share, high) if added <= 0.0 else (low, share)
         if low == high:
             return
         share = (low + high) / 2

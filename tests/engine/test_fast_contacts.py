@@ -147,7 +147,7 @@ def test_a_rough_rod_gains_no_energy_when_its_end_hits_the_floor(along, restitut
     assert (most < restitution) == (along == 1 and restitution == 1)
     change = masses @ (np.array([0, min(restitution, most) * speed]) - before) @ np.array(push)
     motion = found.arrays["body_velocity"][-1, 1] + 5e-4 * found.arrays["body_acceleration"][-1, 1]
-    assert motion == pytest.approx([along, -speed, 0] + change, abs=2e-5)
+    assert motion == pytest.approx(np.array([along, -speed, 0]) + change, abs=2e-5)
     assert not [figure for figure in found.audit if figure.verdict == "look"]
 
 
