@@ -303,9 +303,13 @@ class Balance:
                 "allow, {count:component}, worst: {where}",
        none=f"more than {MAX_ROWS // 3} bodies are connected")
 def _contact_bounds(evidence: Evidence, worst: Worst) -> None:
-    count, names = len(evidence.last.run.contacts.normal), evidence.model.bodies.name
+    normal, names = evidence.last.run.contacts.normal, evidence.model.bodies.name
+    twist, count = np.nan_to_num(evidence.last.arrays["contact_twist"]), len(normal)
     if not count:
         worst.left_out.append("nothing touches at the end")
+    elif (np.abs(twist) > ROUNDING * normal).any():
+        worst.left_out.append("bodies meet in the last step, away from their pose")
+        return
     elif count > MANY:
         worst.left_out.append(f"more than {MANY} contacts at the end, which take minutes; "
                               "`sandbox bounds RUN` computes their ranges")

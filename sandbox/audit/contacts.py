@@ -5,8 +5,8 @@ which its gap opens:
 
 - **slides**: f = -mu N where y > 0, f = mu N where y < 0, |f| <= mu N where y = 0.
 - **closes**: N > 0 only where the gap is closed or closes in the step, and no overlap grows.
-- **bounces**: u+ = -e u-, just before and after the instant of an impact.
-- **swallowed**: the normal impulses J of a step take no more than sum J |u-| (1 - e) / 2.
+- **bounces**: u+ = -e u- at an impact, or less where this leaves the kinetic energy as it is.
+- **swallowed**: normal impulses J take at most sum J |u-| (1 - e) / 2 and what friction adds.
 
 An impact happens s after the pose of its step. All other forces change u by d in the step, so that
 u- = u_0 + (1/2 + s / h) d and u+ = u_1 - (1/2 - s / h) d.
@@ -128,15 +128,18 @@ class _Rows:
         return hit, instant
 
     def _arms(self, a: Arrays) -> tuple[Array, Array]:
-        """From the centres of mass to the contact, at the instants of impacts, [m, 2] m each."""
-        (one, two), force, s = self.evidence.contact_arms, a["contact_force"], self.instant
-        mean = [(self.before[:2, b, self.sample]
-                 + (self.h + s) / 2 * self.others[:2, b, self.sample]).T for b in self.sides]
-        moved = s[:, None] * (mean[0] - mean[1])
-        off = (np.nan_to_num(a["contact_twist"]) + moved[:, 0] * force[:, 1]
-               - moved[:, 1] * force[:, 0]) / np.maximum((force**2).sum(axis=1), ROUNDING**2)
-        moved += off[:, None] * np.stack([-force[:, 1], force[:, 0]], axis=1)
-        return one, two + np.where(self.inverse[self.sides[1], :1] > 0, moved, 0.0)
+        """From the centres of mass to the contact, at the instant of a meeting, [m, 2] m each."""
+        (one, two), (fx, fy) = self.evidence.contact_arms, a["contact_force"].T
+        drift, pull = (np.subtract(*(each[:2, b, self.sample] for b in self.sides))
+                       for each in (self.before, self.others))
+        twist, moment = np.nan_to_num(a["contact_twist"]), drift[0] * fy - drift[1] * fx
+        # without restitution the twist tells the instant
+        ahead = ~self.hit & (np.abs(twist) <= self.h * np.abs(moment)) & (moment != 0)
+        s = np.where(ahead, -twist / moment, self.instant)
+        moved = s * (drift + self.hit * (self.h + s) / 2 * pull)
+        off = (twist + moved[0] * fy - moved[1] * fx) / np.maximum(fx**2 + fy**2, ROUNDING**2)
+        moved += off * np.stack([-fy, fx])
+        return one, two + np.where(self.inverse[self.sides[1], :1] > 0, moved.T, 0.0)
 
     def rate(self, velocity: Array, along: Array) -> Array:
         """Relative velocity of the first body at the contact ``along`` [m, 2]."""
@@ -163,6 +166,12 @@ class _Rows:
         by_others = (self.instant / self.h - 0.5) * self.rate(self.others, self.along)
         return (self.rate(self.before, self.along) - belt, self.rate(self.after, self.along) - belt
                 + self.h * np.where(self.hit, by_others, turn))
+
+    @cached_property
+    def rubbing(self) -> Array:
+        """Power of friction in impacts, from the rates just before and after them [W]."""
+        by_others = (self.instant + self.h / 2) * self.rate(self.others, self.along)
+        return np.asarray(self.force * (sum(self.sliding) + by_others) / 2)
 
     @cached_property
     def unsure(self) -> Array:
@@ -237,7 +246,10 @@ def _bounces(evidence: Evidence, worst: Worst) -> None:
     rows = evidence.once(_Rows)
     before, after = rows.gap_rates
     speed = np.maximum(-before, REBOUND)
-    rows.add(worst, np.abs(after / speed - rows.restitution), rows.unsure / speed, rows.alone)
+    off, push = after / speed - rows.restitution, rows.normal + np.abs(rows.force)
+    added = np.abs(rows.normal * (before + after) / 2 + rows.rubbing) / (push * speed)
+    error = np.minimum(np.abs(off), np.maximum(off, added))
+    rows.add(worst, error, rows.unsure / speed, rows.alone)
 
 
 @Check("impact.swallowed", source="ΔT = Σ J (u- + u+) / 2",
@@ -259,10 +271,12 @@ def _swallowed(evidence: Evidence, worst: Worst) -> None:
         push, turn = pushes[:, b, rows.sample]
         approach += rows.inverse[b, 0] * push + rows.inverse[b, 2] * arm * turn
     approach = np.where(alone, after - before, approach) / (1 + restitution)
+    given = np.maximum(rows.rubbing, 0.0) / np.maximum(rows.normal, ROUNDING)
     off = rows.unsure + ~alone * rows.h * np.abs(rows.rate(rows.others, rows.out))
     taken, energy, allowed = (
         np.bincount(rows.sample, rows.struck * impulse * each, count) for each in (
-            -(before + after + (1 - restitution) * approach) / 2, rows.hit * approach / 2, off))
+            -(before + after + (1 - restitution) * approach) / 2 - given,
+            rows.hit * approach / 2, off))
     unknown = rows.struck & ~alone & (
         (rows.force != 0) | rows.joined | (~rows.one & (restitution < 1)))
     at = np.setdiff1d(rows.sample[rows.hit & (before < -2 * REBOUND)], rows.sample[unknown])

@@ -121,8 +121,8 @@ def _places(evidence: Evidence, worst: Worst) -> None:
             for b, sign in zip(two, (-1.0, 1.0), strict=True)]
         off, turned, circle = zip(*sides, strict=True)
         # the point of an impact, or of a meeting ahead, is that at its instant within the step
-        gap = a["contact_gap"][own]
-        later = (restitution_of(evidence.model.mechanism, *two) > 0) | (gap > AHEAD)
+        gap, twist = a["contact_gap"][own], np.nan_to_num(a["contact_twist"][own])
+        later = (restitution_of(evidence.model.mechanism, *two) > 0) | (gap > AHEAD) | (twist != 0)
         moving = moving + later * np.abs(gap)
         allowed = np.where((circle[0] | circle[1]) & ~later, rounding, moving)
         worst.add(label, np.maximum(*off), allowed)

@@ -274,6 +274,7 @@ REBOUND = 0.01  # minimum approach speed [m/s] of a rebound
 EXACT = 1e-10  # tolerance of rates, as a share of the fastest approach
 FAINT = 1e-6  # minimum approach in a chain of impacts, as a share of the first
 CLOSED = 1e-9  # contacts with gaps up to this [m] are hit together
+HALVINGS = 40  # of the share of restitution
 ORDERED = 100  # maximum number of instants of impacts in a step; later impacts are simultaneous
 
 
@@ -329,9 +330,8 @@ def late_hits(table: int, n: int) -> bool:
 @kernel
 def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
     """Reflect contacts as they are hit, from the instant ``now`` on; whether any is."""
-    touches, G, inverse_mass = at.touches(table), at.delassus(table), at.inverse_mass(table)
-    A, chosen, delayed = at.system(table), at.chosen(table), at.delayed(table)
-    end = REBOUND
+    touches, G, inverse_mass, delayed, end = (
+        at.touches(table), at.delassus(table), at.inverse_mass(table), at.delayed(table), REBOUND)
     for event in range(ORDERED + 100 * n):
         if event == ORDERED:
             at.standing(table)[5] += 1
@@ -340,8 +340,7 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
             return event > 0
         fastest = _struck(rows, n, touches, now, end, CLOSED if event < ORDERED else math.inf)
         end = max(end, FAINT * fastest)
-        if bounded.solve_modes(rows, n, G, A, chosen, EXACT * fastest, False) < 0:
-            bounded.relax(rows, n, G)
+        _bounce(table, rows, n, now, EXACT * fastest)
         for q in range(n):
             p = rows[q]["p"]
             if p != 0.0:
@@ -360,6 +359,32 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
                         rows[k]["gap"] -= change * now
                         touches[rows[k]["index"]]["gap_shift"] -= change * now
     return True
+
+
+@kernel
+def _bounce(table: int, rows: Records, n: int, now: float, slack: float) -> None:
+    """Find the impulses of contacts that are hit ``now``.
+
+    Friction may add kinetic energy by Newton's law. Restitution is then reduced to the share at
+    which the impact adds none; without restitution every impact takes energy.
+    """
+    G, touches, low, share, high = at.delassus(table), at.touches(table), 0.0, 1.0, 1.0
+    for _ in range(HALVINGS):
+        for k in range(n):
+            if rows[k]["normal"] < 0 and rows[k]["high"] > 0.0:
+                u = rows[k]["bias"] + rows[k]["trend"] * now
+                rows[k]["free"] = (1.0 + share * touches[rows[k]["index"]]["restitution"]) * u
+        if bounded.solve_modes(rows, n, G, at.system(table), at.chosen(table), slack, False) < 0:
+            bounded.relax(rows, n, G)
+        added = 0.0
+        for k in range(n):
+            u, p = rows[k]["bias"] + rows[k]["trend"] * now, rows[k]["p"]
+            change = bounded.y_of(rows, n, G, k) - rows[k]["free"] if p != 0.0 else 0.0
+            added += p * (u + change / 2) - EXACT * abs(p * u)
+        low, high = (share, high) if added <= 0.0 else (low, share)
+        if low == high:
+            return
+        share = (low + high) / 2
 
 
 @kernel
@@ -400,7 +425,6 @@ def _struck(rows: Records, n: int, touches: Records, now: float, end: float, nea
                 if u < -end:
                     fastest = max(fastest, -u)
                     row["mode"], row["high"] = 0, 1e300
-                    row["free"] = (1.0 + touches[row["index"]]["restitution"]) * u
     return fastest
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 import sandbox
@@ -123,4 +124,41 @@ def test_a_pellet_turns_a_pinned_thin_door():
     error = (omega * step) ** 2  # of the second-order step
     assert found["door.omega"][-1] == pytest.approx(-omega, rel=error)
     assert found["pellet.vx"][-1] == pytest.approx(omega * arm - 0.5 * speed, rel=error)
+    assert not [figure for figure in found.audit if figure.verdict == "look"]
+
+
+@pytest.mark.parametrize(("along", "restitution"), [(1, 1), (1, 0.5), (-1, 1)])
+def test_a_rough_rod_gains_no_energy_when_its_end_hits_the_floor(along, restitution):
+    """It sticks; where v' = -e v would add energy, it rebounds with as much as it had."""
+    half, radius, angle, speed = 0.05, 0.002, 0.9, 2.0
+    arm = -half * math.cos(angle), -half * math.sin(angle) - radius
+    rod = {"name": "rod", "mass": MASS, "angle": angle, "velocity": [along, -speed],
+           "at": [0, 0.0111 - arm[1]],
+           "shapes": [{"type": "capsule", "start": [-half, 0], "end": [half, 0], "radius": radius}]}
+    floor = {"name": "floor", "motion": "fixed",
+             "shapes": [{"type": "box", "size": [1, 0.1], "at": [0, -0.05]}]}
+    found = run(floor, rod, friction=2.0, restitution=restitution)
+    inertia = found.arrays["body_inertia"][1]
+    push = [np.array([1 / MASS, 0, -arm[1] / inertia]), np.array([0, 1 / MASS, arm[0] / inertia])]
+    to_rates = np.array([[1, 0, -arm[1]], [0, 1, arm[0]]])
+    masses = np.linalg.inv(to_rates @ np.transpose(push))
+    before = np.array([along, -speed])
+    most = math.sqrt(before @ masses @ before / masses[1, 1]) / speed
+    assert (most < restitution) == (along == 1 and restitution == 1)
+    change = masses @ (np.array([0, min(restitution, most) * speed]) - before) @ np.array(push)
+    motion = found.arrays["body_velocity"][-1, 1] + 5e-4 * found.arrays["body_acceleration"][-1, 1]
+    assert motion == pytest.approx(np.array([along, -speed, 0]) + change, abs=2e-5)
+    assert not [figure for figure in found.audit if figure.verdict == "look"]
+
+
+@pytest.mark.parametrize("steps", [19, 30])  # they meet in the nineteenth
+@pytest.mark.parametrize("restitution", [0, 0.5])
+def test_the_audit_takes_the_arms_of_a_rough_meeting_at_its_instant(restitution, steps):
+    """A box meets a disc that then spins: they rub there, 4 mm before they touch at the pose."""
+    box = {"name": "box", "mass": 0.5, "at": [0.18, 0.18], "angle": -2.4, "velocity": [-7, 3.5],
+           "shapes": [{"type": "box", "size": [0.033, 0.035]}]}
+    ball = disc("ball", at=[-0.06, 0.18], velocity=[4.1, 4.1])
+    found = run(box, ball, friction=1.0, restitution=restitution, duration=steps * 1e-3)
+    assert found.arrays["contact_twist"].any()
+    assert found.arrays["contact_sample"][0] == 18
     assert not [figure for figure in found.audit if figure.verdict == "look"]
