@@ -75,7 +75,8 @@ def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
     if mark_of(metadata, finger.OneForAll) is not None:
         return f"one for all, or {field_type(annotation)}"
     for schema, words in ((appearance.SCHEMA, appearance.WORDS.replace('"all"', '`"all"`')),
-                          (appearance.COLOUR_SCHEMA, "colour"), (layers.SCHEMA, layers.WORDS)):
+                          (appearance.COLOUR_SCHEMA, "colour"), (layers.SCHEMA, layers.WORDS),
+                          (settings.WINDOW, '"last TIME", or [from, to]')):
         if schema in metadata:
             return words
     if origin is Annotated:

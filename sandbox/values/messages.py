@@ -106,9 +106,9 @@ def _unknown_key(error: ErrorDetails, path: JsonPath, model: Model, near: NearMi
     allowed = ", ".join(keys[:MAX_NAMED]) + (
         f" and {more} more ({fields_page(kind)})" if more > 0 else "")
     words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()
-    union = type_at(model, error["loc"][:-2])
-    others = [tag for tag, each in _members(union).items() if type_at(each, (key,)) is not None]
-    of = f", which {listed(others)} has" if others else ""
+    others = [str(tag) for tag, each in _members(type_at(model, error["loc"][:-2])).items()
+              if type_at(each, (key,)) is not None]
+    of = f" (a key of {listed(others)})" if others else ""
     return Problem("unknown-key", f"unknown key {quoted(key)}{of}", path_text(path),
                    allowed=allowed, hint=near(key, [*keys, *words]), key=True)
 

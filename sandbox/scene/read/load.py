@@ -265,8 +265,9 @@ class _Loading:
         for problem in problems:
             path = parse_path(problem.path) if self.overridden and not problem.file else ()
             if any(path[:n] in self.overridden for n in range(1, len(path) + 1)):
-                hint = problem.hint or \
-                    problem.key and near(str(path[-1]), addresses(self.source.data)) or ""
+                hint = problem.hint
+                if problem.key and not hint:
+                    hint = near(str(path[-1]), addresses(self.source.data))
                 problem = replace(problem, line=0, column=0, hint=hint,
                                   message=f"{problem.message} (set by an override)")
             self.problems.setdefault(problem)
