@@ -54,16 +54,17 @@ def or_near(word: str, choices: Iterable[str]) -> str:
 def nearest(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     """The choice closest to ``word``, or ``""``; letter case is ignored.
 
-    A choice that begins with a word of three letters or more comes first, the shortest of them:
-    ``rest`` suggests ``rest_length``, not ``breaks_at``. A choice of one letter is suggested for
-    that letter only.
+    A choice that begins with a word of three letters or more comes first, then one whose last
+    parts it is, the shortest of them: ``rest`` suggests ``rest_length``, not ``breaks_at``, and
+    ``pull`` suggests ``parameters.pull``. A choice of one letter is suggested for that letter only.
     """
     word = word[:LONGEST].lower()
     folded: dict[str, str] = {}
     for choice in itertools.islice(choices, MAX_COMPARED):
         if len(choice) > 1 or {choice.lower()} == {*word}:
             folded.setdefault(choice[:LONGEST].lower(), choice)
-    longer = [choice for choice in folded if choice.startswith(word)]
+    longer = [choice for choice in folded if choice.startswith(word)] or \
+        [choice for choice in folded if choice.endswith(f".{word}")]
     if len(word) >= 3 and longer:
         return folded[min(longer, key=len)]
     import difflib  # slow to load

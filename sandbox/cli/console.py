@@ -55,10 +55,10 @@ def shown(value: float, how: str) -> str:
     return format(value, how) if math.isfinite(value) else "-"
 
 
-def first_of(names: Sequence[str], most: int) -> str:
+def first_of(names: Sequence[str], most: int, *, between: str = ", ") -> str:
     """The first names of a list, and the number of others."""
     more = len(names) - most
-    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
+    return between.join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
 
 def see(*about: Problem | str) -> list[str]:
@@ -155,7 +155,7 @@ def report(error: BaseException, console: Console, **more: Any) -> Exit:
         console.error(*error.ctx.get_usage().splitlines(),
                       f"Try '{error.ctx.command_path} --help' for help.", "")
     console.error(*(problem.at(source) for problem in problems))
-    if code != Exit.INTERRUPTED:
+    if {each.code for each in problems}.isdisjoint({"interrupted", "bad-option"}):
         console.warn(*see(*problems))
     return code
 

@@ -266,10 +266,10 @@ questions("sweep", "sweep", """Run SCENE many times with values varied.
         option("--design", "Arrangement of the points; a grid by default, random where there is a "
                "distribution, else latin_hypercube.", type=Choice(DESIGNS)),
         option("--count N", "Number of points of designs with random points.", type=POSITIVE),
-        SEED),
-    option("--recordings", "Keep the whole recording of each run, too."),
-    option("--no-audit", "Do not audit runs; this halves the time."),
-    option("--again", "Repeat finished runs."))
+        SEED,
+        option("--recordings", "Keep the whole recording of each run, too."),
+        option("--no-audit", "Do not audit runs; this halves the time."),
+        option("--again", "Repeat finished runs.")))
 
 
 @click.group(cls=_Searches, invoke_without_command=True)

@@ -35,7 +35,7 @@ EVERYDAY = {
     "joint": "joints", "drive": "drives", "weight": "mass", "phalanx": "finger",
     "phalange": "finger", "grasp": "held", "grip": "held", "object": "role",
     "differential": "rocker_tree", "contact": "contacts", "contact force": "normal",
-    "end stop": "stop", "endstop": "stop", "stopper": "stop"}
+    "end stop": "stop", "endstop": "stop", "stopper": "stop", "expectation": "expect"}
 """Common words, and the names that scenes have for them."""
 
 
@@ -143,7 +143,7 @@ def _element_lines(each: _Element) -> list[str]:
     lines = click.formatting.wrap_text(_plain(f"{each.name}: {reference.about(each.model)}"), width,
                                        preserve_paragraphs=True).splitlines()
     lines += ["", "Fields", *_definitions((f"  {row.key}", "; ".join(filter(None, (
-        row.type, row.default if row.default in ("", "required", "as below") else
+        _type(row.type), row.default if row.default in ("", "required", "as below") else
         f"default {row.default}"))) + f". {row.meaning}")
         for row in reference.field_rows(each.model))]
     if text := example(each):
@@ -211,6 +211,14 @@ def _definitions(rows: Iterable[tuple[str, str]]) -> list[str]:
     if plain := [(term, _plain(text)) for term, text in rows]:
         formatter.write_dl(plain, col_max=26)
     return formatter.getvalue().rstrip("\n").splitlines()
+
+
+def _type(text: str) -> str:
+    """A type as JSON has it: objects, with the name that explains them, instead of classes."""
+    names = {each.model.__name__: each.name for each in elements()}
+    text = re.sub(r"\[(\w+)\]\([^)]+#\w+\)", lambda link: (
+        f"object ({names.get(link[1], f'{link[1]}s')})"), text)
+    return text.replace(") or object (", ", ").replace("list of object", "list of objects")
 
 
 def _plain(text: str) -> str:

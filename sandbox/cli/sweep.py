@@ -18,7 +18,7 @@ import click
 import numpy as np
 
 from sandbox.atomic_files import json_text, write_atomic
-from sandbox.cli.console import Console, monitored, table
+from sandbox.cli.console import Console, first_of, monitored, table
 from sandbox.cli.options import NAMES, Source, prepare, safe_name, written
 from sandbox.errors import SceneError
 from sandbox.scene.read.source import SceneSource
@@ -148,7 +148,8 @@ def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: fl
 
 
 def _most_frequent(words: Iterable[str]) -> str:
-    return "; ".join(f"{word} ({count})" for word, count in Counter(words).most_common(MAX_REASONS))
+    counted = [f"{word} ({count})" for word, count in Counter(words).most_common()]
+    return first_of(counted, MAX_REASONS, between="; ")
 
 
 def kind_of(word: str) -> str:

@@ -175,8 +175,8 @@ def rest(
         if all(way.max() > SAME for way in ways):
             rests.append(found)
     if not rests:
-        raise SceneError([Problem("no-rest", f"it does not come to rest{words}: {reason}", "rest")
-                          for words, reason in failed])
+        raise SceneError([Problem("no-rest", f"it does not come to rest{words}: {reason}", "rest",
+                                  advice=settler.advice) for words, reason in failed])
     remarks = [f"the event {quoted(event.name)} is ignored: it depends on time"
                for event in mechanism.events if event.when is not None
                and (event.set or event.release or event.take_up)]

@@ -158,6 +158,7 @@ class Settler:
         self._most = min(self.still.margin / 2, MAX_WAY * self.size)
         self.drive, self.places = self.still.driven(time)
         self.steps = 0  # steps of the engine so far
+        self.advice = ""  # what to try if the last drives have no equilibrium
         self.remark = ""  # a remark about a slow load that passed no equilibrium
         self.untold = _no_stiffness(self.model)  # why the stiffness is unknown, or empty
 
@@ -183,6 +184,8 @@ class Settler:
                 if not self.remark and time < self.time:
                     self.remark = (f"with the drives as at t = {time:.3g} s it does not come to "
                                    f"rest, {why}: what follows depends on more than a slow load")
+                    self.advice = f"it rests until t = {time:.3g} s: --at sets the time of " \
+                        "the drives" if time else ""
             last = drive
 
     def start(self, pose: Array) -> None:

@@ -140,7 +140,7 @@ class Catalogue:
                 mended = ".".join([*words[:i], close, *words[i + 1:]])
                 if self.match(mended):
                     return mended
-        return ""
+        return nearest(name, self.units)
 
     def lacking(self, name: str) -> str:
         """Why an element lacks a quantity that others of its kind have; empty of other names."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import json
 import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
@@ -74,7 +75,8 @@ def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
     if mark_of(metadata, finger.OneForAll) is not None:
         return f"one for all, or {field_type(annotation)}"
     for schema, words in ((appearance.SCHEMA, appearance.WORDS.replace('"all"', '`"all"`')),
-                          (appearance.COLOUR_SCHEMA, "colour"), (layers.SCHEMA, layers.WORDS)):
+                          (appearance.COLOUR_SCHEMA, "colour"), (layers.SCHEMA, layers.WORDS),
+                          (settings.WINDOW, '"last TIME", or [from, to]')):
         if schema in metadata:
             return words
     if origin is Annotated:
@@ -116,13 +118,9 @@ def _number(metadata: tuple[Any, ...]) -> str:
 
 
 def _json(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
     if isinstance(value, tuple):
         return f"[{', '.join(map(_json, value))}]"
-    if isinstance(value, (int, float)):
-        return f"{value:.6g}"
-    return f'"{value}"' if isinstance(value, str) else str(value)
+    return f"{value:.6g}" if isinstance(value, float) else json.dumps(value)
 
 
 def default(field: FieldInfo) -> str:

@@ -107,15 +107,13 @@ def _window(value: object, info: ValidationInfo) -> object:
 
 
 _NUMBER = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+WINDOW = WithJsonSchema({"anyOf": [
+    {"type": "string", "pattern": "^last "},
+    {"type": "array", "minItems": 2, "maxItems": 2,
+     "prefixItems": [_NUMBER, {"anyOf": [*_NUMBER["anyOf"], {"type": "null"}]}]},
+]})
 Window = Annotated[
-    of.Written[tuple[Quantity, Quantity | None]],
-    BeforeValidator(_window),
-    WithJsonSchema({"anyOf": [
-        {"type": "string", "pattern": "^last "},
-        {"type": "array", "minItems": 2, "maxItems": 2,
-         "prefixItems": [_NUMBER, {"anyOf": [*_NUMBER["anyOf"], {"type": "null"}]}]},
-    ]}),
-]
+    of.Written[tuple[Quantity, Quantity | None]], BeforeValidator(_window), WINDOW]
 STATISTICS = ("mean", "min", "max", "std", "final")
 ROUNDING = 1e-9  # two instants closer than this [s] are one
 WITHIN = "0.1 %"  # default tolerance of an expectation

@@ -287,7 +287,7 @@ EXPLICIT = ("grid", "paired")  # designs with the values of lists and ranges
 MAX_PATHS = 50
 TAILS = np.array([0.01, 0.99])  # quantiles of a distribution at which a search reads the scene
 UNCOUNTED = "missing-key"  # error of a range without a count, which only a search can use
-NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
+NAME = r"^[A-Za-z_*?\[][A-Za-z0-9_ .:/*?\[\]-]*$"
 
 
 def parse_statistic(text: str) -> dict[str, Any]:

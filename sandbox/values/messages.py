@@ -106,7 +106,10 @@ def _unknown_key(error: ErrorDetails, path: JsonPath, model: Model, near: NearMi
     allowed = ", ".join(keys[:MAX_NAMED]) + (
         f" and {more} more ({fields_page(kind)})" if more > 0 else "")
     words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()
-    return Problem("unknown-key", f"unknown key {quoted(key)}", path_text(path),
+    others = [str(tag) for tag, each in _members(type_at(model, error["loc"][:-2])).items()
+              if type_at(each, (key,)) is not None]
+    of = f" (a key of {listed(others)})" if others else ""
+    return Problem("unknown-key", f"unknown key {quoted(key)}{of}", path_text(path),
                    allowed=allowed, hint=near(key, [*keys, *words]), key=True)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from sandbox.wording import WrongValueError
@@ -43,6 +43,16 @@ def parse_path(text: str) -> JsonPath:
             steps.append(match["key"] or match["name"].strip())
         at = match.end()
     return tuple(steps)
+
+
+def addresses(value: Any, at: str = "") -> Iterator[str]:
+    """The paths of all values in data, with the names of list entries: ``bodies[disc].mass``."""
+    for key, entry in value.items() if isinstance(value, dict) else \
+            enumerate(value) if isinstance(value, list) else ():
+        name = entry.get("name", key) if isinstance(entry, dict) else key
+        path = f"{at}[{name}]" if isinstance(key, int) else f"{at}.{key}".removeprefix(".")
+        yield path
+        yield from addresses(entry, path)
 
 
 def holds(value: Any, step: str | int) -> bool:

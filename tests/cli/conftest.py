@@ -37,7 +37,7 @@ FIRST_RUN = rf"{re.escape(COMPILING)}\n|Compiled in [0-9.e-]+ s\n"
 """What a run says that has to compile."""
 
 
-PAGES = re.compile(r"^see 'sandbox explain .*\n", re.MULTILINE)
+PAGES = re.compile(r"^(?:see 'sandbox explain|Try 'sandbox ).*\n", re.MULTILINE)
 """The line that says where to read on."""
 
 

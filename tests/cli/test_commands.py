@@ -40,6 +40,9 @@ def test_help_fits_on_a_screen_and_every_command_helps(sandbox):
     (["run", "single_fingr"], "Did you mean 'single_finger'?"),
     (["new", "griper_mirrored"], "Did you mean 'gripper_mirrored'?"),
     (["explain", "motr"], "Did you mean 'motor'?"),
+    (["run", "single_finger", "--set", "pull=3"], "Did you mean 'parameters.pull'?"),
+    (["check", "single_finger", "--set", "parts[0].mirror=up-down"], "(a key of 'assembly')"),
+    (["equilibrium", "held_disc"], "it rests until t = 0.71 s: --at sets"),
 ])
 def test_wrong_words(sandbox, words, message):
     output = sandbox(*words)
@@ -98,6 +101,10 @@ def test_explain_has_every_element_and_quantity(sandbox):
     assert {name for names in QUANTITIES.values() for name in names} <= words
     assert "angle          [rad] of b against a" in sandbox("explain", "pin").out
     assert "drives.motor" in sandbox("explain", "drives").out
+    finger = " ".join(sandbox("explain", "finger").out.split())
+    assert "object (parts.finger.springs). Ext" in finger
+    assert "list of objects (tendons.guides). F" in finger
+    assert '"last TIME", or [from, to]; default [0, null]' in sandbox("explain", "expect").out
     assert "backlash is a field of joints.gear" in sandbox("explain", "backlash").out
     assert "(joint: rod, rope)" in " ".join(sandbox("explain", "tension").out.split())
     assert "recorded_bytes" in sandbox("explain", "limits").out

@@ -37,6 +37,7 @@ def test_quantities_of_one_run(runs):
     (["controled", "x"], "did you mean 'controlled'?; 'sandbox run' makes one"),
     (["controlled", "--x", "k1.value"], "'sandbox plot RUN' lists them"),
     (["controlled", "k2.value", "--x", "k1.valeu"], "Did you mean 'k1.value'?"),
+    (["controlled", "tension"], "Did you mean 'finger.tendon.tension'?"),
     (["controlled", "k1.value", "--from", "5 mm"], "this is a time"),
     (["controlled", "k1.value", "--from", "2", "--to", "1 s"], "1 s is not after"),
     (["controlled", "k1.value", "--with", "othr"], "did you mean 'other'?"),

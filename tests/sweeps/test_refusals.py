@@ -74,6 +74,7 @@ def test_a_window_that_no_run_has_is_refused_before_anything_runs(window, fragme
     assert (problem.message, problem.path) == (fragment, '$.keep["v"]')
     problem, = problems(vary={"run.duration": ["50 ms", "100 ms"]}, keep=keep)
     assert problem.message == fragment
+    assert [*plan_of(study_data(PUCK, keep=["*.vx"], vary=push)).job.keep] == ["puck.vx"]
     for words in ({"vary": {"run.duration": ["50 ms", "9 s", "1 s"]}},
                   {"vary": push, "set": {"run.duration": "9 s"}},
                   {"vary": {"parameters.push": [1, 90]}, "set": {"run.duration": "=push / 10"}}):

@@ -37,9 +37,9 @@ from sandbox.scene.read.source import SceneSource, first_problems, read_source
 from sandbox.scene.settings import RETIRED
 from sandbox.values.expressions import NamedValues
 from sandbox.values.messages import explain, written
-from sandbox.values.paths import JsonPath, parse_path, path_text
+from sandbox.values.paths import JsonPath, addresses, parse_path, path_text
 from sandbox.values.spec import Spec
-from sandbox.wording import kind_of, quoted
+from sandbox.wording import kind_of, near, quoted
 
 LISTS = (*MECHANISM_LISTS, "parts")
 STAND_INS: dict[str, Any] = {"materials": {}, "tables": {"points": [[0, 1], [1, 1]]}}
@@ -264,7 +264,10 @@ class _Loading:
         for problem in problems:
             path = parse_path(problem.path) if self.overridden and not problem.file else ()
             if any(path[:n] in self.overridden for n in range(1, len(path) + 1)):
-                problem = replace(problem, line=0, column=0,
+                hint = problem.hint
+                if problem.key and not hint:
+                    hint = near(str(path[-1]), addresses(self.source.data))
+                problem = replace(problem, line=0, column=0, hint=hint,
                                   message=f"{problem.message} (set by an override)")
             self.problems.setdefault(problem)
 
