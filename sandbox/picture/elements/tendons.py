@@ -51,7 +51,7 @@ def add_cables(s: Subject) -> None:
     slid = np.abs(np.diff(slip, axis=0, prepend=slip[:1]))
     slips = slid > CREEP * np.maximum(slid.max(axis=0, initial=0.0), MIN_SLIP)
     cables = Frames(s.run.model, s.run.arrays).cables
-    normals = np.round(np.arctan2(cables.x, -cables.y).T, 9)  # equal ones stay equal
+    normals: Array = np.arctan2(cables.x, -cables.y).T.round(9)  # equal ones stay equal
     for k, spec in enumerate(s.run.mechanism.tendons):
         own = np.flatnonzero(s.run.model.tendons.stretch_tendon == k)
         cable = _Cable(s, k, off[:, s.run.model.tendons.loose(k)], normals[:, own])
