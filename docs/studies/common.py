@@ -51,7 +51,7 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def stills(path: Path, runs: Sequence[sandbox.Recording], titles: Sequence[str], columns: int,
-           size: tuple[int, int] = (640, 420)) -> None:
+           size: tuple[int, int] = (400, 280)) -> None:
     """Draw the last instants of runs in a grid."""
     height = 7.0 / columns * size[1] / size[0] + 0.3
     figure, axes = panels(-(-len(runs) // columns), columns, height=height)

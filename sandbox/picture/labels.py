@@ -24,8 +24,10 @@ if TYPE_CHECKING:
 
 HOLD = 0.35  # minimum time that a label is visible or hidden [s of the film]
 CELL = 5  # side of the cells whose ink is measured [pixels of the finished picture]
-TURNED, OFF, INK, CROSSED, OUTSIDE = 0.02, 0.5, 0.3, 2.0, 4.0
-"""Costs per sample: angle to the arrow, standing off, black cell, label, outside."""
+TURNED, OFF, INK, HIDDEN, CROSSED, OUTSIDE = 0.02, 0.5, 0.3, 0.4, 2.0, 4.0
+"""Costs per sample: angle to the arrow, standing off, black cell, part of an arrow, label,
+outside."""
+PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])  # places along an arrow that labels leave visible
 SMALL = 500  # pictures that are narrower have fewer numbers [pixels]
 
 
@@ -51,6 +53,9 @@ def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, in
         else samples
     seen, covered = _look(instant, some, type_)
     placed = np.full((0, len(some), 4), np.nan)
+    arrows = np.concatenate([np.zeros((len(some), 0, 2)), *(
+        one.rows[:, None, :2] - PARTS[:, None] * one.rows[:, None, 2:]
+        for one in seen if one.size > 0)], axis=1)
     numbers, maximum = 0, 6 if size[0] < SMALL else 24
     for one in sorted(seen, key=lambda one: (one.item.get("rank", 1), -one.size)):
         is_number = "value" in one.item or one.item["k"] != "text"
@@ -60,7 +65,7 @@ def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, in
         middles = np.array([one.rows[:, :2] + offset(side, box, one.item.get("clear", 0.0), point)
                             for side in range(len(SIDES))])
         boxes = np.concatenate((middles - box, middles + box), axis=2)
-        side = int(np.argmin(_costs(one, boxes, placed, covered, limits)))
+        side = int(np.argmin(_costs(one, boxes, placed, arrows, covered, limits)))
         present = np.isfinite(one.rows[:, 0])
         there = present & ~_meet(boxes[side][None], placed).any(axis=0)
         there &= ~_outside(boxes[side], limits)
@@ -100,7 +105,7 @@ def _look(instant: Instant, some: Integers, type_: Typesetter) -> tuple[list[_Se
     return list(seen.values()), covered.cumsum(axis=1).cumsum(axis=2)
 
 
-def _costs(one: _Seen, boxes: Array, placed: Array, covered: Array,
+def _costs(one: _Seen, boxes: Array, placed: Array, arrows: Array, covered: Array,
            stage: Sequence[float]) -> Array:
     """What each side costs in all samples together."""
     cells = (np.nan_to_num(np.clip(boxes, -1e6, 1e6)) // CELL).astype(int)
@@ -110,6 +115,8 @@ def _costs(one: _Seen, boxes: Array, placed: Array, covered: Array,
     rows = np.arange(covered.shape[0])[None]
     cost = (covered[rows, y1, x1] - covered[rows, y0, x1] - covered[rows, y1, x0]
             + covered[rows, y0, x0])
+    cost += HIDDEN * ((arrows > boxes[:, :, None, :2]) & (arrows < boxes[:, :, None, 2:])).all(
+        axis=3).sum(axis=2)
     cost += CROSSED * _meet(boxes[:, None], placed[None]).sum(axis=1)
     cost += OUTSIDE * _outside(boxes, stage)
     away = one.rows[:, 2:4]

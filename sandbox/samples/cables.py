@@ -13,7 +13,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,6 @@ from sandbox.model.joints import Place, place_in_slot
 from sandbox.model.model import Model, Tendons
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.geometry import Vec
-
-if TYPE_CHECKING:
-    from sandbox.samples.samples import Samples
 
 
 class Places(NamedTuple):
@@ -40,20 +37,20 @@ class Places(NamedTuple):
 class Frames:
     """Poses of all bodies in some samples of a recording, and points of theirs."""
 
-    def __init__(self, run: Samples) -> None:
-        self.run, self.model = run, run.model
+    def __init__(self, model: Model, arrays: Mapping[str, Array]) -> None:
+        self.model, self.arrays = model, arrays
         self.pose, self.velocity, self.acceleration = (
-            np.ascontiguousarray(run.arrays[f"body_{key}"].transpose(2, 1, 0))
+            np.ascontiguousarray(arrays[f"body_{key}"].transpose(2, 1, 0))
             for key in ("pose", "velocity", "acceleration"))
         """Of the bodies' frames, and of their centres of mass, [3, nb, n] m, m, rad."""
         x, y, angle = self.pose
         self.samples = x.shape[1]
         c, s = self.cos, self.sin = np.cos(angle), np.sin(angle)
-        self._centre = local = run.arrays["body_centre"]
+        self._centre = local = arrays["body_centre"]
         self.centre = np.stack([x + c * local[:, :1] - s * local[:, 1:],
                                 y + s * local[:, :1] + c * local[:, 1:], angle])
         """Poses of the centres of mass, [3, nb, n] m, m, rad."""
-        self.off_wheels: Flags = run.arrays["guide_lifted"] > 0  # Tendons off their wheels, [n, nw]
+        self.off_wheels: Flags = arrays["guide_lifted"] > 0  # Tendons off their wheels, [n, nw]
 
     def places(self, bodies: Integers | Sequence[int], points: Array) -> Places:
         """Points given in the frames of ``bodies`` [k], as [k, 2] m."""
@@ -73,7 +70,7 @@ class Frames:
 
     def place_in_slot(self, joint: int) -> Place:
         """The place of a slot's point along its groove or path, [n] each."""
-        a = self.run.arrays
+        a = self.arrays
         return place_in_slot(self.model, joint, a["body_pose"], a["joint_length"][:, joint])
 
     @cached_property

@@ -67,7 +67,8 @@ class Loads:
     """The loads of a recording, in batches by kind, and their sums over bodies."""
 
     def __init__(self, run: Samples) -> None:
-        self.run, self.model, self.frames = run, run.model, Frames(run)
+        self.run, self.model = run, run.model
+        self.frames = Frames(run.model, run.arrays)
         self.actuators: Flags = np.array([kind.line for kind in run.model.joints.kind], dtype=bool)
         """Which joints are actuators, [nj]."""
         mass, inertia = run.arrays["body_mass"], run.arrays["body_inertia"]

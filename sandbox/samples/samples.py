@@ -261,7 +261,7 @@ class Samples:
             result = a["tendon_initial"][index] - a["tendon_length"][:, index]
             radii = tendons.guide_radius[tendons.guides(index)]
             if not tendons.closed[index] and (radii[0] or radii[-1]):
-                result = result + wound_up(Frames(self), index)
+                result = result + wound_up(Frames(self.model, self.arrays), index)
         elif kind == "joint" and quantity == "tension":
             result = link_tensions(
                 self.model, self.means("joint_force", "joint_reaction"), np.array([index]))[:, 0]
@@ -331,7 +331,7 @@ def ended(run: Samples) -> list[str]:
     """A note on each point that reached an end of its groove after the start, in order of time."""
     joints, found, notes = run.model.joints, [], []
     slots = joints.keeping("groove").tolist() if len(run) else []
-    frames = Frames(run)
+    frames = Frames(run.model, run.arrays)
     for joint in slots:
         place, length = frames.place_in_slot(joint), slot_length(run.model, joint)
         force = np.nan_to_num(run.arrays["joint_force"][:, joint])

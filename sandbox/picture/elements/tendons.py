@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from sandbox.picture.elements.joints import cylinder, made_stiffer
 from sandbox.picture.listing import Between, Number, Point, RunData, flat, short
 from sandbox.picture.scales import SLACK_FRACTION, round_up
 from sandbox.picture.subject import Subject
+from sandbox.samples.cables import Frames
 
 WOUND = 1.5  # length of a tendon that is shown on the wheel on which it ends [rad]
 CREEP, MIN_SLIP = 1e-3, 1e-6  # minimum slip: per sample [largest one], of that [m]
@@ -25,34 +25,24 @@ PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
 """Offsets of pump, tank, line [points]."""
 
 
-def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int], on: Flags, *,
-         closed: bool) -> tuple[Array, Array]:
-    """The angles [n, g] rad at which a tendon meets and leaves guides; NaN off the guide."""
-    meets, leaves = (np.full(on.shape, np.nan) for _ in range(2))
-    signed = np.array(senses) * radii
-    for pattern in np.unique(on, axis=0):
-        rows = (on == pattern).all(axis=1)
-        guides = np.flatnonzero(pattern).tolist()
-        for i, j in pairwise(guides):
-            way = (places[j] - places[i])[rows]
-            turn = np.arccos(np.clip((signed[i] - signed[j]) / np.maximum(
-                np.hypot(*way.T), 1e-12), -1, 1))
-            normal = np.arctan2(way[:, 1], way[:, 0]) + turn  # left of the straight piece
-            leaves[rows, i], meets[rows, j] = (
-                normal + (0 if senses[k] > 0 else np.pi) for k in (i, j))
-        first, last = guides[0], guides[-1]
-        if closed:
-            meets[rows, first], leaves[rows, last] = meets[rows, last], leaves[rows, first]
-        else:
-            meets[rows, first] = leaves[rows, first] + senses[first] * WOUND
-            leaves[rows, last] = meets[rows, last] - senses[last] * WOUND
+def arcs(normal: Array, senses: Sequence[int], on: Flags, *, closed: bool) -> tuple[Array, Array]:
+    """The angles [n, g] rad at which a tendon meets and leaves guides; NaN off the guide.
+
+    ``normal`` are the angles left of its straight pieces, [n, g - 1] rad.
+    """
+    meets, leaves = (np.zeros(on.shape) for _ in range(2))
+    opposite = np.where(np.array(senses) > 0, 0.0, np.pi)
+    meets[:, 1:], leaves[:, :-1] = normal + opposite[1:], normal + opposite[:-1]
+    meets[:, 0] = meets[:, -1] if closed else leaves[:, 0] + senses[0] * WOUND
+    leaves[:, -1] = leaves[:, 0] if closed else meets[:, -1] - senses[-1] * WOUND
+    meets[~on] = np.nan
     for g, sense in enumerate(senses):
         there = np.isfinite(meets[:, g])
         start = np.unwrap(meets[there, g])
         sweep = (sense * (meets[there, g] - leaves[there, g])) % math.tau
         sweep = np.where(sweep > math.tau - 0.02, sweep - math.tau, sweep)
         meets[there, g], leaves[there, g] = start, start - sense * sweep
-    return meets, leaves
+    return meets, np.where(on, leaves, np.nan)
 
 
 def add_cables(s: Subject) -> None:
@@ -60,10 +50,12 @@ def add_cables(s: Subject) -> None:
     off, slip = s.run.arrays["guide_lifted"] > 0, s.run.arrays["guide_slip"]
     slid = np.abs(np.diff(slip, axis=0, prepend=slip[:1]))
     slips = slid > CREEP * np.maximum(slid.max(axis=0, initial=0.0), MIN_SLIP)
+    cables = Frames(s.run.model, s.run.arrays).cables
+    normals: Array = np.arctan2(cables.x, -cables.y).T.round(9)  # equal ones stay equal
     for k, spec in enumerate(s.run.mechanism.tendons):
-        cable = _Cable(s, k, off[:, s.run.model.tendons.loose(k)])
-        gripped = s.run.model.tendons.gripped(k).tolist()
         own = np.flatnonzero(s.run.model.tendons.stretch_tendon == k)
+        cable = _Cable(s, k, off[:, s.run.model.tendons.loose(k)], normals[:, own])
+        gripped = s.run.model.tendons.gripped(k).tolist()
         last = len(cable.points) - spec.closed
         if not gripped:
             cable.line([cable.guide(g, cable.meets[:, g], cable.leaves[:, g]) for g in range(last)],
@@ -80,7 +72,7 @@ def add_cables(s: Subject) -> None:
 class _Cable:
     """Adds the items of one tendon."""
 
-    def __init__(self, s: Subject, k: int, off: Flags) -> None:
+    def __init__(self, s: Subject, k: int, off: Flags, normal: Array) -> None:
         tendons, spec = s.run.model.tendons, s.run.mechanism.tendons[k]
         where, path = tendons.guides(k), spec.path
         self.s, self.closed, self.name = s, spec.closed, tendons.name[k]
@@ -100,8 +92,7 @@ class _Cable:
         self.meets = self.leaves = np.zeros(self.on.shape)
         if tendons.gripped(k).size or any(self.radii) or not self.on.all():
             self.places = [s.out.place(point) for point in self.points]
-            self.meets, leaves = arcs(self.places, self.radii, self.senses, self.on,
-                                      closed=self.closed)
+            self.meets, leaves = arcs(normal, self.senses, self.on, closed=self.closed)
             self.leaves = leaves - np.array(self.senses) * math.tau * (
                 tendons.guide_turns[where] > 0)
         self.middle = (self.meets + self.leaves) / 2
