@@ -30,7 +30,13 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.blocks import factor_blocks, solve_blocks
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.islands import begin_piles, broken_limits, finish_piles, gather_piles
+from sandbox.engine.islands import (
+    begin_piles,
+    broken_limits,
+    finish_piles,
+    gather_piles,
+    wake_touched,
+)
 from sandbox.engine.kernel import kernel
 from sandbox.engine.pile_rows import add_rows, answer_of_rows
 from sandbox.engine.plan import put
@@ -81,8 +87,11 @@ def _solve_all(table: int, h: float, number: int) -> float:
     else:
         counts[1] = gather_piles(table, h)
     for _ in range(LIMIT_ROUNDS):
-        if counts[1]:
+        while counts[1]:
             residual = solve_contacts(table, counts[1])
+            if not wake_touched(table, counts[1]):
+                break
+            counts[1] = gather_piles(table, h)
         for i in range(len(bodies)):
             if bodies[i]["piled"]:
                 for r in range(3):
