@@ -7,8 +7,9 @@ with the same pattern: slot p of column j belongs to row ``below[p]``, which is 
 
 from __future__ import annotations
 
+from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
-from sandbox.numeric import Integers, Matrix, Stack
+from sandbox.numeric import Integers, Matrix
 
 BITS = 62  # bits used of a word of an adjacency set; more would need an unsigned type
 
@@ -111,42 +112,49 @@ def _invert(A: Matrix) -> None:
 
 
 @kernel
-def _subtract_product(X: Matrix, A: Matrix, B: Matrix) -> None:
-    """X -= A B."""
-    for r in range(3):
-        x, y, z = A[r, 0], A[r, 1], A[r, 2]
-        X[r, 0] -= x * B[0, 0] + y * B[1, 0] + z * B[2, 0]
-        X[r, 1] -= x * B[0, 1] + y * B[1, 1] + z * B[2, 1]
-        X[r, 2] -= x * B[0, 2] + y * B[1, 2] + z * B[2, 2]
+def factor_blocks(table: int) -> None:
+    """Factor the matrix of the piles in place.
 
-
-@kernel
-def factor_blocks(starts: Integers, below: Integers, D: Stack, L: Stack, U: Stack) -> None:
-    """Factor in place: D [n, 3, 3] becomes the inverse pivots, L [slots, 3, 3] is scaled by D."""
+    Its diagonal [n, 3, 3] becomes the inverse pivots, which scale the blocks below it.
+    """
+    starts, below = at.pile_starts(table), at.pile_below(table)
+    D, L, U = at.pile_diagonal(table), at.pile_lower(table), at.pile_upper(table)
     for j in range(len(starts) - 1):
         _invert(D[j])
-        inverse = D[j]
         first, last = starts[j], starts[j + 1]
         for p in range(first, last):
             for r in range(3):
                 x, y, z = L[p, r, 0], L[p, r, 1], L[p, r, 2]
                 for c in range(3):
-                    L[p, r, c] = x * inverse[0, c] + y * inverse[1, c] + z * inverse[2, c]
+                    L[p, r, c] = x * D[j, 0, c] + y * D[j, 1, c] + z * D[j, 2, c]
         for q in range(first, last):
-            slot = starts[below[q]]
+            size = 0.0
+            for r in range(3):
+                for c in range(3):
+                    size += abs(L[q, r, c]) + abs(U[q, r, c])
+            if size == 0.0:  # of bodies that are near each other but do not touch
+                continue
+            slot, i = starts[below[q]], below[q]
             for p in range(q + 1, last):
                 while below[slot] != below[p]:
                     slot += 1
-                _subtract_product(L[slot], L[p], U[q])
-                _subtract_product(U[slot], L[q], U[p])
-            _subtract_product(D[below[q]], L[q], U[q])
+                for r in range(3):
+                    x, y, z = L[p, r, 0], L[p, r, 1], L[p, r, 2]
+                    a, b, d = L[q, r, 0], L[q, r, 1], L[q, r, 2]
+                    for c in range(3):
+                        L[slot, r, c] -= x * U[q, 0, c] + y * U[q, 1, c] + z * U[q, 2, c]
+                        U[slot, r, c] -= a * U[p, 0, c] + b * U[p, 1, c] + d * U[p, 2, c]
+            for r in range(3):
+                x, y, z = L[q, r, 0], L[q, r, 1], L[q, r, 2]
+                for c in range(3):
+                    D[i, r, c] -= x * U[q, 0, c] + y * U[q, 1, c] + z * U[q, 2, c]
 
 
 @kernel
-def solve_blocks(
-    starts: Integers, below: Integers, D: Stack, L: Stack, U: Stack, x: Matrix,
-) -> None:
+def solve_blocks(table: int, x: Matrix) -> None:
     """Solve with the factors in place; x [n, 3] is in the order of elimination."""
+    starts, below = at.pile_starts(table), at.pile_below(table)
+    D, L, U = at.pile_diagonal(table), at.pile_lower(table), at.pile_upper(table)
     n = len(starts) - 1
     for j in range(n):
         a, b, c = x[j, 0], x[j, 1], x[j, 2]

@@ -14,9 +14,9 @@ with G the response of the contact to a unit impulse. Tangentially a sticking co
 stiffness TANGENTIAL k; a sliding one obeys Coulomb's law. Depths are a few g h^2 / STIFFNESS for
 each body that lies above.
 
-An island without joints sleeps after it has been still for :data:`SLEEP_STEPS` steps: its
-velocities are 0 and its impulses stay. A body that comes near, a change of the forces on it, a
-moving support or a running surface wakes all of it.
+Bodies without joints that carry each other sleep after they have been still for
+:data:`SLEEP_STEPS` steps: their velocities are 0 and their impulses stay. A body that presses on
+one, a change of the forces on it, a moving support or a running surface wakes them all.
 
 Soft skin: contacts of materials that give way, with a stiffness and a damping.
 
@@ -68,8 +68,8 @@ def _root(table: int, i: int) -> int:
 
 
 @kernel
-def _join_islands(table: int) -> None:
-    """Join the bodies that rows connect, or that are near enough to touch."""
+def _join_islands(table: int, carry: bool) -> None:
+    """Join bodies that rows connect and those near enough to touch, or whose contacts ``carry``."""
     touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
     for i in range(len(bodies)):
         one = bodies[i]
@@ -79,7 +79,7 @@ def _join_islands(table: int) -> None:
             one["island"] = one["cluster"]
     for i in range(at.touching(table)[0]):
         a, b = loose[touches[i]["a"]], loose[touches[i]["b"]]
-        if a >= 0 and b >= 0:
+        if a >= 0 and b >= 0 and (touches[i]["normal"] > 0.0 or not carry):
             a, b = _root(table, a), _root(table, b)
             bodies[max(a, b)]["island"] = min(a, b)
             bodies[min(a, b)]["linked"] |= bodies[max(a, b)]["linked"]
@@ -89,8 +89,26 @@ def _join_islands(table: int) -> None:
 def list_piles(table: int) -> None:
     """Find the islands, and mark the contacts of piles, which no other row is made for."""
     touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
-    inverse_mass, free, before = at.inverse_mass(table), at.free(table), at.before(table)
-    _join_islands(table)
+    _join_islands(table, False)
+    _choose_piles(table)
+    _join_islands(table, True)
+    _wake(table)
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        q = max(loose[t["a"]], loose[t["b"]])
+        if q >= 0 and bodies[q]["piled"]:
+            if t["listed"] != IN_PILE and t["normal"] > 0.0 and t["soft"] == 0.0:
+                t["stretch"] = math.nan  # it follows from the impulse
+            t["listed"] = IN_PILE
+        elif t["listed"] == IN_PILE:
+            t["listed"] = 1 if t["normal"] > 0.0 else 0
+
+
+@kernel
+def _choose_piles(table: int) -> None:
+    """Decide which islands of bodies that are near each other are piles."""
+    touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
+    inverse_mass = at.inverse_mass(table)
     for i in range(at.touching(table)[0]):
         t = touches[i]
         a, b = loose[t["a"]], loose[t["b"]]
@@ -104,9 +122,6 @@ def list_piles(table: int) -> None:
         if (t["restitution"] > 0.0 or t["static"] > 1.0
                 or (min(a, b) < 0 and inverse_mass[other, 0] > 0.0)):
             root["rows"] = -(1 << 40)  # no pile
-        if t["belt"] != 0.0 or (min(a, b) < 0 and (
-                free[other, 0] != 0.0 or free[other, 1] != 0.0 or free[other, 2] != 0.0)):
-            root["awake"] = 1
     rows = carried = before_single = before_linked = 0
     for i in range(len(bodies)):
         if bodies[_root(table, i)]["linked"]:
@@ -120,30 +135,54 @@ def list_piles(table: int) -> None:
     at.pile_counts(table)[0] = 0
     for i in range(len(bodies)):
         root = bodies[_root(table, i)]
-        body, b = bodies[i], bodies[i]["number"]
-        body["piled"] = 1 if root["rows"] > 0 and (many_linked if root["linked"] else many) else 0
+        bodies[i]["piled"] = (
+            1 if root["rows"] > 0 and (many_linked if root["linked"] else many) else 0)
         if root["linked"]:
-            root["awake"] = 1
-            at.pile_counts(table)[0] |= body["piled"]
+            at.pile_counts(table)[0] |= bodies[i]["piled"]
+
+
+@kernel
+def _wake(table: int) -> None:
+    """Decide which islands of bodies that carry each other are awake."""
+    touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
+    free, before = at.free(table), at.before(table)
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        a, b = loose[t["a"]], loose[t["b"]]
+        other = t["b"] if a >= 0 else t["a"]
+        if t["belt"] != 0.0 or (min(a, b) < 0 and (
+                free[other, 0] != 0.0 or free[other, 1] != 0.0 or free[other, 2] != 0.0)):
+            for q in (a, b):
+                if q >= 0:
+                    bodies[_root(table, q)]["awake"] = 1
+    for i in range(len(bodies)):
+        body, b = bodies[i], bodies[i]["number"]
         vx, vy, w = free[b, 0] - before[b, 0], free[b, 1] - before[b, 1], free[b, 2] - before[b, 2]
         if body["still"] >= SLEEP_STEPS and (vx != body["x"] or vy != body["y"] or w != body["t"]):
             body["still"] = 0  # the force on it has changed
         body["x"], body["y"], body["t"] = vx, vy, w
-        if body["still"] < SLEEP_STEPS:
-            root["awake"] = 1
+        if body["still"] < SLEEP_STEPS or body["linked"]:
+            bodies[_root(table, i)]["awake"] = 1
     for i in range(len(bodies)):
         bodies[i]["awake"] = bodies[_root(table, i)]["awake"]
         if bodies[i]["awake"]:
             bodies[i]["still"] = min(bodies[i]["still"], SLEEP_STEPS - 1)
-    for i in range(at.touching(table)[0]):
-        t = touches[i]
-        q = max(loose[t["a"]], loose[t["b"]])
-        if q >= 0 and bodies[q]["piled"]:
-            if t["listed"] != IN_PILE and t["normal"] > 0.0 and t["soft"] == 0.0:
-                t["stretch"] = math.nan  # it follows from the impulse
-            t["listed"] = IN_PILE
-        elif t["listed"] == IN_PILE:
-            t["listed"] = 1 if t["normal"] > 0.0 else 0
+
+
+@kernel
+def wake_touched(table: int, n: int) -> bool:
+    """Wake islands that others press on; whether there are any."""
+    c, touches, bodies, found = at.piled(table), at.touches(table), at.pile_bodies(table), False
+    for k in range(n):
+        if c[k]["source"] == NORMAL and c[k]["pn"] > 0.0:
+            t = touches[c[k]["index"]]
+            for q in (at.loose(table)[t["a"]], at.loose(table)[t["b"]]):
+                if q >= 0 and not bodies[q]["awake"]:
+                    found, root = True, _root(table, q)
+                    for i in range(len(bodies)):
+                        if _root(table, i) == root:
+                            bodies[i]["awake"], bodies[i]["still"] = 1, 0
+    return found
 
 
 @kernel
@@ -157,11 +196,11 @@ def gather_piles(table: int, h: float) -> int:
     begin_piles(table)
     n = 0
     for i in range(at.touching(table)[0]):
-        t = touches[i]
-        q = max(loose[t["a"]], loose[t["b"]])
-        if t["listed"] == IN_PILE and bodies[q]["awake"]:
+        a, b = loose[touches[i]["a"]], loose[touches[i]["b"]]
+        if touches[i]["listed"] == IN_PILE and (
+                (a >= 0 and bodies[a]["awake"]) or (b >= 0 and bodies[b]["awake"])):
             _gather(table, h, i, n)
-            root = bodies[_root(table, q)]
+            root = bodies[_root(table, max(c[n]["a"], c[n]["b"]))]
             root["fastest"] = max(root["fastest"], c[n]["tolerance"])
             n += 1
     for k in range(n):
@@ -309,6 +348,10 @@ def _gather(table: int, h: float, i: int, k: int) -> None:
                 one["bias_n"] += J[side, r] * free[body, r]
                 one["bias_t"] += J[2 + side, r] * free[body, r]
     one["tolerance"] = max(abs(rate(normal, free)), abs(rate(tangent, free) + t["belt"]))
+    if one["a"] >= 0 and not at.pile_bodies(table)[one["a"]]["awake"]:
+        one["a"] = -1
+    if one["b"] >= 0 and not at.pile_bodies(table)[one["b"]]["awake"]:
+        one["b"] = -1
 
 
 @kernel

@@ -30,7 +30,13 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.blocks import factor_blocks, solve_blocks
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.islands import begin_piles, broken_limits, finish_piles, gather_piles
+from sandbox.engine.islands import (
+    begin_piles,
+    broken_limits,
+    finish_piles,
+    gather_piles,
+    wake_touched,
+)
 from sandbox.engine.kernel import kernel
 from sandbox.engine.pile_rows import add_rows, answer_of_rows
 from sandbox.engine.plan import put
@@ -40,8 +46,10 @@ FIRST_SHARE, MAX_SHARE, MIN_SHARE = 1e-5, 1e-2, 1e-9  # initial, largest and sma
 MAX_LINKED, ENOUGH = 0.1, 0.01
 """Where joints connect bodies: the largest share; the residual, over its tolerance, with which the
 impulses of the last step are kept. Rates fall below those at which a mechanism rests."""
-PROXIMAL_ROUNDS, NEWTON_STEPS, HALVINGS, SWEEPS = 100, 12, 4, 50
-"""Proximal rounds, Newton steps in each, halvings of a step, sweeps after a failed round."""
+PROXIMAL_ROUNDS, NEWTON_STEPS, TRIALS, SWEEPS = 100, 8, 2, 50
+"""Proximal rounds, Newton steps in each, lengths of a step, sweeps after a failed round."""
+FAR_OFF, FIRST_SWEEPS = 1e6, 10
+"""Where the residual of the last impulses, over its tolerance, is larger, sweeps come first."""
 CYCLE = 16  # rounds after which e changes by smaller factors: they may repeat in a cycle
 LAST = -1  # as the number of a solve: the one at the end of a step
 LIMIT_ROUNDS = 10  # maximum number of times that limits which the velocities violate are added
@@ -79,8 +87,11 @@ def _solve_all(table: int, h: float, number: int) -> float:
     else:
         counts[1] = gather_piles(table, h)
     for _ in range(LIMIT_ROUNDS):
-        if counts[1]:
+        while counts[1]:
             residual = solve_contacts(table, counts[1])
+            if not wake_touched(table, counts[1]):
+                break
+            counts[1] = gather_piles(table, h)
         for i in range(len(bodies)):
             if bodies[i]["piled"]:
                 for r in range(3):
@@ -110,6 +121,11 @@ def solve_contacts(table: int, n: int) -> float:
     found = best = _residual(c, n)
     _keep(c, n)
     share, before, first, at_best = FIRST_SHARE, math.inf, True, True
+    if best > FAR_OFF and not linked:
+        found, first = _sweep(table, n, v, FIRST_SWEEPS), False
+        if found < best:
+            best = found
+            _keep(c, n)
     for round in range(PROXIMAL_ROUNDS):
         if best <= (enough if round == 0 else 1.0):
             break
@@ -342,8 +358,6 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial, F, x, change = vectors[0], vectors[1], vectors[4], vectors[5], vectors[6]
     place = at.pile_place(table)
-    starts, below = at.pile_starts(table), at.pile_below(table)
-    D, L, U = at.pile_diagonal(table), at.pile_lower(table), at.pile_upper(table)
     if first:
         _law_as_before(c, n)
     else:
@@ -355,11 +369,11 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
         c[k]["factored"], c[k]["R_factored"] = c[k]["mode"], c[k]["Rn"]
     if not same:
         _assemble(table, n)
-        factor_blocks(starts, below, D, L, U)
+        factor_blocks(table)
     for i in range(len(F)):
         for r in range(3):
             x[place[i], r] = -F[i, r]
-    solve_blocks(starts, below, D, L, U, x)
+    solve_blocks(table, x)
     for i in range(len(F)):
         for r in range(3):
             change[i, r] = x[place[i], r]
@@ -370,25 +384,19 @@ def _newton_step(table: int, n: int, first: bool) -> bool:
         largest, least = max(largest, size), max(least, size / c[k]["tolerance"])
     if not largest < FASTEST:
         return False
-    share, good = 1.0, first or least <= 0.1
-    for _ in range(0 if first else HALVINGS):
+    share = 1.0
+    for _ in range(TRIALS):
         for i in range(len(v)):
             for r in range(3):
                 trial[i, r] = v[i, r] + share * change[i, r]
         _rates(c, J, n, trial, True)
         _law(c, n)
-        if _force(table, n, trial) < (1.0 - 0.1 * share) ** 2 * before:
-            good = True
-            break
+        if (first or least <= 0.1
+                or _force(table, n, trial) < (1.0 - 0.1 * share) ** 2 * before):
+            put(v, trial)
+            return True
         share *= 0.5
-    if not good:
-        return False
-    for i in range(len(v)):
-        for r in range(3):
-            v[i, r] += share * change[i, r]
-    _rates(c, J, n, v, True)
-    _law(c, n)
-    return True
+    return False
 
 
 @kernel
@@ -458,6 +466,8 @@ def _sweep(table: int, n: int, v: Matrix, sweeps: int) -> float:
                     if b >= 0:
                         y += J[k, i + 1, r] * v[b, r]
                 if axis:
+                    if one["pn"] == 0.0 and one["pt"] == 0.0:
+                        break
                     most, last = one["friction"] * one["pn"], one["pt"]
                     p = last - (y + one["soft_t"] * last) / (one["base_t"] + one["soft_t"])
                     one["pt"] = p = min(max(p, -most), most)

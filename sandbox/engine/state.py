@@ -106,22 +106,24 @@ PILE_BODY = np.dtype([
     ("x", float), ("y", float), ("t", float),   # change of its velocity without contacts
     ("fastest", float),     # of the lowest: the largest free rate of the island's contacts [m/s]
 ])  # a free body that may be in a pile (islands)
-PILED = np.dtype([
-    ("source", np.int64),   # NORMAL, LIMITED, DRIVEN or JOINT_FRICTION
-    ("index", np.int64),    # its TOUCH, LIMIT, MOTOR or DRY_FRICTION
-    ("a", np.int64), ("b", np.int64), ("slot", np.int64),   # PILE_BODY or -1; block of the two
-    ("mode", np.int64), ("factored", np.int64),     # its mode in the factor of the matrix, or -1
+PILED = np.dtype([  # those that are used most come first
+    ("a", np.int64), ("b", np.int64),   # PILE_BODY or -1
     *((name, float) for name in (
-        "friction", "tolerance",
-        "R_factored",           # its Rn in the factor
-        "n_last", "t_last",     # impulses of the last step [N s]
-        "n0", "t0", "n_best", "t_best", "pn", "pt",
+        "friction", "pn", "pt",
         "bias_n", "bias_t",     # added to the rates [m/s]
-        "bend",                 # share of that by turning bodies, along the contact
         "soft_n", "soft_t",     # compliance: rate for an impulse of 1
         "base_n", "base_t",     # response of the bodies to an impulse of 1
-        "stiffness", "along",   # tangential [N/m]; share of bias_t by its spring
-        "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
+        "yn", "yt", "tolerance", "Rn", "Rt", "n_shift", "t_shift", "dyn", "dyt")),
+    ("mode", np.int64), ("factored", np.int64),     # its mode in the factor of the matrix, or -1
+    ("slot", np.int64),     # block of the two bodies
+    ("source", np.int64),   # NORMAL, LIMITED, DRIVEN or JOINT_FRICTION
+    ("index", np.int64),    # its TOUCH, LIMIT, MOTOR or DRY_FRICTION
+    *((name, float) for name in (
+        "R_factored",           # its Rn in the factor
+        "n_last", "t_last",     # impulses of the last step [N s]
+        "n0", "t0", "n_best", "t_best",
+        "bend",                 # share of bias_t by turning bodies
+        "stiffness", "along")),     # tangential [N/m]; share of bias_t by its spring
 ])  # a contact or a bounded row of a joint in a pile while its step is solved (piles)
 IN_PILE = -1  # value of a contact's "listed" that keeps it from the rows of the direct solver
 AWAY, CLOSING, RESTING = 0, 1, 2  # phases of a contact: free; hit, gap closing; in contact
