@@ -58,7 +58,7 @@ class Still(Simulation):
     def put(self, pose: Array, speed: Array | None = None) -> None:
         """Put all bodies to a pose, at a speed, by default none."""
         order = self._world.order
-        self._world.place(pose[order], np.zeros_like(pose) if speed is None else speed[order])
+        self._tables.place(pose[order], np.zeros_like(pose) if speed is None else speed[order])
         self._tables.state.standing[1] = 0
 
     def slow(self, share: float) -> None:
