@@ -328,29 +328,25 @@ def solve_system(A: Array, m: int, swaps: Integers) -> None:
 
 @kernel
 def _impulses(rows: Records, n: int, G: Array, A: Array, chosen: Integers) -> None:
-    m, swaps, same = choose(rows, n, chosen), chosen[n:], True
+    m, swaps, same, pressed = choose(rows, n, chosen), chosen[n:], True, False
     for k in range(n):
-        same &= rows[k]["factored"] == rows[k]["mode"]
-        rows[k]["factored"] = rows[k]["mode"]
+        row = rows[k]
+        same &= row["factored"] == row["mode"]
+        row["factored"], row["p"] = row["mode"], 0.0
+        if row["normal"] < 0 and row["mode"] != 0:
+            row["p"] = row["low"] if row["mode"] < 0 else row["high"]
+            pressed |= row["p"] != 0.0
     if not same:
         make_system(rows, n, G, A, chosen, m)
         factor_system(A, m, swaps)
     for r in range(m):
         i = chosen[r]
         f = rows[i]["free"]
-        for k in range(n):
-            other = rows[k]
-            if other["normal"] < 0 and other["mode"] != 0:
-                bound = other["low"] if other["mode"] < 0 else other["high"]
-                if bound != 0.0:
-                    f += G[i, k] * bound
+        for k in range(n if pressed else 0):  # only those at a bound have one so far
+            if rows[k]["p"] != 0.0:
+                f += G[i, k] * rows[k]["p"]
         A[r, m] = held(rows[i]) * rows[i]["last"] - f
     solve_system(A, m, swaps)
-    for k in range(n):
-        row = rows[k]
-        row["p"] = 0.0
-        if row["normal"] < 0 and row["mode"] != 0:
-            row["p"] = row["low"] if row["mode"] < 0 else row["high"]
     for r in range(m):
         rows[chosen[r]]["p"] = A[r, m]
     for k in range(n):
