@@ -145,21 +145,24 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
                 inverse_mass[a, 0] * (row["ax"] ** 2 + row["ay"] ** 2)
                 + inverse_mass[b, 0] * (row["bx"] ** 2 + row["by"] ** 2)
                 + inverse_mass[a, 1] * row["at"] ** 2 + inverse_mass[b, 1] * row["bt"] ** 2)
+        ax = ay = ta = bx = by = tb = 0.0
+        if hubs[a, 0] < 0:
+            w, wt = inverse_mass[a, 0], inverse_mass[a, 1]
+            ax, ay, ta = w * row["ax"], w * row["ay"], wt * row["at"]
+        if hubs[b, 0] < 0:
+            w, wt = inverse_mass[b, 0], inverse_mass[b, 1]
+            bx, by, tb = w * row["bx"], w * row["by"], wt * row["bt"]
         for m in range(k + 1):
             other, z = rows[m], Y[m]
             x = 0.0
-            for side in range(2):
-                body = row["a"] if side == 0 else row["b"]
-                if hubs[body, 0] >= 0:
-                    continue
-                w, wt = inverse_mass[body, 0], inverse_mass[body, 1]
-                cx = w * (row["ax"] if side == 0 else row["bx"])
-                cy = w * (row["ay"] if side == 0 else row["by"])
-                ct = wt * (row["at"] if side == 0 else row["bt"])
-                if other["a"] == body:
-                    x += cx * other["ax"] + cy * other["ay"] + ct * other["at"]
-                if other["b"] == body:
-                    x += cx * other["bx"] + cy * other["by"] + ct * other["bt"]
+            if other["a"] == a:
+                x += ax * other["ax"] + ay * other["ay"] + ta * other["at"]
+            if other["b"] == a:
+                x += ax * other["bx"] + ay * other["by"] + ta * other["bt"]
+            if other["a"] == b:
+                x += bx * other["ax"] + by * other["ay"] + tb * other["at"]
+            if other["b"] == b:
+                x += bx * other["bx"] + by * other["by"] + tb * other["bt"]
             short = m if other["branch"] < n else k
             for q in range(min(n, other["branch"])):
                 r = reached[short, q]
@@ -325,29 +328,25 @@ def solve_system(A: Array, m: int, swaps: Integers) -> None:
 
 @kernel
 def _impulses(rows: Records, n: int, G: Array, A: Array, chosen: Integers) -> None:
-    m, swaps, same = choose(rows, n, chosen), chosen[n:], True
+    m, swaps, same, pressed = choose(rows, n, chosen), chosen[n:], True, False
     for k in range(n):
-        same &= rows[k]["factored"] == rows[k]["mode"]
-        rows[k]["factored"] = rows[k]["mode"]
+        row = rows[k]
+        same &= row["factored"] == row["mode"]
+        row["factored"], row["p"] = row["mode"], 0.0
+        if row["normal"] < 0 and row["mode"] != 0:
+            row["p"] = row["low"] if row["mode"] < 0 else row["high"]
+            pressed |= row["p"] != 0.0
     if not same:
         make_system(rows, n, G, A, chosen, m)
         factor_system(A, m, swaps)
     for r in range(m):
         i = chosen[r]
         f = rows[i]["free"]
-        for k in range(n):
-            other = rows[k]
-            if other["normal"] < 0 and other["mode"] != 0:
-                bound = other["low"] if other["mode"] < 0 else other["high"]
-                if bound != 0.0:
-                    f += G[i, k] * bound
+        for k in range(n if pressed else 0):  # only those at a bound have one so far
+            if rows[k]["p"] != 0.0:
+                f += G[i, k] * rows[k]["p"]
         A[r, m] = held(rows[i]) * rows[i]["last"] - f
     solve_system(A, m, swaps)
-    for k in range(n):
-        row = rows[k]
-        row["p"] = 0.0
-        if row["normal"] < 0 and row["mode"] != 0:
-            row["p"] = row["low"] if row["mode"] < 0 else row["high"]
     for r in range(m):
         rows[chosen[r]]["p"] = A[r, m]
     for k in range(n):

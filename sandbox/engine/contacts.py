@@ -31,6 +31,7 @@ from sandbox.engine import curves
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.rows import turned
 from sandbox.numeric import Array, Integers, Records
 
 AT_CORNER = 1e-4  # distance from a corner, as a share of the margin, that counts as none
@@ -63,11 +64,13 @@ def gap_acceleration(table: int, t: Any) -> float:
 def straight_curvature(table: int, shape: Any, px: float, py: float, nx: float, ny: float) -> Any:
     """Curvature k / d of a shape without a curve at (px, py), from the centre of mass."""
     vertices, radius = at.vertices(table), shape["radius"]
-    first, last, angle = shape["vertex"], shape["vertex_end"], at.body(table)[shape["body"], 2]
+    first, last, b = shape["vertex"], shape["vertex_end"], shape["body"]
+    c, s = turned(at.ahead(table), b, at.body(table)[b, 2])
     if last - first == 1:  # a drive may change the radius of a circle
-        x, y = curves.rotated(vertices[first, 0], vertices[first, 1], angle)
-        return 1.0, math.hypot(px - x, py - y)
-    x, y = curves.rotated(px - radius * nx, py - radius * ny, -angle)
+        x, y = vertices[first, 0], vertices[first, 1]
+        return 1.0, math.hypot(px - (c * x - s * y), py - (s * x + c * y))
+    px, py = px - radius * nx, py - radius * ny
+    x, y = c * px + s * py, c * py - s * px
     k = curves.nearest_vertex(vertices, first, last, x, y)
     if math.hypot(vertices[k, 0] - x, vertices[k, 1] - y) < AT_CORNER * shape["margin"]:
         return 1.0, radius

@@ -194,6 +194,7 @@ def gather_piles(table: int, h: float) -> int:
     for i in range(len(bodies)):
         bodies[i]["fastest"] = 0.0
     begin_piles(table)
+    set_blocks(table)
     n = 0
     for i in range(at.touching(table)[0]):
         a, b = loose[touches[i]["a"]], loose[touches[i]["b"]]
@@ -226,8 +227,8 @@ def gather_piles(table: int, h: float) -> int:
 
 
 @kernel
-def begin_piles(table: int) -> bool:
-    """Take the velocities without contacts and limits of piles; whether rows have changed."""
+def begin_piles(table: int) -> None:
+    """Take the velocities without contacts and limits of piles."""
     bodies, vectors = at.pile_bodies(table), at.pile_vectors(table)
     inverse_mass = at.inverse_mass(table)
     for i in range(len(bodies)):
@@ -235,7 +236,6 @@ def begin_piles(table: int) -> bool:
         for r in range(3):
             vectors[2, i, r] = at.velocity(table)[b, r] if bodies[i]["awake"] else 0.0
             vectors[3, i, r] = inverse_mass[b, 0] if r < 2 else inverse_mass[b, 1]
-    return set_blocks(table)
 
 
 @kernel

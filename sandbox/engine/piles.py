@@ -38,7 +38,7 @@ from sandbox.engine.islands import (
     wake_touched,
 )
 from sandbox.engine.kernel import kernel
-from sandbox.engine.pile_rows import add_rows, answer_of_rows
+from sandbox.engine.pile_rows import add_rows, answer_of_rows, set_blocks
 from sandbox.engine.plan import put
 from sandbox.numeric import Matrix, Records, Stack
 
@@ -59,15 +59,16 @@ OPEN, STICKS, SLIDES_UP, SLIDES_DOWN = 0, 1, 2, 3  # p_t 0, within its limits, a
 
 
 @entry_point("piles")
-def solve_piles(table: int, h: float, number: int) -> float:
+def solve_piles(table: int, h: float, number: int, again: bool) -> float:
     """Find impulses and velocities of all piles that are awake; the largest residual [m/s].
 
     Where rows connect bodies of piles they are found for each solve of the other rows in a step,
     ``number`` counted from 0, otherwise for the :data:`LAST` only, when the results are noted.
+    ``again``: only velocities changed since the last call.
     """
     counts, residual = at.pile_counts(table), 0.0
     if (number == LAST) != (counts[0] == 1):
-        residual = _solve_all(table, h, number)
+        residual = _solve_all(table, h, number, again)
     if number == LAST:
         finish_piles(table, h, counts[1])
         at.accuracy(table)[3] += 1.0 if counts[1] else 0.0
@@ -75,11 +76,12 @@ def solve_piles(table: int, h: float, number: int) -> float:
 
 
 @kernel
-def _solve_all(table: int, h: float, number: int) -> float:
+def _solve_all(table: int, h: float, number: int, again: bool) -> float:
     counts, c, bodies = at.pile_counts(table), at.piled(table), at.pile_bodies(table)
     velocity, v, residual = at.velocity(table), at.pile_vectors(table)[0], 0.0
     if number > 0:
-        changed = begin_piles(table)
+        begin_piles(table)
+        changed = not again and set_blocks(table)
         for k in range(counts[1]):
             if changed:
                 c[k]["factored"] = -1
@@ -88,7 +90,8 @@ def _solve_all(table: int, h: float, number: int) -> float:
         counts[1] = gather_piles(table, h)
     for _ in range(LIMIT_ROUNDS):
         while counts[1]:
-            residual = solve_contacts(table, counts[1])
+            residual = solve_contacts(table, counts[1], again)
+            again = False
             if not wake_touched(table, counts[1]):
                 break
             counts[1] = gather_piles(table, h)
@@ -107,8 +110,11 @@ def _solve_all(table: int, h: float, number: int) -> float:
 
 
 @kernel
-def solve_contacts(table: int, n: int) -> float:
-    """Solve ``n`` contacts, with the velocities in the first vectors; largest residual [m/s]."""
+def solve_contacts(table: int, n: int, again: bool) -> float:
+    """Solve ``n`` contacts, with the velocities in the first vectors; largest residual [m/s].
+
+    ``again``: the impulses of the last step are those that it found in the last call.
+    """
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial = vectors[0], vectors[1]
     linked = at.pile_counts(table)[0] == 1
@@ -116,7 +122,10 @@ def solve_contacts(table: int, n: int) -> float:
     for k in range(n):  # start from the impulses of the last step
         c[k]["n0"] = c[k]["pn"] = c[k]["n_last"]
         c[k]["t0"] = c[k]["pt"] = c[k]["t_last"]
-    _momentum(table, n, v)
+    if again:
+        _add_free(table, v)
+    else:
+        _momentum(table, n, v)
     _rates(c, J, n, v, True)
     found = best = _residual(c, n)
     _keep(c, n)
@@ -276,19 +285,27 @@ def _add_impulses(c: Records, J: Stack, n: int, sign: float, v: Matrix) -> None:
 @kernel
 def _momentum(table: int, n: int, v: Matrix) -> None:
     c, J, free = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)[2]
-    weights = at.pile_vectors(table)[3]
-    for i in range(len(v)):
-        v[i, 0] = v[i, 1] = v[i, 2] = 0.0
-    _add_impulses(c, J, n, 1.0, v)
+    weights, answer = at.pile_vectors(table)[3], at.pile_vectors(table)[7]
+    for i in range(len(answer)):
+        answer[i, 0] = answer[i, 1] = answer[i, 2] = 0.0
+    _add_impulses(c, J, n, 1.0, answer)
     if at.pile_counts(table)[0]:
-        answer_of_rows(table, v)
-        for i in range(len(at.pile_bodies(table))):
-            for r in range(3):
-                v[i, r] += free[i, r]
+        answer_of_rows(table, answer)
+        _add_free(table, v)
         return
     for i in range(len(v)):
         for r in range(3):
-            v[i, r] = free[i, r] + weights[i, r] * v[i, r]
+            v[i, r] = free[i, r] + weights[i, r] * answer[i, r]
+
+
+@kernel
+def _add_free(table: int, v: Matrix) -> None:
+    """The velocities, as what the impulses last answered and those without contacts."""
+    free, answer = at.pile_vectors(table)[2], at.pile_vectors(table)[7]
+    put(v, answer)
+    for i in range(len(at.pile_bodies(table))):
+        for r in range(3):
+            v[i, r] += free[i, r]
 
 
 @kernel

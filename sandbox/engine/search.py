@@ -49,6 +49,8 @@ def search(table: int, h: float) -> tuple[bool, int]:
         if not near and apart <= 0.0:
             x, y = body[b, 0] - body[a, 0], body[b, 1] - body[a, 1]
             near = _reach(table, a, x, y) + _reach(table, b, -x, -y) >= x * x + y * y
+        if near and not fast:
+            break
     return near or parts > 1, parts
 
 
@@ -73,12 +75,25 @@ def _bound(table: int, h: float) -> bool:
             x1, y1 = max(x1, boxes[b, 2]), max(y1, boxes[b, 3])
             margin = min(margin, boxes[b, 4])
         boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3], last = x0, y0, x1, y1, b
-        far_x, far_y = max(x1 - x, x - x0), max(y1 - y, y - y0)
-        reach = math.sqrt(far_x * far_x + far_y * far_y)
-        boxes[b, 4], boxes[b, 6] = margin, reach
-        boxes[b, 5] = h * (math.sqrt(body[b, 3] ** 2 + body[b, 4] ** 2)
-                           + abs(body[b, 5]) * reach) - margin
-        fast |= boxes[b, 5] > 0.0
+        boxes[b, 4], boxes[b, 5] = margin, 0.0
+        reach = max(x1 - x, x - x0) + max(y1 - y, y - y0)  # no less, and without a root
+        fast |= h * (abs(body[b, 3]) + abs(body[b, 4]) + abs(body[b, 5]) * reach) > margin
+    return fast and _paths(h, body, boxes)
+
+
+@kernel
+def _paths(h: float, body: Array, boxes: Array) -> bool:
+    """Paths beyond the margins, and reaches, into ``boxes``; whether any path is."""
+    fast = False
+    for b in range(len(boxes)):
+        if boxes[b, 5] == 0.0:  # it has shapes
+            far_x = max(boxes[b, 2] - body[b, 0], body[b, 0] - boxes[b, 0])
+            far_y = max(boxes[b, 3] - body[b, 1], body[b, 1] - boxes[b, 1])
+            reach = math.sqrt(far_x * far_x + far_y * far_y)
+            boxes[b, 6] = reach
+            boxes[b, 5] = h * (math.sqrt(body[b, 3] ** 2 + body[b, 4] ** 2)
+                               + abs(body[b, 5]) * reach) - boxes[b, 4]
+            fast |= boxes[b, 5] > 0.0
     return fast
 
 

@@ -445,7 +445,7 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
         for array, value in saved:
             array[...] = value
         shift = np.where(free[:, None] & np.isfinite(gained) & ~hit, gained, 0.0)
-        world.place(first[:, :3] + shift, first[:, 3:])
+        tables.place(first[:, :3] + shift, first[:, 3:])
         if not enough:
             return False
     return True

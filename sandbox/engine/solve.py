@@ -81,7 +81,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
             done = n
             slack = solve_bounded(table, n, again)
             find_velocities(table, n)
-            piles = solve_piles(table, h, solves)
+            piles = solve_piles(table, h, solves, again)
             solves += 1
             n = broken_rows(table, h, n, slack)
             again = n == done
@@ -107,7 +107,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     land(table, h, n)
     report(table, h, drive, n)
     stretch_skin(table, h, n)
-    _note_accuracy(table, n, slack, max(piles, solve_piles(table, h, LAST)))
+    _note_accuracy(table, n, slack, max(piles, solve_piles(table, h, LAST, False)))
     _rest(table)
     return struck
 

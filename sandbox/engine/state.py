@@ -263,9 +263,9 @@ class Result(NamedTuple):
     pile_work: Annotated[Integers, "3 nodes"]  # the same
     pile_coefficients: Annotated[Array, "pile_blocks 3 3"]  # blocks of the rows
     pile_compliance: Annotated[Array, "pile_nodes 3"]  # of the rows
-    pile_vectors: Annotated[Array, "7 nodes 3"]
+    pile_vectors: Annotated[Array, "8 nodes 3"]
     """Velocities of piled bodies, - impulses of rows: result, trial, those without contacts;
-    inverse masses; forces, a right side, a change."""
+    inverse masses; forces, a right side, a change; what impulses add."""
     pile_diagonal: Annotated[Array, "nodes 3 3"]  # blocks of the matrix
     pile_lower: Annotated[Array, "slots 3 3"]  # those below the diagonal
     pile_upper: Annotated[Array, "slots 3 3"]  # and above

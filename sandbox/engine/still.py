@@ -57,7 +57,7 @@ class Still(Simulation):
 
     def put(self, pose: Array) -> None:
         """Put all bodies to a pose, at rest."""
-        self._world.place(pose[self._world.order], np.zeros_like(pose))
+        self._tables.place(pose[self._world.order], np.zeros_like(pose))
         self._tables.state.standing[1] = 0
 
     def slow(self, share: float) -> None:

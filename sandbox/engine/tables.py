@@ -16,6 +16,7 @@ from sandbox.engine.records import BROKEN, NUMBERS
 from sandbox.engine.search import CHECKED
 from sandbox.engine.world import Room, World
 from sandbox.model.programs import curve_tables
+from sandbox.numeric import Array
 
 WORKSPACE = st.Result._fields[st.Result._fields.index("found"):]  # scratch
 MAX_NAMES = 16  # that a law reads
@@ -32,10 +33,18 @@ class Tables(NamedTuple):
     pattern: Pattern
 
     def saved(self) -> list[tuple[Any, Any]]:
-        """All arrays that a run changes but scratch ones, and copies of them."""
-        return [(array, array.copy()) for part in self[:4] for name, array in part._asdict().items()
-                if isinstance(array, np.ndarray) and array.flags.writeable
-                and name not in WORKSPACE]
+        """The bytes of all arrays that a run changes but scratch ones, and copies of them."""
+        found = [array.reshape(-1).view(np.uint8)  # records would be copied field by field
+                 for part in self[:4] for name, array in part._asdict().items()
+                 if isinstance(array, np.ndarray) and array.flags.writeable
+                 and name not in WORKSPACE]
+        return [(array, array.copy()) for array in found]
+
+    def place(self, pose: Array, velocity: Array) -> None:
+        """Put all bodies to poses [nb, 3] at velocities [nb, 3]; pymunk's follow in the step."""
+        self.state.body[:, :3], self.state.body[:, 3:] = pose, velocity
+        self.state.placed[:], self.result.velocity[:] = pose, velocity
+        self.state.touching[2] = 1
 
 
 def make_tables(world: World) -> Tables:

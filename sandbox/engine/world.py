@@ -82,14 +82,6 @@ class World:
             row[:] = *body.position, body.angle, *body.velocity, body.angular_velocity
         self.placed[:], self.velocity[:] = self.body[:, :3], self.body[:, 3:]
 
-    def place(self, pose: Array, velocity: Array) -> None:
-        """Put all bodies to poses [nb, 3] and give them velocities [nb, 3]."""
-        for body, (x, y, angle) in zip(self.bodies, pose.tolist(), strict=True):
-            body.position, body.angle = (x, y), angle
-        self.space.reindex_static()
-        self.body[:, :3], self.body[:, 3:] = pose, velocity
-        self.placed[:], self.velocity[:] = pose, velocity
-
     def enlarge(self, found: int, rows: int) -> None:
         """Make room for twice ``found`` contacts, and for ``rows`` bounded rows."""
         self.room = Room(contacts=2 * max(self.room.contacts, found),
