@@ -139,6 +139,9 @@ const LEAST = 1e-15;                                      // smaller values are 
 const short = (v, digits = 4) => (v === null || !Number.isFinite(v) ? "-" : Math.abs(v) < LEAST ? "0"
   : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? v.toExponential(digits - 1).replace(/\.?0*e\+?/, "e")
     : String(+v.toPrecision(digits)));
+// A value of a quantity that grows up to `most`, with as many decimals as all its values.
+const steady = (v, most) => (v === null || !Number.isFinite(v) || !(most >= 1e-3 && most < 1e5) ? short(v)
+  : v.toFixed(clamp(3 - Math.floor(Math.log10(most)), 0, 6)).replace(/^-(0\.?0*)$/, "$1"));
 const unitText = (unitName) => (unitName === "1" || !unitName ? "" : ` ${unitName}`);
 
 // Factor from SI, unit, and suffix of a number, as in figures (figure/style.py: shown_as), for values up to `most`.

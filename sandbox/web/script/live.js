@@ -285,8 +285,8 @@ class Live extends Viewer {
   textOf(name) {                                           // the last value of a watched quantity, as its plot shows it
     const row = this.meters.row(name), value = row?.at(-1) ?? null;
     if (value === null) return "";
-    const { factor, sign } = shownAs(this.units.get(name), sizeOfRow(row));
-    return `${short(factor * value)}${sign}`;
+    const most = sizeOfRow(row), { factor, sign } = shownAs(this.units.get(name), most);
+    return `${steady(factor * value, factor * most)}${sign}`;
   }
 }
 

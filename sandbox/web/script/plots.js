@@ -78,17 +78,18 @@ function plot(parent, { title, unit: unitName, names, short: words = names.map(c
     values.style.gridTemplateColumns = `repeat(auto-fill, minmax(min(100%, ${letters}ch), 1fr))`;
   }
   box.append(el("figcaption", {}, what, values)); parent.append(box);
-  let shown, scaled, u, line, dark, colours, now = 0, last = box.clientWidth;   // how values are shown; rows in that unit
+  let shown, scaled, sizes, u, line, dark, colours, now = 0, last = box.clientWidth;   // how values are shown; rows in that unit
   const take = () => {
     shown = shownAs(unitName, range ? sizeOfRow(range) : sizeOfRows(rows));
     scaled = shown.factor === 1 ? rows : rows.map((row) => row.map((v) => (v && shown.factor * (Math.abs(v) < LEAST ? 0 : v))));
+    sizes = scaled.map(sizeOfRow);
     what.textContent = [title, shown.unit && (title ? `[${shown.unit}]` : shown.unit)].filter(Boolean).join(" ");
   };
   const size = () => ({ width: Math.max(180, box.clientWidth - 12), height: 150 });
   const showValues = () => {
     if (!u) return;
     const { left } = u.cursor, at = left >= 0 ? u.posToVal(left, "x") : now;
-    scaled.forEach((row, k) => { cells[k].said.textContent = short(row[indexNear(time, at, row)] ?? null); });
+    scaled.forEach((row, k) => { cells[k].said.textContent = steady(row[indexNear(time, at, row)] ?? null, sizes[k]); });
   };
   const make = () => {
     dark = isDark(); colours = inks.map(([i]) => inkOf(i, dark)); line = null;

@@ -21,8 +21,8 @@ class Series extends Map {                                // quantities of one r
     return c === undefined ? Float64Array.from(this.time, () => v) : this.columns.at(c);
   }
   text(name, t) {                                         // of a value with its unit, as in its plot
-    const { factor, sign } = shownAs(this.unit(name), sizeOfRow(this.row(name)));
-    return `${short(factor * this.row(name)[indexNear(this.time, t)])}${sign}`;
+    const row = this.row(name), most = sizeOfRow(row), { factor, sign } = shownAs(this.unit(name), most);
+    return `${steady(factor * row[indexNear(this.time, t)], factor * most)}${sign}`;
   }
 }
 
