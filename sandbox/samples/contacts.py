@@ -157,21 +157,25 @@ def mean_contact_rows(arrays: Arrays) -> Arrays:
     return {f"contact_{key}": column[order] for key, column in found.items()}
 
 
+MEANS = ("joint_force", "joint_couple", "joint_stop", "joint_friction", "joint_reaction",
+         "tendon_tension", "guide_friction", "drive_torque")
+"""Arrays that have means over sample intervals."""
+
+
 def mean_arrays(arrays: Arrays, keys: Iterable[str]) -> Arrays:
-    """The arrays that have means over sample intervals, with these means."""
-    if "mean_sample" not in arrays:
+    """Those of the arrays that are among :data:`MEANS`, with these means."""
+    wanted = set(MEANS).intersection(keys)
+    if not wanted or "mean_sample" not in arrays:
         return {}
     rows, (joints, tendons, guides) = arrays["mean_sample"], (
         arrays[key].shape[1] for key in ("joint_stop", "tendon_tension", "guide_friction"))
     parts = np.split(arrays["mean_force"], np.cumsum([FORCES * joints, tendons, guides]), axis=1)
     forces = parts[0].reshape(len(rows), joints, FORCES)
-    means = {"joint_force": forces[..., :2], "joint_reaction": np.hypot(*forces.T[:2]).T,
-             "joint_couple": forces[..., 2], "joint_stop": forces[..., 3],
-             "joint_friction": forces[..., 4],
-             **dict(zip(("tendon_tension", "guide_friction", "drive_torque"), parts[1:],
-                        strict=True))}
+    means = dict(zip(MEANS, (
+        forces[..., :2], *(forces[..., k] for k in range(2, FORCES)),
+        np.hypot(*forces.T[:2]).T, *parts[1:]), strict=True))
     found: Arrays = {}
-    for key in means.keys() & set(keys):
+    for key in wanted:
         found[key] = np.array(arrays[key])
         found[key][rows] = np.where(np.isnan(found[key][rows]), np.nan, means[key])
     return found
