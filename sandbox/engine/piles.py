@@ -27,16 +27,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.engine import islands
 from sandbox.engine import memory as at
 from sandbox.engine.blocks import factor_blocks, solve_blocks
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.islands import (
-    begin_piles,
-    broken_limits,
-    finish_piles,
-    gather_piles,
-    wake_touched,
-)
 from sandbox.engine.kernel import kernel
 from sandbox.engine.pile_rows import add_rows, answer_of_rows, set_blocks
 from sandbox.engine.plan import put
@@ -70,7 +64,7 @@ def solve_piles(table: int, h: float, number: int, again: bool) -> float:
     if (number == LAST) != (counts[0] == 1):
         residual = _solve_all(table, h, number, again)
     if number == LAST:
-        finish_piles(table, h, counts[1])
+        islands.finish_piles(table, h, counts[1])
         at.accuracy(table)[3] += 1.0 if counts[1] else 0.0
     return residual
 
@@ -80,26 +74,26 @@ def _solve_all(table: int, h: float, number: int, again: bool) -> float:
     counts, c, bodies = at.pile_counts(table), at.piled(table), at.pile_bodies(table)
     velocity, v, residual = at.velocity(table), at.pile_vectors(table)[0], 0.0
     if number > 0:
-        begin_piles(table)
+        islands.begin_piles(table)
         changed = not again and set_blocks(table)
         for k in range(counts[1]):
             if changed:
                 c[k]["factored"] = -1
             c[k]["n_last"], c[k]["t_last"] = c[k]["pn"], c[k]["pt"]
     else:
-        counts[1] = gather_piles(table, h)
+        counts[1] = islands.gather_piles(table, h)
     for _ in range(LIMIT_ROUNDS):
         while counts[1]:
             residual = solve_contacts(table, counts[1], again)
             again = False
-            if not wake_touched(table, counts[1]):
+            if not islands.wake_touched(table, counts[1]):
                 break
-            counts[1] = gather_piles(table, h)
+            counts[1] = islands.gather_piles(table, h)
         for i in range(len(bodies)):
             if bodies[i]["piled"]:
                 for r in range(3):
                     velocity[bodies[i]["number"], r] = v[i, r] if bodies[i]["awake"] else 0.0
-        n = broken_limits(table, h, counts[1]) if counts[0] else counts[1]
+        n = islands.broken_limits(table, h, counts[1]) if counts[0] else counts[1]
         if n == counts[1]:
             break
         counts[1] = n

@@ -14,8 +14,7 @@ from sandbox.scene.library import shipped_scenes
 from sandbox.scene.reference import scene_schema
 from tests.scene.hand import hand
 
-COMPOSING = ("four_motor", "nine_discs")
-"""Scenes that repeat, copy and include entries; the others are left to the nightly tests."""
+COMPOSING = ("four_motor", "nine_discs")  # the others are left to the nightly tests
 VALIDATOR = jsonschema.Draft202012Validator(scene_schema())
 
 
