@@ -274,7 +274,7 @@ REBOUND = 0.01  # minimum approach speed [m/s] of a rebound
 EXACT = 1e-10  # tolerance of rates, as a share of the fastest approach
 FAINT = 1e-6  # minimum approach in a chain of impacts, as a share of the first
 CLOSED = 1e-9  # contacts with gaps up to this [m] are hit together
-HALVINGS = 40  # of the share of restitution
+HALVINGS = 40  # maximum number, of the interval of the share of restitution that is kept
 ORDERED = 100  # maximum number of instants of impacts in a step; later impacts are simultaneous
 
 

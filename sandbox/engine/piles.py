@@ -294,7 +294,7 @@ def _momentum(table: int, n: int, v: Matrix) -> None:
 
 @kernel
 def _add_free(table: int, v: Matrix) -> None:
-    """The velocities, as what the impulses last answered and those without contacts."""
+    """Set ``v`` to the velocities without contacts plus the last answer to the impulses."""
     free, answer = at.pile_vectors(table)[2], at.pile_vectors(table)[7]
     put(v, answer)
     for i in range(len(at.pile_bodies(table))):
