@@ -47,9 +47,11 @@ def follow(
 
 
 def states_of(h: float, place: Array, rates: Sequence[Array], *, turning: bool) -> list[State]:
-    """Place and rate at mid-step and at the step's end."""
-    return [((place + ahead * rate, rate), (ROUNDING + ahead * off, off))
-            for ahead, rate in zip((0.0, h), rates, strict=True)
+    """Place and rate at mid-step, with the mean place of three poses, and at the step's end."""
+    mid, after = rates
+    states = (0.0, mid, mid), (h / 2, after - mid, mid), (h, after, after)
+    return [((place + ahead * speed, rate), (ROUNDING + ahead * off, off))
+            for ahead, speed, rate in states
             for off in (lost_rate(rate, turning=turning),)]
 
 

@@ -228,7 +228,7 @@ def spring_table(build: Builder) -> Records:
     """Rotary springs, straight springs, damping of hinges."""
     model = build.model
     springs, joints, bonds = model.springs, model.joints, model.bonds
-    stiff, response = stiffnesses.too_stiff(model, build.h), stiffnesses.responses(model)
+    kinds, response = stiffnesses.spring_kinds(model, build.h), stiffnesses.responses(model)
     table: list[Row] = []
     for i in np.argsort(springs.straight, kind="stable").tolist():
         law = springs.law[i]
@@ -247,8 +247,8 @@ def spring_table(build: Builder) -> Records:
                 "joint": joint, "turning": 1, "sense": joints.sense[joint], "c": 0.0,
                 "hinge_bond": bonds.joint[joint]}
             row["rest"] = joints.sense[joint] * (springs.rest[i] + joints.zero[joint])
-        row["kind"] = (records.STIFF if stiff[i] else records.DAMPED if row["c"] > 0
-                       else records.ELASTIC)
+        row["kind"] = (records.DAMPED if kinds[i] == records.ELASTIC and row["c"] > 0
+                       else kinds[i])
         if (row["kind"] != records.ELASTIC or law) and build.moves(row):
             row["row"], row["entry"] = build.add(row["a"], row["b"])
         table.append(row)

@@ -26,7 +26,7 @@ import numpy as np
 from sandbox.elements.tendons import RIGID
 from sandbox.engine import stiffness as stiffnesses
 from sandbox.engine.inspect_elements import STRAIGHT, deg, groups, look
-from sandbox.engine.records import SOFT
+from sandbox.engine.records import RESOLVED, STIFF
 from sandbox.errors import Problem
 from sandbox.model import supports
 from sandbox.model.model import NONE, Model
@@ -80,8 +80,8 @@ def _against(
     # response of two bodies, which a hinge may join, to unit pushes [1/kg, 1/(kg m^2)]
     softness = float(np.sum((wrench[bodies].ravel() / weight @ motions)**2))
     pace, rate = math.sqrt(k * softness), c * softness
-    if h * h * k * bound > SOFT:
-        fine = min(COARSE / pace if pace else math.inf, math.sqrt(SOFT / (k * bound)))
+    if h * h * k * bound > RESOLVED:
+        fine = min(COARSE / pace if pace else math.inf, math.sqrt(RESOLVED / (k * bound)))
         left = 1 / math.hypot(1, h * pace)
         yield look("stiff-step", path, name, f"too stiff for the step: h w = {h * pace:.3g}, so it "
                    f"is solved at the step's end and its vibration damped, to {100 * left:.0f} % "
@@ -164,7 +164,8 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
     elements = [_Element(pulls, float(k), float(damping[i]), i) for i, (pulls, k)
                 in enumerate(zip(pulls_at_start(model), tendons.stiffness, strict=True))]
     largest = stiffnesses.largest_stiffness(model)
-    damping = springs.damping + np.where(stiffnesses.too_stiff(model, h), h * largest, 0.0)
+    damping = springs.damping + np.where(
+        stiffnesses.spring_kinds(model, h) == STIFF, h * largest, 0.0)
     elements += [_Element(_spring(model, i), float(k), float(damping[i]))
                  for i, k in enumerate(largest)]
     elements += [_Element(supports.turning_row(model, j)[0], 0.0, float(model.joints.damping[j]))

@@ -11,8 +11,10 @@ import numpy as np
 
 STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
 """Kinds of tendon and spring: solved at the step's end; of given tension; explicit; with a damper,
-at mid-step; a span, evenly about the pose; a whole tendon with friction, whose spans pull."""
-SOFT = 1.0  # h^2 k s from which an element is solved at the step's end; stable up to 4
+at mid-step; evenly about the pose; a whole tendon with friction, whose spans pull."""
+SOFT, RESOLVED = 1.0, 4.0
+"""h^2 k s up to which an element is explicit (stable up to 4), and up to which springs are taken
+evenly about the pose: four steps in a period. Stiffer ones are solved at the step's end."""
 
 ACTION = np.dtype([
     ("drive", np.int64), ("a", np.int64), ("b", np.int64),  # bodies; b is -1 for a force
@@ -30,7 +32,7 @@ ACTION = np.dtype([
 SPRING = np.dtype([
     ("number", np.int64), ("joint", np.int64),  # the model's, -1 for the damping of a hinge; hinge
     ("turning", np.int64),  # whether its coordinate is an angle; a distance otherwise
-    ("kind", np.int64),     # STIFF, ELASTIC or DAMPED
+    ("kind", np.int64),     # STIFF, EVEN, ELASTIC or DAMPED
     ("drive", np.int64),    # that sets its stiffness, or -1
     ("a", np.int64), ("ax", float), ("ay", float), ("b", np.int64), ("bx", float), ("by", float),
     ("k", float), ("c", float),     # [N/m, N m/rad], [N s/m, N m s/rad]
@@ -42,7 +44,7 @@ SPRING = np.dtype([
     ("bond", np.int64), ("hinge_bond", np.int64),     # BOND of the spring and of its hinge, or -1
     ("rest", float),        # its coordinate at rest [m, rad]
     ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # what its coordinate depends on
-    ("stiff", np.int64),    # whether a law is taken at the step's end
+    ("stiff", np.int64),    # of a law: 0 soft, 1 even about the pose, 2 at the step's end
     ("way", float), ("effort", float),  # coordinate [m, rad]; positive if it grows by it [N, N m]
     ("work", float), ("step_work", float),  # since t = 0, and of the last step [J]
 ])

@@ -6,19 +6,22 @@ the step, it is taken in one of these ways:
 
     elastic     F = k s at the pose, a known force                                    (explicit)
     damped      D v + 2 p / (h c)       = - 2 k s / c - D v_before                    (mid-step)
+    even        D v + p / (h b)         = - (k s + (c - b) D v_before) / b            (mid-step)
     stiff       D v + p / (h (c + h k)) = - k s / (c + h k)                           (step's end)
 
-D v is the rate at the step's end and p / h the effort. The damping of a hinge has k = 0.
+D v is the rate at the step's end, p / h the effort, and b = c / 2 + h k / 4. The damping of a hinge
+has k = 0.
 
 A law F(s, r) of any shape is linearised in the rate at the step's end, F0 + l r, so that its row is
 that of a damper l with a force. The slope k = dF/ds decides in each step:
 
-    soft, h^2 k S below 1    F(s, (r_before + r) / 2)    l = (dF/dr) / 2          (second order)
-    stiff                    F(s + h r, r)               l = h k + dF/dr          (the step's end)
+    soft, h^2 k S below 1    F(s, m)                         l = (dF/dr) / 2
+    even, below 4            F(s + h (r - r_before) / 4, m)  l = h k / 4 + (dF/dr) / 2
+    stiff                    F(s + h r, r)                   l = h k + dF/dr
 
-with S the response of the bodies (:mod:`sandbox.engine.stiffness`). After the solve the law gives
-the force for the rate that resulted. Where that force differs, the step is solved again with the
-tangent there (Newton's method). Negative slopes count as 0 in l.
+with m = (r_before + r) / 2 and S the response of the bodies (:mod:`sandbox.engine.stiffness`).
+After the solve the law gives the force for the rate that resulted. Where that force differs, the
+step is solved again with the tangent there (Newton's method). Negative slopes count as 0 in l.
 """
 
 from __future__ import annotations
@@ -31,7 +34,7 @@ from sandbox.engine.coordinates import add_effort, measure_angle, measure_distan
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
-from sandbox.engine.records import DAMPED, SOFT
+from sandbox.engine.records import DAMPED, EVEN, RESOLVED, SOFT
 from sandbox.engine.rows import MIN_LEAD, NOTHING
 from sandbox.numeric import Array, Matrix
 
@@ -77,6 +80,10 @@ def spring_rows(table: int, h: float, drive: Array) -> None:
         if s["kind"] == DAMPED:
             compliance[r] = 2.0 / (h * s["c"])
             rhs[r] = 0.0 - 2.0 * k * extent / s["c"] - rate(s, at.before(table))
+        elif s["kind"] == EVEN:
+            lead = max(s["c"] / 2 + h * k / 4, MIN_LEAD)
+            compliance[r] = 1.0 / (h * lead)
+            rhs[r] = -(k * extent + (s["c"] - lead) * rate(s, at.before(table))) / lead
         else:
             lead = max(s["c"] + h * k, MIN_LEAD)
             compliance[r] = 1.0 / (h * lead)
@@ -117,6 +124,13 @@ def _set_row(table: int, s: Any, force: float, lead: float, speed: float, h: flo
     at.unknowns(table)[1][s["row"]] = 1.0 / (h * lead)
 
 
+@kernel
+def _level(h: float, s: Any, slope: float) -> int:
+    """0 soft, 1 even about the pose, 2 at the step's end."""
+    squared = h * h * s["response"] * slope
+    return 2 if squared > RESOLVED else 1 if squared > SOFT else 0
+
+
 @entry_point("laws")
 def law_rows(table: int, h: float, drive: Array) -> None:
     """Rows of all springs with laws, for the rates before the step; decides how laws are taken."""
@@ -128,12 +142,12 @@ def law_rows(table: int, h: float, drive: Array) -> None:
         speed = sense * law_rate(s, at.before(table))
         extent = sense * (s["way"] - s["rest"])
         _law(table, s, extent, speed, drive)
-        force, lead = law[0], 0.5 * max(law[2], 0.0)
-        s["stiff"] = 1 if h * h * s["response"] * law[1] > SOFT else 0
+        force, slope, lead = law[0], max(law[1], 0.0), 0.5 * max(law[2], 0.0)
         _law(table, s, extent + h * speed, speed, drive)
-        if h * h * s["response"] * law[1] > SOFT:
-            s["stiff"] = 1
+        s["stiff"] = _level(h, s, max(slope, law[1]))
         if s["stiff"] == 1:
+            lead += 0.25 * h * slope
+        elif s["stiff"] == 2:
             force, lead = law[0], h * max(law[1], 0.0) + max(law[2], 0.0)
         _set_row(table, s, force, lead, speed, h)
 
@@ -151,15 +165,15 @@ def change_laws(table: int, h: float, drive: Array) -> bool:
         extent = sense * (s["way"] - s["rest"])
         _law(table, s, extent + h * speed, speed, drive)
         slope = max(law[1], 0.0)
-        if h * h * s["response"] * slope > SOFT:
-            s["stiff"] = 1
+        s["stiff"] = max(s["stiff"], _level(h, s, slope))
         force, lead = law[0], h * slope + max(law[2], 0.0)
-        if s["stiff"] == 0:
-            if not s["of_rate"]:
+        if s["stiff"] < 2:
+            if s["stiff"] == 0 and not s["of_rate"]:
                 continue
             before = sense * law_rate(s, at.before(table))
-            _law(table, s, extent, 0.5 * (before + speed), drive)
-            force, lead = law[0], 0.5 * max(law[2], 0.0)
+            even = 0.25 * h * s["stiff"]
+            _law(table, s, extent + even * (speed - before), 0.5 * (before + speed), drive)
+            force, lead = law[0], even * max(law[1], 0.0) + 0.5 * max(law[2], 0.0)
         acted = -sense * given[s["row"]] / h
         if abs(force - acted) > SAME * (abs(force) + abs(acted)) + NOTHING * slope:
             _set_row(table, s, force, lead, speed, h)

@@ -2,9 +2,11 @@
 
 A spring of stiffness k whose bodies have the response s to a unit push has w^2 = k s; a leapfrog of
 step h is unstable beyond h w = 2. s depends on the pose and on all other joints, which only reduce
-it, so a bound for every pose decides: from h^2 k s = 1 on, a spring is a row of the solve, taken at
-the step's end. It is then stable for every k, and its vibration is damped to 1 / sqrt(1 + (h w)^2)
-in a step. The same holds for tendons; from :data:`RIGID` on they are rows at any step.
+it, so a bound for every pose decides: from h^2 k s = 1 on, a spring is a row of the solve, which is
+stable for every k. Up to :data:`RESOLVED` its force is that of the mean of the poses before, at and
+after the step, with weights of 1, 2 and 1: of second order, and it keeps energy. Beyond, it is that
+of the step's end, and vibration is damped to 1 / sqrt(1 + (h w)^2) in a step. The same holds for
+tendons from 1 on; from :data:`RIGID` on they are rows at any step.
 """
 
 from __future__ import annotations
@@ -15,15 +17,16 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from sandbox.elements.tendons import RIGID
-from sandbox.engine.records import SOFT
+from sandbox.engine.records import ELASTIC, EVEN, RESOLVED, SOFT, STIFF
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.values.signals import Table, values
 
 
-def too_stiff(model: Model, h: float) -> Flags:
-    """Whether each spring is solved at the end of a step h [s], [ns]; by its largest stiffness."""
-    return np.asarray(h * h * largest_stiffness(model) * responses(model) > SOFT)
+def spring_kinds(model: Model, h: float) -> Integers:
+    """ELASTIC, EVEN or STIFF for each spring in a step h [s], [ns]; by its largest stiffness."""
+    squared = h * h * largest_stiffness(model) * responses(model)
+    return np.asarray(np.where(squared > RESOLVED, STIFF, np.where(squared > SOFT, EVEN, ELASTIC)))
 
 
 def stiff_servos(model: Model, h: float) -> Flags:

@@ -22,7 +22,8 @@ import numpy as np
 from scipy.linalg import eigvalsh, null_space
 
 from sandbox.audit.rest import beyond_joint
-from sandbox.engine.stiffness import stiff_cables, stiff_servos, too_stiff
+from sandbox.engine.records import ELASTIC, EVEN, STIFF
+from sandbox.engine.stiffness import spring_kinds, stiff_cables, stiff_servos
 from sandbox.engine.still import Still
 from sandbox.errors import Problem, SceneError
 from sandbox.model.joints import placed
@@ -72,13 +73,14 @@ class PoseBalance:
             if each.kind == "spring":
                 c = float(model.springs.damping[each.number])
                 law = model.springs.law[each.number] is not None
-                stiff = law or bool(too_stiff(model, h)[each.number])
+                kind = STIFF if law else spring_kinds(model, h)[each.number]
             elif each.kind == "tendon":
                 c = float(model.tendons.damping[each.number])
-                stiff = bool(stiff_cables(model, h)[each.number])
+                kind = STIFF if stiff_cables(model, h)[each.number] else ELASTIC
             else:
-                c, stiff = 0.0, bool(stiff_servos(model, h)[each.number])
-            drop = h * (c + h * each.stiffness) if stiff else h * c / 2  # e [kg]
+                c, kind = 0.0, STIFF if stiff_servos(model, h)[each.number] else ELASTIC
+            k = {STIFF: 4.0, EVEN: 1.0, ELASTIC: 0.0}[kind] * each.stiffness / 4
+            drop = h * (c * (1.0 if kind == STIFF else 0.5) + h * k)  # e [kg]
             force = force + drop * float(each.pull @ a) * each.pull
         return np.asarray(force)
 

@@ -35,16 +35,31 @@ def run_of(scene: dict[str, Any]) -> Recording:
     return sound(sandbox.simulate(sandbox.load_scene(scene)))
 
 
-@pytest.mark.parametrize("k", [100.0, 1e5, 1e8])
+@pytest.mark.parametrize("k", [100.0, 1e5, 2e6, 1e8])
 @pytest.mark.parametrize("damping", [0.0, 3.0])
 def test_a_straight_law_is_a_linear_spring(k: float, damping: float) -> None:
-    """Soft, stiff and damped: the rows are the same ones, up to rounding of k and c in them."""
+    """Soft, even, stiff and damped: the rows are the same, up to rounding of k and c in them."""
     plain = run_of(oscillator(0.1, stiffness=k, damping=damping, duration=0.2))
     own = run_of(oscillator(0.1, force=f"={k} * stretch + {damping} * rate", duration=0.2))
     mixed = run_of(oscillator(0.1, force=f"={k} * stretch", damping=damping, duration=0.2))
     for run in (own, mixed):
         assert np.abs(run["m.x"] - plain["m.x"]).max() < 1e-11
         assert np.abs(run["s.force"] - plain["s.force"]).max() < 1e-9 * k
+
+
+@pytest.mark.parametrize("c", [0.0, 400.0])
+def test_a_spring_of_four_to_six_steps_a_period_moves_by_the_closed_form(c: float) -> None:
+    """The mean of three poses, weights 1, 2, 1: z + 1/z - 2 = -(x (z + 2 + 1/z) + d (z - 1/z)) / 4
+    for x(n) = Re(A z^n), x = h^2 k / m, d = 2 h c / m; undamped |z| = 1, so no energy is lost."""
+    k = 2e6
+    run = run_of(oscillator(0.1, stiffness=k, damping=c, duration=0.05))
+    x, d = STEP**2 * k, 2 * STEP * c
+    z = np.roots([1 + (x + d) / 4, x / 2 - 2, 1 + (x - d) / 4])[0]
+    at = run["m.x"] - 1
+    later = z ** np.arange(len(at))
+    fit = np.linalg.lstsq(np.c_[later.real, later.imag], at, rcond=None)[0]
+    assert np.abs(at - np.c_[later.real, later.imag] @ fit).max() < 1e-9
+    assert abs(z) == pytest.approx(1.0, abs=1e-12) or c
 
 
 @pytest.mark.parametrize("law", ["expression", "cubic table"])
