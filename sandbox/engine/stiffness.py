@@ -37,7 +37,7 @@ def stiff_servos(model: Model, h: float) -> Flags:
         j = int(drives.target[i])
         response = turning(model, j) if joints.angle[j] else _response(
             model, _at_points(model, joints.bodies[j], joints.anchor[j]))
-        found[i] = h * h * drives.stiffness[i] * response > SOFT
+        found[i] = h * h * drives.stiffness[i] * response > RESOLVED
     return found
 
 

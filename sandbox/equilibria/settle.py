@@ -78,7 +78,8 @@ class PoseBalance:
                 c = float(model.tendons.damping[each.number])
                 kind = STIFF if stiff_cables(model, h)[each.number] else ELASTIC
             else:
-                c, kind = 0.0, STIFF if stiff_servos(model, h)[each.number] else ELASTIC
+                c = float(model.drives.damping[each.number])
+                kind = STIFF if stiff_servos(model, h)[each.number] else EVEN
             k = {STIFF: 4.0, EVEN: 1.0, ELASTIC: 0.0}[kind] * each.stiffness / 4
             drop = h * (c * (1.0 if kind == STIFF else 0.5) + h * k)  # e [kg]
             force = force + drop * float(each.pull @ a) * each.pull
