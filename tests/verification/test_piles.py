@@ -277,3 +277,15 @@ def test_what_sleeps_wakes(how: str) -> None:
     else:
         assert 0.0 < moved["late.y"][-1] < 0.3
         assert any(abs(moved[f"b{i}.y"][-1] - moved[f"b{i}.y"][190]) > 1e-6 for i in range(30))
+
+
+def test_what_is_hit_in_its_sleep_wakes_within_the_step() -> None:
+    """Nothing but the discs takes up momentum: a sleeper that stood still for a step would."""
+    discs = [{"name": f"d{i}", "mass": M, "at": (0.02 * (i % 6), 0.02 * (i // 6)), "material": "m",
+              "shapes": [{"type": "circle", "radius": 0.01}]} for i in range(36)]
+    discs.append(discs[0] | {"name": "late", "at": (-0.06, 0.05), "velocity": (0.4, 0.0)})
+    run = simulated(0.2, 1e-3, every_step=True, g=0.0, bodies=discs,
+                    materials={"m": {"friction": 0.5}})
+    momentum = sum(M * run[f"{disc['name']}.vx"] for disc in discs)
+    assert run["d12.vx"][-1] > 0.0
+    assert np.abs(momentum / (0.4 * M) - 1).max() < 1e-9
