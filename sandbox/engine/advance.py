@@ -17,6 +17,7 @@ from sandbox.engine import fluids, loads, springs, tendons
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import release_and_engage
 from sandbox.engine.contacts import gap_rate, list_contacts_of_step, short
+from sandbox.engine.coordinates import note_rate
 from sandbox.engine.entry_points import CalledFromPython, entry_point
 from sandbox.engine.impacts import REBOUND
 from sandbox.engine.islands import skin_compliance
@@ -83,7 +84,6 @@ def take(table: int, h: float, drive: Array) -> None:
         for j in range(3):  # an assignment of arrays would compile its error messages
             velocity[n, m, j] = (before[i, j] + body[i, 3 + j]) / 2
             acceleration[n, m, j] = (body[i, 3 + j] - before[i, j]) / h
-    _note_rates(table)
     copies = at.kept_copies(table)
     for i in range(len(copies)):
         count, words = copies[i, 2], copies[i, 4]
@@ -102,23 +102,6 @@ def take(table: int, h: float, drive: Array) -> None:
         at.touches(table), at.touching(table)[0], body, at.kept_contacts(table), first)
     at.kept_steady(table)[n] = 1
     taken[0] += 1
-
-
-@kernel
-def _note_rates(table: int) -> None:
-    """Rates of the angles of hinges and of the lengths of actuators at the instant of the pose."""
-    joints, body, before = at.joints(table), at.body(table), at.before(table)
-    for i in range(len(joints)):
-        joint, a, b = joints[i], joints[i]["a"], joints[i]["b"]
-        if joint["hinge"]:
-            joint["rate"] = joint["sense"] * (
-                body[b, 5] + before[b, 2] - body[a, 5] - before[a, 2]) / 2
-        elif joint["line"]:
-            joint["rate"] = (
-                joint["dx"] * (body[b, 3] + before[b, 0] - body[a, 3] - before[a, 0])
-                + joint["dy"] * (body[b, 4] + before[b, 1] - body[a, 4] - before[a, 1])
-                + joint["ta"] * (body[a, 5] + before[a, 2])
-                + joint["tb"] * (body[b, 5] + before[b, 2])) / 2
 
 
 @kernel
@@ -393,6 +376,9 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
             body[b, 3 + j] = velocity[b, j]
             # impacts after the poses displace them
             placed[b, j] = body[b, j] + shift[b, j] if struck else body[b, j]
+    joints = at.joints(table)
+    for i in range(len(joints)):
+        note_rate(joints[i], body, before)
     at.touching(table)[2] |= struck
     add_work(table, h)
     note_impacts(table)

@@ -79,7 +79,8 @@ JOINT = np.dtype([
     ("kick_x", float), ("kick_y", float),   # impulse on b besides that of its rows [N s]: impacts
                                             # act in another pose
     ("twist_a", float), ("twist_b", float),     # for the same reason moments on a and b [N m s]
-    ("way", float), ("rate", float),    # its free coordinate [m, rad]; its rate, in samples only
+    ("way", float), ("rate", float),    # its free coordinate [m, rad]; its rate, a hinge's in its
+                                        # sense
     ("fx", float), ("fy", float), ("couple", float),    # on b [N, N m]
 ])
 

@@ -32,17 +32,18 @@ from sandbox.values.expressions import Read, closure
 
 CHUNK = 512
 MIN_CONTACTS = 4096  # minimum room for contacts of the samples that are not yet converted
-RECORDED: dict[str, tuple[str, str]] = {
-    "joint_couple": ("joints", "couple"), "joint_friction": ("dry_friction", "force"),
-    "joint_sticks": ("dry_friction", "sticks"), "joint_friction_work": ("dry_friction", "work"),
-    "tendon_length": ("cables", "length"), "tendon_tension": ("cables", "tension"),
-    "tendon_work": ("cables", "work"), "guide_friction": ("slips", "force"),
-    "guide_slip": ("slips", "way"), "line_pressure": ("fluids", "pressure"),
-    "line_flow": ("fluids", "flow"), "line_spilled": ("fluids", "spilled"),
-    "line_work": ("fluids", "work"), "valve_flow": ("valves", "flow"),
-    "valve_loss": ("valves", "loss"), "load_torque": ("loads", "torque"),
+RECORDED: dict[str, tuple[str, ...]] = {
+    "joint_force": ("joints", "fx", "fy"), "joint_couple": ("joints", "couple"),
+    "joint_friction": ("dry_friction", "force"), "joint_sticks": ("dry_friction", "sticks"),
+    "joint_friction_work": ("dry_friction", "work"), "tendon_length": ("cables", "length"),
+    "tendon_tension": ("cables", "tension"), "tendon_work": ("cables", "work"),
+    "guide_friction": ("slips", "force"), "guide_slip": ("slips", "way"),
+    "line_pressure": ("fluids", "pressure"), "line_flow": ("fluids", "flow"),
+    "line_spilled": ("fluids", "spilled"), "line_work": ("fluids", "work"),
+    "valve_flow": ("valves", "flow"), "valve_loss": ("valves", "loss"),
+    "load_force": ("loads", "fx", "fy"), "load_torque": ("loads", "torque"),
     "load_work": ("loads", "work"), "drive_flow": ("pumps", "flow"), "held": ("bonds", "held")}
-"""Arrays of a recording that are results of elements: their table and column."""
+"""Arrays of a recording that are results of elements: their table, a column for each component."""
 NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pumps": "drive"}
 """Columns with the numbers of elements, of tables without a row for each."""
 
@@ -110,21 +111,21 @@ class Sampler:
         of = {name: records[:n] for name, records in kept.copied.items()}
         for name in ("pose", "velocity", "acceleration"):
             arrays[f"body_{name}"][:] = getattr(kept, name)[:n]
-        for key, (table, column) in RECORDED.items():
+        for key, (table, *columns) in RECORDED.items():
             number = (getattr(elements, table)[NUMBERS[table]] if table in NUMBERS
                       else slice(arrays[key].shape[1]))
-            arrays[key][:, number] = _column(of[table], column)[:, :arrays[key].shape[1]]
+            for i, column in enumerate(columns):
+                values = _column(of[table], column)[:, :arrays[key].shape[1]]
+                arrays[key].reshape(n, -1, len(columns))[:, number, i] = values
         self._write_joints(arrays, of)
         self._write_springs(arrays, of)
         arrays["guide_lifted"][:] = of["guides"]["lifted"][:, self.tables.constants.wheels]
-        lines, fluids, loads = of["fluids"], elements.fluids, of["loads"]
+        lines, fluids = of["fluids"], elements.fluids
         arrays["line_volume"][:] = lines["grown"] + fluids["volume"]
         # the content of a gas includes the gas at t = 0 without pressure
         arrays["line_content"][:] = lines["content"] - np.where(
             fluids["gas"] > 0, fluids["volume"], 0.0)
         arrays["line_ahead"][:] = lines["ahead"] * self.world.h
-        arrays["load_force"][:, elements.loads["number"]] = np.stack(
-            [loads["fx"], loads["fy"]], axis=-1)
         arrays["solver_residual"][:, 0] = kept.residual[:n]
         actions, cables, pumps = elements.actions, elements.cables, elements.pumps["drive"]
         torque, work = of["actions"]["torque"], arrays["drive_work"]
@@ -170,7 +171,6 @@ class Sampler:
     def _write_joints(self, arrays: Arrays, of: dict[str, Records]) -> None:
         elements, results = self.tables.elements, of["joints"]
         arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
-        arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
         arrays["joint_twist"][:] = np.stack(
             [results["twist_a"], results["twist_b"]], axis=-1) / self.world.h
         hinge, line = elements.joints["hinge"] == 1, elements.joints["line"] == 1
@@ -234,15 +234,6 @@ def _column(results: Records, name: str) -> Array:
     return column - results[f"step_{name}"] / 2 if name in ("work", "loss") else column
 
 
-RESULTS: dict[tuple[str, str], tuple[str, str]] = {
-    ("joint", "reaction_x"): ("joints", "fx"), ("joint", "reaction_y"): ("joints", "fy"),
-    ("joint", "length"): ("joints", "way"), ("joint", "position"): ("joints", "way"),
-    ("spring", "length"): ("springs", "way"), ("load", "fx"): ("loads", "fx"),
-    ("load", "fy"): ("loads", "fy"),
-    **{(kind, quantity): place for key, place in RECORDED.items()
-       for kind, _, quantity in [key.partition("_")]}}  # table and column
-
-
 class Readings:
     """Functions that read the state of one run; :meth:`Control.moved` updates it."""
 
@@ -263,15 +254,16 @@ class Readings:
         if name == "t":
             return lambda: self.now
         source = self.catalogue.find(name)
-        if not row_of(source.kind, source.quantity).live:
+        quantity = row_of(source.kind, source.quantity)
+        if not quantity.live:
             raise KeyError(name)
         if source.kind == "solver":
             return _item(self.sampler.tables.state.accuracy, 0)
         if source.quantity in BOND_QUANTITIES:
             number = self.model.bonds.of(source.kind)[source.index]
             return _item(self.sampler.tables.elements.bonds["held"], int(number))
-        if place := RESULTS.get((source.kind, source.quantity)):
-            return self._result(*place, source.index)
+        if place := RECORDED.get(quantity.array):
+            return self._result(place[0], place[1 + (quantity.component or 0)], source.index)
         read: Callable[[Source], Read] = getattr(self, f"_{source.kind}")
         return read(source)
 
@@ -298,56 +290,42 @@ class Readings:
         return lambda: sense * given()
 
     def _body(self, source: Source) -> Read:
-        index, state = source.index, self.sampler.tables.state
+        index, state, quantity = source.index, self.sampler.tables.state, source.quantity
         n, item = int(self.world.number[index]), state.body.item
         mean = self.sampler.tables.result.before.item
         cx, cy = self.model.bodies.centre[index].tolist()
-        h, what = self.world.h, source.quantity
-        j = {"vx": 0, "ax": 0, "vy": 1, "ay": 1}.get(what, 2)
-        if what in ("vx", "vy", "omega"):
+        h, row = self.world.h, row_of("body", quantity)
+        j = row.component or 0
+        if row.array == "body_velocity":
             return lambda: 0.5 * (item(n, 3 + j) + mean(n, j))
-        if what in ("ax", "ay", "alpha"):
+        if row.array == "body_acceleration":
             return lambda: (item(n, 3 + j) - mean(n, j)) / h
-        if what == "angle":
-            return lambda: item(n, 2)
-        if what == "x":
-            return lambda: item(n, 0) - math.cos(item(n, 2)) * cx + math.sin(item(n, 2)) * cy
-        if what == "y":
-            return lambda: item(n, 1) - math.sin(item(n, 2)) * cx - math.cos(item(n, 2)) * cy
-        touch = what.removeprefix("contact.")
+        if row.array:
+            return (lambda: item(n, 0) - math.cos(item(n, 2)) * cx + math.sin(item(n, 2)) * cy,
+                    lambda: item(n, 1) - math.sin(item(n, 2)) * cx - math.cos(item(n, 2)) * cy,
+                    lambda: item(n, 2))[j]
+        touch = quantity.removeprefix("contact.")
         return lambda: float(self.contacts.of_body(index, touch)[0])
 
     def _joint(self, source: Source) -> Read:
-        joints, index = self.model.joints, source.index
-        a, b = self.world.number[joints.bodies[index]].tolist()
-        item, mean = self.sampler.tables.state.body.item, self.sampler.tables.result.before.item
-        fx, fy, dx, dy, ta, tb = (_item(self.sampler.tables.elements.joints[name], index)
-                                  for name in ("fx", "fy", "dx", "dy", "ta", "tb"))
-        sense, zero = joints.sense[index].item(), joints.zero[index].item()
+        joints, quantity = self.model.joints, source.quantity
+        fx, fy, dx, dy, way, rate = (self._result("joints", name, source.index)
+                                     for name in ("fx", "fy", "dx", "dy", "way", "rate"))
+        sense, zero = joints.sense[source.index].item(), joints.zero[source.index].item()
 
         def tension() -> float:
             """Along the line; positive if it pulls ``b`` towards ``a``."""
             size = math.hypot(fx(), fy())
             return -size if dx() * fx() + dy() * fy() > 0 else size
 
-        def rate(n: int, j: int) -> float:
-            return 0.5 * (item(n, 3 + j) + mean(n, j))
-
-        def speed() -> float:
-            """Rate of the length of an actuator."""
-            return (dx() * (rate(b, 0) - rate(a, 0)) + dy() * (rate(b, 1) - rate(a, 1))
-                    + ta() * mean(a, 2) + tb() * mean(b, 2))
-
-        return {
-            "reaction": lambda: math.hypot(fx(), fy()), "tension": tension, "speed": speed,
-            "angle": lambda: sense * (item(b, 2) - item(a, 2)) - zero,
-            "rate": lambda: 0.5 * sense * (item(b, 5) + mean(b, 2) - item(a, 5) - mean(a, 2)),
-        }[source.quantity]
+        return {"reaction": lambda: math.hypot(fx(), fy()), "tension": tension,
+                "angle": lambda: sense * way() - zero, "length": way, "position": way,
+                "rate": rate, "speed": rate}[quantity]
 
     def _spring(self, source: Source) -> Read:
-        if source.quantity == "force":
-            effort = self._result("springs", "effort", source.index)
-            return lambda: 0.0 - effort()
+        way, effort = (self._result("springs", name, source.index) for name in ("way", "effort"))
+        if source.quantity != "angle":
+            return way if source.quantity == "length" else lambda: 0.0 - effort()
         joint = self.model.springs.joint[source.index]
         return self._named(f"{self.model.joints.name[joint]}.angle")
 
