@@ -37,6 +37,7 @@ from sandbox.errors import (
     Interrupted,
     Problem,
     RecordingFull,
+    RunEnded,
     SandboxError,
     SceneError,
     SimulationDiverged,
@@ -349,10 +350,7 @@ class Simulation:
     def recording(self) -> Recording:
         """The samples so far, marked incomplete before the end; further steps do not change it."""
         failed = self._failed
-        reason = (outcome.INTERRUPTED if isinstance(failed, Interrupted)
-                  else outcome.LIMITED if isinstance(failed, RecordingFull)
-                  else f"{outcome.FAILED}{failed}" if isinstance(failed, ControllerFailed)
-                  else str(failed) if isinstance(failed, SimulationDiverged) else "")
+        reason = failed.outcome.format(failed) if isinstance(failed, RunEnded) else ""
         return self.finish(reason, copied=not self.finished)
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:
