@@ -209,7 +209,7 @@ def add_forces(table: int, h: float) -> None:
     actions = at.actions(table)
     for i in range(len(actions)):
         if actions[i]["motor"] >= 0:
-            sums[k + actions[i]["drive"]] += share * actions[i]["sense"] * actions[i]["torque"]
+            sums[k + actions[i]["drive"]] += share * actions[i]["torque"]
     _add_contacts(table, share)
 
 

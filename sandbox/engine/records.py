@@ -23,7 +23,7 @@ ACTION = np.dtype([
     ("bond", np.int64), ("runs", np.int64),     # of the hinge; whether it drives the surface of a
     ("fx", float), ("fy", float),   # of a force, in the world [N]
     ("work", float),        # on the bodies [J]
-    ("torque", float),      # on a, or on b of a hinge [N m]; of a driven surface its power [W]
+    ("torque", float),      # on a, or on b in a hinge's sense [N m]; power of a driven surface [W]
     ("step_work", float),
 ])
 

@@ -23,12 +23,14 @@ from sandbox.engine.records import PULL, STOP
 from sandbox.engine.state import CONTACT
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
+from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import held_of
 from sandbox.numeric import Array, Integers, Records
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts, merge_contacts
 from sandbox.values.expressions import Read, closure
+from sandbox.wording import quoted
 
 CHUNK = 512
 MIN_CONTACTS = 4096  # minimum room for contacts of the samples that are not yet converted
@@ -44,7 +46,8 @@ RECORDED: dict[str, tuple[str, ...]] = {
     "load_force": ("loads", "fx", "fy"), "load_torque": ("loads", "torque"),
     "load_work": ("loads", "work"), "drive_flow": ("pumps", "flow"), "held": ("bonds", "held")}
 """Arrays of a recording that are results of elements: their table, a column for each component."""
-NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pumps": "drive"}
+NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pumps": "drive",
+           "actions": "drive"}
 """Columns with the numbers of elements, of tables without a row for each."""
 
 
@@ -131,8 +134,7 @@ class Sampler:
         torque, work = of["actions"]["torque"], arrays["drive_work"]
         arrays["drive_value"][:] = kept.drive[:n]
         limited, runs, pulled = actions["motor"] >= 0, actions["runs"] == 1, cables["kind"] == PULL
-        arrays["drive_torque"][:, actions["drive"][limited]] = (
-            actions["sense"][limited] * torque[:, limited])
+        arrays["drive_torque"][:, actions["drive"][limited]] = torque[:, limited]
         arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
         work[:] = 0.0
         work[:, actions["drive"]] = _column(of["actions"], "work")
@@ -195,19 +197,18 @@ class Sampler:
                              ("damping_work", work[:, damped])):
             arrays[f"joint_{name}"][:, joints.angle] = 0.0
             arrays[f"joint_{name}"][:, hinge] = values
+        arrays["spring_work"][:, springs["number"][~damped]] = work[:, ~damped]
         straight = springs["joint"] < 0
         own = springs["number"][straight]
         arrays["spring_length"][:, own] = results["way"][:, straight]
         arrays["spring_force"][:, own] = 0.0 - results["effort"][:, straight]
-        arrays["spring_work"][:, own] = work[:, straight]
-        for k in np.flatnonzero(~straight & ~damped).tolist():
-            i, j = int(springs["number"][k]), int(springs["joint"][k])
-            holds = held_of(self.model.bonds.joint[j], of["bonds"]["held"])
-            arrays["spring_work"][:, i] = work[:, k]
-            arrays["spring_length"][:, i] = arrays["joint_angle"][:, j]
-            arrays["spring_force"][:, i] = (
-                springs["sense"][k] * -results["effort"][:, k]
-                + holds * self.model.springs.damping[i] * arrays["joint_rate"][:, j])
+        rotary = ~straight & ~damped
+        own, hinge = springs["number"][rotary], springs["joint"][rotary]
+        holds = held_of(self.model.bonds.joint[hinge], of["bonds"]["held"]).T
+        arrays["spring_length"][:, own] = arrays["joint_angle"][:, hinge]
+        arrays["spring_force"][:, own] = (
+            springs["sense"][rotary] * -results["effort"][:, rotary]
+            + holds * self.model.springs.damping[own] * arrays["joint_rate"][:, hinge])
 
     def contacts_now(self) -> Contacts:
         """The contacts of the last step, as one sample."""
@@ -245,7 +246,7 @@ class Readings:
         self.listed: Contacts | None = None
 
     def of(self, text: str) -> Read:
-        """A function for a quantity, a meter or an expression; KeyError if it is not live."""
+        """A function for a quantity, a meter or an expression; SceneError if one is not live."""
         if text.startswith("=") or ("/" in text and text not in self.catalogue):
             return closure(text, self._named, self.model.mechanism.functions)
         return self._named(text)
@@ -256,7 +257,8 @@ class Readings:
         source = self.catalogue.find(name)
         quantity = row_of(source.kind, source.quantity)
         if not quantity.live:
-            raise KeyError(name)
+            raise SceneError([Problem("quantity-not-live", f"{quoted(name)} is computed after the "
+                                      "run and cannot be read during it", name)])
         if source.kind == "solver":
             return _item(self.sampler.tables.state.accuracy, 0)
         if source.quantity in BOND_QUANTITIES:
@@ -284,10 +286,7 @@ class Readings:
     def _drive(self, source: Source) -> Read:
         if source.quantity == "value":
             return lambda: self.drive.item(source.index)
-        actions = self.sampler.tables.elements.actions
-        row = int(np.flatnonzero((actions["drive"] == source.index) & (actions["motor"] >= 0))[0])
-        sense, given = float(actions["sense"][row]), self._result("actions", "torque", row)
-        return lambda: sense * given()
+        return self._result("actions", "torque", source.index)
 
     def _body(self, source: Source) -> Read:
         index, state, quantity = source.index, self.sampler.tables.state, source.quantity
