@@ -188,12 +188,7 @@ def add_forces(table: int, h: float) -> None:
         sums[k] += share * joints[i]["fx"]
         sums[k + 1] += share * joints[i]["fy"]
         sums[k + 2] += share * joints[i]["couple"]
-    limits = at.limits(table)
-    for i in range(len(limits)):
-        if limits[i]["what"] == STOP and limits[i]["impulse"] > 0.0:
-            j = limits[i]["joint"]
-            torque = joints[j]["sense"] * limits[i]["side"] * limits[i]["impulse"] / h
-            sums[FORCES * j + 3] += share * torque
+        sums[k + 3] += share * joints[i]["stop"]
     frictions = at.dry_friction(table)
     for i in range(len(frictions)):
         sums[FORCES * frictions[i]["joint"] + 4] += share * frictions[i]["force"]
@@ -376,9 +371,14 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
             body[b, 3 + j] = velocity[b, j]
             # impacts after the poses displace them
             placed[b, j] = body[b, j] + shift[b, j] if struck else body[b, j]
-    joints = at.joints(table)
+    joints, limits = at.joints(table), at.limits(table)
     for i in range(len(joints)):
         note_rate(joints[i], body, before)
+        joints[i]["stop"] = 0.0
+    for i in range(len(limits)):
+        if limits[i]["what"] == STOP:
+            joint = joints[limits[i]["joint"]]
+            joint["stop"] += joint["sense"] * limits[i]["side"] * limits[i]["impulse"] / h
     at.touching(table)[2] |= struck
     add_work(table, h)
     note_impacts(table)

@@ -82,6 +82,7 @@ JOINT = np.dtype([
     ("way", float), ("rate", float),    # its free coordinate [m, rad]; its rate, a hinge's in its
                                         # sense
     ("fx", float), ("fy", float), ("couple", float),    # on b [N, N m]
+    ("stop", float),        # torque of the stops of a hinge, in its sense [N m]
 ])
 
 LIMIT = np.dtype([
@@ -253,6 +254,6 @@ BROKEN = np.dtype([
 
 SAMPLED = {
     "actions": "work", "springs": "way", "cables": "work", "guides": "lifted", "slips": "way",
-    "joints": "twist_a", "limits": "impulse", "dry_friction": "work", "fluids": "content",
-    "valves": "flow", "pumps": "work", "loads": "work", "bonds": "held",
+    "joints": "twist_a", "dry_friction": "work", "fluids": "content", "valves": "flow",
+    "pumps": "work", "loads": "work", "bonds": "held",
 }  # the tables that samples copy, and from which field on; recorded values are computed later

@@ -19,7 +19,7 @@ from sandbox.elements.quantities import BOND_QUANTITIES, numbered, row_of
 from sandbox.engine.advance import advance, list_contacts, make_snapshot
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import Memory, make_memory
-from sandbox.engine.records import PULL, STOP
+from sandbox.engine.records import PULL
 from sandbox.engine.state import CONTACT
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
@@ -181,12 +181,8 @@ class Sampler:
         arrays["joint_rate"][:, hinge] = results["rate"][:, hinge]
         arrays["joint_length"][:, line] = results["way"][:, line]
         arrays["joint_speed"][:, line] = results["rate"][:, line]
-        arrays["joint_stop"][:, elements.joints["stopped"] == 1] = 0.0
-        for i in np.flatnonzero(elements.limits["what"] == STOP).tolist():
-            limit, impulse = elements.limits[i], of["limits"]["impulse"][:, i]
-            sense = elements.joints["sense"][limit["joint"]]
-            arrays["joint_stop"][:, limit["joint"]] += (
-                sense * limit["side"] * impulse / self.world.h)
+        stopped = elements.joints["stopped"] == 1
+        arrays["joint_stop"][:, stopped] = results["stop"][:, stopped]
 
     def _write_springs(self, arrays: Arrays, of: dict[str, Records]) -> None:
         joints, springs = self.model.joints, self.tables.elements.springs

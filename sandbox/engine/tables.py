@@ -32,7 +32,10 @@ class Tables(NamedTuple):
     pattern: Pattern
 
     def saved(self) -> list[tuple[Any, Any]]:
-        """The bytes of all arrays that a run changes but scratch ones, and copies of them."""
+        """The bytes of all arrays that a run changes but scratch ones, and copies of them.
+
+        Arrays are in one piece, as :func:`sandbox.engine.memory.make_memory` checks.
+        """
         found = [array.reshape(-1).view(np.uint8)  # records would be copied field by field
                  for part in self[:4] for name, array in part._asdict().items()
                  if isinstance(array, np.ndarray) and array.flags.writeable
