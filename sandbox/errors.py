@@ -132,6 +132,7 @@ class RunEnded(SandboxError):
     """
 
     text: ClassVar[str]  # the message, with attributes in braces
+    outcome: ClassVar[str] = "{}"  # why the run is not complete, with the message in the braces
 
     def __init__(self, time: float, culprit: str = "", reason: str = "") -> None:
         self.time, self.culprit, self.reason = time, culprit, reason
@@ -162,6 +163,7 @@ class RecordingFull(RunEnded):
     text = ("stopped at t = {time:.6g} s: samples and contacts recorded until then take more than "
             "{reason} (the limit 'recorded_bytes', raised by --limit recorded_bytes=N, or "
             "simulate(recorded_bytes=...))")
+    outcome = "more was recorded than the limit 'recorded_bytes' allows"
 
     def __init__(self, time: float, most: float) -> None:
         super().__init__(time, reason=f"{most:,.0f} bytes".replace(",", " "))
@@ -172,6 +174,7 @@ class ControllerFailed(RunEnded):
 
     code = "controller-failed"
     text = "controller {culprit!r}: act() at t = {time:.6g} s {reason}"
+    outcome = "a controller failed: {}"
 
 
 class Interrupted(RunEnded):
@@ -179,3 +182,4 @@ class Interrupted(RunEnded):
 
     code = "interrupted"
     text = "interrupted at t = {time:.6g} s"
+    outcome = "interrupted"

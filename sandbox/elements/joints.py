@@ -282,8 +282,7 @@ class Slot(FrictionJoint):
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         draft.joint(index, "GrooveJoint", self.start, self.end, draft.anchors(index)[1])
         if not self.turns:
-            draft.add("constraint", f"{self.name}.angle", "GearJoint", self.a, self.b,
-                      draft.turn(index), 1.0)
+            draft.hold_angle(index)
 
 
 class Weld(ClosingJoint):
@@ -295,8 +294,7 @@ class Weld(ClosingJoint):
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         draft.joint(index, "PivotJoint", *draft.anchors(index))
-        draft.add("constraint", f"{self.name}.angle", "GearJoint", self.a, self.b,
-                  draft.turn(index), 1.0)
+        draft.hold_angle(index)
 
 
 class BarJoint(JointSpec):

@@ -17,6 +17,7 @@ from sandbox.engine import fluids, loads, springs, tendons
 from sandbox.engine import memory as at
 from sandbox.engine.bonds import release_and_engage
 from sandbox.engine.contacts import gap_rate, list_contacts_of_step, short
+from sandbox.engine.coordinates import note_rate
 from sandbox.engine.entry_points import CalledFromPython, entry_point
 from sandbox.engine.impacts import REBOUND
 from sandbox.engine.islands import skin_compliance
@@ -83,7 +84,6 @@ def take(table: int, h: float, drive: Array) -> None:
         for j in range(3):  # an assignment of arrays would compile its error messages
             velocity[n, m, j] = (before[i, j] + body[i, 3 + j]) / 2
             acceleration[n, m, j] = (body[i, 3 + j] - before[i, j]) / h
-    _note_rates(table)
     copies = at.kept_copies(table)
     for i in range(len(copies)):
         count, words = copies[i, 2], copies[i, 4]
@@ -102,23 +102,6 @@ def take(table: int, h: float, drive: Array) -> None:
         at.touches(table), at.touching(table)[0], body, at.kept_contacts(table), first)
     at.kept_steady(table)[n] = 1
     taken[0] += 1
-
-
-@kernel
-def _note_rates(table: int) -> None:
-    """Rates of the angles of hinges and of the lengths of actuators at the instant of the pose."""
-    joints, body, before = at.joints(table), at.body(table), at.before(table)
-    for i in range(len(joints)):
-        joint, a, b = joints[i], joints[i]["a"], joints[i]["b"]
-        if joint["hinge"]:
-            joint["rate"] = joint["sense"] * (
-                body[b, 5] + before[b, 2] - body[a, 5] - before[a, 2]) / 2
-        elif joint["line"]:
-            joint["rate"] = (
-                joint["dx"] * (body[b, 3] + before[b, 0] - body[a, 3] - before[a, 0])
-                + joint["dy"] * (body[b, 4] + before[b, 1] - body[a, 4] - before[a, 1])
-                + joint["ta"] * (body[a, 5] + before[a, 2])
-                + joint["tb"] * (body[b, 5] + before[b, 2])) / 2
 
 
 @kernel
@@ -205,12 +188,7 @@ def add_forces(table: int, h: float) -> None:
         sums[k] += share * joints[i]["fx"]
         sums[k + 1] += share * joints[i]["fy"]
         sums[k + 2] += share * joints[i]["couple"]
-    limits = at.limits(table)
-    for i in range(len(limits)):
-        if limits[i]["what"] == STOP and limits[i]["impulse"] > 0.0:
-            j = limits[i]["joint"]
-            torque = joints[j]["sense"] * limits[i]["side"] * limits[i]["impulse"] / h
-            sums[FORCES * j + 3] += share * torque
+        sums[k + 3] += share * joints[i]["stop"]
     frictions = at.dry_friction(table)
     for i in range(len(frictions)):
         sums[FORCES * frictions[i]["joint"] + 4] += share * frictions[i]["force"]
@@ -226,7 +204,7 @@ def add_forces(table: int, h: float) -> None:
     actions = at.actions(table)
     for i in range(len(actions)):
         if actions[i]["motor"] >= 0:
-            sums[k + actions[i]["drive"]] += share * actions[i]["sense"] * actions[i]["torque"]
+            sums[k + actions[i]["drive"]] += share * actions[i]["torque"]
     _add_contacts(table, share)
 
 
@@ -393,6 +371,14 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
             body[b, 3 + j] = velocity[b, j]
             # impacts after the poses displace them
             placed[b, j] = body[b, j] + shift[b, j] if struck else body[b, j]
+    joints, limits = at.joints(table), at.limits(table)
+    for i in range(len(joints)):
+        note_rate(joints[i], body, before)
+        joints[i]["stop"] = 0.0
+    for i in range(len(limits)):
+        if limits[i]["what"] == STOP:
+            joint = joints[limits[i]["joint"]]
+            joint["stop"] += joint["sense"] * limits[i]["side"] * limits[i]["impulse"] / h
     at.touching(table)[2] |= struck
     add_work(table, h)
     note_impacts(table)

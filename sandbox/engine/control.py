@@ -26,7 +26,7 @@ from sandbox.numeric import Array
 from sandbox.samples.outcome import Happened, Stop
 from sandbox.scene.settings import Event, first_step
 from sandbox.values.expressions import Read
-from sandbox.values.signals import AnySignal, Constant, Ramp
+from sandbox.values.signals import AnySignal, Constant
 from sandbox.values.tables import Tables
 
 Act = Callable[[float, int], None]
@@ -46,10 +46,6 @@ class Setpoint:
 
     def at(self, act: int) -> float:
         """The value for an act, counted from 0 at t = 0."""
-        ramp = self.signal
-        if self.fixed is None and isinstance(ramp, Ramp) and (
-                act * self.period >= ramp.start + ramp.over):
-            self.fixed = ramp.to
         if self.fixed is not None:
             return self.fixed
         if not self._first <= act < self._first + len(self._values):

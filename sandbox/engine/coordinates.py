@@ -93,6 +93,21 @@ def rate(element: Any, velocity: Array) -> float:
 
 
 @kernel
+def note_rate(joint: Any, body: Array, before: Array) -> None:
+    """Note the rate of a hinge or actuator, the mean of those before the step and after it."""
+    a, b = joint["a"], joint["b"]
+    if joint["hinge"]:
+        joint["rate"] = joint["sense"] * (
+            body[b, 5] + before[b, 2] - body[a, 5] - before[a, 2]) / 2
+    elif joint["line"]:
+        joint["rate"] = (
+            joint["dx"] * (body[b, 3] + before[b, 0] - body[a, 3] - before[a, 0])
+            + joint["dy"] * (body[b, 4] + before[b, 1] - body[a, 4] - before[a, 1])
+            + joint["ta"] * (body[a, 5] + before[a, 2])
+            + joint["tb"] * (body[b, 5] + before[b, 2])) / 2
+
+
+@kernel
 def set_row(J: Array, entry: int, dx: float, dy: float, ta: float, tb: float) -> None:
     """Set the two entries of a bilateral row on the coordinate with these coefficients."""
     J[entry, 0], J[entry, 1], J[entry, 2] = 0.0 - dx, 0.0 - dy, ta

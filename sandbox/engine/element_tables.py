@@ -16,6 +16,7 @@ from sandbox.elements.element import ATMOSPHERE
 from sandbox.elements.joints import Keeps
 from sandbox.engine import records
 from sandbox.engine import stiffness as stiffnesses
+from sandbox.engine.coordinates import measure_angle, measure_distance, note_rate
 from sandbox.engine.rows import note_turns
 from sandbox.engine.tendons import measure
 from sandbox.engine.world import span_table
@@ -377,6 +378,20 @@ def add_paths(joints: Records, model: Model, spans: Records) -> Records:
         joints[j]["place"] = place
         joints[j]["on"] = first + np.searchsorted(path.starts[1:-1], place, side="right")
     return np.concatenate(tables)
+
+
+def measure_joints(joints: Records, body: Array) -> None:
+    """Measure hinges and actuators: they are read before the first step."""
+    turn = np.zeros((len(body), 2))
+    note_turns(body, turn)
+    for joint in joints:
+        if joint["hinge"]:
+            measure_angle(joint, body)
+        elif joint["span"] >= 0:
+            joint["way"] = joint["place"]
+        elif joint["line"]:
+            measure_distance(joint, body, turn)
+        note_rate(joint, body, body[:, 3:])
 
 
 class CableTables(NamedTuple):

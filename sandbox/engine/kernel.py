@@ -112,8 +112,7 @@ def entry_point_compiler(*args: Any) -> Any:
 def _compilers() -> tuple[Any, Any] | None:
     compilers = _tested_compilers()
     if compilers and _contexts:
-        _contexts[-1].enter_context(_operator_types_remembered())
-        _contexts[-1].enter_context(_indices_as_they_are())
+        _contexts[-1].enter_context(_numba_patched())
     return compilers
 
 
@@ -121,7 +120,7 @@ def _compilers() -> tuple[Any, Any] | None:
 def _tested_compilers() -> tuple[Any, Any] | None:
     try:
         compilers = _make_compilers()
-        with _operator_types_remembered(), _indices_as_they_are():
+        with _numba_patched():
             if _probe(*compilers) == 42.0:
                 return compilers
     except Exception:  # whatever a changed interface raises
@@ -213,9 +212,11 @@ def _make_compilers() -> tuple[Any, Any]:
 
 
 @contextmanager
-def _operator_types_remembered() -> Iterator[None]:
+def _numba_patched() -> Iterator[None]:
+    """Let Numba remember the types of operators, and take negative indices as they are."""
     function_type: Any = import_module("numba.core.types.functions").BaseFunction
-    resolve = function_type.get_call_type
+    arrays: Any = import_module("numba.np.arrayobj")
+    resolve, index = function_type.get_call_type, arrays.fix_integer_index
     if getattr(resolve, "remembers", False):  # on already
         yield
         return
@@ -229,19 +230,9 @@ def _operator_types_remembered() -> Iterator[None]:
 
     remembered.remembers = True  # type: ignore[attr-defined]
     function_type.get_call_type = remembered
-    try:
-        yield
-    finally:
-        function_type.get_call_type = resolve
-
-
-@contextmanager
-def _indices_as_they_are() -> Iterator[None]:
-    arrays: Any = import_module("numba.np.arrayobj")
-    usual = arrays.fix_integer_index
     arrays.fix_integer_index = (
         lambda context, builder, kind, index, *size: context.cast(builder, index, kind, types.intp))
     try:
         yield
     finally:
-        arrays.fix_integer_index = usual
+        function_type.get_call_type, arrays.fix_integer_index = resolve, index

@@ -96,7 +96,7 @@ class Live(Simulation):
         """The quantities that can be read during the run, without those of pairs."""
         hidden, found = tuple(f"{name}." for name in self._hidden()), []
         for name in self._catalogue.units:
-            with suppress(KeyError):  # computed after the run
+            with suppress(SceneError):  # computed after the run
                 self._readings.of(name)
                 found.append(name)
         return [name for name in found if not name.startswith(hidden)]
@@ -194,20 +194,6 @@ class Live(Simulation):
             for column, value in zip(self._hand.tolist(), force, strict=True):
                 self._control.drives.set(column, value)
         super().run(until, progress=progress)
-
-    def _check_open(self, path: str) -> None:
-        if self.finished:
-            raise SceneError([Problem("run-ended", self.ending, path)])
-
-    @property
-    def ending(self) -> str:
-        """Why the run is over; empty during the run."""
-        stop = self._control.stopped
-        if not self.finished or self._failed is not None:
-            return f"the run is over: {self._failed}" if self._failed else ""
-        by = f": {quoted(stop.event)} stopped it" if stop else ""
-        because = f", {stop.because}" if stop and stop.because else ""
-        return f"the run is over, at t = {self.time:.6g} s{by}{because}"
 
     def _hidden(self) -> list[str]:
         return [self.mechanism.drives[i].name for i in self._hand.tolist()]

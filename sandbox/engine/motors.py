@@ -150,9 +150,9 @@ def drive_forces(table: int, drive: Array) -> None:
                 add_to(out, b, fx, fy, bx * fy - by * fx)
             continue
         if action["b"] >= 0:
-            action["torque"] = action["sense"] * value
-            out[action["b"], 2] += action["torque"]
-            out[a, 2] -= action["torque"]
+            action["torque"] = value
+            out[action["b"], 2] += action["sense"] * value
+            out[a, 2] -= action["sense"] * value
             continue
         c, s = math.cos(body[a, 2]), math.sin(body[a, 2])
         fx, fy = value * action["dx"], value * action["dy"]

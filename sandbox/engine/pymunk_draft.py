@@ -98,10 +98,11 @@ class PymunkDraft:
         """Both points of a joint in the frames of its bodies [m]."""
         return [(float(x), float(y)) for x, y in self.model.joints.anchor[joint]]
 
-    def turn(self, joint: int) -> float:
-        """Angle of the body ``b`` of a joint minus that of ``a`` at t = 0 [rad]."""
-        a, b = self.model.joints.bodies[joint]
-        return float(self.model.bodies.pose[b, 2] - self.model.bodies.pose[a, 2])
+    def hold_angle(self, joint: int) -> None:
+        """Keep the angle between the bodies of a joint as it is at t = 0."""
+        spec, (a, b) = self.mechanism.joints[joint], self.model.joints.bodies[joint]
+        self.add("constraint", f"{spec.name}.angle", "GearJoint", spec.a, spec.b,
+                 float(self.model.bodies.pose[b, 2] - self.model.bodies.pose[a, 2]), 1.0)
 
     def value(self, drive: int) -> Any:
         """The value of a drive over time, as an argument."""

@@ -18,16 +18,15 @@ from sandbox import __version__
 from sandbox.elements.arrays import Arrays
 from sandbox.engine.inputs import Clock, make_clock
 from sandbox.engine.pymunk_draft import PymunkDraft, build, time_step
-from sandbox.errors import Interrupted, RecordingFull, SimulationDiverged
+from sandbox.errors import Interrupted, RecordingFull, RunEnded, SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import merge_contacts
-from sandbox.samples.outcome import INTERRUPTED, LIMITED, Outcome
+from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 
 FARTHEST = 1e6  # beyond this position or speed of a body [m, m/s] a run has diverged
-CHUNK = 64  # samples that are recorded together
 
 
 def run_pymunk(
@@ -36,10 +35,10 @@ def run_pymunk(
     """Run a mechanism in plain pymunk; arguments and errors as of :func:`sandbox.simulate`."""
     began = time.perf_counter()
     run = _PymunkRun(mechanism)
-    built, reason, clock = time.perf_counter(), "", run.clock
-    error: Interrupted | RecordingFull | SimulationDiverged | None = None
+    built, clock = time.perf_counter(), run.clock
+    error: RunEnded | None = None
     try:
-        while not reason and run.samples < clock.samples:
+        while error is None and run.samples < clock.samples:
             run.sample()
             culprit = next((name for name, body in run.scene.bodies.items() if not all(
                 abs(x) < FARTHEST
@@ -47,19 +46,17 @@ def run_pymunk(
             if culprit:
                 error = SimulationDiverged(run.now, culprit, "its motion has run away; a smaller "
                                            "time step or more iterations may help")
-                reason = str(error)
                 run.samples -= 1  # it may have no numbers
             elif run.builder.recorded_bytes > recorded_bytes:
-                error, reason = RecordingFull(run.now, recorded_bytes), LIMITED
+                error = RecordingFull(run.now, recorded_bytes)
             if progress is not None:
                 progress(run.samples / clock.samples)
     except KeyboardInterrupt:
-        error, reason = Interrupted(run.now), INTERRUPTED
-    run.put(run.samples % CHUNK)
+        error = Interrupted(run.now)
     iterations = mechanism.run.pymunk.iterations
     recording = run.builder.finish(
         clock.force_time(clock.sample_step(np.arange(run.samples))), Outcome(
-            complete=not reason, reason=reason,
+            complete=error is None, reason=error.outcome.format(error) if error else "",
             step=clock.step, steps=clock.steps, sample_rate=1 / (clock.every * clock.step),
             versions={"sandbox": __version__, "pymunk": pymunk.version,
                       "numpy": np.__version__, "python": platform.python_version()},
@@ -85,7 +82,7 @@ class _PymunkRun:
             "tendon_rest": np.array([tendon.rest for tendon in tendons])}, model=self.model)
         self.bodies = list(self.scene.bodies.values())
         self.numbers = {body: i for i, body in enumerate(self.bodies)}
-        self.samples, self._chunk = 0, self.builder.blank(CHUNK)
+        self.samples, self._row = 0, self.builder.blank(1)
 
     @property
     def now(self) -> float:
@@ -98,8 +95,8 @@ class _PymunkRun:
             self.scene.step()
         before = self._velocities()
         self.scene.step()
-        after, row = self._velocities(), self.samples % CHUNK
-        arrays = {key: array[row] for key, array in self._chunk.items()}
+        after = self._velocities()
+        arrays = {key: array[0] for key, array in self._row.items()}
         arrays["body_pose"][:] = [(*body.position, body.angle) for body in self.bodies]
         arrays["body_velocity"][:] = (before + after) / 2
         arrays["body_acceleration"][:] = (after - before) / self.scene.h
@@ -110,14 +107,8 @@ class _PymunkRun:
         arrays["guide_lifted"][:] = 0.0
         arrays["drive_value"][:] = [self.scene.drives[name] for name in self.model.drives.name]
         self._record_contacts()
+        self.builder.put(self.samples, self._row)
         self.samples += 1
-        if row == CHUNK - 1:
-            self.put(CHUNK)
-
-    def put(self, count: int) -> None:
-        """Add the last samples to the recording."""
-        self.builder.put(self.samples - count, {
-            key: array[:count] for key, array in self._chunk.items()})
 
     def _velocities(self) -> Array:
         return np.array([(*body.velocity, body.angular_velocity) for body in self.bodies])

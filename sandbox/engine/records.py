@@ -25,7 +25,7 @@ ACTION = np.dtype([
     ("bond", np.int64), ("runs", np.int64),     # of the hinge; whether it drives the surface of a
     ("fx", float), ("fy", float),   # of a force, in the world [N]
     ("work", float),        # on the bodies [J]
-    ("torque", float),      # on a, or on b of a hinge [N m]; of a driven surface its power [W]
+    ("torque", float),      # on a, or on b in a hinge's sense [N m]; power of a driven surface [W]
     ("step_work", float),
 ])
 
@@ -81,8 +81,10 @@ JOINT = np.dtype([
     ("kick_x", float), ("kick_y", float),   # impulse on b besides that of its rows [N s]: impacts
                                             # act in another pose
     ("twist_a", float), ("twist_b", float),     # for the same reason moments on a and b [N m s]
-    ("way", float), ("rate", float),    # its free coordinate [m, rad]; its rate, in samples only
+    ("way", float), ("rate", float),    # its free coordinate [m, rad]; its rate, a hinge's in its
+                                        # sense
     ("fx", float), ("fy", float), ("couple", float),    # on b [N, N m]
+    ("stop", float),        # torque of the stops of a hinge, in its sense [N m]
 ])
 
 LIMIT = np.dtype([
@@ -254,6 +256,6 @@ BROKEN = np.dtype([
 
 SAMPLED = {
     "actions": "work", "springs": "way", "cables": "work", "guides": "lifted", "slips": "way",
-    "joints": "twist_a", "limits": "impulse", "dry_friction": "work", "fluids": "content",
-    "valves": "flow", "pumps": "work", "loads": "work", "bonds": "held",
+    "joints": "twist_a", "dry_friction": "work", "fluids": "content", "valves": "flow",
+    "pumps": "work", "loads": "work", "bonds": "held",
 }  # the tables that samples copy, and from which field on; recorded values are computed later

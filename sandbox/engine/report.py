@@ -170,9 +170,10 @@ def add_work(table: int, h: float) -> None:
             action["work"] += action["step_work"]
             continue
         if action["motor"] >= 0:
-            action["torque"] = motors[action["motor"]]["impulse"] / h
+            action["torque"] = action["sense"] * motors[action["motor"]]["impulse"] / h
         if action["joint"] >= 0:
-            power = action["torque"] * rate(at.joints(table)[action["joint"]], v)
+            power = (action["sense"] * action["torque"]
+                     * rate(at.joints(table)[action["joint"]], v))
         else:
             power = (action["fx"] * v[a, 0] + action["fy"] * v[a, 1] + action["torque"] * v[a, 2])
         action["step_work"] = h * power
@@ -319,7 +320,8 @@ def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
             _cut_spring(table, h, k, share)
     for k in range(len(actions)):  # drives give no torque or push
         if actions[k]["bond"] == joint["bond"] and actions[k]["motor"] < 0:
-            _kick_along(table, at.joints(table)[actions[k]["joint"]], -h * actions[k]["torque"])
+            _kick_along(table, at.joints(table)[actions[k]["joint"]],
+                        -h * actions[k]["sense"] * actions[k]["torque"])
             actions[k]["torque"] = 0.0
 
 

@@ -54,8 +54,7 @@ def path_row(table: int, h: float, k: int) -> None:
     if r < 0:
         return
     J = at.entries(table)[0]
-    J[e, 0], J[e, 1], J[e, 2] = dy, -dx, -(qx * dx + qy * dy)
-    J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -dy, dx, bx * dx + by * dy
+    q.set_row(J, e, -dy, dx, -(qx * dx + qy * dy), bx * dx + by * dy)
     wa, wb, along = before[a, 2], before[b, 2], q.rate(joint, before)
     bend = (wa * wa * (dx * qy - dy * qx) - wb * wb * (dx * by - dy * bx) - 2.0 * wa * along
             - curve * along * along / max(1.0 - curve * across, CONFORMING))

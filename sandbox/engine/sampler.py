@@ -19,31 +19,35 @@ from sandbox.elements.quantities import BOND_QUANTITIES, numbered, row_of
 from sandbox.engine.advance import advance, list_contacts, make_snapshot
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import Memory, make_memory
-from sandbox.engine.records import PULL, STOP
+from sandbox.engine.records import PULL
 from sandbox.engine.state import CONTACT
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
+from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import held_of
 from sandbox.numeric import Array, Integers, Records
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts, merge_contacts
 from sandbox.values.expressions import Read, closure
+from sandbox.wording import quoted
 
 CHUNK = 512
 MIN_CONTACTS = 4096  # minimum room for contacts of the samples that are not yet converted
-RECORDED: dict[str, tuple[str, str]] = {
-    "joint_couple": ("joints", "couple"), "joint_friction": ("dry_friction", "force"),
-    "joint_sticks": ("dry_friction", "sticks"), "joint_friction_work": ("dry_friction", "work"),
-    "tendon_length": ("cables", "length"), "tendon_tension": ("cables", "tension"),
-    "tendon_work": ("cables", "work"), "guide_friction": ("slips", "force"),
-    "guide_slip": ("slips", "way"), "line_pressure": ("fluids", "pressure"),
-    "line_flow": ("fluids", "flow"), "line_spilled": ("fluids", "spilled"),
-    "line_work": ("fluids", "work"), "valve_flow": ("valves", "flow"),
-    "valve_loss": ("valves", "loss"), "load_torque": ("loads", "torque"),
+RECORDED: dict[str, tuple[str, ...]] = {
+    "joint_force": ("joints", "fx", "fy"), "joint_couple": ("joints", "couple"),
+    "joint_friction": ("dry_friction", "force"), "joint_sticks": ("dry_friction", "sticks"),
+    "joint_friction_work": ("dry_friction", "work"), "tendon_length": ("cables", "length"),
+    "tendon_tension": ("cables", "tension"), "tendon_work": ("cables", "work"),
+    "guide_friction": ("slips", "force"), "guide_slip": ("slips", "way"),
+    "line_pressure": ("fluids", "pressure"), "line_flow": ("fluids", "flow"),
+    "line_spilled": ("fluids", "spilled"), "line_work": ("fluids", "work"),
+    "valve_flow": ("valves", "flow"), "valve_loss": ("valves", "loss"),
+    "load_force": ("loads", "fx", "fy"), "load_torque": ("loads", "torque"),
     "load_work": ("loads", "work"), "drive_flow": ("pumps", "flow"), "held": ("bonds", "held")}
-"""Arrays of a recording that are results of elements: their table and column."""
-NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pumps": "drive"}
+"""Arrays of a recording that are results of elements: their table, a column for each component."""
+NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pumps": "drive",
+           "actions": "drive"}
 """Columns with the numbers of elements, of tables without a row for each."""
 
 
@@ -110,28 +114,27 @@ class Sampler:
         of = {name: records[:n] for name, records in kept.copied.items()}
         for name in ("pose", "velocity", "acceleration"):
             arrays[f"body_{name}"][:] = getattr(kept, name)[:n]
-        for key, (table, column) in RECORDED.items():
+        for key, (table, *columns) in RECORDED.items():
             number = (getattr(elements, table)[NUMBERS[table]] if table in NUMBERS
                       else slice(arrays[key].shape[1]))
-            arrays[key][:, number] = _column(of[table], column)[:, :arrays[key].shape[1]]
+            for i, column in enumerate(columns):
+                values = _column(of[table], column)[:, :arrays[key].shape[1]]
+                arrays[key].reshape(n, -1, len(columns))[:, number, i] = values
         self._write_joints(arrays, of)
         self._write_springs(arrays, of)
         arrays["guide_lifted"][:] = of["guides"]["lifted"][:, self.tables.constants.wheels]
-        lines, fluids, loads = of["fluids"], elements.fluids, of["loads"]
+        lines, fluids = of["fluids"], elements.fluids
         arrays["line_volume"][:] = lines["grown"] + fluids["volume"]
         # the content of a gas includes the gas at t = 0 without pressure
         arrays["line_content"][:] = lines["content"] - np.where(
             fluids["gas"] > 0, fluids["volume"], 0.0)
         arrays["line_ahead"][:] = lines["ahead"] * self.world.h
-        arrays["load_force"][:, elements.loads["number"]] = np.stack(
-            [loads["fx"], loads["fy"]], axis=-1)
         arrays["solver_residual"][:, 0] = kept.residual[:n]
         actions, cables, pumps = elements.actions, elements.cables, elements.pumps["drive"]
         torque, work = of["actions"]["torque"], arrays["drive_work"]
         arrays["drive_value"][:] = kept.drive[:n]
         limited, runs, pulled = actions["motor"] >= 0, actions["runs"] == 1, cables["kind"] == PULL
-        arrays["drive_torque"][:, actions["drive"][limited]] = (
-            actions["sense"][limited] * torque[:, limited])
+        arrays["drive_torque"][:, actions["drive"][limited]] = torque[:, limited]
         arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
         work[:] = 0.0
         work[:, actions["drive"]] = _column(of["actions"], "work")
@@ -170,7 +173,6 @@ class Sampler:
     def _write_joints(self, arrays: Arrays, of: dict[str, Records]) -> None:
         elements, results = self.tables.elements, of["joints"]
         arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
-        arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
         arrays["joint_twist"][:] = np.stack(
             [results["twist_a"], results["twist_b"]], axis=-1) / self.world.h
         hinge, line = elements.joints["hinge"] == 1, elements.joints["line"] == 1
@@ -179,12 +181,8 @@ class Sampler:
         arrays["joint_rate"][:, hinge] = results["rate"][:, hinge]
         arrays["joint_length"][:, line] = results["way"][:, line]
         arrays["joint_speed"][:, line] = results["rate"][:, line]
-        arrays["joint_stop"][:, elements.joints["stopped"] == 1] = 0.0
-        for i in np.flatnonzero(elements.limits["what"] == STOP).tolist():
-            limit, impulse = elements.limits[i], of["limits"]["impulse"][:, i]
-            sense = elements.joints["sense"][limit["joint"]]
-            arrays["joint_stop"][:, limit["joint"]] += (
-                sense * limit["side"] * impulse / self.world.h)
+        stopped = elements.joints["stopped"] == 1
+        arrays["joint_stop"][:, stopped] = results["stop"][:, stopped]
 
     def _write_springs(self, arrays: Arrays, of: dict[str, Records]) -> None:
         joints, springs = self.model.joints, self.tables.elements.springs
@@ -195,19 +193,18 @@ class Sampler:
                              ("damping_work", work[:, damped])):
             arrays[f"joint_{name}"][:, joints.angle] = 0.0
             arrays[f"joint_{name}"][:, hinge] = values
+        arrays["spring_work"][:, springs["number"][~damped]] = work[:, ~damped]
         straight = springs["joint"] < 0
         own = springs["number"][straight]
         arrays["spring_length"][:, own] = results["way"][:, straight]
         arrays["spring_force"][:, own] = 0.0 - results["effort"][:, straight]
-        arrays["spring_work"][:, own] = work[:, straight]
-        for k in np.flatnonzero(~straight & ~damped).tolist():
-            i, j = int(springs["number"][k]), int(springs["joint"][k])
-            holds = held_of(self.model.bonds.joint[j], of["bonds"]["held"])
-            arrays["spring_work"][:, i] = work[:, k]
-            arrays["spring_length"][:, i] = arrays["joint_angle"][:, j]
-            arrays["spring_force"][:, i] = (
-                springs["sense"][k] * -results["effort"][:, k]
-                + holds * self.model.springs.damping[i] * arrays["joint_rate"][:, j])
+        rotary = ~straight & ~damped
+        own, hinge = springs["number"][rotary], springs["joint"][rotary]
+        holds = held_of(self.model.bonds.joint[hinge], of["bonds"]["held"]).T
+        arrays["spring_length"][:, own] = arrays["joint_angle"][:, hinge]
+        arrays["spring_force"][:, own] = (
+            springs["sense"][rotary] * -results["effort"][:, rotary]
+            + holds * self.model.springs.damping[own] * arrays["joint_rate"][:, hinge])
 
     def contacts_now(self) -> Contacts:
         """The contacts of the last step, as one sample."""
@@ -234,15 +231,6 @@ def _column(results: Records, name: str) -> Array:
     return column - results[f"step_{name}"] / 2 if name in ("work", "loss") else column
 
 
-RESULTS: dict[tuple[str, str], tuple[str, str]] = {
-    ("joint", "reaction_x"): ("joints", "fx"), ("joint", "reaction_y"): ("joints", "fy"),
-    ("joint", "length"): ("joints", "way"), ("joint", "position"): ("joints", "way"),
-    ("spring", "length"): ("springs", "way"), ("load", "fx"): ("loads", "fx"),
-    ("load", "fy"): ("loads", "fy"),
-    **{(kind, quantity): place for key, place in RECORDED.items()
-       for kind, _, quantity in [key.partition("_")]}}  # table and column
-
-
 class Readings:
     """Functions that read the state of one run; :meth:`Control.moved` updates it."""
 
@@ -254,7 +242,7 @@ class Readings:
         self.listed: Contacts | None = None
 
     def of(self, text: str) -> Read:
-        """A function for a quantity, a meter or an expression; KeyError if it is not live."""
+        """A function for a quantity, a meter or an expression; SceneError if one is not live."""
         if text.startswith("=") or ("/" in text and text not in self.catalogue):
             return closure(text, self._named, self.model.mechanism.functions)
         return self._named(text)
@@ -263,15 +251,17 @@ class Readings:
         if name == "t":
             return lambda: self.now
         source = self.catalogue.find(name)
-        if not row_of(source.kind, source.quantity).live:
-            raise KeyError(name)
+        quantity = row_of(source.kind, source.quantity)
+        if not quantity.live:
+            raise SceneError([Problem("quantity-not-live", f"{quoted(name)} is computed after the "
+                                      "run and cannot be read during it", name)])
         if source.kind == "solver":
             return _item(self.sampler.tables.state.accuracy, 0)
         if source.quantity in BOND_QUANTITIES:
             number = self.model.bonds.of(source.kind)[source.index]
             return _item(self.sampler.tables.elements.bonds["held"], int(number))
-        if place := RESULTS.get((source.kind, source.quantity)):
-            return self._result(*place, source.index)
+        if place := RECORDED.get(quantity.array):
+            return self._result(place[0], place[1 + (quantity.component or 0)], source.index)
         read: Callable[[Source], Read] = getattr(self, f"_{source.kind}")
         return read(source)
 
@@ -292,62 +282,45 @@ class Readings:
     def _drive(self, source: Source) -> Read:
         if source.quantity == "value":
             return lambda: self.drive.item(source.index)
-        actions = self.sampler.tables.elements.actions
-        row = int(np.flatnonzero((actions["drive"] == source.index) & (actions["motor"] >= 0))[0])
-        sense, given = float(actions["sense"][row]), self._result("actions", "torque", row)
-        return lambda: sense * given()
+        return self._result("actions", "torque", source.index)
 
     def _body(self, source: Source) -> Read:
-        index, state = source.index, self.sampler.tables.state
+        index, state, quantity = source.index, self.sampler.tables.state, source.quantity
         n, item = int(self.world.number[index]), state.body.item
         mean = self.sampler.tables.result.before.item
         cx, cy = self.model.bodies.centre[index].tolist()
-        h, what = self.world.h, source.quantity
-        j = {"vx": 0, "ax": 0, "vy": 1, "ay": 1}.get(what, 2)
-        if what in ("vx", "vy", "omega"):
+        h, row = self.world.h, row_of("body", quantity)
+        j = row.component or 0
+        if row.array == "body_velocity":
             return lambda: 0.5 * (item(n, 3 + j) + mean(n, j))
-        if what in ("ax", "ay", "alpha"):
+        if row.array == "body_acceleration":
             return lambda: (item(n, 3 + j) - mean(n, j)) / h
-        if what == "angle":
-            return lambda: item(n, 2)
-        if what == "x":
-            return lambda: item(n, 0) - math.cos(item(n, 2)) * cx + math.sin(item(n, 2)) * cy
-        if what == "y":
-            return lambda: item(n, 1) - math.sin(item(n, 2)) * cx - math.cos(item(n, 2)) * cy
-        touch = what.removeprefix("contact.")
+        if row.array:
+            return (lambda: item(n, 0) - math.cos(item(n, 2)) * cx + math.sin(item(n, 2)) * cy,
+                    lambda: item(n, 1) - math.sin(item(n, 2)) * cx - math.cos(item(n, 2)) * cy,
+                    lambda: item(n, 2))[j]
+        touch = quantity.removeprefix("contact.")
         return lambda: float(self.contacts.of_body(index, touch)[0])
 
     def _joint(self, source: Source) -> Read:
-        joints, index = self.model.joints, source.index
-        a, b = self.world.number[joints.bodies[index]].tolist()
-        item, mean = self.sampler.tables.state.body.item, self.sampler.tables.result.before.item
-        fx, fy, dx, dy, ta, tb = (_item(self.sampler.tables.elements.joints[name], index)
-                                  for name in ("fx", "fy", "dx", "dy", "ta", "tb"))
-        sense, zero = joints.sense[index].item(), joints.zero[index].item()
+        joints, quantity = self.model.joints, source.quantity
+        fx, fy, dx, dy, way, rate = (self._result("joints", name, source.index)
+                                     for name in ("fx", "fy", "dx", "dy", "way", "rate"))
+        sense, zero = joints.sense[source.index].item(), joints.zero[source.index].item()
 
         def tension() -> float:
             """Along the line; positive if it pulls ``b`` towards ``a``."""
             size = math.hypot(fx(), fy())
             return -size if dx() * fx() + dy() * fy() > 0 else size
 
-        def rate(n: int, j: int) -> float:
-            return 0.5 * (item(n, 3 + j) + mean(n, j))
-
-        def speed() -> float:
-            """Rate of the length of an actuator."""
-            return (dx() * (rate(b, 0) - rate(a, 0)) + dy() * (rate(b, 1) - rate(a, 1))
-                    + ta() * mean(a, 2) + tb() * mean(b, 2))
-
-        return {
-            "reaction": lambda: math.hypot(fx(), fy()), "tension": tension, "speed": speed,
-            "angle": lambda: sense * (item(b, 2) - item(a, 2)) - zero,
-            "rate": lambda: 0.5 * sense * (item(b, 5) + mean(b, 2) - item(a, 5) - mean(a, 2)),
-        }[source.quantity]
+        return {"reaction": lambda: math.hypot(fx(), fy()), "tension": tension,
+                "angle": lambda: sense * way() - zero, "length": way, "position": way,
+                "rate": rate, "speed": rate}[quantity]
 
     def _spring(self, source: Source) -> Read:
-        if source.quantity == "force":
-            effort = self._result("springs", "effort", source.index)
-            return lambda: 0.0 - effort()
+        way, effort = (self._result("springs", name, source.index) for name in ("way", "effort"))
+        if source.quantity != "angle":
+            return way if source.quantity == "length" else lambda: 0.0 - effort()
         joint = self.model.springs.joint[source.index]
         return self._named(f"{self.model.joints.name[joint]}.angle")
 

@@ -28,19 +28,11 @@ def search(table: int, h: float) -> tuple[bool, int]:
 
     Shapes are not near if a line separates the bodies of each pair; many pairs are not checked.
     """
-    pairs, boxes, body, friction = (
-        at.neighbors(table), at.boxes(table), at.body(table), at.friction(table))
+    pairs, boxes, body = at.neighbors(table), at.boxes(table), at.body(table)
     near, parts, fast = len(pairs) > CHECKED, 1, _bound(table, h)
-    if near:
-        for a in range(len(boxes)):
-            path, x0, y0, x1, y1 = (boxes[a, 5], boxes[a, 0], boxes[a, 1], boxes[a, 2], boxes[a, 3])
-            for b in range(a if fast else 0):
-                apart = max(max(x0 - boxes[b, 2], boxes[b, 0] - x1),
-                            max(y0 - boxes[b, 3], boxes[b, 1] - y1), 0.0)
-                if apart < path + boxes[b, 5] and friction[a, b] >= 0.0:
-                    parts = max(parts, _parts(h, body, boxes, a, b))
-        return near, parts
     for k in range(len(pairs)):
+        if near and not fast:
+            break
         a, b = pairs[k, 0], pairs[k, 1]
         apart = max(max(boxes[a, 0] - boxes[b, 2], boxes[b, 0] - boxes[a, 2]),
                     max(boxes[a, 1] - boxes[b, 3], boxes[b, 1] - boxes[a, 3]))
@@ -49,8 +41,6 @@ def search(table: int, h: float) -> tuple[bool, int]:
         if not near and apart <= 0.0:
             x, y = body[b, 0] - body[a, 0], body[b, 1] - body[a, 1]
             near = _reach(table, a, x, y) + _reach(table, b, -x, -y) >= x * x + y * y
-        if near and not fast:
-            break
     return near or parts > 1, parts
 
 

@@ -37,11 +37,12 @@ from sandbox.errors import (
     Interrupted,
     Problem,
     RecordingFull,
+    RunEnded,
     SandboxError,
     SceneError,
     SimulationDiverged,
 )
-from sandbox.model.catalogue import Catalogue, UnknownQuantityError
+from sandbox.model.catalogue import Catalogue
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array
 from sandbox.recording.builder import RECORDED_BYTES, Latest, RecordingBuilder
@@ -154,12 +155,6 @@ class Simulation:
         if quantity not in self._read:
             try:
                 self._read[quantity] = self._readings.of(quantity)
-            except UnknownQuantityError:
-                raise
-            except KeyError as error:
-                raise SceneError([Problem("quantity-not-live", f"{quoted(error.args[0])} is "
-                                          "computed after the run and cannot be read during it",
-                                          quantity)]) from None
             except WrongValueError as error:
                 raise SceneError([Problem.of(error, quantity)]) from None
         return self._read[quantity]()
@@ -290,9 +285,7 @@ class Simulation:
             SceneError: no such drive, a value that is no finite number, a drive that a controller
                 or an event of the scene sets, or a run that is over.
         """
-        if self.finished:
-            raise SceneError([Problem("run-ended",
-                                      f"the run is over, at t = {self.time:.6g} s", "set")])
+        self._check_open("set")
         known = self._model.names.drive
         if drive not in known:
             raise SceneError([Problem(
@@ -307,6 +300,20 @@ class Simulation:
                                       "set", allowed="a drive that nothing else sets")])
         self._set.append((self._done, drive, value))
         self._control.drives.set(known[drive], value or 0.0, value is not None)
+
+    def _check_open(self, path: str) -> None:
+        if self.finished:
+            raise SceneError([Problem("run-ended", self.ending, path)])
+
+    @property
+    def ending(self) -> str:
+        """Why the run is over; empty during the run."""
+        stop = self._control.stopped
+        if not self.finished or self._failed is not None:
+            return f"the run is over: {self._failed}" if self._failed else ""
+        by = f": {quoted(stop.event)} stopped it" if stop else ""
+        because = f", {stop.because}" if stop and stop.because else ""
+        return f"the run is over, at t = {self.time:.6g} s{by}{because}"
 
     def restart(self) -> None:
         """Go back to t = 0; drives follow their signals again.
@@ -349,10 +356,7 @@ class Simulation:
     def recording(self) -> Recording:
         """The samples so far, marked incomplete before the end; further steps do not change it."""
         failed = self._failed
-        reason = (outcome.INTERRUPTED if isinstance(failed, Interrupted)
-                  else outcome.LIMITED if isinstance(failed, RecordingFull)
-                  else f"{outcome.FAILED}{failed}" if isinstance(failed, ControllerFailed)
-                  else str(failed) if isinstance(failed, SimulationDiverged) else "")
+        reason = failed.outcome.format(failed) if isinstance(failed, RunEnded) else ""
         return self.finish(reason, copied=not self.finished)
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:

@@ -173,7 +173,7 @@ class Constants(NamedTuple):
     static: Annotated[Array, "bodies bodies"]  # static over sliding friction of every pair
     restitution: Annotated[Array, "bodies bodies"]  # of every pair
     skin: Annotated[Array, "2 bodies bodies"]  # [N/m], [N s/m] of soft contacts; or [2, 0, 0]
-    neighbors: Annotated[Integers, "neighbors 2"]  # bodies that may touch, at most CHECKED + 1
+    neighbors: Annotated[Integers, "neighbors 2"]  # bodies that may touch
     loose: Integers  # the PILE_BODY of each body, or -1
     pile_nodes: Annotated[Integers, "pile_nodes 3"]  # with the next two: rows, see pile_rows
     pile_blocks: Annotated[Integers, "pile_blocks 2"]

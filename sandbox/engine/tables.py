@@ -13,7 +13,6 @@ from sandbox.engine.blocks import BITS
 from sandbox.engine.pile_rows import pile_tables
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
-from sandbox.engine.search import CHECKED
 from sandbox.engine.world import Room, World
 from sandbox.model.programs import curve_tables
 from sandbox.numeric import Array
@@ -33,7 +32,10 @@ class Tables(NamedTuple):
     pattern: Pattern
 
     def saved(self) -> list[tuple[Any, Any]]:
-        """The bytes of all arrays that a run changes but scratch ones, and copies of them."""
+        """The bytes of all arrays that a run changes but scratch ones, and copies of them.
+
+        Arrays are in one piece, as :func:`sandbox.engine.memory.make_memory` checks.
+        """
         found = [array.reshape(-1).view(np.uint8)  # records would be copied field by field
                  for part in self[:4] for name, array in part._asdict().items()
                  if isinstance(array, np.ndarray) and array.flags.writeable
@@ -54,6 +56,7 @@ def make_tables(world: World) -> Tables:
     motors, actions = et.drive_tables(build)
     joints = et.joint_table(build)
     spans = et.add_paths(joints, model, shapes.spans)
+    et.measure_joints(joints, world.body)
     rigid = len(build.rows)
     springs, cables = et.spring_table(build), et.cable_tables(build)
     slips = cables.slips
@@ -94,7 +97,7 @@ def make_tables(world: World) -> Tables:
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
         neighbors=np.argwhere(
-            np.triu(filters.allowed[pairs] & shaped & shaped[:, None]))[:CHECKED + 1].copy(),
+            np.triu(filters.allowed[pairs] & shaped & shaped[:, None])).copy(),
         loose=piled.loose, pile_nodes=piled.nodes, pile_blocks=piled.blocks,
         pile_entries=piled.entries,
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,

@@ -441,17 +441,14 @@ def pull(table: int, drive: Array) -> None:
 def add_cable_work(table: int, h: float, v: Array) -> None:
     """Work of the step; ``v`` [nb, 3] are the mean velocities of before and after it."""
     cables = at.cables(table)
-    for i in range(len(cables)):
-        if cables[i]["kind"] != GRIPPED:
-            rate = shortening(table, i, v)
-            cables[i]["step_work"] = h * cables[i]["tension"] * rate
-            cables[i]["work"] += cables[i]["step_work"]
-    for i in range(len(cables)):
+    for i in range(len(cables) - 1, -1, -1):  # spans come after their tendons
+        work = h * cables[i]["tension"] * shortening(table, i, v)
         if cables[i]["kind"] == GRIPPED:
-            cables[i]["step_work"] = 0.0
+            work = 0.0
             for k in range(cables[i]["spans"], cables[i]["spans_end"]):
-                cables[i]["step_work"] += cables[k]["step_work"]
-            cables[i]["work"] += cables[i]["step_work"]
+                work += cables[k]["step_work"]
+        cables[i]["step_work"] = work
+        cables[i]["work"] += work
     slips = at.slips(table)
     for i in range(len(slips)):  # work of a drive on tendon that slips over the last guide
         end = slips[i]["after"]

@@ -15,13 +15,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AliasChoices, Field, TypeAdapter, ValidationError
 
+from sandbox.errors import ControllerFailed, Interrupted, RecordingFull
 from sandbox.scene.settings import Run
 from sandbox.values.units import size_fault
 from sandbox.wording import quoted
 
-INTERRUPTED = "interrupted"  # The reason of a run that Ctrl-C ended
-LIMITED = "more was recorded than the limit 'recorded_bytes' allows"  # Reason of such a run
-FAILED = "a controller failed: "  # Begins the reason of a run that its controller ended
+INTERRUPTED, LIMITED = Interrupted.outcome, RecordingFull.outcome  # The reasons of such runs
+FAILED = ControllerFailed.outcome.format("")  # Begins the reason of a run that its controller ended
 
 
 class Status(Enum):

@@ -59,7 +59,8 @@ def test_pausing_does_not_change_results(name: str) -> None:
 
 @pytest.mark.parametrize("name", [*SCENES, "finger_antagonist", "rope_differential", "four_bar",
                                   "drums", "belt_drive", "finger_friction", "wheel_in_cord",
-                                  "servo_arm", "actuators", "hydraulic_lift", "pneumatic_hand"])
+                                  "servo_arm", "actuators", "linear_actuator", "hydraulic_lift",
+                                  "pneumatic_hand"])
 def test_live_quantities_are_those_of_the_recording(name: str) -> None:
     """Each by itself: a quantity that is said to be live must not be read as another one."""
     simulation = Simulation(loaded(name))
