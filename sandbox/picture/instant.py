@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.model.joints import placed
 from sandbox.numeric import Array
 from sandbox.picture import geometry
 from sandbox.picture.bounds import Camera
@@ -62,26 +63,23 @@ class Instant:
         self.texts: list[tuple[Item, int]] = []
         self._still: list[Plan] = []
         self._plans: list[Plan] = []
-        self._pooled: list[tuple[int, Array, XY]] = []  # frame, points and offset
-        self._count = 0
+        self._places: list[Sequence[float]] = []  # frame, x, y and offset of all points
         for item in out.items:
             self._plan(item)
-        sizes = [len(points) for _, points, _ in self._pooled]
-        self._frame = np.repeat([frame for frame, _, _ in self._pooled] or [0], sizes or [0])
-        self._local = np.concatenate([np.zeros((0, 2)), *(each for _, each, _ in self._pooled)])
-        offsets = np.array([at for *_, at in self._pooled]).reshape(-1, 2)
-        self._offset = np.repeat(offsets, sizes, axis=0) if offsets.any() else None
-
-    def _pool(self, frame: int, points: Any, offset: XY = (0.0, 0.0)) -> slice:
-        """Add points of a frame; their places in ``points``."""
-        points = np.asarray(points, dtype=float).reshape(-1, 2)
-        self._pooled.append((frame, points, offset))
-        self._count += len(points)
-        return slice(self._count - len(points), self._count)
+        places = np.array(self._places).reshape(-1, 5)
+        self._frame, self._local = places[:, 0].astype(int), places[:, 1:3]
+        self._offset = places[:, 3:] * (point, -point)
 
     def _place(self, point: Sequence[Any]) -> int:
-        offset = (point[3], point[4]) if len(point) > 3 else (0.0, 0.0)
-        return int(self._pool(point[0], [point[1:3]], offset).start)
+        """Add a point of the list; its place in ``points``."""
+        self._places.append((*point, 0.0, 0.0)[:5])
+        return len(self._places) - 1
+
+    def _place_ring(self, frame: int, ring: Array) -> slice:
+        """Add points [n, 2] of a frame; their places."""
+        first = len(self._places)
+        self._places += [(frame, x, y, 0.0, 0.0) for x, y in ring.tolist()]
+        return slice(first, len(self._places))
 
     def _plan(self, item: Item) -> None:
         kind = item["k"]
@@ -120,19 +118,11 @@ class Instant:
         self.time, self.sample = t, j if w > 0.5 else i
         self.values = np.where(self._steady, self._columns[self.sample],
                                between(self._columns)).tolist()
-        (px, py), (cx, cy) = self.still_camera.pixel, self.still_camera.centre
         if out.drift is not None:
-            dx, dy = between(out.drift).tolist()
-            cx, cy = cx + dx, cy + dy
-            self.camera = self.still_camera._replace(centre=(cx, cy))
-        p = between(out.pose)[self._frame]
-        c, s = np.cos(p[:, 2]), np.sin(p[:, 2])
-        x, y = self._local.T
-        self.px = np.empty((len(p), 2))
-        self.px[:, 0] = px + self.scale * (p[:, 0] + c * x - s * y - cx)
-        self.px[:, 1] = py - self.scale * (p[:, 1] + s * x + c * y - cy)
-        if self._offset is not None:
-            self.px += self._offset * (self.point, -self.point)
+            (x, y), (dx, dy) = self.still_camera.centre, between(out.drift).tolist()
+            self.camera = self.still_camera._replace(centre=(x + dx, y + dy))
+        self.px = self._offset + self.camera.to_pixels(
+            placed(between(out.pose)[self._frame], self._local))
         self.points = []  # frames that look equal need none
         left, top, right, bottom = self.edges
         self.wild = bool(len(self.px)) and not (
@@ -192,12 +182,12 @@ class Instant:
         half = width / 2 * self.point * self.thin / self.scale
         rings = []
         for ring in self._rings(item["d"]):
-            line = outer = inner = self._pool(item["f"], ring)
+            line = outer = inner = self._place_ring(item["f"], ring)
             if width:
                 grown = geometry.polygon_grown(ring, half * (2 if union else 1))
-                outer = self._pool(item["f"], grown)
+                outer = self._place_ring(item["f"], grown)
                 if not union:
-                    inner = self._pool(item["f"], geometry.polygon_grown(ring, -half))
+                    inner = self._place_ring(item["f"], geometry.polygon_grown(ring, -half))
             rings.append((line, outer, inner))
         return "area", rings
 
