@@ -191,7 +191,7 @@ class Frames:
         self.painter = painter = Pixels(self.size, enlarge, picture.type)
         self.instant = picture.instant(enlarge)
         self._stage, self._panel = stage, panel = (
-            pygame.Rect(picture.stage), pygame.Rect(picture.panel.rect))
+            pygame.Rect(picture.stage[:2], picture.stage.size), pygame.Rect(picture.panel.rect))
         self._written: list[pygame.Rect] = []
         self._areas: list[pygame.Rect] = []
         self._stamped: list[pygame.Rect] = []

@@ -18,6 +18,7 @@ from matplotlib.transforms import Affine2D, Bbox, TransformedPath
 from numpy.typing import NDArray
 
 from sandbox.atomic_files import atomic_file
+from sandbox.picture.bounds import Rectangle
 from sandbox.picture.geometry import XY, turned_area
 from sandbox.picture.palette import BACKGROUND, EM, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter, letters
@@ -51,13 +52,10 @@ class Paper:
         self._flip = Affine2D().translate(x, y).scale(1, -1).translate(0, self.size[1]).scale(
             self.factor)
 
-    def clip(self, area: Sequence[float] | None) -> None:
-        """Clip to left, top, width, height."""
-        self._clip = None
-        if area is not None:
-            x, y = area[0] + self._shift[0], area[1] + self._shift[1]
-            low = self.size[1] - y - area[3]
-            self._clip = Bbox(np.array([[x, low], [x + area[2], low + area[3]]]) * self.factor)
+    def clip(self, area: Rectangle | None) -> None:
+        """Clip what follows to an area, if there is one."""
+        self._clip = None if area is None else Bbox(
+            np.sort(self._flip.transform(area.corners), axis=0))
 
     def fill(self, ink: Colour) -> None:
         """Paint the ground."""
