@@ -16,7 +16,8 @@ from sandbox.picture import geometry
 from sandbox.picture.bounds import Camera
 from sandbox.picture.geometry import XY, Edges
 from sandbox.picture.listing import Item, Listing
-from sandbox.picture.palette import Colour, Ink, Painter, from_css
+from sandbox.picture.palette import Colour, Ink, Painter
+from sandbox.values.appearance import rgb
 
 Plan = tuple[Any, Callable[[Painter], object]]  # where it is shown, and the function that paints
 STEPS = 1e3  # steps of a number, from 0 to its maximum, that look different
@@ -52,8 +53,8 @@ class Instant:
                        for name, rows in out.tables.items()}
         self._maxima = {name: _maxima(rows) for name, rows in out.tables.items() if len(rows)}
         self._sizes = _maxima(self._columns)
-        self._inks = {token: from_css(pair[0]) for token, pair in out.inks.items()}
-        self._ramps = {name: [[from_css(c) for c in side] for side in sides]
+        self._inks = {token: rgb(pair[0]) for token, pair in out.inks.items()}
+        self._ramps = {name: [[rgb(c) for c in side] for side in sides]
                        for name, sides in out.ramps.items()}
         self._glyphs = {name: self.glyph(name) for name in out.glyphs}
         self._moves = np.ptp(np.nan_to_num(out.pose), axis=0).any(axis=1)
