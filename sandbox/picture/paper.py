@@ -47,7 +47,6 @@ class Paper:
 
     def move(self, x: float, y: float) -> None:
         """Shift all that follows, for the parts of a strip."""
-        self._shift = (x, y)
         self._flip = Affine2D().translate(x, y).scale(1, -1).translate(0, self.size[1]).scale(
             self.factor)
 
@@ -129,11 +128,10 @@ class Paper:
             return
         gc = self.renderer.new_gc()
         gc.set_foreground(_ink(ink), isRGBA=True)
-        x = corner[0] + self._shift[0]
-        y = corner[1] + self.type.baseline(size) + self._shift[1]
-        self.renderer.draw_text(
-            gc, x * self.factor, (y if self.renderer.flipy() else self.size[1] - y) * self.factor,
-            words, _font(EM * size * self.factor), 0.0)
+        x, y = self._flip.transform((corner[0], corner[1] + self.type.baseline(size)))
+        if self.renderer.flipy():  # y down
+            y = self.size[1] * self.factor - y
+        self.renderer.draw_text(gc, x, y, words, _font(EM * size * self.factor), 0.0)
         gc.restore()
 
     def _letters(self, words: str, size: int, x: float, y: float) -> Any:
