@@ -132,14 +132,13 @@ class Instant:
 
     def key(self) -> bytes:
         """Equal for times that look the same."""
-        parts = [np.clip(np.nan_to_num(np.rint(self.px), nan=-9e8), -1e9, 1e9).astype(
-            np.int32).tobytes(), np.round(np.array(self.values) / self._sizes * STEPS).tobytes()]
-        for name, maxima in self._maxima.items():
-            rows = self.rows({"t": name})
-            parts.append(np.round(np.nan_to_num(rows / maxima)[:, 1:] * STEPS).tobytes())
+        parts = [self.px, np.array(self.values) / self._sizes * STEPS]
+        parts += [self.rows({"t": name})[:, 1:] / maxima[1:] * STEPS
+                  for name, maxima in self._maxima.items()]
         if any(item["k"] == "trail" for item in self.out.items):
-            parts.append(str(self.sample).encode())
-        return b"".join(parts)
+            parts.append(np.array([self.sample]))
+        steps: Array = np.concatenate([part.ravel() for part in parts])
+        return (np.rint(steps) + 0.0).tobytes()  # -0 looks like 0
 
     def value(self, number: Any) -> float:
         """A number, or a column's value."""
@@ -414,24 +413,25 @@ class Instant:
                                   self.points[at], (0.0, 0.0), place)
         for item in self.out.items:
             places, names = item.get("labels", {}), item.get("names") or {}
-            if item["k"] == "arrows":
-                rows, tails, tips, sizes = self.arrows(item)
-                values = rows[:, 6] if rows.shape[1] > 6 else sizes
-                for key, (x, y), away, size, value in zip(
-                        rows[:, 1].astype(int).tolist(), tips.tolist(), (tips - tails).tolist(),
-                        sizes, values.tolist(), strict=True):
-                    if size >= 0.5 * item.get("labelled", 0.0):
-                        yield self._label(item, key, names.get(key, ""), value, (x, y),
-                                          (away[0], away[1]), places.get(key))
-            elif item["k"] == "strips":
-                for row in self.rows(item):
-                    if row[10] >= item["least"]:
-                        corners = self.camera.to_pixels(row[2:10].reshape(4, 2))
-                        high = np.hypot(*(corners[[2, 3]] - corners[[1, 0]]).T)
-                        tip, foot = corners[[2, 1]] if high[0] > high[1] else corners[[3, 0]]
-                        yield self._label(item, int(row[1]), "", float(row[10]),
-                                          tuple(tip.tolist()), tuple((tip - foot).tolist()),
-                                          places.get(int(row[1])))
+            for key, value, tip, away in self._valued(item):
+                yield self._label(item, key, names.get(key, ""), value, tip, away, places.get(key))
+
+    def _valued(self, item: Item) -> Iterable[tuple[int, float, Any, Any]]:
+        """Keys and values of the arrows or strips of an item, their tips and the ways there."""
+        if item["k"] == "arrows":
+            rows, tails, tips, sizes = self.arrows(item)
+            some = sizes >= 0.5 * item.get("labelled", 0.0)
+            values = rows[:, 6] if rows.shape[1] > 6 else sizes
+        elif item["k"] == "strips":
+            rows = self.rows(item)
+            values, some = rows[:, 10], rows[:, 10] >= item["least"]
+            a, b, c, d = self.camera.to_pixels(rows[:, 2:10].reshape(-1, 4, 2)).swapaxes(0, 1)
+            higher = np.hypot(*(c - b).T) > np.hypot(*(d - a).T)
+            tips, tails = np.where(higher[:, None], (c, b), (d, a))
+        else:
+            return ()
+        return zip(rows[some, 1].astype(int).tolist(), *(
+            each[some].tolist() for each in (values, tips, tips - tails)), strict=True)
 
     def _label(self, item: Item, key: int, words: str, value: float, point: XY, away: XY,
                place: Any) -> Label:
