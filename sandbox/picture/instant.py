@@ -87,6 +87,8 @@ class Instant:
         points = item.get("p", [item[key] for key in ("at", "a", "b") if key in item])
         if self.small and item.get("g") in ("dot", "eye"):
             return
+        if kind == "taut":  # what follows a guide's centre is no offset
+            points = [point[:3] for point in points]
         at: list[Any] = [self._place(point) for point in points]
         if kind == "text":
             self.texts.append((item, at[0]))
