@@ -94,10 +94,11 @@ def force_scale(run: RunData, width: float, view: View | None = None) -> ForceSc
     """The scale of contact forces on a picture ``width`` [m] wide, or that of the view."""
     given, arrays = (view or run.mechanism.view).force_scale, run.arrays
     sizes = np.hypot(*arrays["contact_force"].T)
-    found = (typical(largest_of(arrays["contact_sample"], some, len(run.time)), run.time)
-             for some in (np.where(lasting(run, sizes), sizes, 0.0), sizes))
-    reference = next((size for size in found if size > rounding(run)), 0.0)
-    if not reference:
+    every, lasts = (typical(largest_of(arrays["contact_sample"], some, len(run.time)), run.time)
+                    for some in (sizes, np.where(lasting(run, sizes), sizes, 0.0)))
+    # of impacts so frequent that other arrows would be short
+    reference = lasts if rounding(run) < lasts < every / LONGEST else every
+    if reference <= rounding(run):
         return ForceScale()
     return ForceScale(given, reference) if given > 0 else scale_of(reference, REFERENCE * width)
 
