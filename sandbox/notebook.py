@@ -82,20 +82,20 @@ def picture(run: Recording, at: float | str = "end", size: tuple[int, int] | Non
         raise OutputError(f"a picture shows one moment, at={quoted(at)} are {len(found)}; "
                           "sandbox.render draws several", code="bad-picture")
     when = found[0].time
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "picture.png")
-        render(run, path, at=when, size=size)
-        return Media(path.read_bytes(), f"{run.mechanism.name or 'a run'} at t = {when:.6g} s",
-                     ".png")
+    return _rendered(run, ".png", f"at t = {when:.6g} s", at=when, size=size)
 
 
 def film(run: Recording, options: Mapping[str, Any]) -> Media:
     """See :meth:`sandbox.Recording.film`."""
+    return _rendered(run, ".gif", f"up to t = {run.time[-1]:.6g} s",
+                     **{"size": FILM_SIZE, **options})
+
+
+def _rendered(run: Recording, ending: str, when: str, **options: Any) -> Media:
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "film.gif")
-        render(run, path, **{"size": FILM_SIZE, **options})
-        return Media(path.read_bytes(),
-                     f"{run.mechanism.name or 'a run'} up to t = {run.time[-1]:.6g} s", ".gif")
+        path = Path(folder, f"run{ending}")
+        render(run, path, **options)
+        return Media(path.read_bytes(), f"{run.mechanism.name or 'a run'} {when}", ending)
 
 
 def page(run: Recording, quantities: Sequence[str], height: int) -> Media:

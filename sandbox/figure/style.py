@@ -72,13 +72,9 @@ def number(value: float, digits: int = 4) -> str:
     >>> number(16474.3), number(2.97136), number(5.0)
     ('16470', '2.971', '5')
     """
-    if not math.isfinite(value):
-        return "-"
-    if value == 0:
-        return "0"
-    places = digits - 1 - math.floor(math.log10(abs(value)))
-    text = f"{round(value, places):.{max(places, 0)}f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text
+    return np.format_float_positional(  # of -0.0, too, that is 0
+        value + 0.0, digits, unique=False, fractional=False, trim="-") if math.isfinite(
+            value) else "-"
 
 
 def hue(place: int) -> str:
@@ -129,16 +125,12 @@ def in_lines(text: str, width: float, size: float, letter: float = LETTER) -> st
                      for part in textwrap.wrap(line, letters))
 
 
-def legend_width(names: Sequence[str]) -> float:
-    """Width of a column of a legend with these names [mm]."""
-    return LETTER * SMALL * MM_PER_POINT * max(map(len, names), default=0) + 14.0
-
-
 def legend(where: Any, key: Sequence[tuple[str, Any]], width: float = 0.0, **how: Any) -> None:
     """A legend without a frame on a figure or axes, in columns that fit a width [mm]; 0 for one."""
     names = [plain(name if len(name) <= MAX_NAME else f"…{name[1 - MAX_NAME:]}") for name, _ in key]
+    column = LETTER * SMALL * MM_PER_POINT * max(map(len, names), default=0) + 14.0  # [mm]
     drawn = where.legend([artist for _, artist in key], names, **{
-        "ncols": max(1, min(len(key), int(width / legend_width(names)))), "labelcolor": INK,
+        "ncols": max(1, min(len(key), int(width / column))), "labelcolor": INK,
         "facecolor": "white", "edgecolor": "none", "borderpad": 0.2, "framealpha": 0.85,
         "fontsize": SMALL, "handlelength": 1.8, "labelspacing": 0.35, "columnspacing": 1.4,
         "alignment": "left", **how})

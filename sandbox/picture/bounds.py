@@ -30,7 +30,7 @@ FLIGHT = 12.0  # the same if nothing is anchored, in sizes of all at the start
 
 
 class Rectangle(NamedTuple):
-    """A rectangle of the world [m]."""
+    """A rectangle of the world [m], or of a picture [pixels] with y down from the top."""
 
     x0: float
     y0: float
@@ -48,22 +48,18 @@ class Rectangle(NamedTuple):
 
     @property
     def corners(self) -> Array:
-        """Its lower left and upper right corner [2, 2] m."""
+        """The corners of least and greatest x and y [2, 2]."""
         return np.array(self).reshape(2, 2)
 
     @property
     def size(self) -> tuple[float, float]:
-        """Width and height [m]."""
+        """Width and height."""
         return self.x1 - self.x0, self.y1 - self.y0
 
-
-class Stage(NamedTuple):
-    """The part of the picture that shows the world [pixels], y down from the top."""
-
-    left: float
-    top: float
-    width: float
-    height: float
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Its middle."""
+        return (self.x0 + self.x1) / 2, (self.y0 + self.y1) / 2
 
 
 class Camera(NamedTuple):
@@ -94,19 +90,18 @@ def width_shown(box: Rectangle, aspect: float, width: float | None = None) -> fl
 
 
 def place_camera(
-    box: Rectangle, stage: Stage, *, centre: tuple[float, float] | None = None,
+    box: Rectangle, stage: Rectangle, *, centre: tuple[float, float] | None = None,
     width: float | None = None,
 ) -> Camera:
     """The camera that shows ``box`` on ``stage``, or the view's ``centre`` and ``width`` [m]."""
-    x, y = centre or ((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)
-    pixel = (stage.left + stage.width / 2, stage.top + stage.height / 2)
+    (x, y), (wide, high), pixel = centre or box.centre, stage.size, stage.centre
     if width is not None:
-        return Camera(stage.width / width, (x, y), pixel)
+        return Camera(wide / width, (x, y), pixel)
     half_x, half_y = max(box.x1 - x, x - box.x0), max(box.y1 - y, y - box.y0)
     if max(half_x, half_y) < 1e-9:  # a point
         half_x = half_y = 0.05
-    return Camera((1 - 2 * MARGIN) * min(stage.width / (2 * max(half_x, 1e-9)),
-                                         stage.height / (2 * max(half_y, 1e-9))), (x, y), pixel)
+    return Camera((1 - 2 * MARGIN) * min(
+        wide / (2 * max(half_x, 1e-9)), high / (2 * max(half_y, 1e-9))), (x, y), pixel)
 
 
 class _Motion:

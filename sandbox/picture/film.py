@@ -41,6 +41,7 @@ WHAT = "a picture"
 ENDS = ("start", "end")  # words for times
 PLAIN = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?", re.IGNORECASE)  # a number without a unit
 PICTURES, MAX_PICTURES = 5, 24  # of a strip: default and maximum
+Size = tuple[int, int] | str
 Instants = float | str | Sequence[float | str]
 MAX_FRAMES = Limits.frames  # default limit of a film
 
@@ -114,12 +115,11 @@ class GifWriter:
 
 def render(
     run: Samples, path: str | Path, *, at: Instants | None = None, strip: bool | int = False,
-    size: tuple[int, int] | str | None = None, fps: int | None = None,
-    speed: float | None = None, centre: tuple[float, float] | None = None,
-    width: float | None = None, show: Show | None = None, bodies: Sequence[str] | None = None,
-    follow: str | None = None, meters: Meters | None = None,
-    transparent: bool = False, bare: bool = False, scales: bool = False,
-    progress: Progress | None = None, most_frames: int = MAX_FRAMES,
+    size: Size | None = None, fps: int | None = None, speed: float | None = None,
+    centre: tuple[float, float] | None = None, width: float | None = None,
+    show: Show | None = None, bodies: Sequence[str] | None = None, follow: str | None = None,
+    meters: Meters | None = None, transparent: bool = False, bare: bool = False,
+    scales: bool = False, progress: Progress | None = None, most_frames: int = MAX_FRAMES,
 ) -> list[Path]:
     """Draw a run to ``path``.
 
@@ -158,25 +158,30 @@ def render(
     """
     options.check_run(run)
     path = output_path(path, WHAT)
-    paper = options.paper_of(size)
     view = options.view_of(run.mechanism.view, {
-        "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
-        "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
+        "size": size, "fps": fps, "speed": speed, "centre": centre, "width": width, "show": show,
+        "bodies": bodies, "follow": follow, "meters": meters})
     options.check_view(run, view)
     layout: dict[str, Any] = {"view": view, "bare": bare, "scales": scales}
-    if not is_still(path, at=at is not None, strip=strip is not False, transparent=transparent,
-                    size=size):
-        times = frame_times(run, fps=view.fps, speed=view.speed, start=view.start, most=most_frames)
-        _animate(run, path, times, layout, transparent=transparent, progress=progress)
-        return [path]
+    if is_still(path, at=at is not None, strip=strip is not False, transparent=transparent,
+                size=size):
+        return _write_stills(run, path, _moments(run, view, at, strip), layout, size=size,
+                             strip=strip is not False, transparent=transparent)
+    times = frame_times(run, fps=view.fps, speed=view.speed, start=view.start, most=most_frames)
+    _animate(run, path, times, layout, transparent=transparent, progress=progress)
+    return [path]
+
+
+def _write_stills(run: Samples, path: Path, moments: Sequence[Moment], layout: Mapping[str, Any],
+                  *, size: Size | None, strip: bool, transparent: bool) -> list[Path]:
+    """Write a picture of each moment, or a strip of them all; returns the files."""
     from sandbox.picture.paper import save
 
-    moments = _moments(run, view, at, strip)
-    times = [moment.time for moment in moments]
+    times, paper = [moment.time for moment in moments], options.paper_of(size)
     made: Picture | Strip
-    if strip is not False:
+    if strip:
         made = Strip(run, times, **layout, paper=paper,
-                     size=None if size is None or isinstance(size, str) else view.size)
+                     size=None if size is None or isinstance(size, str) else layout["view"].size)
         moments = [Moment(times[0], "strip")]
     elif paper:
         picture = partial(Picture, run, **layout, moments=times, unit=PRINT_UNIT,
@@ -198,8 +203,7 @@ def render(
     return files
 
 
-def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
-             size: tuple[int, int] | str | None) -> bool:
+def is_still(path: Path, *, at: bool, strip: bool, transparent: bool, size: Size | None) -> bool:
     """Whether the file's ending, or ``at`` and ``strip``, select stills; check that they agree."""
     ending, problem = "" if path.is_dir() else path.suffix.lower(), ""
     stills = ending in STILLS or at or strip

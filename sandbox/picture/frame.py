@@ -11,7 +11,7 @@ import pygame
 
 from sandbox.errors import OutputError
 from sandbox.picture import bounds
-from sandbox.picture.bounds import Camera, Stage
+from sandbox.picture.bounds import Camera, Rectangle
 from sandbox.picture.build import subject_of
 from sandbox.picture.elements.notes import grid
 from sandbox.picture.geometry import arrow, within
@@ -166,7 +166,7 @@ class Picture:
         self.panel = panel = MeterPanel(run, view, self.type, self.unit, self.size)
         bodies = bounds.body_box(run, view, moments)
         guess = bounds.place_camera(
-            bodies, Stage(0, 0, width, max(8, height - self.head - self.row)),
+            bodies, Rectangle(0, 0, width, max(8, height - self.head - self.row)),
             centre=view.centre, width=view.width)
         self.subject = subject_of(run, view, point=self.unit / guess.scale, moments=moments,
                                   width=bounds.width_shown(bodies, width / height, view.width))
@@ -185,8 +185,8 @@ class Picture:
         self.foot = max(height - len(self.legend) * self.row - gap, self.head + 2)
         bottom = self.foot - gap
         beside, below = (panel.beside, 0) if self.aside else (0, panel.below)
-        self.stage = Stage(0, self.head, width - beside, max(1, bottom - below - self.head))
-        low = self.head + int(self.stage.height)
+        low = max(self.head + 1, bottom - below)
+        self.stage = Rectangle(0, self.head, width - beside, low)
         panel.settle(pygame.Rect(width - beside, self.head, beside, bottom - self.head)
                      if self.aside else pygame.Rect(0, low, width, below), aside=self.aside)
         if "coordinates" in self.subject.layers:
@@ -204,7 +204,7 @@ class Picture:
         def camera_on(wide: float, tall: float) -> Camera:
             seen = given if given is None else given * max(
                 1.0, max(8, high) * wide / (width * tall))
-            return bounds.place_camera(self.box, Stage(0, self.head, wide, tall),
+            return bounds.place_camera(self.box, Rectangle(0, self.head, wide, self.head + tall),
                                        centre=self.view.centre, width=seen)
 
         self.camera, self.aside = camera_on(width, max(8, high - panel.below)), False
@@ -263,13 +263,12 @@ class Picture:
 
     def write_labels(self, painter: Painter, instant: Instant) -> None:
         """Write the numbers of the grid, and the labels that have a place."""
-        left, top, _, high = self.stage
         for item, at in instant.texts:
             if "edge" in item:
                 x, y = (v * instant.factor for v in instant.points[at])
                 half = self.type.half(item["words"], self.label_size)
-                middle = (x, top + high - half[1] - 1) if item["edge"] == 0 else (
-                    left + half[0] + 3, y)
+                middle = (x, self.stage.y1 - half[1] - 1) if item["edge"] == 0 else (
+                    self.stage.x0 + half[0] + 3, y)
                 painter.text(middle, item["words"], self.label_size, FAINT_INK, ())
         point = self.unit
         for label in instant.labels():

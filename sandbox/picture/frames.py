@@ -191,16 +191,15 @@ class Frames:
         self.painter = painter = Pixels(self.size, enlarge, picture.type)
         self.instant = picture.instant(enlarge)
         self._stage, self._panel = stage, panel = (
-            pygame.Rect(picture.stage), pygame.Rect(picture.panel.rect))
+            pygame.Rect(picture.stage[:2], picture.stage.size), pygame.Rect(picture.panel.rect))
         self._written: list[pygame.Rect] = []
         self._areas: list[pygame.Rect] = []
         self._stamped: list[pygame.Rect] = []
         self._key: bytes | None = None
         self.instant.go_to(float(picture.run.time[0]))
+        painter.large.set_clip([v * enlarge for v in stage])
         self.instant.paint(painter, still=True)
-        for zone in ((0, 0, width, stage.top), (0, stage.bottom, width, height),
-                     (stage.right, stage.top, width, stage.height)):
-            painter.large.fill(BACKGROUND, [v * enlarge for v in zone])
+        painter.large.set_clip(None)
         picture.surround(painter, self.instant)
         self._panel_texts = [text for text in painter.texts if panel.collidepoint(text[1])]
         painter.scale_down([pygame.Rect(0, 0, width, height)])

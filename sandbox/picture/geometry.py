@@ -12,8 +12,8 @@ from itertools import pairwise
 import numpy as np
 
 from sandbox.numeric import Array
-from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape, Solid
-from sandbox.scene.geometry import solids
+from sandbox.scene.bodies import Capsule, Circle, Polygon, Polyline, Shape, Solid
+from sandbox.scene.geometry import corners, solids
 
 XY = tuple[float, float]
 Edges = tuple[float, float, float, float]  # left, top, right, bottom [pixels]
@@ -63,12 +63,7 @@ def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
         radius = max(shape.radius + grow, 1e-9)
         ends = (shape.start, shape.end) if isinstance(shape, Capsule) else (shape.at, shape.at)
         return capsule_outline(*ends, radius, arc_steps(radius, error) if error else 16)
-    if isinstance(shape, Box):
-        half = np.array(shape.size) / 2 + grow
-        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
-        c, s = math.cos(shape.angle), math.sin(shape.angle)
-        return np.asarray(corners @ np.array([[c, s], [-s, c]]) + np.array(shape.at))
-    return polygon_grown(np.array(shape.points), grow)
+    return polygon_grown(np.array(corners(shape)), grow)
 
 
 def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:

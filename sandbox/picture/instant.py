@@ -10,12 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.model.joints import placed
 from sandbox.numeric import Array
 from sandbox.picture import geometry
 from sandbox.picture.bounds import Camera
 from sandbox.picture.geometry import XY, Edges
 from sandbox.picture.listing import Item, Listing
-from sandbox.picture.palette import Colour, Ink, Painter, from_css
+from sandbox.picture.palette import Colour, Ink, Painter
+from sandbox.values.appearance import rgb
 
 Plan = tuple[Any, Callable[[Painter], object]]  # where it is shown, and the function that paints
 STEPS = 1e3  # steps of a number, from 0 to its maximum, that look different
@@ -51,8 +53,8 @@ class Instant:
                        for name, rows in out.tables.items()}
         self._maxima = {name: _maxima(rows) for name, rows in out.tables.items() if len(rows)}
         self._sizes = _maxima(self._columns)
-        self._inks = {token: from_css(pair[0]) for token, pair in out.inks.items()}
-        self._ramps = {name: [[from_css(c) for c in side] for side in sides]
+        self._inks = {token: rgb(pair[0]) for token, pair in out.inks.items()}
+        self._ramps = {name: [[rgb(c) for c in side] for side in sides]
                        for name, sides in out.ramps.items()}
         self._glyphs = {name: self.glyph(name) for name in out.glyphs}
         self._moves = np.ptp(np.nan_to_num(out.pose), axis=0).any(axis=1)
@@ -62,32 +64,31 @@ class Instant:
         self.texts: list[tuple[Item, int]] = []
         self._still: list[Plan] = []
         self._plans: list[Plan] = []
-        self._pooled: list[tuple[int, Array, XY]] = []  # frame, points and offset
-        self._count = 0
+        self._places: list[Sequence[float]] = []  # frame, x, y and offset of all points
         for item in out.items:
             self._plan(item)
-        sizes = [len(points) for _, points, _ in self._pooled]
-        self._frame = np.repeat([frame for frame, _, _ in self._pooled] or [0], sizes or [0])
-        self._local = np.concatenate([np.zeros((0, 2)), *(each for _, each, _ in self._pooled)])
-        offsets = np.array([at for *_, at in self._pooled]).reshape(-1, 2)
-        self._offset = np.repeat(offsets, sizes, axis=0) if offsets.any() else None
-
-    def _pool(self, frame: int, points: Any, offset: XY = (0.0, 0.0)) -> slice:
-        """Add points of a frame; their places in ``points``."""
-        points = np.asarray(points, dtype=float).reshape(-1, 2)
-        self._pooled.append((frame, points, offset))
-        self._count += len(points)
-        return slice(self._count - len(points), self._count)
+        places = np.array(self._places).reshape(-1, 5)
+        self._frame, self._local = places[:, 0].astype(int), places[:, 1:3]
+        self._offset = places[:, 3:] * (point, -point)
 
     def _place(self, point: Sequence[Any]) -> int:
-        offset = (point[3], point[4]) if len(point) > 3 else (0.0, 0.0)
-        return int(self._pool(point[0], [point[1:3]], offset).start)
+        """Add a point of the list; its place in ``points``."""
+        self._places.append((*point, 0.0, 0.0)[:5])
+        return len(self._places) - 1
+
+    def _place_ring(self, frame: int, ring: Array) -> slice:
+        """Add points [n, 2] of a frame; their places."""
+        first = len(self._places)
+        self._places += [(frame, x, y, 0.0, 0.0) for x, y in ring.tolist()]
+        return slice(first, len(self._places))
 
     def _plan(self, item: Item) -> None:
         kind = item["k"]
         points = item.get("p", [item[key] for key in ("at", "a", "b") if key in item])
         if self.small and item.get("g") in ("dot", "eye"):
             return
+        if kind == "taut":  # what follows a guide's centre is no offset
+            points = [point[:3] for point in points]
         at: list[Any] = [self._place(point) for point in points]
         if kind == "text":
             self.texts.append((item, at[0]))
@@ -120,19 +121,11 @@ class Instant:
         self.time, self.sample = t, j if w > 0.5 else i
         self.values = np.where(self._steady, self._columns[self.sample],
                                between(self._columns)).tolist()
-        (px, py), (cx, cy) = self.still_camera.pixel, self.still_camera.centre
         if out.drift is not None:
-            dx, dy = between(out.drift).tolist()
-            cx, cy = cx + dx, cy + dy
-            self.camera = self.still_camera._replace(centre=(cx, cy))
-        p = between(out.pose)[self._frame]
-        c, s = np.cos(p[:, 2]), np.sin(p[:, 2])
-        x, y = self._local.T
-        self.px = np.empty((len(p), 2))
-        self.px[:, 0] = px + self.scale * (p[:, 0] + c * x - s * y - cx)
-        self.px[:, 1] = py - self.scale * (p[:, 1] + s * x + c * y - cy)
-        if self._offset is not None:
-            self.px += self._offset * (self.point, -self.point)
+            (x, y), (dx, dy) = self.still_camera.centre, between(out.drift).tolist()
+            self.camera = self.still_camera._replace(centre=(x + dx, y + dy))
+        self.px = self._offset + self.camera.to_pixels(
+            placed(between(out.pose)[self._frame], self._local))
         self.points = []  # frames that look equal need none
         left, top, right, bottom = self.edges
         self.wild = bool(len(self.px)) and not (
@@ -141,14 +134,13 @@ class Instant:
 
     def key(self) -> bytes:
         """Equal for times that look the same."""
-        parts = [np.clip(np.nan_to_num(np.rint(self.px), nan=-9e8), -1e9, 1e9).astype(
-            np.int32).tobytes(), np.round(np.array(self.values) / self._sizes * STEPS).tobytes()]
-        for name, maxima in self._maxima.items():
-            rows = self.rows({"t": name})
-            parts.append(np.round(np.nan_to_num(rows / maxima)[:, 1:] * STEPS).tobytes())
+        parts = [self.px, np.array(self.values) / self._sizes * STEPS]
+        parts += [self.rows({"t": name})[:, 1:] / maxima[1:] * STEPS
+                  for name, maxima in self._maxima.items()]
         if any(item["k"] == "trail" for item in self.out.items):
-            parts.append(str(self.sample).encode())
-        return b"".join(parts)
+            parts.append(np.array([self.sample]))
+        steps: Array = np.concatenate([part.ravel() for part in parts])
+        return (np.rint(steps) + 0.0).tobytes()  # -0 looks like 0
 
     def value(self, number: Any) -> float:
         """A number, or a column's value."""
@@ -192,12 +184,12 @@ class Instant:
         half = width / 2 * self.point * self.thin / self.scale
         rings = []
         for ring in self._rings(item["d"]):
-            line = outer = inner = self._pool(item["f"], ring)
+            line = outer = inner = self._place_ring(item["f"], ring)
             if width:
                 grown = geometry.polygon_grown(ring, half * (2 if union else 1))
-                outer = self._pool(item["f"], grown)
+                outer = self._place_ring(item["f"], grown)
                 if not union:
-                    inner = self._pool(item["f"], geometry.polygon_grown(ring, -half))
+                    inner = self._place_ring(item["f"], geometry.polygon_grown(ring, -half))
             rings.append((line, outer, inner))
         return "area", rings
 
@@ -423,24 +415,25 @@ class Instant:
                                   self.points[at], (0.0, 0.0), place)
         for item in self.out.items:
             places, names = item.get("labels", {}), item.get("names") or {}
-            if item["k"] == "arrows":
-                rows, tails, tips, sizes = self.arrows(item)
-                values = rows[:, 6] if rows.shape[1] > 6 else sizes
-                for key, (x, y), away, size, value in zip(
-                        rows[:, 1].astype(int).tolist(), tips.tolist(), (tips - tails).tolist(),
-                        sizes, values.tolist(), strict=True):
-                    if size >= 0.5 * item.get("labelled", 0.0):
-                        yield self._label(item, key, names.get(key, ""), value, (x, y),
-                                          (away[0], away[1]), places.get(key))
-            elif item["k"] == "strips":
-                for row in self.rows(item):
-                    if row[10] >= item["least"]:
-                        corners = self.camera.to_pixels(row[2:10].reshape(4, 2))
-                        high = np.hypot(*(corners[[2, 3]] - corners[[1, 0]]).T)
-                        tip, foot = corners[[2, 1]] if high[0] > high[1] else corners[[3, 0]]
-                        yield self._label(item, int(row[1]), "", float(row[10]),
-                                          tuple(tip.tolist()), tuple((tip - foot).tolist()),
-                                          places.get(int(row[1])))
+            for key, value, tip, away in self._valued(item):
+                yield self._label(item, key, names.get(key, ""), value, tip, away, places.get(key))
+
+    def _valued(self, item: Item) -> Iterable[tuple[int, float, Any, Any]]:
+        """Keys and values of the arrows or strips of an item, their tips and the ways there."""
+        if item["k"] == "arrows":
+            rows, tails, tips, sizes = self.arrows(item)
+            some = sizes >= 0.5 * item.get("labelled", 0.0)
+            values = rows[:, 6] if rows.shape[1] > 6 else sizes
+        elif item["k"] == "strips":
+            rows = self.rows(item)
+            values, some = rows[:, 10], rows[:, 10] >= item["least"]
+            a, b, c, d = self.camera.to_pixels(rows[:, 2:10].reshape(-1, 4, 2)).swapaxes(0, 1)
+            higher = np.hypot(*(c - b).T) > np.hypot(*(d - a).T)
+            tips, tails = np.where(higher[:, None], (c, b), (d, a))
+        else:
+            return ()
+        return zip(rows[some, 1].astype(int).tolist(), *(
+            each[some].tolist() for each in (values, tips, tips - tails)), strict=True)
 
     def _label(self, item: Item, key: int, words: str, value: float, point: XY, away: XY,
                place: Any) -> Label:

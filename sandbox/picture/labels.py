@@ -7,14 +7,13 @@ how dark a small picture is whose pixels are cells.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.picture.bounds import Camera, Stage
+from sandbox.picture.bounds import Camera, Rectangle
 from sandbox.picture.geometry import XY
 from sandbox.picture.instant import Instant
 from sandbox.picture.listing import SIDES, Item, Listing
@@ -43,10 +42,10 @@ class _Seen:
 
 
 def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, int],
-                 stage: Stage, type_: Typesetter, letters: int, *, speed: float,
+                 stage: Rectangle, type_: Typesetter, letters: int, *, speed: float,
                  samples: Integers | None = None) -> None:
     """Write into items the sides of labels in ``stage``, and when they are shown."""
-    time, limits = out.time, (*stage[:2], stage.left + stage.width, stage.top + stage.height)
+    time = out.time
     instant = Instant(out, camera.enlarged(1 / CELL), point / CELL,
                       (size[0] // CELL + 1, size[1] // CELL + 1), small=True)
     some = np.unique(np.linspace(0, len(time) - 1, 48).astype(int)) if samples is None \
@@ -65,10 +64,10 @@ def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, in
         middles = np.array([one.rows[:, :2] + offset(side, box, one.item.get("clear", 0.0), point)
                             for side in range(len(SIDES))])
         boxes = np.concatenate((middles - box, middles + box), axis=2)
-        side = int(np.argmin(_costs(one, boxes, placed, arrows, covered, limits)))
+        side = int(np.argmin(_costs(one, boxes, placed, arrows, covered, stage)))
         present = np.isfinite(one.rows[:, 0])
         there = present & ~_meet(boxes[side][None], placed).any(axis=0)
-        there &= ~_outside(boxes[side], limits)
+        there &= ~_outside(boxes[side], stage)
         if there.sum() < 0.25 * present.sum():  # it has too little room
             continue
         if samples is None:
@@ -106,7 +105,7 @@ def _look(instant: Instant, some: Integers, type_: Typesetter) -> tuple[list[_Se
 
 
 def _costs(one: _Seen, boxes: Array, placed: Array, arrows: Array, covered: Array,
-           stage: Sequence[float]) -> Array:
+           stage: Rectangle) -> Array:
     """What each side costs in all samples together."""
     cells = (np.nan_to_num(np.clip(boxes, -1e6, 1e6)) // CELL).astype(int)
     x0, y0, x1, y1 = np.moveaxis(cells, 2, 0)
@@ -126,7 +125,7 @@ def _costs(one: _Seen, boxes: Array, placed: Array, arrows: Array, covered: Arra
     return np.asarray(np.where(np.isfinite(one.rows[:, 0]), cost, 0.0).sum(axis=1))
 
 
-def _outside(boxes: Array, stage: Sequence[float]) -> Flags:
+def _outside(boxes: Array, stage: Rectangle) -> Flags:
     return np.asarray((boxes[..., :2] < stage[:2]).any(axis=-1)
                       | (boxes[..., 2:] > stage[2:]).any(axis=-1))
 

@@ -19,12 +19,13 @@ from sandbox.picture.scales import pressure_unit, round_length, round_up
 from sandbox.picture.typesetter import Typesetter, ellipsis
 from sandbox.samples.samples import Samples
 from sandbox.scene.settings import ShownMeter, View
+from sandbox.values.appearance import rgb
 from sandbox.values.expressions import is_expression
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Width of a meter, height of its curve (min., max.) [points]."""
 TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85  # sizes of type, in those of the legend
-HUES: tuple[Colour, ...] = tuple(map(palette.from_css, COLOURS))
+HUES: tuple[Colour, ...] = tuple(map(rgb, COLOURS))
 
 
 class Meter:

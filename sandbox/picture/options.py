@@ -34,7 +34,8 @@ _FORM = re.compile(f"{_NUMBER}(?:{_UNIT}?\\s*[x×]{_NUMBER})?{_UNIT}\\s*", re.IG
 def view_of(view: View, given: Mapping[str, Any]) -> View:
     """A view with the options of :func:`render` that are not None; layers are added or removed."""
     changes = {key: value.tolist() if hasattr(value, "tolist") else list(value) if isinstance(
-        value, tuple) else value for key, value in given.items() if value is not None}
+        value, tuple) else value for key, value in given.items()
+               if value is not None and not (key == "size" and paper_of(value))}
     if not changes:
         return view
     if isinstance(size := changes.get("size"), str) and (

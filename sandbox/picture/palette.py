@@ -89,11 +89,6 @@ def css(colour: Colour) -> str:
     return "#" + "".join(f"{value:02x}" for value in colour)
 
 
-def from_css(colour: str) -> Colour:
-    """The colour of ``#rrggbb``."""
-    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
-
-
 def _ramp(*stops: tuple[float, Colour]) -> tuple[Colour, ...]:
     """Colours between those at some places from 0 to 1."""
     return tuple(next(mixed(low, high, (share - a) / (b - a))

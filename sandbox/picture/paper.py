@@ -18,9 +18,10 @@ from matplotlib.transforms import Affine2D, Bbox, TransformedPath
 from numpy.typing import NDArray
 
 from sandbox.atomic_files import atomic_file
+from sandbox.picture.bounds import Rectangle
 from sandbox.picture.geometry import XY, turned_area
 from sandbox.picture.palette import BACKGROUND, EM, Colour, Ink, Rings, hatch_lines, lighter
-from sandbox.picture.typesetter import Typesetter, letters
+from sandbox.picture.typesetter import Typesetter, letters, rim_of
 
 if TYPE_CHECKING:
     from sandbox.picture.frame import Picture, Strip
@@ -36,10 +37,9 @@ class Paper:
     enlarge = 1
 
     def __init__(self, renderer: Any, size: tuple[int, int], typesetter: Typesetter,
-                 factor: float, *, paths: bool) -> None:
-        """``factor`` is the renderer's units per pixel; with ``paths`` letters are outlines."""
+                 factor: float) -> None:
+        """``factor`` is the renderer's units per pixel."""
         self.renderer, self.size, self.type, self.factor = renderer, size, typesetter, factor
-        self.paths = paths
         self._clip: Any = None
         self._kept: list[Any] = []  # Agg knows clip paths by id: they have to live
         self._letters_kept: dict[tuple[str, int], Any] = {}
@@ -47,22 +47,13 @@ class Paper:
 
     def move(self, x: float, y: float) -> None:
         """Shift all that follows, for the parts of a strip."""
-        self._shift = (x, y)
         self._flip = Affine2D().translate(x, y).scale(1, -1).translate(0, self.size[1]).scale(
             self.factor)
 
-    def clip(self, area: Sequence[float] | None) -> None:
-        """Clip to left, top, width, height."""
-        self._clip = None
-        if area is not None:
-            x, y = area[0] + self._shift[0], area[1] + self._shift[1]
-            low = self.size[1] - y - area[3]
-            self._clip = Bbox(np.array([[x, low], [x + area[2], low + area[3]]]) * self.factor)
-
-    def fill(self, ink: Colour) -> None:
-        """Paint the ground."""
-        width, height = self.size
-        self._draw(_closed([[(0, 0), (width, 0), (width, height), (0, height)]]), ink)
+    def clip(self, area: Rectangle | None) -> None:
+        """Clip what follows to an area, if there is one."""
+        self._clip = None if area is None else Bbox(
+            np.sort(self._flip.transform(area.corners), axis=0))
 
     def _draw(self, path: Any, fill: Ink, edge: Ink = None, width: float = 0.0,
               inside: Any = None, cap: str = "butt") -> None:
@@ -124,7 +115,7 @@ class Paper:
         x = round(middle[0] - self.type.width(words, size) / 2)
         y = round(middle[1] - self.type.height(size) / 2)
         self._draw(self._letters(letters(words), size, x, y), None, BACKGROUND,
-                   2 * max(1, round(size / 9)), cap="round")
+                   2 * rim_of(size), cap="round")
         self.write((x, y), words, size, ink)
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
@@ -132,16 +123,15 @@ class Paper:
         words = letters(words)
         if not words.strip():
             return
-        if self.paths:
+        if isinstance(self.renderer, backend_agg.RendererAgg):  # letters as in a film
             self._draw(self._letters(words, size, *corner), ink)
             return
         gc = self.renderer.new_gc()
         gc.set_foreground(_ink(ink), isRGBA=True)
-        x = corner[0] + self._shift[0]
-        y = corner[1] + self.type.baseline(size) + self._shift[1]
-        self.renderer.draw_text(
-            gc, x * self.factor, (y if self.renderer.flipy() else self.size[1] - y) * self.factor,
-            words, _font(EM * size * self.factor), 0.0)
+        x, y = self._flip.transform((corner[0], corner[1] + self.type.baseline(size)))
+        if self.renderer.flipy():  # y down
+            y = self.size[1] * self.factor - y
+        self.renderer.draw_text(gc, x, y, words, _font(EM * size * self.factor), 0.0)
         gc.restore()
 
     def _letters(self, words: str, size: int, x: float, y: float) -> Any:
@@ -171,19 +161,23 @@ def _ink(ink: Colour) -> tuple[float, float, float, float]:
 
 
 def _closed(rings: Rings) -> Any:
-    each = [np.concatenate([ring, ring[:1]]) for ring in map(np.asarray, rings)]
-    codes = [code for ring in each for code in (
-        Outline.MOVETO, *([Outline.LINETO] * (len(ring) - 2)), Outline.CLOSEPOLY)]
-    return Outline(np.concatenate(each), codes)
+    return Outline.make_compound_path(*(
+        Outline([*ring, ring[0]], closed=True) for ring in rings))
+
+
+def _paint(renderer: Any, made: Picture | Strip, t: float, factor: float, *,
+           transparent: bool) -> None:
+    paper = Paper(renderer, made.size, made.type, factor)
+    if not transparent:
+        width, height = made.size
+        paper.simple([(0, 0), (width, 0), (width, height), (0, height)], BACKGROUND, None, 0.0)
+    made.paint(paper, t)
 
 
 def pixels(made: Picture | Strip, t: float, *, transparent: bool = False) -> NDArray[np.uint8]:
     """Red, green, blue of a picture at a time [s], [h, w, 3]; and the opacity if transparent."""
     renderer = cast(Any, backend_agg).RendererAgg(*made.size, POINTS)
-    paper = Paper(renderer, made.size, made.type, 1.0, paths=True)
-    if not transparent:
-        paper.fill(BACKGROUND)
-    made.paint(paper, t)
+    _paint(renderer, made, t, 1.0, transparent=transparent)
     found = np.array(renderer.buffer_rgba())
     found[found[..., 3] == 0, :3] = 255
     return found if transparent else found[..., :3]
@@ -211,10 +205,7 @@ def save(path: Path, made: Picture | Strip, t: float, *, transparent: bool = Fal
                 ("CreationDate", "Producer", "Creator")))
             file.newPage(wide / POINTS, high / POINTS)
             renderer = pdf.RendererPdf(file, POINTS, high / POINTS, wide / POINTS)
-        paper = Paper(renderer, made.size, made.type, factor, paths=False)
-        if not transparent:
-            paper.fill(BACKGROUND)
-        made.paint(paper, t)
+        _paint(renderer, made, t, factor, transparent=transparent)
         renderer.finalize()
         if ending == ".svg":
             aside.write_text(text.getvalue(), encoding="utf-8")

@@ -22,6 +22,7 @@ OFTEN = 0.95  # share of the active time in which no arrow exceeds the reference
 ENDING = 0.1  # last share of the run whose median counts, too: the end is looked at longest
 REFERENCE, LONGEST = 0.085, 1.5
 """Reference arrow [picture widths]; longer arrows are cut at this multiple."""
+IMPACT = 5.0  # minimum ratio of an impact to the forces of its pair a sample before and after
 UNLOADED = 1e-3  # links below this are unloaded [tops of the scale]
 SLACK_FRACTION, UNSEEN = 1e-6, 1e-5  # slack, and without colour [tops of the scale]
 PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
@@ -76,11 +77,27 @@ def largest_of(samples: Integers, sizes: Array, count: int) -> Array:
     return found
 
 
+def lasting(run: RunData, sizes: Array) -> Flags:
+    """Which contact forces of these sizes are no impacts: the same pair has a similar one next."""
+    arrays, count = run.arrays, len(run.time) + 1
+    one, other = (arrays[f"contact_{key}"].astype(np.int64) for key in ("body", "other"))
+    place = (one * len(run.mechanism.bodies) + other) * count + arrays["contact_sample"]
+    known, which = np.unique(place, return_inverse=True)
+    largest, beside = largest_of(which, sizes, len(known)), np.zeros(len(sizes))
+    for following in (place - 1, place + 1):
+        at = np.minimum(np.searchsorted(known, following), len(known) - 1)
+        beside = np.maximum(beside, np.where(known[at] == following, largest[at], 0.0))
+    return np.asarray(sizes <= IMPACT * beside)
+
+
 def force_scale(run: RunData, width: float, view: View | None = None) -> ForceScale:
     """The scale of contact forces on a picture ``width`` [m] wide, or that of the view."""
     given, arrays = (view or run.mechanism.view).force_scale, run.arrays
     sizes = np.hypot(*arrays["contact_force"].T)
-    reference = typical(largest_of(arrays["contact_sample"], sizes, len(run.time)), run.time)
+    every, lasts = (typical(largest_of(arrays["contact_sample"], some, len(run.time)), run.time)
+                    for some in (sizes, np.where(lasting(run, sizes), sizes, 0.0)))
+    # of impacts so frequent that other arrows would be short
+    reference = lasts if rounding(run) < lasts < every / LONGEST else every
     if reference <= rounding(run):
         return ForceScale()
     return ForceScale(given, reference) if given > 0 else scale_of(reference, REFERENCE * width)

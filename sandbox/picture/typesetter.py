@@ -25,7 +25,6 @@ class Typesetter:
         pygame.font.init()
         self.size, self.least = max(size, least), least
         self._fonts: dict[int, pygame.Font] = {}
-        self._kept: dict[tuple[str, int, Colour, bool], pygame.Surface] = {}
 
     def scaled(self, factor: float, lines: float = 1.0) -> int:
         """A size of type in that of the ordinary one, or the height of so many lines of it."""
@@ -47,7 +46,7 @@ class Typesetter:
 
     def half(self, text: str, size: int) -> tuple[float, float]:
         """Half the width and height of the text with a rim [pixels]."""
-        rim = max(1, round(size / 9))
+        rim = rim_of(size)
         return self.width(text, size) / 2 + rim, self.height(size) / 2 + rim
 
     def baseline(self, size: int) -> float:
@@ -57,38 +56,35 @@ class Typesetter:
     def render(self, text: str, *, size: int | None = None, colour: Colour = INK,
                halo: bool = False) -> pygame.Surface:
         """The text with a see-through ground, and with a white rim where ``halo``."""
-        text, size = letters(text), size or self.size
-        key = (text, size, colour, halo)
-        if key not in self._kept:
-            if len(self._kept) >= 2000:
-                self._kept.clear()
-            face = self._fine(text, size, colour)
-            self._kept[key] = self._rimmed(text, size, face) if halo else face
-        return self._kept[key]
+        size = size or self.size
+        return _face(self.font(size), letters(text), colour, rim_of(size) if halo else 0)
 
-    def _fine(self, text: str, size: int, colour: Colour) -> pygame.Surface:
-        """Letters drawn larger and scaled down: small ones keep their shapes and spacing."""
-        font = self.font(size)
-        # accents alone take no room, and pygame draws no text without
-        large = font.render(text if font.size(text)[0] else " ", True, colour)
-        # an even ground of the text's colour, so that scaling mixes the opacity alone
-        even = pygame.Surface(large.get_size(), pygame.SRCALPHA, 32)
-        even.fill((*colour, 0))
-        even.blit(large, (0, 0), special_flags=pygame.BLEND_RGBA_MAX)
-        width, height = large.get_size()
-        return pygame.transform.smoothscale(
-            even, (max(1, round(width / FINER)), max(1, round(height / FINER))))
 
-    def _rimmed(self, text: str, size: int, face: pygame.Surface) -> pygame.Surface:
-        ground, rim = self._fine(text, size, BACKGROUND), max(1, round(size / 9))
-        whole = pygame.Surface((face.get_width() + 2 * rim, face.get_height() + 2 * rim),
-                               pygame.SRCALPHA, 32)
-        for dx in range(-rim, rim + 1):
-            for dy in range(-rim, rim + 1):
-                if dx * dx + dy * dy <= rim * rim + 1:
-                    whole.blit(ground, (rim + dx, rim + dy))
-        whole.blit(face, (rim, rim))
-        return whole
+def rim_of(size: int) -> int:
+    """The width of the rim of letters [pixels]."""
+    return max(1, round(size / 9))
+
+
+@lru_cache(2000)
+def _face(font: pygame.Font, text: str, colour: Colour, rim: int) -> pygame.Surface:
+    """Letters drawn larger and scaled down: small ones keep their shapes and spacing."""
+    # accents alone take no room, and pygame draws no text without
+    large = font.render(text if font.size(text)[0] else " ", True, colour)
+    width, height = large.get_size()
+    # an even ground of the text's colour, so that scaling mixes the opacity alone
+    even = pygame.Surface((width, height), pygame.SRCALPHA, 32)
+    even.fill((*colour, 0))
+    even.blit(large, (0, 0), special_flags=pygame.BLEND_RGBA_MAX)
+    wide, high = max(1, round(width / FINER)), max(1, round(height / FINER))
+    face = pygame.transform.smoothscale(even, (wide, high))
+    if not rim:
+        return face
+    whole = pygame.Surface((wide + 2 * rim, high + 2 * rim), pygame.SRCALPHA, 32)
+    ground = _face(font, text, BACKGROUND, 0)
+    whole.blits([(ground, (rim + dx, rim + dy)) for dx in range(-rim, rim + 1)
+                 for dy in range(-rim, rim + 1) if dx * dx + dy * dy <= rim * rim + 1])
+    whole.blit(face, (rim, rim))
+    return whole
 
 
 def ellipsis(type_: Typesetter, text: str, room: int, size: int) -> str:

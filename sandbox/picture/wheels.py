@@ -41,6 +41,7 @@ class WheelPicture(NamedTuple):
     rings: list[Array]  # closed: the outline; of a ring its rim, then its teeth as a hole
     pitch_line: Array | None = None
     spoke: Array | None = None  # from the centre outwards
+    phase: float = 0.0  # angle of a tooth [rad]
 
 
 def wheel_pictures(model: Model) -> dict[int, list[WheelPicture]]:
@@ -56,9 +57,8 @@ def wheel_pictures(model: Model) -> dict[int, list[WheelPicture]]:
         counts = np.arange(FEW, MANY + 1)[:, None] * radii / radii.min()
         off = np.abs(counts - np.round(counts)).max(axis=1) + 1e-3 * np.arange(FEW, MANY + 1)
         pitch = 2 * math.pi * float(radii.min()) / (FEW + int(off.argmin()))
-        phases: dict[_WheelPlace, float] = {}
         for j, pair in pairs.items():
-            _mesh(model, j, pair, pitch, phases, found)
+            _mesh(model, j, pair, pitch, found)
     for j in joints.keeping("roll").tolist():
         for end, place in enumerate(_places(model, j)):
             around = bool(joints.inside[j]) and place.radius > joints.radii[j, 1 - end]
@@ -78,11 +78,11 @@ def _places(model: Model, j: int) -> tuple[_WheelPlace, _WheelPlace]:
 
 def _mesh(
     model: Model, j: int, pair: tuple[_WheelPlace, _WheelPlace], pitch: float,
-    phases: dict[_WheelPlace, float], found: dict[_WheelPlace, WheelPicture],
+    found: dict[_WheelPlace, WheelPicture],
 ) -> None:
     """Add the teeth of both sides of a joint, those of one in the gaps of the other."""
     one, two = pair
-    if two in phases and one not in phases and math.isfinite(two.radius):
+    if two in found and one not in found and math.isfinite(two.radius):
         one, two = two, one
     x, y = (float(v) for v in meeting(model, j, model.bodies.pose))
     inside = bool(model.joints.inside[j])
@@ -93,20 +93,18 @@ def _mesh(
         cx, cy = to_world(pose, wheel.centre)
         return math.atan2(y - cy, x - cx) - float(pose[2])
 
-    if one not in phases:
-        phases[one] = direction(one)
-        found[one] = _wheel(one, pitch, phases[one], ring=inside and one.radius > two.radius)
-    if two in phases:
+    if one not in found:
+        found[one] = _wheel(one, pitch, direction(one), ring=inside and one.radius > two.radius)
+    if two in found:
         return
     # how far along its pitch circle, counter-clockwise, a tooth of one is
     own = 2 * math.pi / _count(one.radius, pitch)
-    ahead = one.radius * ((phases[one] - direction(one) + own / 2) % own - own / 2)
+    ahead = one.radius * ((found[one].phase - direction(one) + own / 2) % own - own / 2)
     if math.isinf(two.radius):
-        phases[two] = 0.0
         found[two] = _rack(model, j, two, x, y, pitch, ahead)
-        return
-    phases[two] = direction(two) + (1 if inside else -1) * (ahead + pitch / 2) / two.radius
-    found[two] = _wheel(two, pitch, phases[two], ring=inside and two.radius > one.radius)
+    else:
+        phase = direction(two) + (1 if inside else -1) * (ahead + pitch / 2) / two.radius
+        found[two] = _wheel(two, pitch, phase, ring=inside and two.radius > one.radius)
 
 
 def _count(radius: float, pitch: float) -> int:
@@ -130,8 +128,8 @@ def _wheel(place: _WheelPlace, pitch: float = 0.0, phase: float = 0.0, *,
         line, outline = outline, polar(radius + up * pitch * np.tile(ACROSS, count), angle)
         rim, spoke = (FOOT + RIM) * pitch, radius - FOOT * pitch
     if ring:
-        return WheelPicture([polar(radius + rim, around), outline], line)
-    return WheelPicture([outline], line, np.array([[0.0, 0.0], [spoke, 0.0]]) + centre)
+        return WheelPicture([polar(radius + rim, around), outline], line, phase=phase)
+    return WheelPicture([outline], line, np.array([[0.0, 0.0], [spoke, 0.0]]) + centre, phase)
 
 
 def _rack(

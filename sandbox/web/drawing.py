@@ -12,7 +12,7 @@ import numpy as np
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import curves
 from sandbox.numeric import Integers
-from sandbox.picture.bounds import Stage, body_box, place_camera, whole_box, width_shown
+from sandbox.picture.bounds import Rectangle, body_box, place_camera, whole_box, width_shown
 from sandbox.picture.build import ELEMENTS, RAMPS, add_legend, subject_of
 from sandbox.picture.labels import place_labels
 from sandbox.picture.listing import Item, Listing, RunData, short
@@ -56,7 +56,7 @@ def listed(
     bodies = body_box(run, view)
     across = width_shown(bodies, width / height, view.width)
     size = (WIDTH, round(WIDTH * height / width))
-    stage = Stage(0, 0, size[0], max(8, round(size[1] - LEGEND * TYPE)))
+    stage = Rectangle(0, 0, size[0], max(8, round(size[1] - LEGEND * TYPE)))
     guess = place_camera(bodies, stage, centre=view.centre, width=view.width)
     s = subject_of(run, view if live else all_layers(view), width=across,
                    point=POINT / guess.scale, beside=beside, fixed_columns=live)

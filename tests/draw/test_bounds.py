@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.picture.bounds import Rectangle, Stage, place_camera
+from sandbox.picture.bounds import Rectangle, place_camera
 from sandbox.picture.frames import new_surface
 from sandbox.picture.geometry import large_circle
 from sandbox.scene.mechanism import Mechanism
@@ -96,7 +96,7 @@ sizes = st.floats(1e-4, 10)
 
 @given(metres, metres, sizes, sizes, st.integers(64, 2000), st.integers(64, 2000))
 def test_fitted_box_lies_on_the_stage_and_touches_its_margin(x, y, w, h, width, height):
-    stage = Stage(0, 30, width, height)
+    stage = Rectangle(0, 30, width, 30 + height)
     camera = place_camera(Rectangle(x, y, x + w, y + h), stage)
     (left, bottom), (right, top) = camera.to_pixels(np.array([[x, y], [x + w, y + h]]))
     margins = [left / width, 1 - right / width, (top - 30) / height, 1 - (bottom - 30) / height]

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from sandbox.picture.elements.forces import point_motion, reactions
-from sandbox.picture.scales import bar_tensions, bars_of, largest_tension, tensions_of, typical
+from sandbox.picture.scales import (
+    bar_tensions,
+    bars_of,
+    force_scale,
+    largest_tension,
+    tensions_of,
+    typical,
+)
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import recording
@@ -23,6 +30,18 @@ def test_scales_leave_out_blows_and_the_time_in_which_nothing_acts():
     size = np.zeros(1000)
     size[100:110] = 7.0
     assert typical(size, TIME) == 7.0
+
+
+def test_blows_one_after_the_other_do_not_set_the_scale_of_what_presses():
+    """Two balls press on a floor with 2 N, in turn one of them is hit with 50 N."""
+    discs = [{"name": name, "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
+             for name in ("floor", "one", "two")]
+    sample = np.repeat(np.arange(20), 2)
+    force = np.where(np.arange(40) % 4 == 0, 50.0, 2.0)[:, None] * (0.0, 1.0)
+    run = recording(Mechanism.model_validate({"bodies": discs}), TIME[:20], np.zeros((20, 3, 3)),
+                    contact_sample=sample, contact_body=np.tile([1, 2], 20), contact_force=force,
+                    contact_other=np.zeros(40, dtype=int), contact_gap=np.zeros(40))
+    assert force_scale(run, 1.0).reference == 2.0
 
 
 def test_a_short_spike_does_not_wash_out_what_is_carried_else() -> None:

@@ -18,6 +18,7 @@ from sandbox.picture.listing import Look, flat, short
 from sandbox.picture.palette import BACKGROUND, INK, NIGHT, ROLES, WHEEL, Style, mixed
 from sandbox.picture.subject import BEHIND, Subject
 from sandbox.picture.wheels import wheel_pictures
+from sandbox.samples.nearby import from_sides
 from sandbox.scene.bodies import Body, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
 from sandbox.values.appearance import ALL, depth, rgb
@@ -176,10 +177,8 @@ def beside(model: Model, body: int, at: XY) -> XY | None:
         return None
     start = np.concatenate(rings)
     side = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]) - start
-    square = np.maximum((side**2).sum(axis=1), 1e-300)
-    share = np.clip(((np.array(at) - start) * side).sum(axis=1) / square, 0.0, 1.0)
-    near = start + share[:, None] * side
-    x, y = near[np.hypot(*(near - at).T).argmin()].tolist()
+    away = from_sides(np.array([at]), start, side)[0]
+    x, y = (at - away[np.hypot(*away.T).argmin()]).tolist()
     return x, y
 
 

@@ -17,6 +17,7 @@ from sandbox.picture.geometry import shape_points
 from sandbox.picture.listing import Point
 from sandbox.picture.scales import LONGEST, prefixed, typical
 from sandbox.picture.subject import Subject
+from sandbox.samples.cables import Frames
 from sandbox.scene.bodies import Circle
 
 SLIM, BLOCK = [3.4, 11], [7.0, 17]  # shaft and head of arrows to scale, and others [points]
@@ -40,14 +41,10 @@ def _arrow(s: Subject, drive: int, gives: str) -> tuple[Array, Array]:
         return tail, (s.out.place([target, *(at + along)]) - tail if drives.turning[drive]
                       else np.tile(along, (len(tail), 1)))
     last = tendons.guides(target).stop - 1  # on from the last guide of a tendon
-    tail, before = (s.out.place([int(tendons.guide_body[i]), *tendons.guide_at[i]])
-                    for i in (last, last - 1))
-    way, radius = tail - before, float(tendons.guide_radius[last - 1])
-    size = np.hypot(*way.T)
-    if radius and (size > abs(radius)).all():  # it leaves the wheel along a tangent
-        turned = (way[:, 0] + 1j * way[:, 1]) / (np.sqrt(size**2 - radius**2) + 1j * radius)
-        way = np.column_stack((turned.real, turned.imag))
-    return tail, way
+    cables = Frames(s.run.model, s.run.arrays).cables
+    piece = np.flatnonzero(tendons.stretch_tendon == target)[-1]
+    return (s.out.place([int(tendons.guide_body[last]), *tendons.guide_at[last]]),
+            np.column_stack((cables.x[piece], cables.y[piece])))
 
 
 def _hinge(model: Model, drive: int, end: int = 1) -> Point:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sandbox.picture.bounds import Camera, Stage
+from sandbox.picture.bounds import Camera, Rectangle
 from sandbox.picture.elements.bodies import colour_of
 from sandbox.picture.geometry import XY, shape_points
 from sandbox.picture.listing import Item, Listing, RunData, flat
@@ -73,13 +73,11 @@ def add_liquids(s: Subject) -> None:
               d=[flat((-far, level), (far, level), (far, level - far), (-far, level - far))])
 
 
-def grid(out: Listing, camera: Camera, stage: Stage, point: float) -> list[Item]:
+def grid(out: Listing, camera: Camera, stage: Rectangle, point: float) -> list[Item]:
     """Lines of equal x and y with numbers at the edges, as items; ``point`` is pixels per point."""
     step = round_length(min(175.0 * point / camera.scale, 1e300))
     unit, factor = ("m", 1.0) if step >= 0.1 else ("mm", 1e3)
-    corners = np.array([[stage.left, stage.top + stage.height],
-                        [stage.left + stage.width, stage.top]])
-    (x0, y0), (x1, y1) = camera.to_world(corners).tolist()
+    (x0, y1), (x1, y0) = camera.to_world(stage.corners).tolist()
     items: list[Item] = []
     for axis, low, high in ((0, x0, x1), (1, y0, y1)):
         if not abs(low) + abs(high) < FAR * step:
