@@ -50,7 +50,7 @@ class Stage {
     const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion: ${use}` });
     canvas.style.aspectRatio = String(head.view.aspect);
     Object.assign(this, { canvas, head, list: head.list, ctx: canvas.getContext("2d"), zoom: 1, pan: [0, 0], hover: null, extra: [],
-                          stamp: "", lines: 0, kept: [], standing: [] });
+                          stamp: "", lines: 0, kept: [] });
     this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
     this.follow = head.view.follow ? head.bodies.findIndex((b) => b.name === head.view.follow) : -1;
     new ResizeObserver(() => { this.size = null; }).observe(canvas);
@@ -136,10 +136,10 @@ class Stage {
     this.resize();
     this.placed = true; this.plain();
     ctx.lineJoin = "round";
-    const { image, count = 0, words = [] } = this.stand() || {};
-    this.words = [...words];
-    if (image) ctx.drawImage(image, 0, 0, image.width / this.dpr, image.height / this.dpr); else this.ground();
-    this.items(count, this.shown.length);
+    this.words = [];
+    ctx.fillStyle = this.back; ctx.fillRect(0, 0, this.w, this.h);
+    if (this.layers.has("coordinates")) this.grid();
+    for (const item of this.shown) if (this.on(item)) this.paint(item);
     for (const ghost of ghosts) this.ghost(ghost);
     for (const more of this.extra) more(this, frame);
     this.flush();
@@ -147,24 +147,6 @@ class Stage {
     this.strip();
   }
   on(item) { return item.if === undefined || this.value(item.if) > 0.5; }
-  ground() {
-    this.ctx.fillStyle = this.back; this.ctx.fillRect(0, 0, this.w, this.h);
-    if (this.layers.has("coordinates")) this.grid();
-  }
-  // The ground with the first items, as far as they never move: an image from the second frame of a camera on.
-  stand() {
-    const { canvas, shown, head } = this, key = [this.kept, this.ox, this.oy, this.foot, this.hover?.n];
-    if (!alike(key, this.standing)) Object.assign(this, { standing: key, stood: undefined });
-    else if (this.stood === undefined) {
-      const still = (item) => item.k === "path" && head.bodies[item.f]?.fixed && ![item.if, item.by, item.wide, item.state].some(Array.isArray)
-        && !item.d.some((d) => d.c && Array.isArray(d.c[4]));
-      const first = shown.findIndex((item) => !still(item)), count = first < 0 ? shown.length : first;
-      this.words = [];
-      const image = this.onSheet(canvas.width, canvas.height, () => { this.ground(); this.items(0, count); });
-      this.stood = { count, image, words: this.words };
-    }
-    return this.stood;
-  }
   onSheet(width, height, paint) {                         // what paint() draws, as an image of so many device pixels
     const { ctx } = this, sheet = new OffscreenCanvas(width, height);
     this.ctx = sheet.getContext("2d");
@@ -175,9 +157,6 @@ class Stage {
     Object.assign(this, { ctx, placed: true });
     this.plain();
     return sheet.transferToImageBitmap();
-  }
-  items(from, to) {
-    for (const item of this.shown.slice(from, to)) if (this.on(item)) this.paint(item);
   }
   paint(item) {
     if (item.k in PAINT) { PAINT[item.k](this, item); return; }
