@@ -48,40 +48,37 @@ class Meters {
 // The live view of a session: messages are JSON, or the bytes of a frame.
 
 const WAY = 20000;
-const LIVE_KEYS = [["space", "run or pause"], ["right, left", "one frame on or back"], ["r", "from the beginning"]];
 const PULLING = "Drag a body to pull it: the longer the line, the stronger. Drag beside bodies to move the picture, wheel "
   + "or two fingers zoom, double click fits. Click a body, tendon or spring for its meter.";
 
 class Live extends Viewer {
   constructor(root) {
-    super(LIVE_KEYS, PULLING);
+    super(PULLING, [["space", "run or pause", { " ": () => this.toggle() }],
+      ["right, left", "one frame on or back", { ArrowRight: () => this.ask({ do: "step" }), ArrowLeft: () => this.ask({ do: "back" }) }],
+      ["r", "from the beginning", { r: () => this.ask({ do: "reset" }) }]]);
     const socket = new WebSocket(location.href.replace(/^http/, "ws").replace(/[?#].*/, ""));
     socket.binaryType = "arraybuffer";
     socket.onmessage = ({ data }) => { if (typeof data === "string") this.receive(JSON.parse(data)); else this.take(data); };
     socket.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true, this.state); };
     this.link = { send: (text) => { if (socket.readyState === 1) socket.send(text); } };
-    Object.assign(this, { ids: 0, sent: new Map(), asked: false, frame: null, ways: new Map(), instants: [],
-                          waiting: new Map(), working: false, stats: { drawn: 0, latency: [], costs: [] } });
+    Object.assign(this, { ids: 0, answered: 0, drawn: 0, asked: false, frame: null, ways: new Map(), instants: [], waiting: new Map(), working: false });
     const list = (id, ariaLabel) => el("ul", { id, className: "warned", ariaLabel, hidden: true });
     this.title = el("h1");
     this.state = el("output", { id: "state" }); this.said = el("output", { id: "said" });   // state of the run; result of the last action
     this.warned = list("warned", "warnings of the scene check");
     this.absent = list("absent", "meters that are left out");
     this.sheet = el("div", { className: "sheet" });
+    this.sheets.append(this.sheet);
     this.layers = el("div");
     const plots = el("div", { className: "plots" }), side = el("section", { className: "plots", ariaLabel: "controls and meters" });
     this.controls = new Controls(side, (name, value) => this.set(name, value));
     this.meters = new Meters(plots, (names) => this.ask({ watch: names }));
-    this.finder = finder("show a quantity", () => [...this.units.keys()], (names) => this.meters.more(names),
-                         (text) => this.meters.more([text]));   // the answer says why not
-    side.append(this.finder, this.absent, plots);
+    const search = finder("show a quantity", () => [...this.units.keys()], (names) => this.meters.more(names),
+                          (text) => this.meters.more([text]));   // the answer says why not
+    side.append(search, this.absent, plots);
     root.replaceChildren(this.title, el("div", { className: "top" }, el("section", { className: "bench", ariaLabel: "motion" },
-      el("div", { className: "sheets" }, this.sheet), this.bar(), this.tools(), this.layers, this.warned), side),
+      this.sheets, this.bar(), this.tools(), this.layers, this.warned), side),
       el("div", { className: "messages" }, this.state, this.said), this.tip, this.help);
-    this.listen(this.sheet, () => this.meters.plots, {
-      " ": () => this.toggle(), ArrowRight: () => this.ask({ do: "step" }), ArrowLeft: () => this.ask({ do: "back" }),
-      r: () => this.ask({ do: "reset" }),
-    });
   }
   bar() {
     this.pace = el("output", { id: "pace" });
@@ -98,6 +95,7 @@ class Live extends Viewer {
       button("save-scene", "save scene", "save a scene that repeats what you did", () => this.ask({ save: "scene" })));
   }
   get stages() { return this.stage ? [this.stage] : []; }
+  get plots() { return this.meters.plots; }
   get t() { return this.frame.t; }
 
   // -- messages --------------------------------------------------------------------------------
@@ -124,22 +122,19 @@ class Live extends Viewer {
       const { name } = old.head.bodies[old.follow] || {};
       if (head.view.follow === old.head.view.follow) stage.follow = head.bodies.findIndex((b) => b.name === name);
     }
-    camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.point(pick, e, this.units, (name) => this.textOf(name)),
-                                         click: (pick) => this.click(pick) });
+    this.units = new Map(Object.entries(head.units));
+    this.camera(stage, this.units, (name) => this.textOf(name));
     Object.assign(this, { instants: [], ways: new Map(), frame: null, held: null, relisted: null });
     this.meters.back(-Infinity);
     this.layers.replaceChildren(this.layerBoxes(() => this.layersChosen()));
     this.layersChosen();
     this.followable();
-    this.units = new Map(Object.entries(head.units));
-    this.finder.renew();
     this.controls.show(head.controls);
     this.meters.first = head.meters;
     this.meters.show(head.watched.map((name) => ({ name, unit: this.units.get(name) })));
   }
   status({ playing, trouble, note, speed, warnings, left_out: leftOut }) {
     this.playing = playing;
-    this.showPlaying();
     this.speeds.take(speed);
     this.tell(trouble || note, !!trouble, this.state);
     for (const [box, lines] of [[this.warned, warnings], [this.absent, leftOut]]) {
@@ -210,7 +205,7 @@ class Live extends Viewer {
   }
   paint() {
     this.asked = false;
-    const f = this.frame, began = performance.now();
+    const f = this.frame;
     if (!f) return;
     if (!this.stage.canvas.isConnected) this.sheet.replaceChildren(this.stage.canvas);   // the old picture stays until now
     this.stage.stamp = `t = ${f.t.toFixed(2)} s`;
@@ -220,16 +215,11 @@ class Live extends Viewer {
     if (!this.working) this.pace.textContent = slow ? `${f.rate.toFixed(2)} \u00d7 real time` : "";
     this.controls.follow(f.drives);
     if (this.filming) this.filming.frame();
-    this.stats.drawn++;
-    if (!this.playing || this.stats.drawn % 3 === 0) this.meters.scroll(f.t);
-    for (const [id, at] of this.sent) {
-      if (id > f.ack) break;
-      this.stats.latency.push(performance.now() - at); this.sent.delete(id);
-    }
+    this.drawn++;
+    if (!this.playing || this.drawn % 3 === 0) this.meters.scroll(f.t);
+    this.answered = f.ack;
     this.setNext();
     if (f.seq !== this.shown) { this.shown = f.seq; this.link.send(`{"seen":${f.seq}}`); }
-    this.stats.costs.push(performance.now() - began);
-    if (this.stats.costs.length > 2000) { this.stats.costs.splice(0, 1000); this.stats.latency.splice(0, 1000); }
   }
   drawHand(s) {
     const f = this.frame;
@@ -245,15 +235,11 @@ class Live extends Viewer {
     this.tell("");
     this.send(what);
   }
-  send(what) {
-    const id = ++this.ids;
-    this.sent.set(id, performance.now());
-    this.link.send(JSON.stringify({ ...what, id }));
-  }
+  send(what) { this.link.send(JSON.stringify({ ...what, id: ++this.ids })); }
   set(name, value) { this.waiting.set(name, value); this.setNext(); }
   setNext() {                                             // one request at a time: the next goes when its frame is drawn
     const [next] = this.waiting;
-    if (!next || this.sent.has(this.setting)) return;
+    if (!next || this.setting > this.answered) return;
     this.waiting.delete(next[0]);
     this.ask({ set: next[0], value: next[1] });
     this.setting = this.ids;
@@ -280,7 +266,7 @@ class Live extends Viewer {
     };
   }
   click(pick) {
-    if (pick && pick.n) this.meters.more(quantitiesOf(pick, this.units).slice(0, 2));
+    if (pick) this.meters.more(quantitiesOf(pick, this.units).slice(0, 2));
   }
   textOf(name) {                                           // the last value of a watched quantity, as its plot shows it
     const row = this.meters.row(name), value = row?.at(-1) ?? null;
@@ -325,7 +311,7 @@ class Controls {
     const input = el("input", { type: "checkbox", onchange: () => this.set(name, input.checked ? 1 : 0) });
     input.dataset.control = name;
     const box = el("label", { className: "control" }, input, name.replace(/\.active$/, ""));
-    return { box, unit: "", take: (c) => { input.checked = c.value !== 0; }, follow: () => {} };
+    return { box, unit: "", take: (c) => { input.checked = c.value !== 0; } };
   }
   slider(control) {
     const { name, kind, unit: unitName } = control, label = name.replace(/^parameters\./, "");
@@ -369,5 +355,5 @@ class Controls {
     };
   }
   given({ name, value }) { this.rows.get(name).given(value); }
-  follow(drive) { for (const row of this.rows.values()) row.follow(drive); }
+  follow(drive) { for (const row of this.rows.values()) row.follow?.(drive); }
 }
