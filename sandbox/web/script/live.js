@@ -270,9 +270,7 @@ class Live extends Viewer {
   }
   textOf(name) {                                           // the last value of a watched quantity, as its plot shows it
     const row = this.meters.row(name), value = row?.at(-1) ?? null;
-    if (value === null) return "";
-    const most = sizeOfRow(row), { factor, sign } = shownAs(this.units.get(name), most);
-    return `${steady(factor * value, factor * most)}${sign}`;
+    return value === null ? "" : textOf(value, row, this.units.get(name));
   }
 }
 

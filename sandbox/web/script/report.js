@@ -18,8 +18,8 @@ class Series extends Map {                                // quantities of one r
     return c === undefined ? Float64Array.from(this.time, () => v) : this.columns.at(c);
   }
   text(name, t) {                                         // of a value with its unit, as in its plot
-    const row = this.row(name), most = sizeOfRow(row), { factor, sign } = shownAs(this.unit(name), most);
-    return `${steady(factor * row[indexNear(this.time, t)], factor * most)}${sign}`;
+    const row = this.row(name);
+    return textOf(row[indexNear(this.time, t)], row, this.unit(name));
   }
 }
 
@@ -32,7 +32,7 @@ class Report extends Viewer {
       ["n, p", "next or previous mark on the bar", { n: () => this.jump(1), p: () => this.jump(-1) }],
       ["l", "loop", { l: () => this.loops.click() }], ["g", "side by side or over each other", { g: () => this.layer && this.lay() }]]);
     addEventListener("hashchange", () => { const t = this.askedTime(); if (t !== null) this.hold(t); });
-    Object.assign(this, { heads, head: heads[0], plots: [], t: 0, drawn: 0, playing: false, speed: heads[0].view.speed, loop: true, over: false });
+    Object.assign(this, { heads, head: heads[0], plots: [], t: 0, drawn: 0, playing: false, over: false });
     this.replays = heads.map((head, i) => new Replay(head, datas[i]));
     this.series = heads.map((head, i) => new Series(head, datas[i]));
     this.first = Math.min(...this.replays.map((r) => r.first));
@@ -105,9 +105,9 @@ class Report extends Viewer {
     if (!this.playing) return;
     const passed = this.before === null ? 0 : (now - this.before) / 1000;
     this.before = now;
-    let t = this.t + passed * this.speed;
+    let t = this.t + passed * +this.speeds.value;
     if (t > this.last) {
-      if (this.loop && !this.filming) t = this.first;
+      if (this.loops.checked && !this.filming) t = this.first;
       else { this.playing = false; t = this.last; }
     }
     this.seek(t);
@@ -137,9 +137,9 @@ class Report extends Viewer {
       tick.style.left = `${100 * clamp((mark.t - this.first) / span, 0, 1)}%`;
       track.append(tick);
     }
-    this.speeds = speedBox((speed) => { this.speed = speed; });
-    this.speeds.take(this.speed);
-    this.loops = el("input", { type: "checkbox", checked: true, onchange: () => { this.loop = this.loops.checked; } });
+    this.speeds = speedBox();
+    this.speeds.take(this.head.view.speed);
+    this.loops = el("input", { type: "checkbox", checked: true });
     return el("div", { className: "bar" }, this.play, track, this.clock, this.speeds,
               el("label", { title: "begin again at the end (l)" }, this.loops, "loop"));
   }
@@ -249,15 +249,11 @@ class Report extends Viewer {
 
 const COLUMNS = {
   expect: [["", (v) => (v.ok ? "pass" : "FAIL")], ["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value, 6)],
-    ["range", (v) => rangeText(v.low, v.high)], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
+    ["range", (v) => v.allowed], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
     ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
   audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.threshold)],
     ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["comparison", (f) => f.why]],
 };
-
-const rangeText = (low, high) => (low === null && high === null ? "" : low === null
-  ? `at most ${short(high, 6)}` : high === null ? `at least ${short(low, 6)}`
-    : `${short(low, 6)} to ${short(high, 6)}`);
 
 function table(kind, rows) {
   const line = (tag, cells, className = "") => el("tr", { className }, ...cells.map(([of, textContent]) => el(tag, { textContent, "data-of": of })));

@@ -25,8 +25,8 @@ function fold(title, ...kids) {
   return el("details", {}, el("summary", { textContent: title }), ...kids);
 }
 
-// A choice of SPEEDS and of the speed that take(speed) adds; calls set(speed).
-function speedBox(set) {
+// A choice of SPEEDS and of the speed that take(speed) adds; calls set(speed) if it is chosen.
+function speedBox(set = () => {}) {
   const box = el("select", { title: "speed ([ and ])", ariaLabel: "speed", id: "speed", onchange: () => set(+box.value) });
   box.take = (speed) => {
     const all = [...new Set([...SPEEDS, speed])].sort((a, b) => a - b);
@@ -63,7 +63,7 @@ class Viewer {                                            // base class; subclas
       el("p", { textContent: pointer }), button("", "close", "", () => this.help.close()));
     this.listen(Object.assign({}, ...keys.map(([,, acts]) => acts)));
   }
-  listen(acts) {                                          // to keys, changes of size, light and dark
+  listen(acts) {                                          // to keys, light and dark
     addEventListener("keydown", (e) => {
       const on = (what) => e.target.matches?.(what), act = acts[e.key];
       if (!act || !this.stages.length || this.help.open || e.ctrlKey || e.metaKey || e.altKey) return;
@@ -72,7 +72,6 @@ class Viewer {                                            // base class; subclas
       e.preventDefault();
       act(e);
     });
-    new ResizeObserver(() => this.redraw()).observe(this.sheets);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
       for (const one of [...this.stages, ...this.plots]) one.dress();
       this.redraw();
@@ -122,6 +121,7 @@ class Viewer {                                            // base class; subclas
       pinch = 0;
     };
     canvas.onpointerleave = () => { stage.hover = null; this.tip.hidden = true; this.redraw(); };
+    new ResizeObserver(() => { stage.size = null; this.redraw(); }).observe(canvas);
     canvas.ondblclick = () => { stage.fit(); this.redraw(); };
   }
   get playing() { return this.on; }

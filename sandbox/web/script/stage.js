@@ -53,7 +53,6 @@ class Stage {
                           stamp: "", lines: 0, kept: [] });
     this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
     this.follow = head.view.follow ? head.bodies.findIndex((b) => b.name === head.view.follow) : -1;
-    new ResizeObserver(() => { this.size = null; }).observe(canvas);
     this.dress();
   }
   dress() {                                               // light or dark colours
@@ -179,8 +178,8 @@ class Stage {
     return { fill: this.ink(fill, by), edge: this.ink(edge, by), width: width * wide * this.u, dash: dash * this.u, hatched: hatched && !this.small };
   }
   path(item) {                                            // in metres; made once, but for what swells
-    const swells = item.d.some((d) => d.c && Array.isArray(d.c[4]));
-    if (!item.path || swells) {
+    item.swells ??= item.d.some((d) => d.c && Array.isArray(d.c[4]));
+    if (!item.path || item.swells) {
       item.path = new Path2D();
       for (const d of item.d) subpath(item.path, d, d.c && this.value(d.c[4]));
     }
