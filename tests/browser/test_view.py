@@ -91,7 +91,7 @@ def test_it_runs_is_pulled_ends_steps_back_and_resets(served):
     set_typed(tab, "parameters.pull", "22 N")
     tab.click("#step")
     # a quarter of the pull each
-    until(tab, f"sandbox.frame.t > {there} && sandbox.meters.rows[0].at(-1) > 5.4")
+    until(tab, f"sandbox.frame.t > {there} && [...sandbox.meters.rows.values()][0].at(-1) > 5.4")
     assert tab.evaluate("sandbox.frame.t") - there == pytest.approx(1 / 60, abs=1e-3)
     tab.click("#back")
     until(tab, f"Math.abs(sandbox.frame.t - {there}) < 1e-6")

@@ -5,41 +5,39 @@ const STILL = 1e-4;                                       // of a value: less is
 
 class Meters {
   constructor(box, ask) {                                 // ask(names): to watch these
-    Object.assign(this, { box, ask, first: [], watched: [], time: [], rows: [], plots: [] });
+    Object.assign(this, { box, ask, first: [], time: [], rows: new Map(), plots: [] });   // rows by name
   }
-  names() { return this.watched.map((w) => w.name); }
-  more(names) { this.ask([...new Set([...this.names(), ...names])]); }
+  more(names) { this.ask([...new Set([...this.rows.keys(), ...names])]); }
+  all() { return [this.time, ...this.rows.values()]; }
   back(t) {                                               // drop the samples from t on
     const kept = this.time.findLastIndex((one) => one < t) + 1;
-    for (const row of [this.time, ...this.rows]) row.length = kept;
+    for (const row of this.all()) row.length = kept;
   }
   show(watched) {                                         // [{name, unit}]: the meters of the scene's view, then a plot for each unit
-    const before = new Map(this.watched.map((w, k) => [w.name, this.rows[k]])), at = new Map(watched.map((w, k) => [w.name, k]));
-    this.watched = watched;
-    this.rows = watched.map((w) => before.get(w.name) || this.time.map(() => null));
+    const units = new Map(watched.map(({ name, unit }) => [name, unit])), names = [...units.keys()];
+    this.rows = new Map(names.map((name) => [name, this.rows.get(name) || this.time.map(() => null)]));
     for (const made of this.plots) made.remove();
-    const groups = this.first.filter((meter) => meter.names.every((name) => at.has(name))).map((meter) => [meter.names.map((name) => at.get(name)), meter]);
-    const taken = new Set(groups.flatMap(([of]) => of)), rest = [...at.values()].filter((k) => !taken.has(k));
-    for (const one of new Set(rest.map((k) => watched[k].unit))) groups.push([rest.filter((k) => watched[k].unit === one)]);
-    this.plots = groups.map(([of, meter]) => this.plot(of, meter));
+    const meters = this.first.filter((meter) => meter.names.every((name) => units.has(name)));
+    const rest = names.filter((name) => !meters.some((meter) => meter.names.includes(name)));
+    for (const unit of new Set(rest.map((name) => units.get(name)))) meters.push({ names: rest.filter((name) => units.get(name) === unit) });
+    this.plots = meters.map((meter) => this.plot(meter, units.get(meter.names[0])));
   }
-  plot(of, { title, range, number } = {}) {
-    const names = of.map((k) => this.watched[k].name);
+  plot({ names, title, range, number }, unit) {
+    const rows = () => names.map((name) => this.rows.get(name));
     const made = plot(this.box, {
-      title, range, number, unit: this.watched[of[0]].unit, names, least: STILL, time: this.time, rows: of.map((k) => this.rows[k]),
-      close: () => this.ask(this.names().filter((n) => !names.includes(n))),
+      title, range, number, unit, names, least: STILL, time: this.time, rows: rows(),
+      close: () => this.ask([...this.rows.keys()].filter((n) => !names.includes(n))),
     });
-    return Object.assign(made, { of });
+    return Object.assign(made, { rows });
   }
   keep(t, values) {
-    this.time.push(t);
-    this.rows.forEach((row, k) => row.push(Number.isFinite(values[k]) ? values[k] : null));
-    if (this.time.length > KEPT + 300) for (const row of [this.time, ...this.rows]) row.splice(0, 300);
+    const rows = this.all();
+    [t, ...values].forEach((v, k) => rows[k].push(Number.isFinite(v) ? v : null));
+    if (this.time.length > KEPT + 300) for (const row of rows) row.splice(0, 300);
   }
-  row(name) { return this.rows[this.names().indexOf(name)]; }   // undefined if it is not watched
   scroll(t) {
     for (const made of this.plots) {
-      made.set(this.time, made.of.map((k) => this.rows[k]));
+      made.set(this.time, made.rows());
       made.at(t);
     }
   }
@@ -123,7 +121,7 @@ class Live extends Viewer {
       if (head.view.follow === old.head.view.follow) stage.follow = head.bodies.findIndex((b) => b.name === name);
     }
     this.units = new Map(Object.entries(head.units));
-    this.camera(stage, this.units, (name) => this.textOf(name));
+    this.camera(stage, this.units, (name) => this.lastText(name));
     Object.assign(this, { instants: [], ways: new Map(), frame: null, held: null, relisted: null });
     this.meters.back(-Infinity);
     this.layers.replaceChildren(this.layerBoxes(() => this.layersChosen()));
@@ -165,7 +163,7 @@ class Live extends Viewer {
     const f = Object.fromEntries(head.head.map((name, k) => [name, numbers[k]]));
     const take = (count) => numbers.subarray(i, i += count);
     f.pose = take(3 * head.frames); f.values = take(head.columns); f.drives = take(head.drives);
-    const values = take(this.meters.watched.length), names = Object.keys(head.tables), counts = take(names.length);
+    const values = take(this.meters.rows.size), names = Object.keys(head.tables), counts = take(names.length);
     f.tables = Object.fromEntries(names.map((name, k) => [name, Array.from({ length: counts[k] }, () => [...take(head.tables[name])])]));
     f.places = numbers.subarray(i);
     const last = this.frame, passed = last ? f.t - last.t : 0;
@@ -268,8 +266,8 @@ class Live extends Viewer {
   click(pick) {
     if (pick) this.meters.more(quantitiesOf(pick, this.units).slice(0, 2));
   }
-  textOf(name) {                                           // the last value of a watched quantity, as its plot shows it
-    const row = this.meters.row(name), value = row?.at(-1) ?? null;
+  lastText(name) {                                        // the last value of a watched quantity, as its plot shows it
+    const row = this.meters.rows.get(name), value = row?.at(-1) ?? null;
     return value === null ? "" : textOf(value, row, this.units.get(name));
   }
 }
@@ -281,13 +279,14 @@ const BEYOND = 10;                                        // times its own span 
 
 class Controls {
   constructor(parent, set) {                              // set(name, value): asks for it
-    this.set = set; this.rows = new Map();
+    Object.assign(this, { set, kinds: [], rows: new Map() });
     this.box = el("section", { className: "controls", ariaLabel: "controls" });
     parent.append(this.box);
   }
   show(list) {                                            // again with other values, or anew
-    const same = list.length === this.rows.size && list.every((c) => this.rows.has(c.name) && this.rows.get(c.name).unit === c.unit);
-    if (!same) this.build(list);
+    const kinds = list.map(({ name, unit }) => `${name} ${unit}`);
+    if (!alike(kinds, this.kinds)) this.build(list);
+    this.kinds = kinds;
     for (const control of list) this.rows.get(control.name).take(control);
   }
   build(list) {
@@ -309,7 +308,7 @@ class Controls {
     const input = el("input", { type: "checkbox", onchange: () => this.set(name, input.checked ? 1 : 0) });
     input.dataset.control = name;
     const box = el("label", { className: "control" }, input, name.replace(/\.active$/, ""));
-    return { box, unit: "", take: (c) => { input.checked = c.value !== 0; } };
+    return { box, take: (c) => { input.checked = c.value !== 0; } };
   }
   slider(control) {
     const { name, kind, unit: unitName } = control, label = name.replace(/^parameters\./, "");
@@ -338,7 +337,6 @@ class Controls {
       } });
     range.dataset.control = name; text.dataset.typed = name;
     return {
-      unit: unitName,
       box: el("div", { className: "control" }, el("span", { className: "name", textContent: label, title: label }), range, text,
         el("span", { className: "unit", textContent: unitName })),
       given: (value) => { state.touched = true; show(value); },
