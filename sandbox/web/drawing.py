@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -28,8 +27,6 @@ LEGEND = 2.2  # height of the legend, in font sizes
 DIGITS = 5  # digits of numbers in lists and heads
 OWN = ("force", "spring", "drive")
 """Colours of the script itself: under the pointer, loads without colours, the hand."""
-OVER_LINES = ("mark", "span", "spiral", "line")
-"""Kinds of items whose order within a layer is free: marks are drawn over lines."""
 MOVES = 1e-12  # poses that change by less are constant
 
 
@@ -160,24 +157,10 @@ def page_list(out: Listing) -> dict[str, Any]:
     """The display list for the script, without the numbers that change."""
     own = {token: out.inks[token] for token in OWN if token in out.inks}
     head = out.head()
-    return {"list": rounded({**head, "items": alike_together(out.items),
+    return {"list": rounded({**head, "items": out.items,
                              "inks": {**head["inks"], **own}}),
             "tables": {name: rows.shape[1] for name, rows in out.tables.items()},
             "columns": len(out.columns), "frames": out.pose.shape[1]}
-
-
-def alike_together(items: Sequence[Item]) -> list[Item]:
-    """Items ordered so that lines, and marks of one glyph, follow each other in their layer.
-
-    Those with one look are then drawn at once.
-    """
-    found: list[Item] = []
-    for _, some in itertools.groupby(items, lambda item: (item["l"], item["k"] in OVER_LINES)):
-        alike: dict[str, list[Item]] = {"": []}
-        for item in some:
-            alike.setdefault(str(item.get("g", "")), []).append(item)
-        found += itertools.chain.from_iterable(alike.values())
-    return found
 
 
 def moving(out: Listing) -> Integers:

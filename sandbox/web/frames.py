@@ -8,9 +8,8 @@ forces are means over the steps since the last frame: those of a single step fli
 
 from __future__ import annotations
 
-import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,36 +34,21 @@ number of places of each trail."""
 TRAIL = 8  # maximum number of places of a trail in a frame
 LOOK = 2.0  # seconds of the trial run that gives the picture its scales
 MAX_PAIRS = 200  # pairs of bodies that are suggested; any can be watched
-AT_ONCE = 64  # maximum number of steps between two looks at the clock
+AT_ONCE = 4  # steps between two looks at the clock
 _OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
 
 
 def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
     """A trial run of the scene, as far as the time allows: it gives the picture its scales."""
-    simulation, stride, began = Simulation(scene), Stride(), time.perf_counter()
+    simulation, began = Simulation(scene), time.perf_counter()
     every = round(1 / (scene.mechanism.run.sample_rate * scene.mechanism.run.step))
     try:
         while not simulation.finished and (
                 simulation.steps < 2 * every or time.perf_counter() - began < seconds):
-            stride.run(simulation.step, AT_ONCE, seconds / 10)
+            simulation.step(AT_ONCE)
     except SimulationDiverged:
         pass
     return simulation.recording()
-
-
-class Stride:
-    """Makes as many steps as fit into a time, from the duration of the last ones."""
-
-    def __init__(self) -> None:
-        self._cost = math.inf
-
-    def run(self, step: Callable[[int], int], most: int, seconds: float) -> int:
-        """Call ``step`` with the number of steps that fit, one at least; its result."""
-        steps = max(1, min(AT_ONCE, most, int(seconds / self._cost)))
-        began = time.perf_counter()
-        made = step(steps)
-        self._cost = max((time.perf_counter() - began) / steps, 1e-9)
-        return made
 
 
 class LiveFrames:

@@ -32,7 +32,6 @@ BINS = 2000
 """Of a quantity with more than twice as many samples: the minimum and maximum of each bin. Fewer
 where the numbers exceed the budget."""
 LEVEL = 9
-CHUNK = 64  # columns worked on at a time
 FLAT, NOTHING = 1e-9, 1e-10
 """Changes of a quantity below this fraction of its size, and values below this fraction of the
 largest in its unit, are rounding errors."""
@@ -47,19 +46,13 @@ class Blocks:
 
     def add(self, key: str, columns: Array, *, bits: int = 16) -> None:
         """Append columns [k, n] under a name."""
-        low, step = list[float](), list[float]()
+        q, low, step = quantised(columns, bits)
         self.heads.append({"key": key, "n": columns.shape[1], "k": columns.shape[0],
-                           "at": len(self.raw), "bytes": bits // 8, "low": low, "step": step})
-        planes: list[list[bytes]] = [[] for _ in range(bits // 8)]
-        for first in range(0, len(columns), CHUNK):
-            q, lowest, steps = quantised(columns[first:first + CHUNK], bits)
-            low += lowest.tolist()
-            step += steps.tolist()
-            d = np.diff(q, axis=1, prepend=np.zeros((len(q), 1), q.dtype))
-            for k, plane in enumerate(planes):
-                plane.append(((d >> np.uint32(8 * k)) & np.uint32(0xFF)).astype(np.uint8).tobytes())
-        for plane in planes:
-            self.raw += b"".join(plane)
+                           "at": len(self.raw), "bytes": bits // 8, "low": low.tolist(),
+                           "step": step.tolist()})
+        d = np.diff(q, axis=1, prepend=np.zeros((len(q), 1), q.dtype))
+        for k in range(bits // 8):
+            self.raw += (d >> np.uint32(8 * k)).astype(np.uint8).tobytes()
 
 
 def quantised(columns: Array, bits: int) -> tuple[Any, Array, Array]:

@@ -108,7 +108,7 @@ def words(run: Samples, known: FoundOut, apart: str = "") -> dict[str, Any]:
         "samples": len(run), "step": info.step, "rate": info.sample_rate,
         "versions": dict(info.versions),
         "events": [{"name": one.event, "t": one.time} for one in info.marked],
-        "expect": [{**finite(v), "over": over} for v, over in zip(
+        "expect": [{**finite(v), "allowed": v.allowed, "over": over} for v, over in zip(
             known.verdicts, chain(_windows(run), repeat(None)), strict=False)],
         "audit": [finite(figure) for figure in known.figures],
         "scene": to_json(run.mechanism),

@@ -25,7 +25,7 @@ from sandbox.scene.read.load import Loaded
 from sandbox.values.expressions import is_expression
 from sandbox.values.units import dimension_of, units_of
 from sandbox.web.controls import PARAMETER, Spans, changes, controls, read_value
-from sandbox.web.frames import LOOK, LiveFrames, Stride, looked_at
+from sandbox.web.frames import AT_ONCE, LOOK, LiveFrames, looked_at
 from sandbox.wording import listed, near, quoted
 
 FRAME = 1 / 60  # seconds from frame to frame
@@ -87,7 +87,7 @@ class Session:
     def _begin(self, live: Live) -> None:
         """Continue with another run of the scene."""
         self.live, self.hand, self.frames = live, Hand(live), LiveFrames(live, self._look)
-        self.trouble, self._due, self._stride = "", 0.0, Stride()
+        self.trouble, self._due = "", 0.0
         self._end = round(live.scene.run.duration / live.scene.run.step)
         """Steps to the end of the scene, where it pauses once."""
         self.frames.layers = self._layers
@@ -146,7 +146,7 @@ class Session:
         wanted = min(wanted, left) if left > 0 else wanted
         began = time.perf_counter()
         while made < wanted and not self.live.finished and time.perf_counter() - began <= budget:
-            made += self._stride.run(self._go, wanted - made, budget / 4)
+            made += self._go(min(wanted - made, AT_ONCE))
         self.rate += 0.1 * (made * step / seconds - self.rate)
         if self.live.finished or 0 < left <= made:
             self.playing = False
@@ -209,7 +209,7 @@ class Session:
                 return self._set(name, value) if name.startswith(PARAMETER) else \
                     self._give(name, value)
             case {"drag": [str(body), x, y], "to": [to_x, to_y]}:
-                self.hand.hold(body, (_number(x), _number(y)), (_number(to_x), _number(to_y)))
+                self.hand.hold(body, (x, y), (to_x, to_y))
                 return []
             case {"drop": _}:
                 self.hand.drop()
@@ -220,7 +220,7 @@ class Session:
                 self._layers = self.frames.layers = set(map(str, names))
                 return []
             case {"speed": speed}:
-                self.speed = min(max(_number(speed), MIN_SPEED), MAX_SPEED)
+                self.speed = min(MAX_SPEED, max(MIN_SPEED, speed))
             case {"save": "scene"}:
                 made = self.live.played()
                 changed = "".join(f' --set "{path}={value}"'
@@ -302,7 +302,7 @@ class Session:
     def _give(self, name: str, value: Any) -> list[Answer]:
         """Set a drive, a target or a switch; the SI value of a text is the answer."""
         if not isinstance(value, str):
-            self.live.give(name, _number(value))
+            self.live.give(name, value)
             return []
         number = read_value(name, value, self.loaded.mechanism, self.live)
         self.live.give(name, number)
@@ -341,13 +341,6 @@ class Session:
             return {"said": f"the run is in {place}"}
 
         return save
-
-
-def _number(value: object) -> float:
-    """A finite number."""
-    if isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value):
-        return float(value)
-    raise _wrong(f"{quoted(value)} is no finite number")
 
 
 def _wrong(message: str, *, code: str = "bad-argument", **more: Any) -> SceneError:

@@ -88,7 +88,7 @@ def served(tab_of, tmp_path):
             stdout=subprocess.PIPE, text=True)
         processes.append(process)
         tab = tab_of(process.stdout.readline().strip(), **options)
-        until(tab, "globalThis.sandbox && sandbox.frame && sandbox.stats.drawn > 2")
+        until(tab, "globalThis.sandbox && sandbox.frame && sandbox.drawn > 2")
         return tab
 
     yield start

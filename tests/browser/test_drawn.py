@@ -68,7 +68,7 @@ def test_every_kind_of_item_is_seen_by_day_and_by_night(opened):
           const [w, h] = [canvas.width, canvas.height];
           const copy = new OffscreenCanvas(w, h).getContext("2d", { willReadFrequently: true });
           const take = () => {
-            sandbox.show(); copy.drawImage(canvas, 0, 0);
+            sandbox.redraw(); copy.drawImage(canvas, 0, 0);
             return copy.getImageData(0, 0, w, h).data;
           };
           const whole = take();

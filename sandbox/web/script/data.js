@@ -110,15 +110,11 @@ function matching(pattern, names) {
     : fits.test(name)));
 }
 
-function nearest(text, names) {                           // by pairs of letters in common
-  const pairs = (s) => new Set(Array.from({ length: Math.max(0, s.length - 1) }, (_, i) => s.slice(i, i + 2).toLowerCase()));
-  const own = pairs(text);
-  let best = "", most = 0.4;
-  for (const name of names) {
-    const other = pairs(name), share = 2 * [...own].filter((p) => other.has(p)).length / (own.size + other.size || 1);
-    if (share > most) { most = share; best = name; }
-  }
-  return best;
+function nearest(text, names) {                           // by pairs of letters in common; "" if these are few
+  const pairs = (s) => new Set(Array.from(s.toLowerCase(), (letter, i) => letter + s.charAt(i + 1).toLowerCase())), own = pairs(text);
+  const shares = names.map((name) => { const other = pairs(name); return 2 * [...own].filter((p) => other.has(p)).length / (own.size + other.size); });
+  const most = Math.max(0.4, ...shares);
+  return names[shares.indexOf(most)] ?? "";
 }
 
 // The words that names have in common at their begin and end.
@@ -155,6 +151,11 @@ function shownAs(unitName, most) {
 // The largest absolute value; 0 if there is none.
 const sizeOfRow = (row) => row.reduce((most, v) => (Math.abs(v) > most ? Math.abs(v) : most), 0);
 const sizeOfRows = (rows) => Math.max(0, ...rows.map(sizeOfRow));
+
+function textOf(value, row, unitName) {                   // of a row, with its unit, as in its plot
+  const most = sizeOfRow(row), { factor, sign } = shownAs(unitName, most);
+  return `${steady(factor * value, factor * most)}${sign}`;
+}
 
 function roundLength(most) {                              // 1, 2, 5 times a power of ten
   const power = 10 ** Math.floor(Math.log10(most));

@@ -5,41 +5,39 @@ const STILL = 1e-4;                                       // of a value: less is
 
 class Meters {
   constructor(box, ask) {                                 // ask(names): to watch these
-    Object.assign(this, { box, ask, first: [], watched: [], time: [], rows: [], plots: [] });
+    Object.assign(this, { box, ask, first: [], time: [], rows: new Map(), plots: [] });   // rows by name
   }
-  names() { return this.watched.map((w) => w.name); }
-  more(names) { this.ask([...new Set([...this.names(), ...names])]); }
+  more(names) { this.ask([...new Set([...this.rows.keys(), ...names])]); }
+  all() { return [this.time, ...this.rows.values()]; }
   back(t) {                                               // drop the samples from t on
     const kept = this.time.findLastIndex((one) => one < t) + 1;
-    for (const row of [this.time, ...this.rows]) row.length = kept;
+    for (const row of this.all()) row.length = kept;
   }
   show(watched) {                                         // [{name, unit}]: the meters of the scene's view, then a plot for each unit
-    const before = new Map(this.watched.map((w, k) => [w.name, this.rows[k]])), at = new Map(watched.map((w, k) => [w.name, k]));
-    this.watched = watched;
-    this.rows = watched.map((w) => before.get(w.name) || this.time.map(() => null));
+    const units = new Map(watched.map(({ name, unit }) => [name, unit])), names = [...units.keys()];
+    this.rows = new Map(names.map((name) => [name, this.rows.get(name) || this.time.map(() => null)]));
     for (const made of this.plots) made.remove();
-    const groups = this.first.filter((meter) => meter.names.every((name) => at.has(name))).map((meter) => [meter.names.map((name) => at.get(name)), meter]);
-    const taken = new Set(groups.flatMap(([of]) => of)), rest = [...at.values()].filter((k) => !taken.has(k));
-    for (const one of new Set(rest.map((k) => watched[k].unit))) groups.push([rest.filter((k) => watched[k].unit === one)]);
-    this.plots = groups.map(([of, meter]) => this.plot(of, meter));
+    const meters = this.first.filter((meter) => meter.names.every((name) => units.has(name)));
+    const rest = names.filter((name) => !meters.some((meter) => meter.names.includes(name)));
+    for (const unit of new Set(rest.map((name) => units.get(name)))) meters.push({ names: rest.filter((name) => units.get(name) === unit) });
+    this.plots = meters.map((meter) => this.plot(meter, units.get(meter.names[0])));
   }
-  plot(of, { title, range, number } = {}) {
-    const names = of.map((k) => this.watched[k].name);
+  plot({ names, title, range, number }, unit) {
+    const rows = () => names.map((name) => this.rows.get(name));
     const made = plot(this.box, {
-      title, range, number, unit: this.watched[of[0]].unit, names, least: STILL, time: this.time, rows: of.map((k) => this.rows[k]),
-      close: () => this.ask(this.names().filter((n) => !names.includes(n))),
+      title, range, number, unit, names, least: STILL, time: this.time, rows: rows(),
+      close: () => this.ask([...this.rows.keys()].filter((n) => !names.includes(n))),
     });
-    return Object.assign(made, { of });
+    return Object.assign(made, { rows });
   }
   keep(t, values) {
-    this.time.push(t);
-    this.rows.forEach((row, k) => row.push(Number.isFinite(values[k]) ? values[k] : null));
-    if (this.time.length > KEPT + 300) for (const row of [this.time, ...this.rows]) row.splice(0, 300);
+    const rows = this.all();
+    [t, ...values].forEach((v, k) => rows[k].push(Number.isFinite(v) ? v : null));
+    if (this.time.length > KEPT + 300) for (const row of rows) row.splice(0, 300);
   }
-  row(name) { return this.rows[this.names().indexOf(name)]; }   // undefined if it is not watched
   scroll(t) {
     for (const made of this.plots) {
-      made.set(this.time, made.of.map((k) => this.rows[k]));
+      made.set(this.time, made.rows());
       made.at(t);
     }
   }
@@ -48,40 +46,37 @@ class Meters {
 // The live view of a session: messages are JSON, or the bytes of a frame.
 
 const WAY = 20000;
-const LIVE_KEYS = [["space", "run or pause"], ["right, left", "one frame on or back"], ["r", "from the beginning"]];
 const PULLING = "Drag a body to pull it: the longer the line, the stronger. Drag beside bodies to move the picture, wheel "
   + "or two fingers zoom, double click fits. Click a body, tendon or spring for its meter.";
 
 class Live extends Viewer {
   constructor(root) {
-    super(LIVE_KEYS, PULLING);
+    super(PULLING, [["space", "run or pause", { " ": () => this.toggle() }],
+      ["right, left", "one frame on or back", { ArrowRight: () => this.ask({ do: "step" }), ArrowLeft: () => this.ask({ do: "back" }) }],
+      ["r", "from the beginning", { r: () => this.ask({ do: "reset" }) }]]);
     const socket = new WebSocket(location.href.replace(/^http/, "ws").replace(/[?#].*/, ""));
     socket.binaryType = "arraybuffer";
     socket.onmessage = ({ data }) => { if (typeof data === "string") this.receive(JSON.parse(data)); else this.take(data); };
     socket.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true, this.state); };
     this.link = { send: (text) => { if (socket.readyState === 1) socket.send(text); } };
-    Object.assign(this, { ids: 0, sent: new Map(), asked: false, frame: null, ways: new Map(), instants: [],
-                          waiting: new Map(), working: false, stats: { drawn: 0, latency: [], costs: [] } });
+    Object.assign(this, { ids: 0, answered: 0, drawn: 0, asked: false, frame: null, ways: new Map(), instants: [], waiting: new Map(), working: false });
     const list = (id, ariaLabel) => el("ul", { id, className: "warned", ariaLabel, hidden: true });
     this.title = el("h1");
     this.state = el("output", { id: "state" }); this.said = el("output", { id: "said" });   // state of the run; result of the last action
     this.warned = list("warned", "warnings of the scene check");
     this.absent = list("absent", "meters that are left out");
     this.sheet = el("div", { className: "sheet" });
+    this.sheets.append(this.sheet);
     this.layers = el("div");
     const plots = el("div", { className: "plots" }), side = el("section", { className: "plots", ariaLabel: "controls and meters" });
     this.controls = new Controls(side, (name, value) => this.set(name, value));
     this.meters = new Meters(plots, (names) => this.ask({ watch: names }));
-    this.finder = finder("show a quantity", () => [...this.units.keys()], (names) => this.meters.more(names),
-                         (text) => this.meters.more([text]));   // the answer says why not
-    side.append(this.finder, this.absent, plots);
+    const search = finder("show a quantity", () => [...this.units.keys()], (names) => this.meters.more(names),
+                          (text) => this.meters.more([text]));   // the answer says why not
+    side.append(search, this.absent, plots);
     root.replaceChildren(this.title, el("div", { className: "top" }, el("section", { className: "bench", ariaLabel: "motion" },
-      el("div", { className: "sheets" }, this.sheet), this.bar(), this.tools(), this.layers, this.warned), side),
+      this.sheets, this.bar(), this.tools(), this.layers, this.warned), side),
       el("div", { className: "messages" }, this.state, this.said), this.tip, this.help);
-    this.listen(this.sheet, () => this.meters.plots, {
-      " ": () => this.toggle(), ArrowRight: () => this.ask({ do: "step" }), ArrowLeft: () => this.ask({ do: "back" }),
-      r: () => this.ask({ do: "reset" }),
-    });
   }
   bar() {
     this.pace = el("output", { id: "pace" });
@@ -98,6 +93,7 @@ class Live extends Viewer {
       button("save-scene", "save scene", "save a scene that repeats what you did", () => this.ask({ save: "scene" })));
   }
   get stages() { return this.stage ? [this.stage] : []; }
+  get plots() { return this.meters.plots; }
   get t() { return this.frame.t; }
 
   // -- messages --------------------------------------------------------------------------------
@@ -124,22 +120,19 @@ class Live extends Viewer {
       const { name } = old.head.bodies[old.follow] || {};
       if (head.view.follow === old.head.view.follow) stage.follow = head.bodies.findIndex((b) => b.name === name);
     }
-    camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.point(pick, e, this.units, (name) => this.textOf(name)),
-                                         click: (pick) => this.click(pick) });
+    this.units = new Map(Object.entries(head.units));
+    this.camera(stage, this.units, (name) => this.lastText(name));
     Object.assign(this, { instants: [], ways: new Map(), frame: null, held: null, relisted: null });
     this.meters.back(-Infinity);
     this.layers.replaceChildren(this.layerBoxes(() => this.layersChosen()));
     this.layersChosen();
     this.followable();
-    this.units = new Map(Object.entries(head.units));
-    this.finder.renew();
     this.controls.show(head.controls);
     this.meters.first = head.meters;
     this.meters.show(head.watched.map((name) => ({ name, unit: this.units.get(name) })));
   }
   status({ playing, trouble, note, speed, warnings, left_out: leftOut }) {
     this.playing = playing;
-    this.showPlaying();
     this.speeds.take(speed);
     this.tell(trouble || note, !!trouble, this.state);
     for (const [box, lines] of [[this.warned, warnings], [this.absent, leftOut]]) {
@@ -170,7 +163,7 @@ class Live extends Viewer {
     const f = Object.fromEntries(head.head.map((name, k) => [name, numbers[k]]));
     const take = (count) => numbers.subarray(i, i += count);
     f.pose = take(3 * head.frames); f.values = take(head.columns); f.drives = take(head.drives);
-    const values = take(this.meters.watched.length), names = Object.keys(head.tables), counts = take(names.length);
+    const values = take(this.meters.rows.size), names = Object.keys(head.tables), counts = take(names.length);
     f.tables = Object.fromEntries(names.map((name, k) => [name, Array.from({ length: counts[k] }, () => [...take(head.tables[name])])]));
     f.places = numbers.subarray(i);
     const last = this.frame, passed = last ? f.t - last.t : 0;
@@ -210,7 +203,7 @@ class Live extends Viewer {
   }
   paint() {
     this.asked = false;
-    const f = this.frame, began = performance.now();
+    const f = this.frame;
     if (!f) return;
     if (!this.stage.canvas.isConnected) this.sheet.replaceChildren(this.stage.canvas);   // the old picture stays until now
     this.stage.stamp = `t = ${f.t.toFixed(2)} s`;
@@ -220,16 +213,11 @@ class Live extends Viewer {
     if (!this.working) this.pace.textContent = slow ? `${f.rate.toFixed(2)} \u00d7 real time` : "";
     this.controls.follow(f.drives);
     if (this.filming) this.filming.frame();
-    this.stats.drawn++;
-    if (!this.playing || this.stats.drawn % 3 === 0) this.meters.scroll(f.t);
-    for (const [id, at] of this.sent) {
-      if (id > f.ack) break;
-      this.stats.latency.push(performance.now() - at); this.sent.delete(id);
-    }
+    this.drawn++;
+    if (!this.playing || this.drawn % 3 === 0) this.meters.scroll(f.t);
+    this.answered = f.ack;
     this.setNext();
     if (f.seq !== this.shown) { this.shown = f.seq; this.link.send(`{"seen":${f.seq}}`); }
-    this.stats.costs.push(performance.now() - began);
-    if (this.stats.costs.length > 2000) { this.stats.costs.splice(0, 1000); this.stats.latency.splice(0, 1000); }
   }
   drawHand(s) {
     const f = this.frame;
@@ -245,15 +233,11 @@ class Live extends Viewer {
     this.tell("");
     this.send(what);
   }
-  send(what) {
-    const id = ++this.ids;
-    this.sent.set(id, performance.now());
-    this.link.send(JSON.stringify({ ...what, id }));
-  }
+  send(what) { this.link.send(JSON.stringify({ ...what, id: ++this.ids })); }
   set(name, value) { this.waiting.set(name, value); this.setNext(); }
   setNext() {                                             // one request at a time: the next goes when its frame is drawn
     const [next] = this.waiting;
-    if (!next || this.sent.has(this.setting)) return;
+    if (!next || this.setting > this.answered) return;
     this.waiting.delete(next[0]);
     this.ask({ set: next[0], value: next[1] });
     this.setting = this.ids;
@@ -280,13 +264,11 @@ class Live extends Viewer {
     };
   }
   click(pick) {
-    if (pick && pick.n) this.meters.more(quantitiesOf(pick, this.units).slice(0, 2));
+    if (pick) this.meters.more(quantitiesOf(pick, this.units).slice(0, 2));
   }
-  textOf(name) {                                           // the last value of a watched quantity, as its plot shows it
-    const row = this.meters.row(name), value = row?.at(-1) ?? null;
-    if (value === null) return "";
-    const most = sizeOfRow(row), { factor, sign } = shownAs(this.units.get(name), most);
-    return `${steady(factor * value, factor * most)}${sign}`;
+  lastText(name) {                                        // the last value of a watched quantity, as its plot shows it
+    const row = this.meters.rows.get(name), value = row?.at(-1) ?? null;
+    return value === null ? "" : textOf(value, row, this.units.get(name));
   }
 }
 
@@ -297,13 +279,14 @@ const BEYOND = 10;                                        // times its own span 
 
 class Controls {
   constructor(parent, set) {                              // set(name, value): asks for it
-    this.set = set; this.rows = new Map();
+    Object.assign(this, { set, kinds: [], rows: new Map() });
     this.box = el("section", { className: "controls", ariaLabel: "controls" });
     parent.append(this.box);
   }
   show(list) {                                            // again with other values, or anew
-    const same = list.length === this.rows.size && list.every((c) => this.rows.has(c.name) && this.rows.get(c.name).unit === c.unit);
-    if (!same) this.build(list);
+    const kinds = list.map(({ name, unit }) => `${name} ${unit}`);
+    if (!alike(kinds, this.kinds)) this.build(list);
+    this.kinds = kinds;
     for (const control of list) this.rows.get(control.name).take(control);
   }
   build(list) {
@@ -325,7 +308,7 @@ class Controls {
     const input = el("input", { type: "checkbox", onchange: () => this.set(name, input.checked ? 1 : 0) });
     input.dataset.control = name;
     const box = el("label", { className: "control" }, input, name.replace(/\.active$/, ""));
-    return { box, unit: "", take: (c) => { input.checked = c.value !== 0; }, follow: () => {} };
+    return { box, take: (c) => { input.checked = c.value !== 0; } };
   }
   slider(control) {
     const { name, kind, unit: unitName } = control, label = name.replace(/^parameters\./, "");
@@ -354,7 +337,6 @@ class Controls {
       } });
     range.dataset.control = name; text.dataset.typed = name;
     return {
-      unit: unitName,
       box: el("div", { className: "control" }, el("span", { className: "name", textContent: label, title: label }), range, text,
         el("span", { className: "unit", textContent: unitName })),
       given: (value) => { state.touched = true; show(value); },
@@ -369,5 +351,5 @@ class Controls {
     };
   }
   given({ name, value }) { this.rows.get(name).given(value); }
-  follow(drive) { for (const row of this.rows.values()) row.follow(drive); }
+  follow(drive) { for (const row of this.rows.values()) row.follow?.(drive); }
 }

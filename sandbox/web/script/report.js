@@ -1,9 +1,6 @@
 // The page of a report: runs with one clock, plots beside them, results below.
 
 const SPEEDS = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2];
-const KEYS = [["space", "play or pause"], ["left, right", "one sample back or on; with shift ten"],
-  ["home, end", "first or last instant"], ["n, p", "next or previous mark on the bar"], ["l", "loop"],
-  ["g", "side by side or over each other"]];
 const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point at anything for its values, click it for "
   + "its plot. Click in a plot to go to that time, drag in it to zoom.";
 
@@ -21,21 +18,26 @@ class Series extends Map {                                // quantities of one r
     return c === undefined ? Float64Array.from(this.time, () => v) : this.columns.at(c);
   }
   text(name, t) {                                         // of a value with its unit, as in its plot
-    const row = this.row(name), most = sizeOfRow(row), { factor, sign } = shownAs(this.unit(name), most);
-    return `${steady(factor * row[indexNear(this.time, t)], factor * most)}${sign}`;
+    const row = this.row(name);
+    return textOf(row[indexNear(this.time, t)], row, this.unit(name));
   }
 }
 
 class Report extends Viewer {
   constructor(root, heads, datas) {
-    super(KEYS, POINTER);
-    Object.assign(this, { heads, head: heads[0], plots: [], t: 0, drawn: 0, playing: false, speed: heads[0].view.speed, loop: true, over: false });
+    super(POINTER, [
+      ["space", "play or pause", { " ": () => this.toggle() }],
+      ["left, right", "one sample back or on; with shift ten", { ArrowLeft: (e) => this.go(-1, e), ArrowRight: (e) => this.go(1, e) }],
+      ["home, end", "first or last instant", { Home: () => this.hold(this.first), End: () => this.hold(this.last) }],
+      ["n, p", "next or previous mark on the bar", { n: () => this.jump(1), p: () => this.jump(-1) }],
+      ["l", "loop", { l: () => this.loops.click() }], ["g", "side by side or over each other", { g: () => this.layer && this.lay() }]]);
+    addEventListener("hashchange", () => { const t = this.askedTime(); if (t !== null) this.hold(t); });
+    Object.assign(this, { heads, head: heads[0], plots: [], t: 0, drawn: 0, playing: false, over: false });
     this.replays = heads.map((head, i) => new Replay(head, datas[i]));
     this.series = heads.map((head, i) => new Series(head, datas[i]));
     this.first = Math.min(...this.replays.map((r) => r.first));
     this.last = Math.max(...this.replays.map((r) => r.last));
     this.step = Math.min(...heads.map((h) => 1 / h.words.rate));
-    this.sheets = el("div", { className: "sheets" });
     this.sheets.dataset.runs = heads.length;
     this.meters = el("section", { className: "plots", ariaLabel: "plots" });
     const bench = el("section", { className: "bench", ariaLabel: "motion" }, this.sheets);
@@ -43,24 +45,21 @@ class Report extends Viewer {
       el("section", { className: "facts", ariaLabel: "results" },
         ...heads.flatMap((head, i) => factsOf(head, heads.length > 1 ? ` of run ${i + 1}` : ""))), this.tip, this.help);
     this.stages = heads.map((head, i) => this.sheet(head, i));
-    bench.append(this.bar(), this.tools(), this.layerBoxes(() => this.show()));
+    bench.append(this.bar(), this.tools(), this.layerBoxes(() => this.redraw()));
     this.openFirst();
-    this.listen();
     this.seek(this.askedTime() ?? this.first);
   }
   sheet(head, i) {
     const stage = new Stage(head, "click an element for its plot"), of = this.series[i], name = el("h2", { textContent: `${i + 1}  ${head.words.apart}` });
     name.style.borderColor = INKS[i];
     this.sheets.append(el("div", { className: "sheet" }, ...(this.heads.length > 1 ? [name] : []), stage.canvas));
-    camera(stage, () => this.show(), {
-      hover: (pick, e) => this.point(pick, e, of, (name) => of.text(name, this.t)),
-      click: (pick) => pick && this.open(quantitiesOf(pick, of).slice(0, 3), pick.n),
-    });
+    this.camera(stage, of, (name) => of.text(name, this.t));
     return stage;
   }
+  click(pick, of) { if (pick) this.open(quantitiesOf(pick, of).slice(0, 3), pick.n); }
 
   // -- time ------------------------------------------------------------------------------------------
-  show() {
+  redraw() {
     const texts = !this.playing || this.filming || ++this.drawn % 3 === 0;   // of a motion in every third frame
     const frames = this.replays.map((r) => r.frame(this.t)), now = this.now = texts ? `${this.t.toFixed(3)} s` : this.now;
     const ghosts = this.over ? frames.slice(1).map((frame, k) => ({
@@ -73,17 +72,17 @@ class Report extends Viewer {
       Object.assign(stage, { stamp: `t = ${now}`, keepTexts: !texts });
       stage.draw(frames[i], i ? [] : ghosts);
     });
-    this.showPlaying();
     if (texts) { this.scrub.value = this.t; this.clock.textContent = now; }
     for (const one of this.plots) one.at(this.t, texts);
     if (this.filming) this.filming.frame();
   }
   seek(t) {
     this.t = clamp(t, this.first, this.last);
-    this.show();
+    this.redraw();
     if (!this.playing) this.remember();
   }
   hold(t) { this.playing = false; this.seek(t); }
+  go(way, { shiftKey }) { this.hold(this.t + (shiftKey ? 10 : 1) * way * this.step); }
   remember() {
     clearTimeout(this.later);
     this.later = setTimeout(() => {
@@ -100,15 +99,15 @@ class Report extends Viewer {
     if (!this.playing) { this.seek(this.t); return; }
     this.before = null;
     requestAnimationFrame((now) => this.tick(now));
-    this.show();
+    this.redraw();
   }
   tick(now) {
     if (!this.playing) return;
     const passed = this.before === null ? 0 : (now - this.before) / 1000;
     this.before = now;
-    let t = this.t + passed * this.speed;
+    let t = this.t + passed * +this.speeds.value;
     if (t > this.last) {
-      if (this.loop && !this.filming) t = this.first;
+      if (this.loops.checked && !this.filming) t = this.first;
       else { this.playing = false; t = this.last; }
     }
     this.seek(t);
@@ -138,9 +137,9 @@ class Report extends Viewer {
       tick.style.left = `${100 * clamp((mark.t - this.first) / span, 0, 1)}%`;
       track.append(tick);
     }
-    this.speeds = speedBox((speed) => { this.speed = speed; this.speeds.value = String(speed); });
-    this.speeds.take(this.speed);
-    this.loops = el("input", { type: "checkbox", checked: true, onchange: () => { this.loop = this.loops.checked; } });
+    this.speeds = speedBox();
+    this.speeds.take(this.head.view.speed);
+    this.loops = el("input", { type: "checkbox", checked: true });
     return el("div", { className: "bar" }, this.play, track, this.clock, this.speeds,
               el("label", { title: "begin again at the end (l)" }, this.loops, "loop"));
   }
@@ -153,26 +152,16 @@ class Report extends Viewer {
     }
     return box;
   }
-  redraw() { this.show(); }
   lay() {
     this.over = !this.over;
     this.sheets.dataset.over = this.over ? "1" : "";
     this.layer.textContent = this.over ? "side by side" : "over each other";
-    this.show();
+    this.redraw();
   }
   record() {
     if (this.filming) this.playing = false;
     super.record(() => { if (this.playing) this.toggle(); this.seek(this.first); });
     if (this.filming && !this.playing) this.toggle();
-  }
-  listen() {
-    super.listen(this.sheets, () => this.plots, {
-      " ": () => this.toggle(), ArrowRight: (e) => this.hold(this.t + (e.shiftKey ? 10 : 1) * this.step),
-      ArrowLeft: (e) => this.hold(this.t - (e.shiftKey ? 10 : 1) * this.step), Home: () => this.hold(this.first),
-      End: () => this.hold(this.last), n: () => this.jump(1), p: () => this.jump(-1),
-      l: () => this.loops.click(), g: () => this.layer && this.lay(),
-    });
-    addEventListener("hashchange", () => { const t = this.askedTime(); if (t !== null) this.hold(t); });
   }
 
   // -- plots that a reader opens: quantities of one unit, of all runs at once --------------------------------
@@ -182,7 +171,7 @@ class Report extends Viewer {
       const there = this.plots.find((p) => p.key === some.join(" "));
       if (there) there.box.scrollIntoView({ block: "nearest" }); else this.openOne(some, { title: some.length > 1 ? title : "" });
     }
-    this.show();
+    this.redraw();
     return plots.length;
   }
   grouped(names, keyOf) {                                 // those that some run has, by key, in order
@@ -260,15 +249,11 @@ class Report extends Viewer {
 
 const COLUMNS = {
   expect: [["", (v) => (v.ok ? "pass" : "FAIL")], ["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value, 6)],
-    ["range", (v) => rangeText(v.low, v.high)], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
+    ["range", (v) => v.allowed], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
     ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
   audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.threshold)],
     ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["comparison", (f) => f.why]],
 };
-
-const rangeText = (low, high) => (low === null && high === null ? "" : low === null
-  ? `at most ${short(high, 6)}` : high === null ? `at least ${short(low, 6)}`
-    : `${short(low, 6)} to ${short(high, 6)}`);
 
 function table(kind, rows) {
   const line = (tag, cells, className = "") => el("tr", { className }, ...cells.map(([of, textContent]) => el(tag, { textContent, "data-of": of })));

@@ -1,52 +1,4 @@
-// Mouse, fingers and keys on a Stage: zoom, pan, hover, click.
-
-// Wheel zooms at the pointer, drag pans, double click fits, two fingers pinch. `hooks`: hover(pick,
-// event), click(pick), grab(pick, x, y) may take a drag for itself and answers with {move, drop}.
-function camera(stage, redraw, hooks) {
-  const { canvas } = stage, down = new Map();
-  let pinch = 0, moved = 0, grip = null;
-  const at = (e) => [e.offsetX, e.offsetY];
-  canvas.addEventListener("wheel", (e) => {
-    e.preventDefault();
-    stage.zoomAt(Math.exp(-clamp(e.deltaY, -300, 300) / 400), ...at(e));
-    redraw();
-  }, { passive: false });
-  canvas.addEventListener("pointerdown", (e) => {
-    canvas.setPointerCapture(e.pointerId);
-    down.set(e.pointerId, at(e));
-    pinch = 0; moved = 0;
-    grip = down.size === 1 && hooks.grab ? hooks.grab(stage.pick(...at(e)), ...at(e)) : null;
-  });
-  canvas.addEventListener("pointermove", (e) => {
-    const was = down.get(e.pointerId), now = at(e);
-    if (!was) {
-      const found = stage.pick(...now), before = stage.hover;
-      stage.hover = found;
-      canvas.style.cursor = found ? "pointer" : "grab";
-      hooks.hover(found, e);
-      if (found?.n !== before?.n || found?.value !== before?.value) redraw();
-      return;
-    }
-    moved += apart(was, now);
-    down.set(e.pointerId, now);
-    if (grip) { grip.move(...now); return; }
-    if (down.size === 1 && moved > 3) {
-      stage.pan[0] += now[0] - was[0]; stage.pan[1] += now[1] - was[1];
-      redraw();
-    } else if (down.size > 1) {
-      const [p, q] = [...down.values()], d = apart(p, q);
-      if (pinch) { stage.zoomAt(d / pinch, (p[0] + q[0]) / 2, (p[1] + q[1]) / 2); redraw(); }
-      pinch = d;
-    }
-  });
-  canvas.onpointerup = canvas.onpointercancel = (e) => {
-    if (down.delete(e.pointerId) && grip) { grip.drop(); grip = null; }
-    else if (e.type === "pointerup" && moved <= 3) hooks.click(stage.pick(...at(e)));
-    pinch = 0;
-  };
-  canvas.onpointerleave = () => { stage.hover = null; hooks.hover(null); redraw(); };
-  canvas.ondblclick = () => { stage.fit(); redraw(); };
-}
+// What report and live view have in common: pointer and keys on a Stage, pictures, films.
 
 // Names of the quantities of a picked element.
 function quantitiesOf(pick, series) {
@@ -73,41 +25,110 @@ function fold(title, ...kids) {
   return el("details", {}, el("summary", { textContent: title }), ...kids);
 }
 
-// A choice of SPEEDS and of the speed that take(speed) adds; calls set(speed).
-function speedBox(set) {
+// A choice of SPEEDS and of the speed that take(speed) adds; calls set(speed) if it is chosen.
+function speedBox(set = () => {}) {
   const box = el("select", { title: "speed ([ and ])", ariaLabel: "speed", id: "speed", onchange: () => set(+box.value) });
-  const every = () => [...box.options].map((one) => +one.value);
   box.take = (speed) => {
     const all = [...new Set([...SPEEDS, speed])].sort((a, b) => a - b);
     box.replaceChildren(...all.map((v) => el("option", { value: String(v), textContent: `${v}\u00d7` })));
     box.value = String(speed);
   };
-  box.faster = (way) => set(every()[clamp(every().indexOf(+box.value) + way, 0, box.options.length - 1)]);
+  box.faster = (way) => {
+    box.selectedIndex = clamp(box.selectedIndex + way, 0, box.length - 1);
+    box.onchange();
+  };
   return box;
 }
 
 const STEP = 40;                                          // by which a key moves a picture [px]
-const SHARED_KEYS = [["[ and ]", "slower, faster"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"],
-  ["s", "save the picture"], ["?", "these keys"]];
-class Viewer {                                            // base class; subclasses have stages, head, t, speeds and redraw()
-  constructor(keys, pointer) {
+class Viewer {                                            // base class; subclasses have stages, plots, head, t, speeds, playing and redraw()
+  constructor(pointer, keys) {                            // keys: [names, words, {key: act}]
     this.play = button("play", "\u25b6", "run or pause (space)", () => this.toggle());
     this.clock = el("output", { id: "clock" });
     this.tip = el("div", { className: "tip", hidden: true });
-    this.help = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("dl", {},
-      ...[...keys, ...SHARED_KEYS].flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
-      el("p", { textContent: pointer }), button("", "close", "", () => this.help.close()));
+    this.sheets = el("div", { className: "sheets" });
     this.follow = el("select", { title: "the camera goes along with a body", ariaLabel: "follow", onchange: () => {
       const { name } = this.head.bodies[+this.follow.value] || {};
       for (const s of this.stages) s.follow = s.head.bodies.findIndex((body) => body.name === name);
       this.redraw();
     } });
+    keys.push(["[ and ]", "slower, faster", { "[": () => this.speeds.faster(-1), "]": () => this.speeds.faster(1) }],
+      ["+, -", "zoom", { "+": () => this.zoom(1.25), "-": () => this.zoom(0.8) }],
+      [", . up, down", "move the picture", { ",": () => this.move(STEP, 0), ".": () => this.move(-STEP, 0),
+                                             ArrowUp: () => this.move(0, STEP), ArrowDown: () => this.move(0, -STEP) }],
+      ["0", "fit", { 0: () => this.fit() }], ["s", "save the picture", { s: () => this.picture() }],
+      ["?", "these keys", { "?": () => this.help.showModal() }]);
+    this.help = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("dl", {},
+      ...keys.flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
+      el("p", { textContent: pointer }), button("", "close", "", () => this.help.close()));
+    this.listen(Object.assign({}, ...keys.map(([,, acts]) => acts)));
   }
-  showPlaying() {
-    if (this.saidPlaying === this.playing) return;
-    this.saidPlaying = this.playing;
-    this.play.textContent = this.playing ? "\u275a\u275a" : "\u25b6";
-    this.play.ariaLabel = this.playing ? "pause" : "play";
+  listen(acts) {                                          // to keys, light and dark
+    addEventListener("keydown", (e) => {
+      const on = (what) => e.target.matches?.(what), act = acts[e.key];
+      if (!act || !this.stages.length || this.help.open || e.ctrlKey || e.metaKey || e.altKey) return;
+      if (on("input:not([type=range]):not([type=checkbox]), select, textarea") || (e.key === " " && on("button, summary"))) return;
+      if (on("input[type=range][data-control]") && /^(Arrow|Home|End|Page)/.test(e.key)) return;   // moves the slider
+      e.preventDefault();
+      act(e);
+    });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      for (const one of [...this.stages, ...this.plots]) one.dress();
+      this.redraw();
+    });
+  }
+  // Wheel zooms at the pointer, drag pans, double click fits, two fingers pinch. grab(pick, x, y) of a subclass
+  // may take a drag for itself and answers with {move, drop}.
+  camera(stage, series, read) {
+    const { canvas } = stage, down = new Map(), at = (e) => [e.offsetX, e.offsetY];
+    let pinch = 0, moved = 0, grip = null;
+    canvas.addEventListener("wheel", (e) => {
+      e.preventDefault();
+      stage.zoomAt(Math.exp(-clamp(e.deltaY, -300, 300) / 400), ...at(e));
+      this.redraw();
+    }, { passive: false });
+    canvas.onpointerdown = (e) => {
+      canvas.setPointerCapture(e.pointerId);
+      down.set(e.pointerId, at(e));
+      pinch = 0; moved = 0;
+      grip = down.size === 1 ? this.grab?.(stage.pick(...at(e)), ...at(e)) : null;
+    };
+    canvas.onpointermove = (e) => {
+      const was = down.get(e.pointerId), now = at(e);
+      if (!was) {
+        const found = stage.pick(...now), before = stage.hover;
+        stage.hover = found;
+        canvas.style.cursor = found ? "pointer" : "grab";
+        this.point(found, e, series, read);
+        if (found?.n !== before?.n || found?.value !== before?.value) this.redraw();
+        return;
+      }
+      moved += apart(was, now);
+      down.set(e.pointerId, now);
+      if (grip) { grip.move(...now); return; }
+      if (down.size === 1 && moved > 3) {
+        stage.pan[0] += now[0] - was[0]; stage.pan[1] += now[1] - was[1];
+        this.redraw();
+      } else if (down.size > 1) {
+        const [p, q] = [...down.values()], d = apart(p, q);
+        if (pinch) { stage.zoomAt(d / pinch, (p[0] + q[0]) / 2, (p[1] + q[1]) / 2); this.redraw(); }
+        pinch = d;
+      }
+    };
+    canvas.onpointerup = canvas.onpointercancel = (e) => {
+      if (down.delete(e.pointerId) && grip) { grip.drop(); grip = null; }
+      else if (e.type === "pointerup" && moved <= 3) this.click(stage.pick(...at(e)), series);
+      pinch = 0;
+    };
+    canvas.onpointerleave = () => { stage.hover = null; this.tip.hidden = true; this.redraw(); };
+    new ResizeObserver(() => { stage.size = null; this.redraw(); }).observe(canvas);
+    canvas.ondblclick = () => { stage.fit(); this.redraw(); };
+  }
+  get playing() { return this.on; }
+  set playing(on) {
+    this.on = on;
+    this.play.textContent = on ? "\u275a\u275a" : "\u25b6";
+    this.play.ariaLabel = on ? "pause" : "play";
   }
   tools(...more) {
     this.film = button("film", "film", "record the motion as a film", () => this.record());
@@ -135,8 +156,8 @@ class Viewer {                                            // base class; subclas
   }
   point(pick, e, series, read) {                          // values beside the pointer; read(name) is a text
     const { tip } = this;
-    tip.hidden = !(pick && pick.n);
-    if (tip.hidden) return;
+    tip.hidden = !pick;
+    if (!pick) return;
     const lines = pick.value ? [pick.value] : quantitiesOf(pick, series).slice(0, 6).flatMap((name) => {
       const text = read(name);
       return text ? [`${name.slice(pick.n.length + 1) || "value"}  ${text}`] : [];
@@ -170,26 +191,6 @@ class Viewer {                                            // base class; subclas
     this.filming = { frame: () => drawAll(this.stages, canvas, size), stop: () => { if (recorder.state !== "inactive") recorder.stop(); } };
     this.film.textContent = "stop the film";
   }
-  listen(box, dressed, more) {                            // to keys, changes of size, light and dark
-    const acts = {
-      "[": () => this.speeds.faster(-1), "]": () => this.speeds.faster(1), "+": () => this.zoom(1.25), "-": () => this.zoom(0.8),
-      ",": () => this.move(STEP, 0), ".": () => this.move(-STEP, 0), ArrowUp: () => this.move(0, STEP), ArrowDown: () => this.move(0, -STEP),
-      0: () => this.fit(), s: () => this.picture(), "?": () => this.help.showModal(), ...more,
-    };
-    addEventListener("keydown", (e) => {
-      const on = (what) => e.target.matches?.(what), act = acts[e.key];
-      if (!act || !this.stages.length || this.help.open || e.ctrlKey || e.metaKey || e.altKey) return;
-      if (on("input:not([type=range]):not([type=checkbox]), select, textarea") || (e.key === " " && on("button, summary"))) return;
-      if (on("input[type=range][data-control]") && /^(Arrow|Home|End|Page)/.test(e.key)) return;   // moves the slider
-      e.preventDefault();
-      act(e);
-    });
-    new ResizeObserver(() => this.redraw()).observe(box);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-      for (const one of [...this.stages, ...dressed()]) one.dress();
-      this.redraw();
-    });
-  }
 }
 
 // A field for the name of a quantity or a pattern, of `every()`. Calls found(names, text), or missed(text).
@@ -197,7 +198,7 @@ function finder(what, every, found, missed) {
   const list = el("datalist", { id: "quantities" });
   const input = el("input", {
     type: "search", id: "add", placeholder: `${what}, or a pattern such as *.tension`, ariaLabel: what, autocomplete: "off", maxLength: 1000,
-    onfocus: () => { if (!list.children.length) list.append(...every().map((name) => el("option", { value: name }))); },
+    onfocus: () => list.replaceChildren(...every().map((name) => el("option", { value: name }))),
     onchange: () => {
       const text = input.value.trim(), names = matching(text, every());
       if (names.length) found(names, text); else if (text) missed(text);
@@ -205,9 +206,7 @@ function finder(what, every, found, missed) {
     },
   });
   input.setAttribute("list", "quantities");
-  const box = el("div", { className: "adder" }, input, list);
-  box.renew = () => list.replaceChildren();
-  return box;
+  return el("div", { className: "adder" }, input, list);
 }
 
 // Draw all stages under their names on one canvas, of a given size for the frames of a film.

@@ -50,10 +50,9 @@ class Stage {
     const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion: ${use}` });
     canvas.style.aspectRatio = String(head.view.aspect);
     Object.assign(this, { canvas, head, list: head.list, ctx: canvas.getContext("2d"), zoom: 1, pan: [0, 0], hover: null, extra: [],
-                          stamp: "", lines: 0, kept: [], standing: [] });
+                          stamp: "", lines: 0, kept: [] });
     this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
     this.follow = head.view.follow ? head.bodies.findIndex((b) => b.name === head.view.follow) : -1;
-    new ResizeObserver(() => { this.size = null; }).observe(canvas);
     this.dress();
   }
   dress() {                                               // light or dark colours
@@ -79,9 +78,8 @@ class Stage {
     Object.assign(this, { w, h, dpr, u, small: w < SMALL, thin: w < SMALL ? 0.75 : 1, text: Math.max(11, Math.round(13 * u)) });
     const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, this.list.items, ...this.layers];
     if (!alike(kept, this.kept)) {                        // all that is worked out once until one of these changes
-      Object.assign(this, { kept, rows: this.legend(), plate: null, patterns: {}, looks: [], glyphs: {}, widths: new Map(),
+      Object.assign(this, { kept, rows: this.legend(), patterns: {}, looks: [], glyphs: {}, widths: new Map(),
                             shown: this.list.items.filter((item) => this.layers.has(item.l)) });
-      this.ctx.font = `600 ${this.text}px ${FONT}`;       // of labels and the time: to change it in each frame is slow
     }
     this.foot = h - Math.floor((h - (1.5 * Math.max(this.rows.length, this.lines, 1) + 0.6) * this.text) * dpr) / dpr;   // from a whole pixel on
     const [x0, y0, x1, y1] = head.box, v = head.view, room = Math.max(h - this.foot, 20);
@@ -136,10 +134,10 @@ class Stage {
     this.resize();
     this.placed = true; this.plain();
     ctx.lineJoin = "round";
-    const { image, count = 0, words = [] } = this.stand() || {};
-    this.words = [...words];
-    if (image) ctx.drawImage(image, 0, 0, image.width / this.dpr, image.height / this.dpr); else this.ground();
-    this.items(count, this.shown.length);
+    this.words = [];
+    ctx.fillStyle = this.back; ctx.fillRect(0, 0, this.w, this.h);
+    if (this.layers.has("coordinates")) this.grid();
+    for (const item of this.shown) if (this.on(item)) this.paint(item);
     for (const ghost of ghosts) this.ghost(ghost);
     for (const more of this.extra) more(this, frame);
     this.flush();
@@ -147,38 +145,6 @@ class Stage {
     this.strip();
   }
   on(item) { return item.if === undefined || this.value(item.if) > 0.5; }
-  ground() {
-    this.ctx.fillStyle = this.back; this.ctx.fillRect(0, 0, this.w, this.h);
-    if (this.layers.has("coordinates")) this.grid();
-  }
-  // The ground with the first items, as far as they never move: an image from the second frame of a camera on.
-  stand() {
-    const { canvas, shown, head } = this, key = [this.kept, this.ox, this.oy, this.foot, this.hover?.n];
-    if (!alike(key, this.standing)) Object.assign(this, { standing: key, stood: undefined });
-    else if (this.stood === undefined) {
-      const still = (item) => item.k === "path" && head.bodies[item.f]?.fixed && ![item.if, item.by, item.wide, item.state].some(Array.isArray)
-        && !item.d.some((d) => d.c && Array.isArray(d.c[4]));
-      const first = shown.findIndex((item) => !still(item)), count = first < 0 ? shown.length : first;
-      this.words = [];
-      const image = this.onSheet(canvas.width, canvas.height, () => { this.ground(); this.items(0, count); });
-      this.stood = { count, image, words: this.words };
-    }
-    return this.stood;
-  }
-  onSheet(width, height, paint) {                         // what paint() draws, as an image of so many device pixels
-    const { ctx } = this, sheet = new OffscreenCanvas(width, height);
-    this.ctx = sheet.getContext("2d");
-    this.ctx.lineJoin = "round";
-    this.placed = true; this.plain();
-    paint();
-    this.flush();
-    Object.assign(this, { ctx, placed: true });
-    this.plain();
-    return sheet.transferToImageBitmap();
-  }
-  items(from, to) {
-    for (const item of this.shown.slice(from, to)) if (this.on(item)) this.paint(item);
-  }
   paint(item) {
     if (item.k in PAINT) { PAINT[item.k](this, item); return; }
     const { edge, width, dash } = this.look(item);
@@ -212,8 +178,8 @@ class Stage {
     return { fill: this.ink(fill, by), edge: this.ink(edge, by), width: width * wide * this.u, dash: dash * this.u, hatched: hatched && !this.small };
   }
   path(item) {                                            // in metres; made once, but for what swells
-    const swells = item.d.some((d) => d.c && Array.isArray(d.c[4]));
-    if (!item.path || swells) {
+    item.swells ??= item.d.some((d) => d.c && Array.isArray(d.c[4]));
+    if (!item.path || item.swells) {
       item.path = new Path2D();
       for (const d of item.d) subpath(item.path, d, d.c && this.value(d.c[4]));
     }
@@ -312,6 +278,7 @@ class Stage {
   write() {                                               // of two on one spot the first stays
     const { ctx, u } = this, taken = [], most = this.small ? FEW : MOST, bottom = this.h - this.foot;
     let numbers = 0;
+    ctx.font = `600 ${this.text}px ${FONT}`;
     ctx.globalAlpha = 0.6;                                // of lines to labels farther off
     this.plain();
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
@@ -349,40 +316,33 @@ class Stage {
         symbol = size * row.metres * (this.scale || 0);
         after = row.size ? `${+size.toPrecision(6)} ${row.unit} ${row.words}` : lengthText(size);
       }
-      const before = row.before || "", needs = symbol + ctx.measureText(before).width + ctx.measureText(after).width + (before ? 27 : 22) * u;
+      const before = row.before || "", lead = before ? ctx.measureText(before).width + 5 * u : 0, needs = lead + symbol + ctx.measureText(after).width + 22 * u;
       if (used + needs > width - (rows.length === 1 ? room : 0)) {
         if (rows.length === (this.small ? 1 : 2)) continue;
         rows.push([]); used = 0;
         if (needs > width - room) continue;
       }
-      rows[rows.length - 1].push({ row, symbol, before, after });
+      rows[rows.length - 1].push({ row, lead, symbol, before, after, needs });
       used += needs;
     }
     return rows.filter((row) => row.length);
   }
-  strip() {                                               // the legend, an image until it changes, and the time
-    const { ctx, w, h, foot, text } = this;
-    if (!this.plate || this.printed !== foot) Object.assign(this, { printed: foot, plate: this.print() });
-    ctx.drawImage(this.plate, 0, h - foot, w, foot);
-    ctx.textAlign = "right"; ctx.fillStyle = this.ink("faint_ink");
+  strip() {                                               // the legend and the time
+    const { ctx, w, h, foot, text, u } = this, faint = this.ink("faint_ink");
+    ctx.fillStyle = this.back; ctx.fillRect(0, h - foot, w, foot);
+    ctx.textAlign = "right"; ctx.fillStyle = faint;
     ctx.fillText(this.stamp, w - text, h - foot + text);
-  }
-  print() {
-    const { dpr, u, text } = this, put = (words, x, y) => { this.ctx.fillStyle = this.ink("faint_ink"); this.ctx.fillText(words, x, y); return x + this.ctx.measureText(words).width; };
-    return this.onSheet(Math.round(this.w * dpr), Math.round(this.foot * dpr), () => {
-      const { ctx } = this;
-      ctx.fillStyle = this.back; ctx.fillRect(0, 0, this.w, this.foot + 1);
-      ctx.font = `${text}px ${FONT}`; ctx.textBaseline = "middle";
-      this.rows.forEach((entries, k) => {
-        const y = (1.5 * k + 1) * text;
-        let x = text;
-        for (const { row, symbol, before, after } of entries) {
-          if (before) x = put(before, x, y) + 5 * u;
-          this.symbol(row, x, y, symbol);
-          this.flush();
-          x = put(after, x + symbol + 5 * u, y) + 17 * u;
-        }
-      });
+    ctx.textAlign = "left"; ctx.font = `${text}px ${FONT}`;
+    this.rows.forEach((entries, k) => {
+      const y = h - foot + (1.5 * k + 1) * text;
+      let x = text;
+      for (const { row, lead, symbol, before, after, needs } of entries) {
+        this.symbol(row, x + lead, y, symbol);
+        this.flush();
+        ctx.fillStyle = faint;
+        ctx.fillText(before, x, y); ctx.fillText(after, x + lead + symbol + 5 * u, y);
+        x += needs;
+      }
     });
   }
   symbol(row, x, y, width) {
