@@ -93,7 +93,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
         if struck:
             impacts.lead_back(table, h, n)
         bounded.wipe(table, 0, n)
-        hit = impacts.late_hits(table, n)
+        hit = impacts.late_hits(table, h, n)
         changed, converging, answered = _change(table, h, drive, attempt, n, hit)
         hit |= struck and answered
         if not (converging or (changed and attempt < LAW_ROUNDS - 1)):
