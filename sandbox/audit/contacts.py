@@ -32,6 +32,7 @@ SLACK = 1e-9  # Tension [N] of a slack tendon
 SOLVED = 2e-9  # Error of rates relative to the fastest
 HELD = 2e-7  # Regularisation of impulses towards the last ones, for both rows (docs/engine.md)
 JOINT = 10.0  # Acceleration [m/s^2] that joints may add in the step of an impact
+STEADY = {"gravity", "spring", "load", "force"}  # Loads that go on through an impact
 STARTS = 0.1  # Relative speed of sliding before the step below which it may begin in the step
 LANDS = 0.2  # Error of the gap of one point, relative to the approach: the normal turns
 ROUND = 0.01  # Least radius of curvature [m] of sliding surfaces
@@ -82,6 +83,12 @@ class _Rows:
         for axis, push in zip(total, sides.wrench.T, strict=True):
             np.subtract.at(axis, (sides.body, sides.sample), push)
         self.others = self.inverse.T[:, :, None] * total
+        # by those that an impact may change within its step
+        self.answers = np.zeros_like(total)
+        for batch in loads.batches:
+            if batch.kind not in STEADY:
+                np.add.at(self.answers.swapaxes(0, 1), batch.body, batch.wrench)
+        self.answers *= self.inverse.T[:, :, None]
         self.hit, instant = self._impacts(a)
         self.instant = np.nan_to_num(instant)
         self.arms = self._arms(a)
@@ -196,7 +203,8 @@ class _Rows:
         off = STILL[0] + SOLVED * (1 + fast) + ROUNDING / h + HELD * h * answer * most
         beside = [np.abs(self.rate(np.roll(self.change, k, axis=2), self.out)) for k in (-1, 1)]
         impact = fast * (spin * self.instant)**2 + self.joined * 2 * (
-            np.maximum(*beside) + h * JOINT)
+            np.maximum(*beside) + h * JOINT) + (h / 2 + np.abs(self.instant)) * sum(
+            np.abs(self.rate(self.answers, way)) for way in (self.out, self.along))
         return np.asarray(off + np.where(self.hit, impact, 0.0)
                           + np.where(self.one, 0.0, 2 * spin * (evidence.open + self.landing)))
 
